@@ -61,7 +61,7 @@ void add_batch(CommandLine& app, Command& chosen)
         ->type_name("table.key=value")
         ->allow_extra_args(false);
     auto* resume =
-        command->add_flag("--resume", options->resume, "go on with the batch in DIR (from the start where there is none)");
+        command->add_flag("--resume", options->resume, "continue the batch in DIR (without one: from the start)");
     command->add_flag("--overwrite", options->overwrite, "replace what is in DIR")->excludes(resume);
     add_limits(*command, options->run.time_limit, options->run.device);
     command->add_option("--threads", options->threads, "of the host's part (default: all cores); the results do not depend on it")

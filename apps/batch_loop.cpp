@@ -55,7 +55,7 @@ void check_batch_folder(const Folder& folder, FolderUse use, const BatchSource& 
     if (!holds_a_batch(folder)) return;
     if (use == FolderUse::Refuse)
         throw Error(ExitCode::BadScene,
-                    fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
+                    fmt::format("{}: holds a run already; give --resume to continue it, --overwrite to replace it, "
                                 "or another folder with -o",
                                 dir.string()));
     if (use == FolderUse::Overwrite || !folder.has("checkpoint.bin")) return;
@@ -203,7 +203,7 @@ private:
         // the worlds are those that it was begun with, whether or not there is a limit now
         std::uint8_t ramp = 0;
         take_bytes(at, end, &ramp, 1);
-        if (ramp > 1) throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; run again with --overwrite");
+        if (ramp > 1) throw Error(ExitCode::BadFile, file.string() + ": is corrupt: a value is out of range; run again with --overwrite");
         if (ramp_ != (ramp == 1)) {
             ramp_ = ramp == 1;
             worlds_ = plan_worlds(source_, begin_, end_, ramp_);
@@ -217,7 +217,7 @@ private:
         at_ = index;
         check_restored(file, open);
         if (open) restore_world(file, at, end);
-        if (at != end) throw Error(ExitCode::BadFile, file.string() + ": goes on after its end; run again with --overwrite");
+        if (at != end) throw Error(ExitCode::BadFile, file.string() + ": has data after its end; run again with --overwrite");
         if (saved_status_ != RunStatus::Done) totals_.resumes++;
     }
 
@@ -232,7 +232,7 @@ private:
                            saved_status_ <= RunStatus::Stopped && is_count(totals_.wire_steps) && is_count(totals_.world_steps) &&
                            is_count(totals_.resumes) && is_time(totals_.wall) &&
                            std::all_of(stages, stages + sizeof(StageTimes) / sizeof(double), is_time) && are_sound(rows_, begin_, end_, source_.scene(0).instrument_count());
-        if (!sound) throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; run again with --overwrite");
+        if (!sound) throw Error(ExitCode::BadFile, file.string() + ": is corrupt: a value is out of range; run again with --overwrite");
     }
 
     void restore_world(const fs::path& file, const std::uint8_t*& at, const std::uint8_t* end)

@@ -11,14 +11,14 @@ namespace seldinger::apps {
 [[nodiscard]] RunOutcome run_batch(const std::filesystem::path& scene, const std::filesystem::path& sweep,
                                    const RunOptions& options);
 
-/// What one task of many came to.
+/// Result of one task of many.
 struct BatchPart {
     RunOutcome outcome;
     std::vector<BatchRow> rows;  // of the runs that have ended, in any order
     double step_s = 0;           // spent in steps by this call
 };
 
-/// Runs `begin` to `end` of a sweep alone in an open folder; options.use as of a batch in it, options.dir is not looked at. @throws Error
+/// Runs `begin` to `end` of a sweep alone in an open folder; options.use as of a batch in it, options.dir is ignored. @throws Error
 [[nodiscard]] BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_text, std::size_t begin,
                                        std::size_t end, const Folder& folder, const RunOptions& options);
 

@@ -144,10 +144,10 @@ void add_bench(CommandLine& app, Command& chosen)
     command->add_option("--scenes", options->scenes, "time these instead of the project's own")
         ->type_name("FILE")
         ->delimiter(',');
-    command->add_option("--repeat", options->repeat, "runs of each scene, of which the median counts")
+    command->add_option("--repeat", options->repeat, "runs of each scene; the median counts")
         ->check(in_range(1, 99))
         ->type_name("N");
-    command->add_flag("--quick", options->quick, "small loads, 600 steps of each scene, once: does it work?");
+    command->add_flag("--quick", options->quick, "short check: small loads, 600 steps of each scene, once");
     command->add_flag("--kernels-only", options->kernels_only, "no scenes");
     command->add_flag("--overwrite", options->overwrite, "replace the results in DIR");
     command->add_option("--device", options->device, "OpenCL device, as `seldinger devices` lists them")

@@ -157,7 +157,7 @@ const device::Peaks& peaks_of(const std::string& lane, const std::vector<device:
 double share_of_peak(const kernel_bench::KernelTiming& t, const std::vector<device::Peaks>& peaks)
 {
     const device::Peaks& p = peaks_of(t.queue, peaks);
-    // the time that the launch would take at the higher of the two limits, over what it took
+    // the time that the launch would take at the higher of the two limits, over its measured time
     return std::max(t.flops / (t.float32 ? p.flops_float : p.flops_double), t.bytes / std::max(p.cached_bandwidth, p.bandwidth)) /
            t.time;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What `seldinger bench` measured, as tables: CSV files, one JSON object, text.
+// Results of `seldinger bench` as tables: CSV files, one JSON object, text.
 
 #include "roofline/kernel_bench.h"
 #include "roofline/peaks.h"

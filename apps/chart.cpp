@@ -54,7 +54,7 @@ ExitCode chart(Options& options)
     const std::string dir = what.dir.string();
     if (result.interrupted)
         throw Error(stop_asked_for() == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
-                    fmt::format("interrupted after {} of {} runs, all kept in {}; the same command goes on", result.runs_done,
+                    fmt::format("interrupted after {} of {} runs, all kept in {}; the same command continues", result.runs_done,
                                 result.runs_wanted, dir));
     const bool drawn = draw_with("plot_chart.py", {dir});
     if (!options.quiet) {
@@ -87,11 +87,11 @@ void add_chart(CommandLine& app, Command& chosen)
         ->add_option("--planned", options->chart.planned,
                      "what `plan` wrote for the one scene charted: its model joins the others")
         ->type_name("FILE");
-    command->add_option("--run-limit", options->chart.run_limit, "a model that takes longer is stopped (default: 60, or 10)")
+    command->add_option("--run-limit", options->chart.run_limit, "seconds after which a model is stopped (default: 60, or 10)")
         ->check(positive())
         ->type_name("S");
     command
-        ->add_option("--reference-limit", options->chart.reference_limit, "refine the reference no longer (default: 240, or 30)")
+        ->add_option("--reference-limit", options->chart.reference_limit, "seconds to refine the reference (default: 240, or 30)")
         ->check(positive())
         ->type_name("S");
     command->add_flag("--overwrite", options->overwrite, "run everything again");

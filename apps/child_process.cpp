@@ -1,4 +1,4 @@
-// Starts the program anew with pipes for stdin and stdout, and waits for it while it listens for signals.
+// Starts the program again with pipes for stdin and stdout, and waits for it while it listens for signals.
 #include "child_process.h"
 
 #include "core/error.h"

@@ -1,5 +1,5 @@
 #pragma once
-// The program once more, as a process of its own: what it took in memory is the system's again when it ends.
+// The program as a second process: its memory returns to the system when it ends.
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ struct ChildEnd {
 };
 
 /// Runs this program with these arguments; its stderr is ours. A signal that asks us to stop is passed on to it once.
-/// @param input  what it reads from stdin   @throws Error Stopped: no process could be made
+/// @param input  for its stdin   @throws Error Stopped: no process could be made
 [[nodiscard]] ChildEnd run_self(const std::vector<std::string>& arguments, const std::string& input);
 
 }  // namespace seldinger::apps

@@ -16,7 +16,7 @@ class Option;
 
 namespace seldinger::apps {
 
-/// Says what is wrong with a word; nothing where it is right.
+/// The fault of a word; empty if it is right.
 using ArgumentCheck = std::function<std::string(const std::string& word)>;
 [[nodiscard]] ArgumentCheck in_range(int least, int most);
 [[nodiscard]] ArgumentCheck in_range(double least, double most);

@@ -71,7 +71,7 @@ FarmPlan plan_sweep(const Options& options, std::string& scene_text, std::string
     return plan;
 }
 
-/// Each value in a word of its own, and paths that do not depend on where a task starts.
+/// Each value as a separate word, and paths that do not depend on where a task starts.
 std::vector<std::string> farm_words(const std::vector<std::string>& given)
 {
     std::vector<std::string> words;
@@ -119,10 +119,10 @@ void check_words(const Options& options)
 {
     if (options.source.empty())
         throw Error(ExitCode::BadScene,
-                    "farm: of what? give SCENE.toml --vary SWEEP.toml, or the folder of a run with --frames 0:499");
+                    "farm: got no work; expected a sweep or frames. Fix: give SCENE.toml --vary SWEEP.toml, or the folder of a run with --frames 0:499");
     if (options.dir.empty()) throw Error(ExitCode::BadScene, "farm: give a folder that all machines share with -o DIR");
     if (options.submit && options.backend != "slurm")
-        throw Error(ExitCode::BadScene, "--submit: to whom? give --backend slurm with it");
+        throw Error(ExitCode::BadScene, "--submit: got no --backend slurm; expected it. Fix: give both");
     const bool frames = !options.frames.empty();
     if (!frames && !options.render.empty())
         throw Error(ExitCode::BadScene, fmt::format("{}: unknown option; see `seldinger farm --help`", options.render.front()));
@@ -213,7 +213,7 @@ ExitCode farm(Options& options)
     const FarmReport report = look_at_farm(dir, plan);
     if (!options.local.quiet) print(status_text(dir, plan, report));
     if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
-        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same again to go on",
+        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
                                       report.count(TaskState::Done), plan.tasks));
     if (report.count(TaskState::Done) < plan.tasks)
         throw Error(ExitCode::Stopped, fmt::format("{}: tasks {} are not done; `seldinger farm status {}` says why",
@@ -334,7 +334,7 @@ void add_merge(CommandLine& farm_command, Command& chosen)
     CommandLine* command = farm_command.add_subcommand("merge", "results.csv of a sweep as `batch` writes it; a film of frames");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("--video", options->video, "film of the frames, by ffmpeg")->type_name("FILE.mp4");
-    command->add_option("--fps", options->fps, "of the film (default: as fast as it happened)")
+    command->add_option("--fps", options->fps, "frames per second of the film (default: real time)")
         ->check(in_range(0.1, 240.0))
         ->type_name("N");
     command->callback([options, &chosen] { chosen = [options] { return merge(*options); }; });
@@ -354,7 +354,7 @@ void add_task(CommandLine& farm_command, Command& chosen)
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("N", options->task, "task, from 0");
     command->add_flag("--all", options->all, "every task that is neither finished nor running");
-    command->add_option("--threads", options->how.threads, "of the host's part (default: all cores)")
+    command->add_option("--threads", options->how.threads, "threads of the host (default: all cores)")
         ->type_name("N")
         ->check(in_range(1, 1024));
     command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
@@ -384,7 +384,7 @@ void add_farm(CommandLine& app, Command& chosen)
     command->require_subcommand(0, 1);
     command->allow_extras();
     command->add_option("SOURCE", options->source, "scene file with --vary, or folder of a run with --frames");
-    command->add_option("--vary", options->sweep, "sweep file, as of batch")->type_name("SWEEP.toml");
+    command->add_option("--vary", options->sweep, "sweep file, as for batch")->type_name("SWEEP.toml");
     command->add_option("--frames", options->frames, "frames of the run; options of render may follow (--view fluoro ...)")
         ->type_name("A:B|all");
     command->add_option("-o", options->dir, "folder that all machines share")->type_name("DIR");

@@ -35,7 +35,7 @@ pid_t start_worker(const std::vector<std::string>& words)
     return process;
 }
 
-/// The workers of one command, and what it shows of the farm meanwhile.
+/// The workers of one command, and its progress report of the farm.
 class LocalFarm {
 public:
     LocalFarm(const Folder& dir, const FarmPlan& plan, const LocalBackend& backend)

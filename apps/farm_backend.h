@@ -1,5 +1,5 @@
 #pragma once
-// Where a farm's tasks are done: worker processes on this machine, or Slurm's array jobs.
+// Backends of a farm: worker processes on this machine, or Slurm's array jobs.
 
 #include "core/error.h"
 #include "study/farm.h"

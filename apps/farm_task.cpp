@@ -1,4 +1,4 @@
-// Does a task of a sweep by the batch loop and one of frames by `render`, and says in the log what it took.
+// Does a task of a sweep by the batch loop and one of frames by `render`, and writes its time to the log.
 #include "farm_task.h"
 
 #include "batch_loop.h"
@@ -57,7 +57,7 @@ BatchPart run_part(const Folder& dir, const FarmPlan& plan, std::size_t task, co
     try {
         return run_batch_part(source, sweep_text, part.begin, part.end, own, what);
     } catch (const Error& error) {
-        // a checkpoint that cannot be gone on from costs its task, not the farm
+        // a checkpoint that cannot be resumed costs its task, not the farm
         if (error.code() != ExitCode::BadFile || !own.has("checkpoint.bin")) throw;
         what.use = FolderUse::Overwrite;
         return run_batch_part(source, sweep_text, part.begin, part.end, own, what);
@@ -128,7 +128,7 @@ void check_render_word(const std::string& word)
     const bool is_option = word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
     const std::string name = word.substr(0, word.find('='));
     if (!is_option || std::find(std::begin(looks), std::end(looks), name) != std::end(looks)) return;
-    throw Error(ExitCode::BadScene, fmt::format("{}: a farm's tasks draw numbered pictures with their labels and nothing else; leave it out (a "
+    throw Error(ExitCode::BadScene, fmt::format("{}: tasks of a farm make only numbered pictures and their labels; leave it out (a "
                                                 "film: farm merge DIR --video FILE.mp4)",
                                                 name));
 }

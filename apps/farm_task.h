@@ -23,7 +23,7 @@ struct TaskOptions {
 [[nodiscard]] Command render_command(const FarmPlan& plan, FarmPlan::Part part, const std::filesystem::path& dir);
 
 /// Does the task unless it is done or another living worker has it.
-/// @return Done, or TimeLimit, Interrupted when a signal asked (what was done is kept). @throws Error
+/// @return Done, or TimeLimit, Interrupted after a signal (finished work is kept). @throws Error
 ExitCode do_task(const Folder& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options);
 
 /// Every task that nobody does, one after the other; one that fails does not keep the others from being done.

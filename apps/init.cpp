@@ -1,5 +1,5 @@
-// seldinger init MESH [-o scene.toml] [--units mm] [--inlet N] [--instrument NAME] [--overwrite]: a first scene for a mesh of one's
-// own, and a picture of its ways in.
+// seldinger init MESH [-o scene.toml] [--units mm] [--inlet N] [--instrument NAME] [--overwrite]: a first scene for the user's own
+// mesh, and a picture of its inlets.
 
 #include "command_line.h"
 #include "commands.h"

@@ -33,7 +33,7 @@ struct Options {
     bool quiet = false, json = false;
 };
 
-/// Of the file beside the record that `ending` names.
+/// Path of the file beside the record that `ending` names.
 std::filesystem::path beside(const std::filesystem::path& record, const char* ending) { return record.string() + ending; }
 
 void note_rate(const Session& session, double rate, bool& noted)
@@ -120,12 +120,12 @@ void add_what(CommandLine& command, Options& options)
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");
     command.add_option("--tolerance", options.model.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
-    command.add_option("--budget", options.model.budget, "with --tolerance: wall time to choose in (default: 300)")
+    command.add_option("--budget", options.model.budget, "with --tolerance: seconds by the clock to choose the model (default: 300)")
         ->check(positive())
         ->type_name("S");
-    command.add_flag("--lockstep", options.session.lockstep, "a step for each request of the hand, not by the clock: the same on any machine");
-    command.add_option("--record", options.session.record, "where the session is recorded (default: <scene>-live.record)")->type_name("FILE");
-    command.add_option("--duration", options.session.duration, "session time to end after (default: none)")
+    command.add_flag("--lockstep", options.session.lockstep, "one step for each request of the device, independent of the clock: the same on any machine");
+    command.add_option("--record", options.session.record, "record of the session (default: <scene>-live.record)")->type_name("FILE");
+    command.add_option("--duration", options.session.duration, "end after this session time (default: never)")
         ->check(positive())
         ->type_name("S");
     command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")->check(not_negative())->type_name("N");
@@ -141,12 +141,12 @@ void add_live(CommandLine& app, Command& chosen)
     CommandLine* command = app.add_subcommand("live", "a live session: force feedback by UDP, picture in the browser");
     add_what(*command, *options);
     const ArgumentCheck port = in_range(0, 65535);
-    command->add_option("--port", options->web.port, "of the page; 0: any that is free (default: 8080)")->check(port)->type_name("N");
+    command->add_option("--port", options->web.port, "port of the page; 0: any free one (default: 8080)")->check(port)->type_name("N");
     command->add_option("--bind", options->web.address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
     command->add_option("--token", options->web.token, "secret that the page's address must carry, 16 characters or more (default: made where --bind is not loopback)")->type_name("T");
-    command->add_option("--udp", options->udp, "of the hand; 0: any that is free (default: 9090)")->check(port)->type_name("N");
-    command->add_option("--udp-bind", options->udp_address, "address of the hand (default: 127.0.0.1); not protected by --token")->type_name("ADDRESS");
-    command->add_option("--coupling-stiffness", options->session.advance.stiffness, "between hand and instrument (default: 500)")
+    command->add_option("--udp", options->udp, "UDP port of the device; 0: any free one (default: 9090)")->check(port)->type_name("N");
+    command->add_option("--udp-bind", options->udp_address, "address of the UDP port (default: 127.0.0.1); not protected by --token")->type_name("ADDRESS");
+    command->add_option("--coupling-stiffness", options->session.advance.stiffness, "stiffness between hand and instrument (default: 500)")
         ->check(positive())
         ->type_name("N/m");
     command->add_option("--coupling-damping", options->session.advance.damping, "likewise (default: 1)")->check(not_negative())->type_name("N s/m");

@@ -1,4 +1,4 @@
-// Plans a scene for a live session, in a process of its own: what the trials' worlds and kernels take in memory goes with it.
+// Plans a scene for a live session in a separate process: the memory of the trials' worlds and kernels is freed with it.
 #include "live_model.h"
 
 #include "child_process.h"
@@ -87,7 +87,7 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
         throw Error(ExitCode::Stopped, fmt::format("choosing the model ended with code {}; try `seldinger plan` on the scene", end.code));
     if (said.contains("code")) throw Error(static_cast<ExitCode>(said["code"].get<int>()), said["message"].get<std::string>());
     if (!wish.quiet)
-        note(fmt::format("model: {}; within {:.2g} mm, {:.2g} s of computation a second where it is slowest\n",
+        note(fmt::format("model: {}; within {:.2g} mm, {:.2g} s of computation per second in its slowest part\n",
                          said["label"].get<std::string>(), 1e3 * said["error"].get<double>(), said["slowest"].get<double>()));
     Scene chosen = read_scene_text(said["scene"].get<std::string>(), source);
     chosen.source = scene.source;

@@ -80,7 +80,7 @@ int run_command_line(int argc, char** argv)
 
 std::string limited(const std::exception& error)
 {
-    return fmt::format("the system refuses: {}; is memory or the number of processes limited (ulimit -a)?", error.what());
+    return fmt::format("the system refuses: {}. Fix: raise the limits of memory and processes (ulimit -a)", error.what());
 }
 
 /// Memory that a library does not get where nothing can be caught: LLVM is built without exceptions.
@@ -118,7 +118,7 @@ void print(std::string_view given)
     errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
         if (errno == EPIPE) return;  // who reads has read enough (`| head`)
-        throw Error(ExitCode::BadFile, "stdout: cannot be written; is the disk full?");
+        throw Error(ExitCode::BadFile, "stdout: cannot be written. Fix: check that the disk is not full");
     }
 }
 
@@ -146,7 +146,7 @@ int main(int argc, char** argv)
     } catch (const std::bad_alloc&) {
         return apps::complain("out of memory; take a coarser mesh or fewer nodes", ExitCode::BadFile);
     } catch (const std::exception& error) {
-        // oneTBB has no type of its own for a thread that it does not get
+        // oneTBB has no separate exception type for a thread that it does not get
         if (std::string_view(error.what()).starts_with("pthread_create"))
             return apps::complain(apps::limited(error), ExitCode::BadFile);
         return apps::complain(fmt::format("{}; please report the command that led here", error.what()), ExitCode::Stopped);

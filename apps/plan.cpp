@@ -71,7 +71,7 @@ ExitCode plan_scene(Options& options)
     if (shows) note("\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
         throw Error(exit_code(plan),
-                    fmt::format("interrupted; every run that was finished is kept in {}, and the same command goes on",
+                    fmt::format("interrupted; all finished runs are kept in {}, and the same command continues",
                                 what.trials.string()));
     write_plan(plan, what.goals, files);
     if (options.json) print(plan_json(plan, what.goals, files));
@@ -90,7 +90,7 @@ void add_plan(CommandLine& app, Command& chosen)
     command->add_option("--tolerance", options->tolerance, "how far the wire may be off, root mean square over the run: 0.2mm")
         ->required()
         ->type_name("LENGTH");
-    command->add_option("--force-tolerance", options->force_tolerance, "how far the hand force may be off: 5%, 10mN")
+    command->add_option("--force-tolerance", options->force_tolerance, "largest error of the hand force: 5%, 10mN")
         ->type_name("SHARE|FORCE");
     command
         ->add_option("--peak-force-tolerance", options->peak_tolerance,
@@ -105,7 +105,7 @@ void add_plan(CommandLine& app, Command& chosen)
                      "with --rate: take the first model that needs no more than this share of real time, not the cheapest")
         ->check(in_range(0.01, 1.0))
         ->type_name("SHARE");
-    command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")
+    command->add_option("--budget", options->what.budget, "seconds by the clock for this call (default: 120)")
         ->check(positive())
         ->type_name("S");
     command->add_option("-o", options->plan, "scene file to write (default: planned.toml); trials are kept beside it")

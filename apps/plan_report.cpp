@@ -61,7 +61,7 @@ std::string expected(const Plan& plan, const PlannedModel& m)
                        percent(m.force_error / plan.reference.force_scale), percent(force.low), percent(force.high));
 }
 
-/// "hand force 101 mN to 1.2 % (± 0.5 %)": of each peak the reference's value, the model's error and what is uncertain of both.
+/// "hand force 101 mN to 1.2 % (± 0.5 %)": for each peak the reference's value, the model's error and the uncertainty of both.
 std::string peaks_text(const Plan& plan, const PlannedModel& m)
 {
     std::string text;
@@ -110,7 +110,7 @@ void write_or_remove(const std::optional<PlannedModel>& model, const Plan& plan,
     write_file(file, write_scene(scene, folder));
 }
 
-/// Why the wall is what it is, from what was measured.
+/// Reasons for the choice of wall, from measurements.
 std::string wall_reason(const Plan& plan, const PlanGoals& goals)
 {
     const WallChoice& wall = *plan.wall;

@@ -37,7 +37,7 @@ struct Options {
 void set_wall(const Options& options, RenderOptions& what)
 {
     if (options.wall.empty() && !options.wall_max.empty())
-        throw Error(ExitCode::BadScene, "--wall-max: of what? give --wall displacement or --wall stress with it");
+        throw Error(ExitCode::BadScene, "--wall-max: got no --wall; expected displacement or stress. Fix: give --wall displacement or --wall stress");
     if (options.wall.empty()) return;
     const bool stress = options.wall == "stress";
     what.wall = stress ? WallQuantity::Stress : WallQuantity::Displacement;
@@ -53,7 +53,7 @@ void set_look(const Options& options, RenderOptions& what)
         {"top", ViewFrom::Top},     {"bottom", ViewFrom::Bottom}, {"endoscopic", ViewFrom::Endoscopic}};
     what.from = views.at(options.view);
     if (!options.camera.empty() && what.from == ViewFrom::Endoscopic)
-        throw Error(ExitCode::BadScene, "--camera: the endoscopic view moves with the tip already; leave one of the two out");
+        throw Error(ExitCode::BadScene, "--camera: the endoscopic view already moves with the tip. Fix: leave one of the two out");
     const bool labelled = !what.labels.empty() || !what.preview.empty();
     if (labelled && what.from == ViewFrom::Endoscopic)
         throw Error(ExitCode::BadScene, "--labels: the endoscopic view looks out of an instrument. Fix: take another --view");
@@ -100,10 +100,10 @@ ExitCode render(const Options& options)
     const std::string alien = options.fluoro.first_given();
     if (!fluoro && !alien.empty()) throw Error(ExitCode::BadScene, alien + ": is an option of --view fluoro; give that too");
     if (fluoro && !options.wall.empty())
-        throw Error(ExitCode::BadScene, "--wall: an X-ray has no colours; leave out --view fluoro");
+        throw Error(ExitCode::BadScene, "--wall: an X-ray picture has no colours. Fix: leave out --view fluoro");
     if (fluoro && (!options.camera.empty() || !options.background.empty() || !options.force_max.empty() || options.no_legend))
         throw Error(ExitCode::BadScene,
-                    "--camera, --background, --force-max, --no-legend: not of an X-ray; leave out --view fluoro");
+                    "--camera, --background, --force-max, --no-legend: not for an X-ray picture. Fix: leave out --view fluoro");
     const auto [width, height] = two_numbers(options.size.empty() ? fluoro ? "1024x1024" : "1280x720" : options.size, 'x',
                                              "--size", "WIDTHxHEIGHT in pixels, e.g. 1280x720,");
     if (fluoro) return render_fluoro_view(options.dir, options.fluoro, width, height, options.frames);
@@ -120,7 +120,7 @@ ExitCode render(const Options& options)
     if (options.frames.quiet) return ExitCode::Done;
     print_paths(paths);
     if (what.legend && what.labels.empty() && what.preview.empty() && !legend_fits(width, height))
-        note(fmt::format("seldinger: note: {}x{} has no room for scale and legend (400x288 has, or 288x360)\n", width, height));
+        note(fmt::format("seldinger: note: {}x{} is too small for scale and legend (from 400x288 or 288x360)\n", width, height));
     return ExitCode::Done;
 #else
     (void)width, (void)height;
@@ -149,12 +149,12 @@ std::shared_ptr<Options> declare_render(CommandLine& app, CommandLine*& command)
     command->add_flag("--no-legend", options->no_legend, "the picture alone");
     command->add_option("--gltf", options->gltf, "the frames as one animated model, in place of pictures: binary glTF")
         ->type_name("FILE.glb");
-    command->add_option("--usd", options->usd, "likewise: USD")->type_name("FILE.usda");
+    command->add_option("--usd", options->usd, "the frames as one animated model, in place of pictures: USD")->type_name("FILE.usda");
     options->frames.declare(*command);
-    command->add_option("--wall", options->wall, "colour a wall that yields, where it has moved to: displacement or stress")
+    command->add_option("--wall", options->wall, "draw the deformed elastic wall in colours: displacement or stress")
         ->check(one_of({"displacement", "stress"}))
         ->type_name("WHAT");
-    command->add_option("--wall-max", options->wall_max, "top of that scale; default: round, above the run's largest")
+    command->add_option("--wall-max", options->wall_max, "top of that scale (default: a round number above the run's largest value)")
         ->type_name("1.5mm|80kPa");
     command
         ->add_option("--force-max", options->force_max,

@@ -80,7 +80,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The run's scene; where its mesh has gone, what the run wrote of the wall stands for it.
+/// The run's scene; if its mesh has gone, the wall that the run wrote replaces it.
 Scene scene_of(const fs::path& dir, std::vector<std::string> overrides = {})
 {
     const Folder run(dir);

@@ -1,5 +1,5 @@
 #pragma once
-// The options of `seldinger render --view fluoro`, and what they and the run's scene come to.
+// The options of `seldinger render --view fluoro`, combined with those of the run's scene.
 
 #include "render_frames.h"
 

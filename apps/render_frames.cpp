@@ -18,8 +18,8 @@ void FrameArguments::declare(CommandLine& command)
     command.add_option("--frames", frames, "from A to B, from 0; default: the last one")->type_name("A:B");
     command.add_option("-o", output, "picture; NAME_######.png of several frames (default: in DIR)")->type_name("FILE.png");
     command.add_option("--video", video, "film, by ffmpeg")->type_name("FILE.mp4");
-    command.add_option("--fps", fps, "frames per second of the film (default: as fast as it happened)")->type_name("N");
-    command.add_option("--labels", labels, "beside every picture what is true about it: NAME.json and NAME_mask.png, into this folder")
+    command.add_option("--fps", fps, "frames per second of the film (default: real time)")->type_name("N");
+    command.add_option("--labels", labels, "ground truth for every picture, NAME.json and NAME_mask.png, into this folder")
         ->type_name("DIR");
     command.add_option("--labels-in", labels_in)->hidden();  // of a farm, in whose folder others write: --labels lies below it
     command.add_flag("--label-vessel", label_vessel, "with --labels: thickness of the lumen along each ray, NAME_lumen.png");
@@ -27,7 +27,7 @@ void FrameArguments::declare(CommandLine& command)
         ->type_name("FILE.png");
     command.add_flag("--resume", resume, "skip pictures that exist already");
     command.add_flag("--numbered", numbered, "NAME_######.png of a single frame too");
-    command.add_flag("--quiet", quiet, "no names of files");
+    command.add_flag("--quiet", quiet, "print no file names");
 }
 
 std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form)
@@ -50,7 +50,7 @@ FrameChoice FrameArguments::choice() const
         const auto [first, last] = two_numbers(frames, ':', "--frames", "FIRST:LAST, e.g. 0:99,");
         choice.first = first, choice.last = last;
     }
-    if (fps && video.empty()) throw Error(ExitCode::BadScene, "--fps: of what? give --video FILE.mp4 with it");
+    if (fps && video.empty()) throw Error(ExitCode::BadScene, "--fps: got no --video; expected a film. Fix: give --video FILE.mp4");
     if (fps && !(*fps >= 0.1 && *fps <= 240))
         throw Error(ExitCode::BadScene, fmt::format("--fps: {} given, expected frames per second from 0.1 to 240", *fps));
     if (label_vessel && labels.empty()) throw Error(ExitCode::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");

@@ -13,7 +13,7 @@ namespace seldinger::apps {
 
 void add_limits(CommandLine& command, double& time_limit, int& device)
 {
-    command.add_option("--time-limit", time_limit, "stop after so many seconds, state saved, exit 75")
+    command.add_option("--time-limit", time_limit, "stop after this number of seconds with the state saved, exit 75")
         ->type_name("S")
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected";
@@ -40,14 +40,14 @@ void add_run(CommandLine& app, Command& chosen)
         ->type_name("table.key=value")
         ->allow_extra_args(false);
     run->add_option("--wire", options->wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
-    auto* resume = run->add_flag("--resume", options->resume, "go on with the run in DIR (from the start where there is none)");
+    auto* resume = run->add_flag("--resume", options->resume, "continue the run in DIR (without one: from the start)");
     run->add_option("--replay", options->run.replay, "take the inputs of a recorded live session in place of the key frames: the same bits")
         ->excludes(resume)
         ->type_name("FILE");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     run->add_option("--error-estimate", options->estimate,
                     "what the step's length leaves in forces and tip, from windows taken again with shorter steps: auto (a tenth to a fifth "
-                    "of the run's time; not for walls that yield), on, off")
+                    "of the run's time; not for elastic walls), on, off")
         ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");

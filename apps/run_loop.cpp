@@ -22,12 +22,12 @@ constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
 std::string energy_advice(const IntegratorSpec& integrator)
 {
     if (integrator.scheme == Scheme::Linearised)
-        return "one Newton step leaves what it likes of the equations; set integrator.scheme = \"newton\"";
+        return "one Newton iteration per step does not converge here; set integrator.scheme = \"newton\"";
     if (integrator.scheme == Scheme::Explicit)
-        return "an explicit step is stable below the fastest wave's period only; make scene.dt_s smaller, or set "
+        return "an explicit step must be shorter than the fastest wave's period; make scene.dt_s smaller, or set "
                "integrator.scheme = \"newton\"";
     if (integrator.newmark)
-        return "Newmark's steps do that in contact and where a wire stretches fast; leave integrator.beta and integrator.gamma "
+        return "Newmark's steps gain energy in contact and in fast stretching; leave integrator.beta and integrator.gamma "
                "out "
                "(backward Euler)";
     if (integrator.conserve) return "set integrator.conserve = false (backward Euler), or make scene.dt_s smaller";
@@ -38,17 +38,17 @@ std::string energy_advice(const IntegratorSpec& integrator)
 std::string advice(const StepReport& report, bool settling, const IntegratorSpec& integrator, double energy_made)
 {
     if (report.flags & StepEnergy)
-        return fmt::format("energy comes from nowhere ({:.3g} J so far, and steps of an eighth make more): {}", energy_made,
+        return fmt::format("unstable: the simulation gained {:.3g} J of energy, even with 8 x smaller steps: {}", energy_made,
                            energy_advice(integrator));
     if (report.flags & StepNonFinite)
-        return "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller";
+        return "a value is not finite; check the wire's stiffness and density, make scene.dt_s smaller";
     if (settling)
         return "no equilibrium was found; raise integrator.tolerance, or run it in time with integrator.damping_mass_1_s";
     return "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower";
 }
 
 /// Where a wall was beyond its theory no setting of the step is to blame.
-constexpr const char* wall_advice = "the wall has been pushed farther than its linear theory is good for (more than a fifth of the lumen's radius): give it its true "
+constexpr const char* wall_advice = "the wall moved beyond its linear theory (more than 20 % of the lumen's radius): give it its true "
                                     "vessel.youngs_pa and vessel.thickness_m, a wire that bends more easily, or wall = \"rigid\"";
 
 class Run {
@@ -94,7 +94,7 @@ public:
 
 private:
     bool needs_settling() const { return scene_.start_settled || scene_.integrator.scheme == Scheme::Static; }
-    /// A recorded hand cannot be halved, and a wall that yields would be made a second time: that only if asked.
+    /// A recorded hand cannot be halved, and an elastic wall would be made a second time: that only if asked.
     bool estimates() const { return options_.estimate && !replay_ && (options_.asked_estimate || !scene_.vessel.elastic); }
     StepTwin::Finer finer_twins(RunStatus status) const
     {

@@ -27,9 +27,9 @@ void add_stability(CommandLine& app, Command& chosen)
         ->add_option("-o", options->dir,
                      "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
         ->type_name("DIR");
-    command->add_option("scene", options->scene, "a scene of your own, swept over its step and --vary, instead of the maps")
+    command->add_option("scene", options->scene, "your own scene, swept over its step and --vary, instead of the maps")
         ->type_name("SCENE.toml");
-    command->add_option("--vary", options->vary, "what is varied in it, e.g. vessel.youngs_pa=1e5,1e6,1e7")
+    command->add_option("--vary", options->vary, "key and values to vary in it, e.g. vessel.youngs_pa=1e5,1e6,1e7")
         ->type_name("KEY=V,V,...");
     command->add_flag("--quick", options->quick, "nine cells a map, four methods: a few minutes");
     command->add_option("--row", options->rows, "only maps of these failure rows, e.g. F3,F4")
@@ -66,7 +66,7 @@ void add_stability(CommandLine& app, Command& chosen)
             throw Error(
                 stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted,
                 fmt::format(
-                    "interrupted with {} cells of this selection still to run; what is done is in {}, the same command goes on",
+                    "interrupted with {} cells of this selection still to run; finished cells are in {}, and the same command continues",
                     done.left, (options->dir / stability_table_file).string()));
         };
     });

@@ -69,7 +69,7 @@ std::vector<Item> named(const std::vector<Item>& all, const std::vector<std::str
     for (const std::string& wanted : names) {
         const auto at = std::find_if(all.begin(), all.end(), [&](const Item& item) { return item.name == wanted; });
         if (at == all.end())
-            throw Error(ExitCode::BadScene, fmt::format("--{}: \"{}\" is none; expected of: {}", what, wanted, known));
+            throw Error(ExitCode::BadScene, fmt::format("--{}: got \"{}\"; expected one of: {}", what, wanted, known));
         found.push_back(*at);
     }
     return found;
@@ -85,7 +85,7 @@ bool stands(const Row* row, double budget)
 std::pair<std::string, std::vector<double>> parse_vary(const std::string& text)
 {
     const auto fail = [&] {
-        throw Error(ExitCode::BadScene, fmt::format("--vary: \"{}\" given; expected a key of the scene and numbers, rising, e.g. "
+        throw Error(ExitCode::BadScene, fmt::format("--vary: got \"{}\"; expected a key of the scene and numbers, rising, e.g. "
                                                     "\"vessel.youngs_pa=1e5,1e6,1e7\"",
                                                     text));
     };
@@ -116,7 +116,7 @@ std::vector<StabilityMap> of_rows(const std::vector<StabilityMap>& all, const st
         if (std::any_of(rows.begin(), rows.end(), [&](const std::string& row) { return shows(map, row); })) found.push_back(map);
     for (const std::string& row : rows)
         if (std::none_of(all.begin(), all.end(), [&](const StabilityMap& map) { return shows(map, row); }))
-            throw Error(ExitCode::BadScene, fmt::format("--row: \"{}\" is none; expected F1 to F21", row));
+            throw Error(ExitCode::BadScene, fmt::format("--row: got \"{}\"; expected F1 to F21", row));
     return found;
 }
 
@@ -267,15 +267,14 @@ std::vector<std::string> doubts(const StabilityWork& work, const ResultTable& ta
     if (all.all == 0) return lines;
     if (map.touches && all.touched == 0)
         lines.push_back(
-            fmt::format("{}: the wire never touches the wall, so this says nothing of contact; let it come farther (feed.keys, "
+            fmt::format("{}: the wire never touches the wall, so the map says nothing about contact; feed it farther (feed.keys, "
                         "scene.duration_s)",
                         map.name));
     if (!map.touches && !map.source.empty())
         lines.push_back(fmt::format("{}: the scene has no vessel, so methods differ by their integrator alone", map.name));
     if (all.far > 0)
         lines.push_back(
-            fmt::format("{}: in {} cells the wall moved by more than a fifth of the lumen's radius, beyond what its linear "
-                        "theory is good for (~)",
+            fmt::format("{}: in {} cells the wall moved by more than 20 % of the lumen's radius, beyond its linear theory (~)",
                         map.name, all.far));
     if (all.unfinished > 0)
         lines.push_back(
@@ -328,7 +327,7 @@ ResultTable open_stability_table(const std::filesystem::path& dir)
 
 StabilityProgress run_stability(const StabilityWork& work, const StabilityOptions& options)
 {
-    const StopSignal listening("the same command goes on");
+    const StopSignal listening("the same command continues");
     return Workers(work, options).run();
 }
 

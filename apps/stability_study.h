@@ -33,7 +33,7 @@ struct StabilityWork {
     }
 };
 
-/// @throws Error BadScene: no row, map or method of that name; a scene that cannot be swept
+/// @throws Error BadScene: no row, map or method of that name; a scene that is unsuitable for a sweep
 [[nodiscard]] StabilityWork select_work(const StabilityOptions& options);
 
 inline constexpr const char* stability_table_file = "stability.csv";
@@ -47,8 +47,8 @@ struct StabilityProgress {
 /// @throws Error BadFile: the folder cannot be written
 [[nodiscard]] StabilityProgress run_stability(const StabilityWork& work, const StabilityOptions& options);
 
-/// Per map and method "hold of all"; what a map cannot say (nothing touched, nothing held, cells that were not finished); and
-/// every cell of the default method that does not hold with how to run it again.
+/// Per map and method "hold of all". Then the limits of a map (nothing touched, nothing held, unfinished cells), and every cell of
+/// the default method that does not hold with the command that repeats it.
 [[nodiscard]] std::string stability_summary(const StabilityWork& work, const ResultTable& table,
                                             const std::filesystem::path& dir);
 [[nodiscard]] std::string stability_json(const StabilityWork& work, const ResultTable& table, const std::filesystem::path& dir);

@@ -1,4 +1,4 @@
-// The thread that waits for SIGINT and SIGTERM, and what it does about them.
+// The thread that waits for SIGINT and SIGTERM, and its response to them.
 #include "stop_signal.h"
 
 #include "core/error.h"
@@ -47,7 +47,7 @@ sigset_t both_signals()
     ::_exit(listeners == 0 ? 128 + signal : static_cast<int>(code));
 }
 
-/// Not once a loop has heard: what it is doing then, up to the return from main, is the orderly end that was asked for.
+/// Not after a loop has responded: from then until the return from main, the orderly end is running.
 bool nobody_asks(Clock::time_point since)
 {
     if (heard) return false;

@@ -1,11 +1,11 @@
 #pragma once
 // SIGINT and SIGTERM: a flag that a loop looks at between steps, and the end of the process where nobody looks.
 //
-// Both are kept off every thread and taken by one of their own, which waits for them: handlers that a compiler inside an OpenCL
+// Both are blocked in every thread and taken by a separate one, which waits for them. So handlers that a compiler inside an OpenCL
 // driver sets never run, and nothing has to be safe inside a handler. While a StopSignal lives, the first signal is a request. The
-// process ends at once at a second one; while a kernel is being built or a NoPolling lives (a vessel is repaired, a batch is
-// planned: seconds in which nobody looks, and in which nothing is being written); where no loop has looked for eight seconds (a
-// driver compiles as a kernel first runs); and where no StopSignal lives and none has answered.
+// process ends at once in four cases: at a second signal; while a kernel is being built or a NoPolling lives (a vessel is repaired,
+// a batch is planned: seconds without a check, and without writing); if no loop has looked for eight seconds (a driver compiles as
+// a kernel first runs); and if no StopSignal lives and none has answered.
 
 #include <csignal>
 #include <string_view>
@@ -18,7 +18,7 @@ void watch_signals();
 /// To stderr, also while a compiler is kept from it. Allocates nothing.
 void say_at_once(std::string_view text);
 
-/// A loop that asks stop_asked_for() goes on while this lives.
+/// A loop that asks stop_asked_for() continues while this lives.
 class StopSignal {
 public:
     /// @param advice  how to go on where the process has to end at once; a literal

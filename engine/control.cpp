@@ -1,4 +1,4 @@
-// Gathers what is asked of each hub.
+// Gathers the input of each hub.
 
 #include "control.h"
 
@@ -26,7 +26,7 @@ Control& Control::follow(int instrument, std::span<const FeedKey> keys)
 {
     if (keys.empty())
         throw Error(ExitCode::BadScene,
-                    fmt::format("control: instrument {}: a way without keys; expected one at least", instrument));
+                    fmt::format("control: instrument {}: a path without keys; expected at least one", instrument));
     hub(instrument) = {Hub::Kind::Follow, 0, 0, keys};
     return *this;
 }

@@ -14,8 +14,9 @@ public:
     /// Nothing is prescribed: every hub stays where it is.
     Control() = default;
 
-    /// At the end of the step the hub of `instrument` (an index of WorldSetup::wires, one that is fed) has `advance` metres of wire
-    /// pushed in and is turned by `turn` [rad], right-handed about the direction of insertion. It goes there steadily.
+    /// Sets the end of the step for the hub of `instrument` (an index of WorldSetup::wires, one that is fed). `advance` metres of
+    /// wire are then pushed in, and the hub is turned by `turn` [rad], right-handed about the direction of insertion. It goes there
+    /// steadily.
     /// @throws Error BadScene: a negative index
     Control& move_to(int instrument, double advance, double turn);
 
@@ -27,7 +28,7 @@ public:
     /// Removes everything prescribed.
     void clear() { hubs_.clear(); }
 
-    /// Of one hub.
+    /// Input of one hub.
     struct Hub {
         enum class Kind { Stay, MoveTo, Follow } kind = Kind::Stay;
         double advance = 0, turn = 0;   // MoveTo

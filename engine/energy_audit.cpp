@@ -1,4 +1,4 @@
-// Reads the energies of a wire and the work that was done on it, sub-step by sub-step.
+// Reads the energies of a wire and the work done on it, sub-step by sub-step.
 
 #include "energy_audit.h"
 
@@ -34,7 +34,7 @@ double kinetic_energy(const RodView& rod)
     return 0.5 * twice;
 }
 
-/// Of a line, with the spins of its passengers.
+/// Kinetic energy of a line, with the spins of its passengers.
 double kinetic_energy(World::Impl& state, int wire)
 {
     double energy = kinetic_energy(state.rods.view(wire));
@@ -50,7 +50,7 @@ double mass_of(const RodView& rod)
     return mass;
 }
 
-/// Of what was `last` at the start, where that is known.
+/// Mean over the step of a value that was `last` at the start, if that is known.
 double mean(std::span<const double> last, std::size_t k, std::size_t count, double now)
 {
     return last.size() == count ? 0.5 * (last[k] + now) : now;
@@ -79,7 +79,7 @@ void note_turns(World::Impl& state, int wire)
     for (std::size_t c = 0; c < clamps.size(); ++c) turns[c] = clamps[c].turns;
 }
 
-/// Of a group's hands, by the forces that its steps are taken with.
+/// Work of a group's hands, by the forces of its steps.
 MergedWork work_of(World::Impl& state, const MergedGroup& group)
 {
     MergedForces forces = merged_forces(state, group);
@@ -160,7 +160,7 @@ double load_work(World::Impl& state, int wire)
     return work;
 }
 
-/// Of holds that change their speed within the step, where reactions at its ends do not show it.
+/// Work of holds that change their speed within the step, which reactions at its ends do not show.
 double unseen_work(World::Impl& state, int wire, double h)
 {
     const EnergyAudit& audit = state.audits[wire];
@@ -199,7 +199,7 @@ void read_energies(World::Impl& state, int wire)
     audit.gravitational = state.solver->potential_energy(wire);
 }
 
-/// Work of a sub-step on a wire, by who does it [J].
+/// Work of a sub-step on a wire, by its sources [J].
 struct WorkDone {
     double hand = 0, turning = 0;  // feeding, clamps that turn
     double outside = 0;            // holds, loads, links
@@ -313,7 +313,7 @@ void FeedingAudit::after(World::Impl& state)
         const double more = rod.mass[hub - k] - mass_[k];
         fed.carried += more * (0.5 * rod.vel(hub - k).squaredNorm() - state.setup.gravity.dot(feed.point));
     }
-    // the hub's half cell takes the feed's speed within the step; what is before it shows that at the step's ends only
+    // the hub's half cell takes the feed's speed within the step; the cells before it show it only at the step's ends
     const double mass = end_forces(state.setup.integrator) ? 0.5 * rod.mass[hub] : mass_of(rod);
     fed.unseen = feed.speed == audit.speed ? 0 : mass * std::abs(feed.speed * feed.speed - audit.speed * audit.speed);
 }

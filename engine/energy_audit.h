@@ -1,25 +1,24 @@
 #pragma once
-// The engine's own watch over what energy_balance.h is about: one audit per wire, asked at the end of every sub-step, before it
-// is accepted. Everything it needs is on the host when a sub-step ends, and costs a pass over the nodes.
+// The engine's energy balance (energy_balance.h): one audit per wire at the end of every sub-step, before it is accepted.
+// Everything it needs is on the host when a sub-step ends, and costs a pass over the nodes.
 //
 // Work of one sub-step, by the forces that its equations hold at:
 //   holds        reaction . move                     backward Euler: the end's; Newmark: mean of both ends; energy-momentum: the
-//   clamps       torque . turn                       step's own reaction, and means of what is read at the ends; explicit: the
-//   hand         dE/d(rest length) . length fed      start's reaction, likewise
+//   clamps       torque . turn                       step's own reaction, and means of the readings at the ends; explicit: the
+//   hand         dE/d(rest length) . length fed      start's reaction, as for holds
 //   loads        force . move, moment . turn         the end's
 //   links        pull . move                         backward Euler: the end's; else at the mean position
-//   residual     what Newton left on the free unknowns . move: within the tolerance it is the solver's to leave. A linearised or
-//                explicit step and a best effort are not excused.
+//   residual     Newton's residual on the free unknowns . move: allowed within the tolerance. A linearised or explicit step and a best
+//                effort are not exempt.
 // In backward Euler each of these is the end value of a convex function's slope (a strain energy in length and rest length
-// together, a contact spring in its depth), so that energy plus work can only be lost, but where the potential is concave.
+// together, a contact spring in its depth). So energy plus work can only be lost, except where the potential is concave.
 // Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
 //
-// The ledger (EnergyLedger) is of the same numbers, and of what contact, damping and the scheme say that they took. Backward
-// Euler takes (1/2) m (v - v_0)^2 of the kinetic energy, and of the elastic one what its end force makes more of the move than
-// the energy has changed: F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
+// The ledger (EnergyLedger) has the same numbers, and the losses that contact, damping and the scheme report. Backward Euler takes
+// (1/2) m (v - v_0)^2 of the kinetic energy. Of the elastic energy it takes the excess of its end force's work over the change:
+// F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
 //
-// What splits and merges make between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged apart: not made
-// here.
+// Energy of splits and merges between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged separately.
 
 #include "engine.h"
 #include "solve/energy_balance.h"
@@ -51,11 +50,11 @@ struct EnergyAudit {
     double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
 };
 
-/// Fraction of the energy turned over as in EnergyLimits; floor: a thousandth of what lifts the whole wire by its own length
-/// and bends it to a radius of that.
+/// Fraction of the energy exchanged as in EnergyLimits; floor: 0.1 % of the energy that lifts the whole wire by its own length and
+/// bends it to a radius of that.
 [[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
 
-/// Before a sub-step: what has become of the wire since the last one, by splits and merges.
+/// Before a sub-step: changes of the wire by splits and merges since the last one.
 void audit_remeshing(World::Impl& state, int wire);
 
 /// Before and after the feed has moved on by a sub-step.
@@ -78,7 +77,7 @@ void begin_audit(World::Impl& state, int wire, bool placed);
 /// The same has been accepted.
 void accept_energy(World::Impl& state, int wire, double h);
 
-/// What a run goes on from. Of the saved state, but not of the state that is hashed: it changes nothing that moves.
+/// State from which a run resumes. Part of the saved state, but not of the hashed one: it affects no motion.
 void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit);
 void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit);
 

@@ -1,4 +1,4 @@
-// What a run goes on from of the watch over a wire's energy.
+// Saved state of the watch over a wire's energy.
 
 #include "core/bytes.h"
 #include "core/error.h"

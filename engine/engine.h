@@ -1,6 +1,6 @@
 #pragma once
-// The public face of the engine, and all that is installed: a World is made from a WorldSetup (model.h), asked for something in
-// every step by a Control (control.h), and read as Output (output.h). No type of OpenCL, no private structure is seen here.
+// The public interface of the engine, and all that is installed. A World is made from a WorldSetup (model.h), gets a Control in
+// every step (control.h), and is read as Output (output.h). No type of OpenCL, no private structure is seen here.
 //
 //     seldinger::World world(setup);
 //     seldinger::Control control;
@@ -55,7 +55,7 @@ public:
     /// From now on every step says in WireReadings::hand_stiffness how stiff its end is to the hand: one more solve of the step's
     /// own equations per fed wire. Changes no state.
     void watch_hand_stiffness();
-    /// Of the wall that a system moves; zeros where it is rigid. Stresses take a millisecond or so.
+    /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so.
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
     /// How the last step() or settle() went.
@@ -103,8 +103,8 @@ private:
 };
 
 /// Advances every system by dt [s]. Numerical failure is reported in the StepReport, never thrown.
-/// @throws Error: dt is not a positive number, the control asks for something that cannot be (no such instrument, one that is not
-/// fed, a value that is not finite or not on the wire). The world is then unchanged
+/// @throws Error: dt is not a positive number, or the control is impossible (no such instrument, one that is not fed, a value that
+/// is not finite or not on the wire). The world is then unchanged
 [[nodiscard]] StepReport step(World& world, const Control& control, double dt);
 /// The same without a control: every hub stays where it is.
 [[nodiscard]] StepReport step(World& world, double dt);
@@ -116,7 +116,7 @@ private:
 /// BadScene
 void load_vessel(WorldSetup& setup);
 
-/// A scene file as a program of its own needs it.
+/// A scene file for a program that links the library.
 struct LoadedScene {
     WorldSetup setup;
     std::vector<std::vector<FeedKey>> keys;  // of each hub: control.follow(k, scene.keys[k]); empty: it is not fed

@@ -64,7 +64,7 @@ void set_offsets(World::Impl& state, MergedGroup& group)
         group.shared.rod.instrument[k] = {&spec_of(state, group, k), offset_of(state, group, k)};
 }
 
-/// Angles at the clamps, or of the hands that hold what is behind them.
+/// Angles at the clamps, or of the hands that hold the lengths behind them.
 void set_angles(World::Impl& state, MergedGroup& group)
 {
     for (int k = 0; k < group.shared.count(); ++k) {
@@ -126,7 +126,7 @@ double elastic_now(World::Impl& state, MergedGroup& group)
 namespace {
 
 /// Slides the line's nodes along it by so much faster [m/s]: on the bisector of both edges at a node, where none is stretched. The
-/// hub stands, but its velocity is that of what comes in there.
+/// hub stands, but has the velocity of the material that enters there.
 void slide_faster(const RodView& line, double speed, const Vec3& inwards)
 {
     line.set_vel(line.n - 1, line.vel(line.n - 1) + speed * inwards);
@@ -144,8 +144,9 @@ double hub_speed(const World::Impl& state, int wire, double h)
     return (path.at(now + h).advance - path.at(now).advance) / h;
 }
 
-/// Another instrument has got ahead: the line goes on straight to its tip, and counts from there. It is that one's material now and
-/// goes as fast: left at the speed of the old one, all of it would be stopped within the sub-step of h by a push of the hands.
+/// Another instrument has got ahead: the line continues straight to its tip, and counts from there. The stretch is that
+/// instrument's material now and has its speed. At the speed of the old leader, a push of the hands would stop all of it within
+/// the sub-step of h.
 void change_leader(World::Impl& state, MergedGroup& group, int leader, double h)
 {
     const int next = group.wires()[leader], last = group.wires()[group.leader];
@@ -166,7 +167,7 @@ void change_leader(World::Impl& state, MergedGroup& group, int leader, double h)
     state.remesh_energy[group.line()] += elastic_now(state, group) - before;
 }
 
-/// What is carried in by material that has come, and what hands have lifted.
+/// Energy carried in by new material, and the hands' work to lift it.
 void count_material(World::Impl& state, MergedGroup& group)
 {
     const RodView line = state.rods.view(group.line());

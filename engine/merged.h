@@ -2,30 +2,32 @@
 // Instruments that share one centreline in a world (D12, CoaxialSpec::Model::Merged): how they are placed, fed, held and read.
 // Private to the engine, as world.h is. What the solver makes of them: solve/coaxial_group.h.
 //
-// The centreline is as long as the instrument that is in farthest, the leader; its coordinate s counts from that one's tip, which
+// The centreline is as long as the instrument inserted farthest, the leader; its coordinate s counts from the leader's tip, which
 // is the line's node 0. Instrument k's material at s is s + o_k, o_k = advance_k - advance of the leader (<= 0). A push of the
-// leader makes the base edge longer, as a wire's own feed does (solve/feed.h), and draws the others' offsets down, which stay at
-// the hub; a push of another one moves its offset alone.
+// leader makes the base edge longer, as a wire's own feed does (solve/feed.h). It also lowers the offsets of the others, which stay
+// at the hub. A push of another instrument moves its offset alone.
 //
 // Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. The step is cut there, so that
-// the new leader goes on from the very place of the old one's tip, and is pushed forwards by what follows. What little it has got
-// ahead by all the same (the time is found without the surplus of rest length) continues the line straight, where nothing bends
-// it. A step that was not cut put millimetres there at once: through the wall, where the line points at it. The line's material is
-// the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of material and remeshing.
+// the new leader continues from the very place of the old one's tip, and is pushed forwards by the material behind it. What little
+// it has got ahead by all the same (the time is found without the surplus of rest length) continues the line straight, where
+// nothing bends it. A step that was not cut put millimetres there at once: through the wall, where the line points at it. The
+// line's material is the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of
+// material and remeshing.
 //
-// Each instrument touches the wall where no other one is around it, with its own radius, friction and stiffness, its slip being
-// that of its own material: what is fed of it past the line counts (contact/quadrature.h, `offset` and `exposed`).
+// Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Slip is that
+// of its own material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
-// Hands. With E the elastic energy (rod/coaxial.h), w_k the weight of what is moved and a_k the axial force of wall, loads and
-// links on instrument k, + towards the tip: of one that does not lead F_k = dE/do_k + w_k - a_k; of the leader
-// F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k), L being the length of the line at fixed offsets.
+// Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed offsets.
+// a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand is
+//     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
+//     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
 // Friction between the instruments, by the laws per length of CoaxialSpec (contact/coaxial_friction.h), pushes back on each hand
 // as much as it pulls at another one, and on the line not at all.
 // a_k is along the edges that the material lies on (EdgeSums::along), and slip counts no turn at their corners: the rod's surface on
 // the outside of a bend slides by 1 + kappa r, by some per cent in a vessel, which is left out on both sides, so that hands put in
 // what friction takes out.
 // CoaxialSpec's mu and stiffness are the separate model's.
-// Axial inertia of what slides along the line is not in it: all material of a place moves with the line's.
+// Axial inertia of sliding material is not included: all material of a place moves with the line's.
 
 #include "solve/coaxial_group.h"
 #include "solve/feed.h"
@@ -57,7 +59,7 @@ struct MergedGroup {
     [[nodiscard]] bool adapts() const { return nodes.nodes == 0; }
 };
 
-/// @throws Error BadScene: instruments that cannot be merged
+/// @throws Error BadScene: instruments that `merged` does not support
 void check_merged(const WorldSetup& setup);
 /// Edge of the line of a group, and its most nodes.
 [[nodiscard]] double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec);
@@ -76,7 +78,8 @@ void lead_group(World::Impl& state, MergedGroup& group, double h);
 [[nodiscard]] double lead_change_after(const World::Impl& state, const MergedGroup& group, double dt);
 /// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
 void feed_group(World::Impl& state, MergedGroup& group, double step, double h);
-/// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of each what its own holds keep.
+/// Constraints: the line gets its hold at the hub and the loads and links of all instruments in the group at time t; each
+/// instrument gets its own holds.
 void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t);
 /// What its instruments' holds keep, of the line as placed. @throws Error BadScene: they cannot be held there
 void take_holds(World::Impl& state, MergedGroup& group);
@@ -93,8 +96,8 @@ void set_exposures(World::Impl& state);
 
 /// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
 void read_hands(World::Impl& state, MergedGroup& group);
-/// What a group's hands do work by: dE/dL, then of each instrument dE/do, the forces on it from around it and of friction along the
-/// line, of what is twisted behind the inlet, and its torque [N], [N m].
+/// Forces by which a group's hands do work: dE/dL; then for each instrument dE/do, the forces of its surroundings and of friction along
+/// the line, of the twisted length behind the inlet, and its torque [N], [N m].
 struct MergedForces {
     static constexpr std::size_t each = 5;
     explicit MergedForces(int instruments) : count(1 + each * static_cast<std::size_t>(instruments)) {}
@@ -108,7 +111,7 @@ struct MergedWork {
 };
 [[nodiscard]] MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const MergedForces& forces);
 
-/// Each instrument by itself, from its own tip to the hub: what World::rod() shows. After a step, and where the state was put
+/// Each instrument alone, from its own tip to the hub: the view of World::rod(). After a step, and where the state was put
 /// back.
 void show_groups(World::Impl& state);
 /// The wall's force on the nodes that show_groups() made.

@@ -1,4 +1,4 @@
-// Which instruments can share one centreline.
+// Checks which instruments can share one centreline.
 
 #include "core/error.h"
 #include "merged.h"
@@ -31,7 +31,7 @@ void check_member(const WorldSetup& setup, const CoaxialSpec& spec, int w)
         refuse(where + ".wire.curvature", "differs from that of the outermost instrument, expected the same (merged)");
 }
 
-/// The lumen presses on what is in it, off by what there is room for.
+/// The lumen presses on its contents, which deviate by the clearance.
 void check_room(const WorldSetup& setup, const CoaxialSpec& spec)
 {
     for (std::size_t k = 1; k < spec.order.size() && spec.lumen_friction; ++k) {

@@ -1,4 +1,4 @@
-// What holds and pulls at instruments that share one centreline: the hub, and what the scene asks for at places of their material.
+// Constraints and loads of instruments on one centreline: the hub, and the scene's points on their material.
 
 #include "core/error.h"
 #include "merged.h"
@@ -60,8 +60,8 @@ void take_holds(World::Impl& state, MergedGroup& group)
         const int w = group.wires()[k];
         const std::vector<HoldSpec>& specs = state.setup.wires[w].holds;
         if (!specs.empty() && !group.feed.inside)
-            throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds: nothing of the wire is inside at the start, expected the place that is "
-                                                        "held to be; feed some of it in (feed.advance)",
+            throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds: nothing of the wire is inside at the start, expected the held "
+                                                        "point to be; feed some of it in (feed.advance)",
                                                         w));
         const double offset = group.shared.rod.instrument[k].offset;
         state.holds[w].take_line_holds(specs, state.rods.view(w), offset);

@@ -29,7 +29,7 @@ WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec)
 
 namespace {
 
-/// Carries a change of the nodes out. @param change  of what it changes: split or merged, where     @return rest length added [m]
+/// Carries a change of the nodes out. @param change  of the nodes: split or merged, and where     @return rest length added [m]
 template <class Change>
 void change_nodes(World::Impl& state, MergedGroup& group, const NodeChange& what, Change change)
 {
@@ -123,7 +123,7 @@ void measure(World::Impl& state, MergedGroup& group, NodeDemands& demands)
     demands.turning = turning;
 }
 
-/// Where any of the instruments touches a wall that yields, and what lies under it.
+/// Where any of the instruments touches an elastic wall, and the wall below.
 void note_yielding(World::Impl& state, MergedGroup& group, bool may_merge, NodeDemands& demands)
 {
     const auto n = static_cast<std::size_t>(state.rods.node_count(group.line()));

@@ -1,4 +1,4 @@
-// Instruments that share one centreline: what their hands feel, and each by itself.
+// Instruments that share one centreline: forces at their hands, and each instrument alone.
 
 #include "contact/coaxial_friction.h"
 #include "merged.h"
@@ -11,14 +11,14 @@ namespace seldinger {
 
 namespace {
 
-/// Force of what is around on an instrument along the line, + towards the tip: the wall's, that of loads and links [N].
+/// Force of the surroundings on an instrument along the line, + towards the tip: the wall's, that of loads and links [N].
 double axial_contact(World::Impl& state, const MergedGroup& group, int k)
 {
     const double load = axial_load(state, group, k);
     return state.contact ? state.contact->along(group.wires()[k]) + load : load;
 }
 
-/// Friction of the others on an instrument, likewise. In a group it adds up to nothing: the line does not feel it.
+/// Friction of the others on an instrument, + towards the tip. In a group it adds up to nothing: the line does not feel it.
 double axial_friction(const World::Impl& state, int wire)
 {
     return state.coaxial_friction ? state.coaxial_friction->along(wire) : 0;
@@ -29,7 +29,8 @@ double mass_rate(const WireSection* section)
     return section ? section->density * std::numbers::pi * section->radius * section->radius : 0.0;
 }
 
-/// A push takes away of what is twisted behind the inlet: d(twist energy there)/d(length) at the angle that the hand holds [N].
+/// A push removes part of the twisted length behind the inlet: d(twist energy there)/d(length) at the angle that the hand holds
+/// [N].
 double twist_behind(const World::Impl& state, const MergedGroup& group, const CoaxialHands& hands, int k)
 {
     const double torque = hands.torque[k];
@@ -131,7 +132,7 @@ void show_outside(World::Impl& state, const MergedGroup& group, int k)
     own.radius[0] = own.radius[1] = state.setup.wires[w].wire.shaft.radius;
 }
 
-/// Stiffness, mass and radius of its own.
+/// Its own stiffness, mass and radius.
 void show_section(const RodView& own, const WireSpec& spec)
 {
     for (int i = 0; i < own.n; ++i) {
@@ -189,7 +190,7 @@ std::vector<Vec3> shown_contact_force(const World::Impl& state, int wire)
     const std::vector<Vec3>& all = state.results[wire].nodal_contact;
     const int from = state.shown_from[wire], n = state.shown->node_count(wire);
     std::vector<Vec3> force(static_cast<std::size_t>(n), Vec3::Zero());
-    // what is on the node before its tip is on the edge that the tip is on
+    // values on the node before its tip belong to the edge with the tip
     for (int i = 0; i < n && from + i < static_cast<int>(all.size()); ++i) force[i] = all[from + i];
     return force;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What a world is made of, constant from then on.
+// The constant parts of a world.
 
 #include "contact/contact_spec.h"
 #include "rod/wire_spec.h"
@@ -48,7 +48,7 @@ struct WorldSetup {
     bool start_settled = false;    // the first settle() lets every contact stick: the wire rests where it lies
     std::vector<WireSetup> wires;  // the instruments of all systems, at least one
     /// Instruments in each system, in the order of `wires`: those of one system are solved, halved and retired together. Empty:
-    /// each is a system of its own.
+    /// each is its own system.
     std::vector<int> systems;
     IntegratorSpec integrator;
     VesselSpec vessel;  // what the wall is made of; shape None: no wall

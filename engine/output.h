@@ -1,5 +1,5 @@
 #pragma once
-// What can be read of a world after a step: how the step went, numbers per instrument, and a copy of its state that outlives it.
+// Readings of a world after a step: how the step went, numbers per instrument, and a copy of its state that outlives it.
 
 #include "contact/contact_row.h"
 #include "contact/force_per_length.h"
@@ -57,7 +57,7 @@ struct EnergyLedger {
     // out
     double friction = 0;  // sliding, and what stuck contacts hold; with rolling
     double contact = 0;   // normal forces: what overlaps hold, and their damping
-    double wall = 0;      // done on a yielding wall: what it stores and dissipates
+    double wall = 0;      // done on an elastic wall: what it stores and dissipates
     double damping = 0;   // integrator.damping_*
     double scheme = 0;    // numerical dissipation of backward Euler
 
@@ -120,13 +120,13 @@ struct WallOutput {
     std::vector<double> stress;      // there: von Mises, the larger of both surfaces [Pa]
 };
 
-/// A copy of what can be read, independent of the world it was read from: for a recorder, a picture, another thread.
+/// A copy of all readings, independent of its world: for a recorder, a picture, another thread.
 struct Output {
     enum Parts : unsigned {
         Numbers = 0,
         Shape = 1u << 0,
         Contacts = 1u << 1,
-        Wall = 1u << 2,       // readings of walls that yield
+        Wall = 1u << 2,       // readings of elastic walls
         WallShape = 1u << 3,  // and where they are
         Loads = 1u << 4,      // greatest loads of contact along each wire, without its rows; of Contacts, too
         Everything = Shape | Contacts | Wall | WallShape

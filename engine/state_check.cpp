@@ -1,5 +1,5 @@
-// Bounds on what a saved state may say. They are wide: nothing that a run gets into comes near them, and what lies beyond them
-// would overflow in an index, or make a step without end.
+// Bounds on what a saved state may say. They are wide: no run gets near them, and values beyond them would overflow in an index, or
+// make a step without end.
 #include "state_check.h"
 
 #include "core/bytes.h"
@@ -55,7 +55,7 @@ void check_feed(const FeedState& feed, double length, const BasicRodView<const d
     need(std::abs(inside - (feed.advance + feed.surplus)) <= 1e-6 * length, "a fed length");
 }
 
-/// Lines and passengers of a common centreline: what of them is used follows from others, and what is not may be zero.
+/// Lines and passengers of a common centreline: values in use follow from others, and the remaining ones may be zero.
 void check_shared_rod(const RodArrays& rods, int wire)
 {
     for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) all_within(array, fastest, "a number");

@@ -1,5 +1,5 @@
 #pragma once
-// What a saved state must hold before anything is computed from it: bytes come from files that others may have made.
+// Checks of a saved state before any computation with it: others may have made the file.
 
 #include "world.h"
 

@@ -12,7 +12,7 @@ namespace seldinger {
 namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
-// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
+// touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
 // it (a sample that passes the wall has touched it before, and says so).
 bool needs_audit(World::Impl& state, int wire, double dt)
 {
@@ -54,7 +54,7 @@ bool is_finite(const RodView& rod)
     return true;
 }
 
-/// What is read off a state can overflow where the state does not: whoever steps a world is told, and not by a NaN in a table.
+/// A reading can overflow where the state does not: whoever steps a world gets a flag instead of a NaN in a table.
 bool is_finite(const WireResult& r)
 {
     const double all = r.hand_force + r.hand_torque + r.contact.normal + r.contact.friction + r.kinetic + r.elastic + r.gravitational;
@@ -79,7 +79,7 @@ void check_state(World::Impl& state, double dt, StepReport& report)
     for (int w = 0; w < state.wire_count(); ++w) {
         if (state.retired[w]) continue;
         if (!is_finite(state.rods.view(w)) || !is_finite(state.results[w])) note(state, report, w, StepNonFinite);
-        // what was read of a wire that failed is of another state than the one that was put back
+        // readings of a failed wire belong to another state than the one that was restored
         if (!state.wire_reports[w].failed() && !samples_add_up(state, w)) note(state, report, w, StepContactSums);
         if (needs_audit(state, w, dt)) audit_outside(state, w);
         if (state.yielding && state.yielding->move_share(state.system_of[w]) > 1)

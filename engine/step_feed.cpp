@@ -1,4 +1,4 @@
-// The feed stage: what a control asks of the hubs, and what holds, loads and links ask of the rest of the wire.
+// The feed stage: the control's input for the hubs, and holds, loads and links for the rest of the wire.
 
 #include "core/parallel.h"
 #include "merged.h"
@@ -39,7 +39,7 @@ int parts_of(World::Impl& state, int w, double dt)
     const RodView rod = state.rods.view(w);
     // a pull by more than half of the base edge takes it out in time where it is known beforehand
     const double base = feed.inside ? std::min(rod.rest_length[rod.n - 2], shortest) : shortest;
-    // two that share a centreline may go opposite ways, and what one is ahead by then is put before the tip in one piece
+    // two instruments on one centreline may go opposite ways; the lead of one is then put before the tip in one piece
     const double most = group ? feed.edge / 4 : feed.edge;
     const double parts = std::ceil(std::max(pushed / most, pulled / (base / 2)) - 1e-9);
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));

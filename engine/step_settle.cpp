@@ -1,5 +1,5 @@
-// Static equilibrium of all systems: a continuation path along which holds and links are moved, and nodes that come and go until
-// none has to.
+// Static equilibrium of all systems: a continuation path along which holds and links are moved, and births and merges of nodes
+// until none is needed.
 
 #include "merged.h"
 #include "step_stages.h"

@@ -1,5 +1,5 @@
-// From the start of a step to the states that are accepted: what a failed attempt returns to, detection, Newton, and what is done
-// about systems that do not converge.
+// From the start of a step to the accepted states: the state that a failed attempt returns to, detection, Newton, and the treatment
+// of systems that do not converge.
 
 #include "core/parallel.h"
 #include "core/prefetch.h"
@@ -91,7 +91,7 @@ void clear_timers(World::Impl& state)
 void collect_timers(World::Impl& state, StepReport& report)
 {
     report.times = state.terms.times();
-    // the solver's own share: what it took less what force terms took inside it
+    // the solver's own share: its time less that of force terms inside it
     report.times.solve = std::max(0.0, state.solve_time - state.terms_in_solve);
     report.times.adapt = state.adapt_time;
 }
@@ -110,7 +110,7 @@ void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int 
 void begin_step(World::Impl& state)
 {
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
-    // what touches as placed is not known yet: there energies are counted from the end of the first step
+    // contacts of the initial placement are not known yet: there energies are counted from the end of the first step
     for (int w = 0; w < state.wire_count() && state.steps == 0 && state.terms.empty(); ++w) {
         if (state.audits[w].known || !state.is_solved(w) || state.is_passenger(w)) continue;
         constrain_now(state, w);

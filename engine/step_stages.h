@@ -8,9 +8,9 @@
 
 namespace seldinger {
 
-// ---- step_feed.cpp: what is asked of the hubs
+// ---- step_feed.cpp: input of the hubs
 
-/// Resolves the control to the way of each hub through the step.
+/// Resolves the control to the path of each hub through the step.
 void take_control(World::Impl& state, const Control& control, double dt);
 /// In how many parts a step feeds each wire [wires]: one birth can follow a push by an edge, and pulling back must leave some of
 /// the base edge. It is cut where another instrument of a common centreline gets ahead. All instruments of a system go in as many.
@@ -38,7 +38,7 @@ void begin_step(World::Impl& state);
 void begin_sub_step(World::Impl& state, const SubStep& sub);
 /// Quadrature points on the present nodes and what of the wall is near them.
 void find_contacts(World::Impl& state);
-/// Newton on the equations of the sub-step: every system to a trial state of its own.
+/// Newton on the equations of the sub-step: every system to its own trial state.
 void solve(World::Impl& state, const SubStep& sub);
 /// Systems that converged, and whose energy adds up, take their trial as the accepted state. The others are put back: they take
 /// the sub-step in two halves, or are lost where that has no sense any more.
@@ -52,7 +52,7 @@ void adapt_nodes(World::Impl& state, double dt);
 void adapt_nodes_of(World::Impl& state, int wire, double dt);
 /// Nodes of an adaptive wire. @return whether any came or went
 bool adapt_wire(World::Impl& state, int wire, double dt, bool may_merge);
-/// What was read off the nodes follows them, sums kept, until the next step reads them anew. @param n  nodes before
+/// Readings of the nodes follow them, sums kept, until the next step reads them anew. @param n  nodes before
 void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change);
 /// Takes the surplus of rest length that splits and merges have left out of a wire of constant length, as far as it fades in dt.
 void fade_surplus_of(World::Impl& state, int wire, double dt);

@@ -1,4 +1,4 @@
-// The list of sub-steps of a step, and the masks that name who takes part.
+// The list of sub-steps of a step, and the masks of the systems that take part.
 
 #include "sub_steps.h"
 

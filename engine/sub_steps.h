@@ -1,8 +1,8 @@
 #pragma once
 // How a step is divided. It is one sub-step where all goes well. A system that does not converge is put back and takes two halves
-// instead, down to h/512; a wire of which more than an edge is fed goes in parts, split and merged in between, and a step in which
-// one instrument of a common centreline gets ahead of another is cut there. What one system
-// does has no say in what the others do: every sub-step names the instruments that take part.
+// instead, down to h/512. A wire of which more than an edge is fed goes in parts, split and merged in between. A step in which one
+// instrument of a common centreline gets ahead of another is cut there. Systems are sub-stepped independently: every sub-step
+// names the instruments that take part.
 
 #include <cstdint>
 #include <span>
@@ -54,7 +54,7 @@ struct StepParts {
 /// An update moves no node by more than half a radius, so that 20 m/s at 1/60 s takes h/512.
 inline constexpr int most_halvings = 9;
 
-/// What is still to be done of a step: the last in the list is the next.
+/// The remaining parts of a step: the last in the list is the next.
 class SubSteps {
 public:
     /// A new step for the wires of the mask. @param parts  per wire: in how many it goes, at least 1, and where it is cut

@@ -1,4 +1,4 @@
-// The version that the build was configured with; by itself, since what reads files asks for it and for nothing else of a world.
+// The version of the build; a separate file, since readers of files need it and nothing else of a world.
 #include "engine.h"
 
 namespace seldinger {

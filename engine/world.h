@@ -1,5 +1,5 @@
 #pragma once
-// What a World owns. Private to the engine: step.cpp and its stages read and write it, nobody else includes it (tests may).
+// Data of a World. Private to the engine: step.cpp and its stages read and write it, nobody else includes it (tests may).
 //
 //   model     setup, wall, holds, adapters       constant from the constructor on
 //   state     rods, feeds, wire_time, contact's and solver's memory, remesh_energy, audits      saved; all but audits hashed
@@ -30,7 +30,7 @@ class CoaxialFriction;  // contact/coaxial_friction.h
 class LineHolds;        // solve/line_holds.h
 struct MergedGroup;     // merged.h
 
-/// What was read off a wire when its step was accepted.
+/// Readings of a wire when its step was accepted.
 struct WireResult {
     ContactTotals contact;
     double normal_between = 0;           // WireReadings::normal_between
@@ -55,7 +55,7 @@ struct NodeAdapter {
 /// What a control asks of a hub in this step.
 struct HubRequest {
     std::array<FeedKey, 3> own{};   // where it is, is to be, and is thought to go on to: used unless `keys` are given
-    std::span<const FeedKey> keys;  // of a way that is known beforehand
+    std::span<const FeedKey> keys;  // of a path that is known beforehand
     [[nodiscard]] HubPath path() const { return HubPath(keys.empty() ? std::span<const FeedKey>(own) : keys); }
 };
 
@@ -138,7 +138,7 @@ struct World::Impl {
     void make_groups();
     void make_coaxial_friction();
     void make_line_holds();
-    /// A system of which one instrument is in the mask is in it as a whole, as far as it takes part.
+    /// A system with one instrument in the mask is in it with all of them, as far as it takes part.
     void spread_over_systems(const WireMask& part, WireMask& mask) const;
     void save_wire(int wire);
     void restore_wire(int wire);
@@ -154,7 +154,7 @@ struct World::Impl {
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
 };
 
-/// @throws Error BadScene: dt, or what is asked of a hub. Nothing has changed then
+/// @throws Error BadScene: dt, or the input of a hub. Nothing has changed then
 void check_request(const World::Impl& state, const Control& control, double dt);
 
 /// Whether nodes of a wire come and go by themselves (nodes = "adaptive").

@@ -1,4 +1,4 @@
-// What a world refuses, before anything is built or changed: setups that contradict themselves, and controls that cannot be met.
+// Errors that a world refuses, before anything is built or changed: contradictory setups and impossible controls.
 
 #include "contact/quadrature.h"
 #include "core/error.h"
@@ -95,7 +95,7 @@ void check_feed(const WireSetup& wire, const std::string& where)
     if (!wire.feed.on) return;
     need_finite(wire.feed.point, where + ".point");
     need_finite(wire.feed.direction, where + ".direction");
-    if (wire.feed.direction.isZero()) refuse(where + ".direction", "is zero, expected the way that the wire enters");
+    if (wire.feed.direction.isZero()) refuse(where + ".direction", "is zero, expected the direction in which the wire enters");
     if (!(wire.feed.advance >= 0 && wire.feed.advance <= wire.wire.length))
         refuse(where + ".advance",
                fmt::format("is {} m, expected 0 to the wire's length, {} m", wire.feed.advance, wire.wire.length));
@@ -183,7 +183,7 @@ void check_touching(const WorldSetup& setup)
         refuse("wires[0].contact.precision", "is float32, expected float64 where instruments touch each other");
 }
 
-/// A wall that yields (D11).
+/// An elastic wall (D11).
 void check_elastic_wall(const WorldSetup& setup)
 {
     const VesselSpec& vessel = setup.vessel;
@@ -204,7 +204,7 @@ void check_elastic_wall(const WorldSetup& setup)
     bool has_rim = false;
     for (std::size_t k = 0; k < edges.count(); ++k) has_rim |= edges.uses(k).size() == 1;
     if (!vessel.rims_held || !has_rim)
-        refuse("vessel.support", fmt::format("is 0 and {}: the wall could fly away; expected tissue or held rims",
+        refuse("vessel.support", fmt::format("is 0 and {}: nothing holds the wall in place; expected tissue or held rims",
                                              has_rim ? "rims are free" : "the mesh has no rims"));
 }
 
@@ -233,12 +233,12 @@ void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub
 {
     if (hub.kind == Control::Hub::Kind::Stay) return;
     const auto refuse_it = [&](const std::string& what) { refuse(fmt::format("control: instrument {}", instrument), what); };
-    if (instrument >= state.wire_count()) refuse_it(fmt::format("is not there, expected an index below {}", state.wire_count()));
+    if (instrument >= state.wire_count()) refuse_it(fmt::format("index out of range; expected below {}", state.wire_count()));
     if (!state.feeds[instrument].on) refuse_it("is not fed (WireSetup::feed.on is false): it has no hub that could be moved");
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
             refuse_it(fmt::format("key {} is at {} s, expected times that increase", k, hub.keys[k].t));
-    // of a way that is known beforehand, what lies beyond this step need not be met by it
+    // later keys of a known path need not be satisfied by this step
     const FeedKey end = hub.kind == Control::Hub::Kind::MoveTo ? FeedKey{0, hub.advance, hub.turn}
                                                                : HubPath(hub.keys).at(state.wire_time[instrument] + dt);
     const double length = state.setup.wires[instrument].wire.length;

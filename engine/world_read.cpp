@@ -1,4 +1,4 @@
-// Reading a world: what is taken off the accepted state of a sub-step, and how it is shown.
+// Reading a world: values of the accepted state of a sub-step, and their form for the user.
 
 #include "merged.h"
 #include "rod/curvature.h"
@@ -17,8 +17,8 @@ namespace seldinger {
 
 namespace {
 
-/// Tangent of the wire at its hub, from tip to hub, to second order in the edge length: what a clamp prescribes, else the edge's
-/// own, which is that of its middle, turned on by half an edge of the curvature next to it.
+/// Tangent of the wire at its hub, from tip to hub, to second order in the edge length. It is the clamp's direction, else that of
+/// the edge's middle, turned on by half an edge of the curvature next to it.
 Vec3 hub_tangent(const RodView& rod, std::span<const RodClamp> clamps)
 {
     const int hub = rod.n - 1;
@@ -96,9 +96,9 @@ void World::Impl::read_results(int wire, double h)
                                        result.nodal_contact, momentum_start[wire], h);
 }
 
-// hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. What is fed raises s, to which the
-// node before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The
-// curvature of the hub's cell, whose length s is too, is left out: its share is B kappa^2/s, a thousandth of EA/s at most.
+// hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. Feeding raises s, and the node
+// before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The curvature
+// of the hub's cell, whose length is s too, is neglected: its part is B kappa^2/s, at most 0.1 % of EA/s.
 void World::Impl::read_hand_stiffness(int wire)
 {
     double& stiffness = results[wire].hand_stiffness;
@@ -451,7 +451,7 @@ std::string describe_nodes(const MergedGroup& group)
                        1e3 * spec.min_edge, 1e3 * spec.max_edge, 1e6 * spec.edge_error);
 }
 
-// Of wire 0, as all of model() is.
+// Spins of wire 0, as all of model() describes it.
 std::string describe_spins(const World::Impl& s, const IntegratorSpec& integrator)
 {
     if (integrator.spins == Spins::Kept) return "solved for (asked for)";
@@ -471,7 +471,7 @@ std::string describe_wall(const World::Impl& s)
         s.elastic_wall->edge_reason());
 }
 
-/// Of the first group.
+/// Friction of the first group.
 std::string describe_coaxial_friction(const WorldSetup& setup)
 {
     const auto merged = [](const CoaxialSpec& spec) { return spec.model == CoaxialSpec::Model::Merged; };

@@ -91,7 +91,7 @@ void World::Impl::take_wire(const std::uint8_t*& at, const std::uint8_t* end, in
     std::int32_t leader = 0;
     take_bytes(at, end, &leader, 1);
     if (leader < 0 || leader >= group.shared.count())
-        throw Error(ExitCode::BadFile, "the saved state names an instrument that this scene has not");
+        throw Error(ExitCode::BadFile, "the saved state names an instrument that this scene does not have");
     group.leader = leader;
     take_feed(at, end, group.feed, true);
 }

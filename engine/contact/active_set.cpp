@@ -1,4 +1,4 @@
-// Which quadrature points are evaluated: lists made, picked from, uploaded.
+// Lists of the quadrature points to evaluate: made, picked from, uploaded.
 
 #include "contact/active_set.h"
 

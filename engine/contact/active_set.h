@@ -1,6 +1,5 @@
 #pragma once
-// Which quadrature points are evaluated: those with the wall near them, by the edges that they lie on; and where the sums of
-// these edges go.
+// Chooses the quadrature points to evaluate: those near the wall, by their edges; and the places of these edges' sums.
 
 #include "contact/edge_sums.h"
 #include "contact/near_wall.h"
@@ -31,7 +30,7 @@ public:
     [[nodiscard]] bool stale() const { return stale_; }
     /// @param active  wires that are evaluated next, the others keep their sums; empty: not said
     void rebuild(const NearWall& near, std::span<const std::uint8_t> active);
-    /// What was evaluated in earlier steps is forgotten.
+    /// Forgets evaluations of earlier steps.
     void forget();
     void forget(const WireQuadrature& wire);
 
@@ -43,7 +42,7 @@ public:
     /// Where a launch over all() leaves its sums, which read back are EdgeSums::edges; and where one over a part does.
     [[nodiscard]] const device::Buffer& sums_buffer(bool part) const { return part ? last_edge_buffer_ : edge_buffer_; }
     [[nodiscard]] EdgeForce* sums_target(bool part) { return part ? last_edges_.data() : sums_.edges.data(); }
-    /// What was read back of a part goes where these wires' sums are.
+    /// Copies the sums read back for a part into the sums of these wires.
     void spread(std::span<const std::uint8_t> active);
 
 private:
@@ -61,8 +60,8 @@ private:
     device::Buffer edge_buffer_, last_edge_buffer_;  // of sums_.edges, last_edges_
 };
 
-/// The caller's thread is faster than waking the pool (15 us) below some count; by counts alone, so that the choice, and with it
-/// the order of nothing at all, is the same on every machine.
+/// Below some count the caller's thread is faster than waking the pool (15 us). The choice depends on the item count only, so it is
+/// the same on every machine.
 [[nodiscard]] device::Queue queue_for(std::size_t points);
 
 }  // namespace seldinger

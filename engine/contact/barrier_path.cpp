@@ -1,4 +1,4 @@
-// Launches of contact_clearance and contact_sweep, and what their answers mean for a wire.
+// Launches contact_clearance and contact_sweep, and applies their results to a wire.
 
 #include "contact/barrier_path.h"
 
@@ -32,7 +32,7 @@ void BarrierPath::warm_up(device::Queue at, ContactParams none, const Quadrature
     sweep_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, base_, b.nodes, result_buffer_);
 }
 
-/// Of the quadrature points in b.list, into result_.
+/// Gaps of the quadrature points in b.list, into result_.
 void BarrierPath::measure_gaps(device::Queue at, ContactParams par, const QuadratureBuffers& b, std::size_t count)
 {
     if (count == 0) return;

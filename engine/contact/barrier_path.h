@@ -1,6 +1,6 @@
 #pragma once
-// What the barrier law needs beside its force: no quadrature point ever passes through the wall between two states that Newton
-// takes (continuous detection, kernels/shared/sweep.h), and quadrature points that a step starts with in overlap are freed
+// Two parts of the barrier law beside its force. No quadrature point ever passes through the wall between two states that Newton
+// takes (continuous detection, kernels/shared/sweep.h). Quadrature points that a step starts with in overlap are freed
 // (barrier_start in kernels/shared/barrier_path.h).
 
 #include "contact/quadrature.h"
@@ -21,10 +21,10 @@ public:
                                 const QuadratureSet& points, std::span<const std::uint32_t> list, int wire);
     /// Nodes [from, to) of `nodes` are where the next trials start from.
     void take(const DeviceNodes& nodes, int from, int to);
-    /// The way from the last state taken to `nodes`, for wires that have quadrature points in `list`.
+    /// The path from the last state taken to `nodes`, for wires that have quadrature points in `list`.
     void sweep(device::Queue at, ContactParams par, const QuadratureBuffers& buffers, const QuadratureSet& points,
                std::span<const std::uint32_t> list);
-    /// How much of that way is free, 1: all.
+    /// How much of that path is free, 1: all.
     [[nodiscard]] double feasible_step(int wire) const { return feasible_step_[wire]; }
     void commit(const QuadratureSet& points, std::span<const std::uint8_t> active);
 

@@ -27,7 +27,7 @@ NearWall::Lengths near_lengths(const QuadratureSet& points, const WallTree& tree
         low[k] = tree.nodes.front().lo[k];
         high[k] = tree.nodes.front().hi[k];
     }
-    // the barrier looks at the whole way of an update, which may begin that far from where the list was made
+    // the barrier checks the whole path of an update, which may begin that far from the place of the search
     return {slack, slack + (law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0), (high - low).norm() + 1};
 }
 
@@ -229,7 +229,7 @@ void CapsuleContact::evaluate_list(const ActiveList& list, bool part, double h)
 }
 
 // Quadrature points of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
-// one across it unseen: the trial there finds the wall nearer than depth_max allows, and is refused.
+// one across it unseen. The trial there finds the wall nearer than depth_max allows, and is refused.
 double CapsuleContact::move_limit(int wire) const { return move_limit_[wire]; }
 
 double CapsuleContact::stored_energy(int wire) const

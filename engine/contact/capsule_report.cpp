@@ -1,4 +1,4 @@
-// What contact with quadrature points reports: its rows, and the choices it made.
+// Reports of contact with quadrature points: its rows, and the choices it made.
 
 #include "contact/capsule.h"
 #include "contact/contact_patch.h"

@@ -12,10 +12,10 @@ namespace seldinger {
 
 namespace {
 
-// Way that surfaces give elastically before they slip [m]: a hundredth of what instruments are thick, as asperities and jackets do.
+// Elastic slip of the surfaces before they slide [m]: 1 % of the instruments' thickness, as for asperities and jackets.
 // Longer, hands feel a spring where there is a grip; shorter, Newton's equations get stiffer than torsion is from edge to edge.
 constexpr double give = 1e-5;
-// Where they press they grip harder: k of the whole, for q of 0.1 to 10 N/m ten micrometres to a tenth of one [N/m^2].
+// Pressed surfaces grip harder. k of the whole, for q of 0.1 to 10 N/m: 10 down to 0.1 micrometres [N/m^2].
 constexpr double grip = 1e6;
 
 }  // namespace
@@ -192,7 +192,7 @@ void CoaxialFriction::add_coupling(const Group& group, const Pair& pair, const S
             }
 }
 
-// ---- what can be read off ---------------------------------------------------------------------------------------------------
+// ---- readings ------------------------------------------------------------------------------------------------------------------
 
 void CoaxialFriction::set_outside(int wire, double force)
 {
@@ -210,7 +210,7 @@ double CoaxialFriction::along(int wire) const
     return sum;
 }
 
-/// The group of which a wire is the line: its energies stand for all.
+/// The group led by a wire: its energies include all instruments.
 const CoaxialFriction::Group* CoaxialFriction::led_by(int line) const
 {
     const Place at = place_of(line);

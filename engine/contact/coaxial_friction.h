@@ -5,21 +5,21 @@
 //
 //     u = (advance_l - advance_k, r (theta_l - theta_k))            along and around, r the inner one's radius,
 //
-// each the change over the step. Both advances are the hands' and known: what slips along does so everywhere alike, and the force
-// along, + on one and - on the other, is no force on the line but one between the hands (merged_read.cpp). Around it is a couple
+// each the change over the step. Both advances are the hands' and known, so axial slip is the same everywhere. The axial force, +
+// on one and - on the other, is no force on the line but one between the hands (merged_read.cpp). Around it is a couple
 // between the two spins. Slip leaves out the turn of a twisted instrument as it slides, r theta' of its way, on both sides of the work
 // as it leaves out 1 + kappa r at a bend.
 //
 // **Cells** as long as the line's shortest edge are fixed in the outer one's material and remember the elastic slip of the part of
 // them that is in an overlap; what leaves it forgets. So nothing of it depends on the line's nodes, which come, go and change their
-// leader. A cell turns by the mean of the edges' angles over its part, and its couple goes to these edges by the same weights:
+// leader. A cell turns by the mean of the edges' angles over its part, and its couple goes to these edges by the same weights. So
 // work and tangent are those of one function of the angles, and forces do not jump as material passes a node.
 //
-// **Where the lumen presses**, friction is also mu times the force between the two. Without clearance that has no bound; it is what the
-// instruments' own clearance makes of their moments in the state accepted last (rod/lumen_press.h, places a cell apart), known in the
-// step as the wall's friction is not: a step behind. Of three and more, all that is around the lumen bends as one and all that is in
-// it. A tension T of what is in it, all that holds it back between its tip and there, presses by T kappa round a bend; what pulls at it
-// from outside does so beyond the mouth, by these sums.
+// **Where the lumen presses**, friction is also mu times the force between the two. Without clearance that has no bound. The
+// instruments' own clearance bounds it, from their moments in the last accepted state (rod/lumen_press.h, places a cell apart). In
+// the step it is known, as the wall's friction is not: it lags by one step. With three instruments and more, all outside the lumen
+// bend as one, and all inside it. An inner instrument under a tension T presses by T kappa round a bend. T sums all that holds it
+// back between its tip and there; outside pulls act beyond the mouth by these sums.
 
 #include "contact/coaxial_slip.h"
 #include "rod/coaxial_moment.h"
@@ -64,7 +64,8 @@ public:
 
     /// What pulls at an instrument from outside in the accepted state, along the line, + towards the tip [N].
     void set_outside(int wire, double force);
-    /// Of the others on this instrument along the line at the last evaluation, + towards the tip [N]; in a group they add up to 0.
+    /// Force of the other instruments on this one along the line at the last evaluation, + towards the tip [N]. In a group they add
+    /// up to 0.
     [[nodiscard]] double along(int wire) const;
 
 private:
@@ -98,7 +99,7 @@ private:
         std::vector<LumenPress::Complex> off;
         std::vector<Part> parts;
         std::vector<double> weights;
-        // of the last evaluation: force along on the inner one [N], work on both, what it can give back [J]
+        // last evaluation: force along on the inner instrument [N], work on both, recoverable work [J]
         double along = 0, work = 0, stored = 0;
     };
     struct Group {

@@ -1,4 +1,4 @@
-// What presses between instruments that share a centreline: their moments in the accepted state, put into rod/lumen_press.h.
+// Forces between instruments that share a centreline, from their moments in the accepted state (rod/lumen_press.h).
 
 #include "contact/coaxial_friction.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 using Complex = LumenPress::Complex;
 
-// Newton steps in one time step: it goes on from the last one's, by a little.
+// Newton steps in one time step: they start from the last solution, which is near.
 constexpr int most_steps = 4;
 
 /// Edge of the line that s lies on; at a node the one hubwards.
@@ -76,8 +76,8 @@ void CoaxialFriction::find_pressing(const Group& group, const CoaxialTrial& now,
     }
 }
 
-/// Tension of what is inside, from its tip on: what pulls at it from outside, and friction of all around it; times the curvature that
-/// place_at() has left in `lateral`.
+/// Tension of the inner instruments, from the tip on: outside pulls and friction of all around; times the curvature that place_at()
+/// left in `lateral`.
 void CoaxialFriction::set_lateral(const Group& group, const Pair& pair, const Overlap& lap, int first)
 {
     double outside = 0;
@@ -126,7 +126,7 @@ LumenPress::Place CoaxialFriction::place_at(const Group& group, const CoaxialTri
     return place;
 }
 
-/// What of those inside goes on beyond the mouth.
+/// The inner instruments' parts beyond the mouth.
 LumenPress::End CoaxialFriction::end_of(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& lap)
 {
     const CoaxialRod& rod = group.shared->rod;

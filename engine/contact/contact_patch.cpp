@@ -32,7 +32,7 @@ ContactPatch contact_patch(const QuadratureModel& model, uint normal_law, double
     const double depth = normal_law == SEL_NORMAL_DAMPED ? -gap : depth_carrying(force / model.weight, model);
     const double width = overlap_width(depth, model.radius);
     const double area = model.length > 0 ? width * model.length : std::numbers::pi / 4 * width * width;
-    // a damped law may still push in the step in which the overlap has just closed: no area, and no pressure to tell of
+    // a damped law may still push in the step in which the overlap has just closed: area and pressure are 0
     return area > 0 ? ContactPatch{area, force / area} : ContactPatch{};
 }
 

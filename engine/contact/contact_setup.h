@@ -1,5 +1,5 @@
 #pragma once
-// What contact is made from: the wires of a world and the wall beside them.
+// Input of contact: the wires of a world and its wall.
 
 #include "contact/contact_spec.h"
 #include "rod/wire_spec.h"

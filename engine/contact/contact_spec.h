@@ -1,5 +1,5 @@
 #pragma once
-// How contact is found and what law it follows. Names as in the scene file, [contact].
+// Detection and laws of contact. Names as in the scene file, [contact].
 
 namespace seldinger {
 

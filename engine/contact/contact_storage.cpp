@@ -1,4 +1,4 @@
-// The most energy that contacts can give back.
+// Upper bound of the energy that contacts can return.
 
 #include "contact/contact_storage.h"
 
@@ -10,7 +10,7 @@ namespace seldinger {
 
 namespace {
 
-/// Of the static law, per unit of weight.
+/// Energy of the static law, per unit of weight.
 double static_energy(double depth, const QuadratureModel& m)
 {
     if (depth <= 0) return 0;

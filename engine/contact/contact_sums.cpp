@@ -1,4 +1,4 @@
-// Whether samples of contact, the forces on the nodes and what is read along a wire are those of one state.
+// Checks that contact samples, forces on nodes and readings along a wire belong to one state.
 
 #include "contact/contact_sums.h"
 
@@ -20,7 +20,7 @@ bool add_up(double normal, double friction, std::size_t samples, const ContactTo
 {
     const double of_device = float32 ? static_cast<double>(std::numeric_limits<float>::epsilon()) : rounding;
     const double allowed = 4 * static_cast<double>(samples + 1) * of_device;
-    // what is not finite has a flag of its own (StepNonFinite)
+    // non-finite values have their own flag (StepNonFinite)
     if (!std::isfinite(totals.normal + totals.friction)) return true;
     return equal(normal, totals.normal, allowed) && equal(friction, totals.friction, allowed);
 }

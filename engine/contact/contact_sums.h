@@ -1,14 +1,14 @@
 #pragma once
-// Two views of one thing: the samples of contact that readings are taken from, which each evaluation leaves on the device, and the
-// forces on the nodes, whose sums the solver balanced. Where they differ, the samples are those of another state.
+// Compares two views of contact: the samples behind readings, which each evaluation leaves on the device, and the forces on the
+// nodes, whose sums the solver balanced. Where they differ, the samples are those of another state.
 //
-// Both add the same numbers in another order. A sum of n numbers that are not negative is wrong by (n - 1) eps of it at most, eps
-// the rounding of a product [Higham, Accuracy and Stability of Numerical Algorithms, 2002, sec. 4.2]: twice that between two sums,
-// and as much again for the magnitudes that were rounded before. In a float32 context the device's sums round to 2^-24.
+// Both add the same numbers in another order. A sum of n non-negative numbers has an error of at most (n - 1) eps, eps the rounding
+// of a product [Higham, Accuracy and Stability of Numerical Algorithms, 2002, sec. 4.2]. The difference of two sums has twice that,
+// and as much again for the magnitudes rounded before. In a float32 context the device's sums round to 2^-24.
 //
-// What is read of the load along a wire (force_per_length.h) cannot exceed its sum. The load between two places is a difference of
-// running sums of slopes F/l times lengths up to the whole stretch S: wrong by 4 n eps (sum F + S sum F/l) at most, n the number of
-// ends.
+// A reading of the load along a wire (force_per_length.h) cannot exceed its sum. The load between two places is a difference of
+// running sums of slopes F/l times lengths up to the whole stretch S. Its error is at most 4 n eps (sum F + S sum F/l), n the
+// number of ends.
 
 #include "contact/edge_sums.h"
 #include "contact/force_per_length.h"

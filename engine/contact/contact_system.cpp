@@ -1,4 +1,4 @@
-// What all detection methods share.
+// Code that all detection methods share.
 
 #include "contact/contact_system.h"
 

@@ -2,9 +2,9 @@
 // Contact of all wires with the wall, found and evaluated on the device (capsule detection and its bounded-move form, `swept`;
 // `nodes` is the same with one quadrature point at each control node). Implements what the solver asks for.
 //
-// Per step: begin_step (start of the step is remembered), prepare (quadrature points are put on the edges, candidates renewed
-// where a quadrature point has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one
-// read-back of the edges' sums; commit makes the trial's anchors the state. The wall's geometry stays on the device.
+// Per step: begin_step remembers the start of the step. prepare puts quadrature points on the edges and renews candidates if a
+// quadrature point has moved by its skin. Each Newton iteration calls evaluate: three small writes, two launches, one read-back of
+// the edges' sums. commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
 #include "contact/contact_row.h"
 #include "contact/contact_setup.h"
@@ -70,12 +70,12 @@ public:
     /// The wall's force on what slides along a wire's line, + towards the tip [N].
     [[nodiscard]] double along(int wire) const { return sums_.along(wire, rods_.node_begin(wire), rods_.view(wire)); }
 
-    /// Of a wire that shares its nodes with others: see WireQuadrature. Before begin_step and again before prepare.
+    /// Exposure of a wire that shares its nodes with others: see WireQuadrature. Before begin_step and again before prepare.
     virtual void set_exposure(int /*wire*/, double /*offset*/, double /*exposed*/) {}
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
     /// What these rows bear, in their order. @param loads  [wires], to which it is added
     virtual void add_loads(RodArrays& rods, std::span<WireLoads> loads);
-    /// Of a wire's samples [m]; 0: its contacts stand for no length.
+    /// Spacing of a wire's samples [m]; 0: its contacts represent no length.
     [[nodiscard]] virtual double spacing(int /*wire*/) const { return 0; }
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
@@ -102,7 +102,7 @@ protected:
     StageTimes times_;  // of detect, evaluate and reduce
 };
 
-/// @param setup  what it refers to must outlive the result
+/// @param setup  objects that it refers to must outlive the result
 [[nodiscard]] std::unique_ptr<ContactMethod> make_contact(device::Context& context, const ContactSetup& setup, RodArrays& rods);
 
 }  // namespace seldinger

@@ -65,7 +65,7 @@ template <class Record>
 void narrow_words(std::span<const WordRun> runs, const void* from, std::size_t records, std::vector<std::uint32_t>& to);
 void widen_words(std::span<const WordRun> runs, const std::uint32_t* from, std::size_t records, void* to);
 
-/// What one record is when it goes to a kernel by value.
+/// Type of a record that goes to a kernel by value.
 struct NarrowParams {
     std::uint32_t words[float_size<ContactParams>() / sizeof(std::uint32_t)];
 };

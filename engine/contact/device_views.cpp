@@ -1,4 +1,4 @@
-// What kernels read of the wall and of the wires' nodes: made, filled, uploaded.
+// Wall and nodes of the wires for kernels: made, filled, uploaded.
 
 #include "contact/device_views.h"
 

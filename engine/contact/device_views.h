@@ -1,6 +1,6 @@
 #pragma once
-// What kernels read of the wall and of the wires' nodes, as it lies on the device. Either stands for several arguments of a
-// kernel: SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS in kernels/shared/views.h.
+// Wall and nodes of the wires on the device, as kernels read them. Each groups several arguments of a kernel:
+// SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS in kernels/shared/views.h.
 
 #include "device/device.h"
 #include "math/vec3.h"

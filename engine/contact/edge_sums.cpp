@@ -1,4 +1,4 @@
-// Sums per edge as the solver takes them.
+// Sums per edge in the solver's form.
 
 #include "contact/edge_sums.h"
 

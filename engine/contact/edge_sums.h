@@ -1,6 +1,6 @@
 #pragma once
-// What the device's reduction leaves on the host: force, moment and tangent summed per edge of wire that has contact, and how the
-// solver's banded system takes them. The same for every detection method.
+// Result of the device's reduction on the host: force, moment and tangent summed per edge of wire with contact, in the form of the
+// solver's banded system. The same for every detection method.
 
 #include "math/band_matrix.h"
 #include "rod/rod_arrays.h"
@@ -32,8 +32,8 @@ struct EdgeSums {
     [[nodiscard]] bool admissible(int wire) const;
     [[nodiscard]] bool unsymmetric(int wire) const;
     [[nodiscard]] double largest_force(int wire) const;
-    /// Of forces computed in float, see ForceTerm::rounding: a gap is made of vectors as long as the edge and the wire is
-    /// thick, each rounded to 2^-24 of it, and moves the force by the contact's stiffness times that.
+    /// Rounding of forces computed in float, see ForceTerm::rounding. A gap is made of vectors as long as the edge and the wire's
+    /// radius, each rounded to 2^-24. It moves the force by the contact's stiffness times that.
     [[nodiscard]] double rounding(int wire, int begin, const RodView& rod) const;
     /// @param begin  first node of the wire in the concatenated arrays; see ForceTerm::add
     void add(int wire, int begin, std::span<double> gradient, BandRows* jacobian, bool symmetric) const;

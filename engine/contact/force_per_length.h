@@ -1,9 +1,9 @@
 #pragma once
-// Readings of contact along a wire that do not depend on where the wire is sampled: force per length, the force on a patch, how
-// many places it lies on.
+// Readings of contact along a wire that do not depend on its sampling: force per length, the force on a patch, the number of
+// regions in contact.
 //
-// A sample of contact that stands for the length l of wire bears its normal force F [N] evenly over [s - l/2, s + l/2], s the arc
-// length from the tip along the unstressed wire [m]; the tip's own point law and the pairs of `layer` stand for no length and bear
+// A sample of contact that represents the length l of wire bears its normal force F [N] evenly over [s - l/2, s + l/2], s the arc
+// length from the tip along the unstressed wire [m]. The tip's own point law and the pairs of `layer` represent no length and bear
 // theirs at s. Their sum is a load along the wire whose integral is the sum of all F, whatever the samples are. With N(a, b) the
 // load on the closed stretch from a to b [N]:
 //
@@ -14,7 +14,7 @@
 //
 // The window W is one wire diameter: what a wire presses on is not known finer than the wire is thick. A box has the integral of
 // the load (the window hangs over at the wire's ends, where q falls to half of an even load) and makes of F at one place F/W,
-// wherever that is; an even load is q itself. What lies between two samples is borne by both, over 2 l: W is at least twice the
+// wherever that is; an even load is q itself. Two samples share the load between them over 2 l: W is at least twice the
 // samples' spacing, and the reading says so (`widened`). Normal forces are added as they are, without direction: a wire that is
 // pressed between two walls reads what presses on it from both sides.
 
@@ -25,7 +25,7 @@
 
 namespace seldinger {
 
-/// What one wire's contacts with the wall, or with other instruments, come to.
+/// Readings of one wire's contacts with the wall, or with other instruments.
 struct ContactAlong {
     double per_length_max = 0;    // largest q [N/m]
     double per_length_at = 0;     // there, from the tip [m]
@@ -68,7 +68,7 @@ public:
     [[nodiscard]] Place most_on(double length) const;
 
 private:
-    /// Load up to x, with what is borne at x itself or without it [N]. @param after  the first knot beyond x
+    /// Load up to x, with the load at x itself or without it [N]. @param after  the first knot beyond x
     [[nodiscard]] double upto(double x, bool closed, std::size_t after) const;
     [[nodiscard]] double upto(double x, bool closed) const;
     struct Knot {

@@ -1,4 +1,4 @@
-// Cells and pairs from what the user gave.
+// Cells and pairs from the user's settings.
 
 #include "contact/instrument_cells.h"
 
@@ -119,7 +119,7 @@ void InstrumentCells::add_pair(const InstrumentSetup& setup, int a, int b, uint 
 }
 
 /// A wire inside others: it touches the lumen of the innermost one that is round it. Seen from outside, it touches an outer one
-/// only where it has left that one's mouth by more than it takes to come back to it.
+/// only after it has left that one's mouth by more than the distance back to it.
 void InstrumentCells::add_nested_pairs(const InstrumentSetup& setup, int wire, const NestedInstruments& nest)
 {
     const auto place = std::find(nest.order.begin(), nest.order.end(), wire) - nest.order.begin();

@@ -1,6 +1,6 @@
 #pragma once
-// The instruments of a world as contact between them sees them: cells of material with their surfaces, and which pairs may touch
-// where (D13; kernels/shared/instrument_types.h).
+// The instruments of a world for contact between them: cells of material with their surfaces, and the pairs that may touch (D13;
+// kernels/shared/instrument_types.h).
 
 #include "contact/contact_spec.h"
 #include "rod/wire_spec.h"

@@ -197,7 +197,7 @@ void InstrumentContact::set_trial(const TrialState& trial)
     }
 }
 
-// ---- what is near -----------------------------------------------------------------------------------------------------------
+// ---- searching --------------------------------------------------------------------------------------------------------------
 
 void InstrumentContact::measure_rods()
 {
@@ -242,7 +242,8 @@ InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t begin
     return {first, until - first};
 }
 
-/// Of the systems in searching_; the others, which may be done with this step, keep what they have found and what their trials have left.
+/// Searches for the systems in searching_. The others, which may be done with this step, keep their neighbours and the traces of
+/// their trials.
 void InstrumentContact::search(device::Queue queue)
 {
     measure_rods();
@@ -263,7 +264,7 @@ void InstrumentContact::search(device::Queue queue)
         const auto until = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(last) + rods_.node_count(last));
         std::copy(nodes_.position.begin() + begin, nodes_.position.begin() + until, searched_position_.begin() + begin);
     }
-    // what earlier trials of this step have left is in slots that now stand for something else
+    // slots that now represent other contacts still have the forces of earlier trials
     for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
         const auto system = static_cast<std::size_t>(system_of_[wire]);
         if (searching_[system] && written_[system])
@@ -330,8 +331,8 @@ InstrumentContact::NodeRange InstrumentContact::nodes_between(const InstrumentRo
     return {begin + std::max(first - 1, 0), begin + std::min(end + 1, last) + 1};
 }
 
-/// Of b what is within two cells and a skin of where the slot was found: a cell is no longer, and no trial takes it farther along b without
-/// another search. @param near  a node of all that is before a's
+/// Nodes of b within two cells and a skin of the slot's last point. A cell is no longer, and no trial moves it farther along b
+/// without another search. @param near  a node of all that is before a's
 InstrumentContact::NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
 {
     const InstrumentSlot& found = slots_host_[slot];
@@ -350,9 +351,9 @@ double InstrumentContact::most_moved(NodeRange nodes) const
     return nodes.first < nodes.end ? *std::max_element(moved_.begin() + nodes.first, moved_.begin() + nodes.end) : 0.0;
 }
 
-/// What is near in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial: what the
-/// first one of a step has found to be farther apart than the nodes on both sides of it have moved since is not evaluated. (In a lumen,
-/// where alone that is known, the distance to b's curve grows by no more than the place that was nearest moves, and what looks for it.)
+/// Neighbours in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial. A slot is
+/// not evaluated if the first trial of a step found it farther apart than the nodes on both sides have moved since. (This is known
+/// in a lumen only. The distance to b's curve grows by no more than the moves of its nearest point and of the searching point.)
 void InstrumentContact::pick(std::span<const std::uint8_t> active)
 {
     picked_.clear();
@@ -377,7 +378,7 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
     picked_of_.back() = picked_.size();
 }
 
-/// How far nodes have moved since the first trial that was evaluated on what is near.
+/// Movement of nodes since the first trial evaluated with these neighbours.
 void InstrumentContact::measure_moves(int wire)
 {
     const auto begin = static_cast<std::size_t>(rods_.node_begin(wire)), count = static_cast<std::size_t>(rods_.node_count(wire));
@@ -452,7 +453,7 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     if (of_itself > 0) evaluate(evaluate_self_, picked_.size());
 }
 
-/// Room for so many slots, in the host's memory: few of them touch, and only what these write is looked at.
+/// Room for so many slots, in the host's memory: few of them touch, and only their output is read.
 void InstrumentContact::provide_records(std::size_t slots)
 {
     if (forces_.size() >= slots) return;
@@ -523,7 +524,7 @@ void InstrumentContact::note_touching(std::span<const std::uint8_t> active)
     }
 }
 
-/// States of what is near and does not touch, of which trials write none.
+/// States of near slots that do not touch; trials do not write them.
 void InstrumentContact::follow(std::span<const std::uint8_t> active)
 {
     picked_.clear();

@@ -1,17 +1,15 @@
 #pragma once
 // Contact between instruments (D13), a force term: wires side by side, crossing, a wire with itself, an instrument in the lumen
-// of another and at its mouth. Geometry: kernels/shared/instrument_gap.h; laws: instrument_law.h; what is integrated:
-// instrument_cell.h.
+// of another and at its mouth. Geometry: kernels/shared/instrument_gap.h; laws: instrument_law.h; integration: instrument_cell.h.
 //
-// Per step: begin_step remembers nodes, prepare takes the node set and looks for what cells are near to (kernel instruments_find);
-// at each trial instruments_evaluate makes the forces of all that were found, whose records are
-// summed on the host (instrument_sums.h). Where a node has moved by half of the skin since the last search, the trial is searched
-// anew: what is found is always that of the trial. A trial in which one has sunk deeper into another than the law's pole is
-// refused, and no node moves by more than 0.45 of the smaller radius at once: axes that are 1.5 radii apart do not pass each
-// other.
+// Per step: begin_step remembers nodes; prepare takes the node set and searches the neighbours of cells (kernel instruments_find).
+// At each trial instruments_evaluate makes the forces of all neighbours, and the host sums their records (instrument_sums.h). If a
+// node has moved by half of the skin since the last search, the trial is searched anew, so neighbours always belong to the trial.
+// A trial in which one has sunk deeper into another than the law's pole is refused, and no node moves by more than 0.45 of the
+// smaller radius at once. So axes that are 1.5 radii apart do not pass each other.
 //
-// Whether an instrument is inside another goes by the way along both from the hub, and where on it from the place of the last
-// search onwards: never by what is near in space. Instruments fed at one inlet lie on each other there, in the middle of the
+// Arc lengths from the hub decide whether an instrument is inside another. The last point of the search is where the next one
+// begins. Distance in space does not matter. Instruments fed at one inlet lie on each other there, in the middle of the
 // lumen.
 
 #include "contact/contact_row.h"
@@ -96,7 +94,7 @@ private:
     struct NodeRange {
         int first, end;
     };
-    /// The nodes on which a cell and what is near it lie: of a, of b.
+    /// Nodes of the cell and of its neighbours: on a, on b.
     struct NearNodes {
         NodeRange a, b;
     };

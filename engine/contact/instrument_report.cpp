@@ -1,4 +1,4 @@
-// What contact between instruments keeps from step to step: saved, restored, shown.
+// State of contact between instruments from step to step: saved, restored, reported.
 
 #include "contact/contact_patch.h"
 #include "contact/instrument_contact.h"
@@ -89,7 +89,7 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
     context_.enter(device::Queue::Inline);
     context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
                    first * sizeof(InstrumentState));
-    // epochs that are gone through again must not find what was written in them before
+    // a repeated epoch must not find marks of an earlier one
     context_.write(device::Queue::Inline, states_, no_states_.data(), states.size() * sizeof(InstrumentState),
                    first * sizeof(InstrumentState));
     context_.finish(device::Queue::Inline);

@@ -1,9 +1,9 @@
 #pragma once
-// What contact between instruments exerts, put together on the host: forces by node, tangent by blocks of three nodes of a and
-// three of b, sums by instrument; always in the order of the cells.
+// Sums of contact between instruments on the host: forces by node, tangent by blocks of three nodes of a and three of b, sums by
+// instrument; always in the order of the cells.
 //
-// Work. A force F on a, -F on b does F . da and -F . db. Of what it does on a, half of F . (da - db) is the contact's own (what
-// it stores, damps and rubs away); the rest, F . (da + db)/2, comes from b, whose share is its negative.
+// Work. A force F on a, -F on b does F . da and -F . db. Half of F . (da - db) is the contact's own work on a: stored, damped or
+// lost to friction. The rest, F . (da + db)/2, comes from b, whose share is its negative.
 
 #include "contact/edge_sums.h"
 #include "math/banded_solver.h"

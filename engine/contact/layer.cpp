@@ -1,4 +1,4 @@
-// The published layer method: pairs found, evaluated and carried on from step to step.
+// The published layer method: pairs found, evaluated and carried from step to step.
 
 #include "contact/layer.h"
 
@@ -197,7 +197,7 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         const std::size_t edges = sums_.edge_node.size();
         reduce_.launch(light, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_sums_);
         context_.read(light, edge_sums_, sums_.edges.data(), edges * sizeof(EdgeForce));
-        // a pair stands for no length of wire; its edge's layer does
+        // a pair represents no length of wire; its edge's layer does
         for (std::size_t e = 0; e < edges; ++e)
             if (sums_.edges[e].contacts > 0) sums_.edges[e].length = touching_[paired_edges_[e]];
     }
@@ -345,7 +345,7 @@ void LayerContact::check_keys(std::span<const Key> keys, int first_wire, int end
         const auto begin = static_cast<std::uint32_t>(rods_.node_begin(wire));
         if (!known || (k > 0 && !(keys[k - 1] < key)) || key.edge < begin ||
             key.edge - begin >= static_cast<std::uint32_t>(rods_.capacity(wire)) || key.triangle >= wall_.original.size())
-            throw Error(ExitCode::BadFile, "the saved state has contacts on edges or triangles that this scene has not");
+            throw Error(ExitCode::BadFile, "the saved state has contacts on edges or triangles that this scene does not have");
     }
 }
 

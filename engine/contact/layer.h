@@ -36,7 +36,7 @@ private:
     void list_edges(std::span<const std::uint8_t> live);
     void list_pairs();
     void merge_records(std::span<const std::uint8_t> active);
-    /// Of a saved state: ordered, of these wires, of edges and triangles that there are. @throws Error BadFile
+    /// Checks a saved state: ordered, of these wires, with existing edges and triangles. @throws Error BadFile
     void check_keys(std::span<const Key> keys, int first_wire, int end_wire) const;
     [[nodiscard]] double lumen_radius_at(const Vec3& p);
 

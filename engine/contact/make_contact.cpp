@@ -12,7 +12,7 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Cont
     const ContactSpec& contact = setup.method();
     if (is_nonpenetrating(contact.normal) && contact.detection == Detection::Layer)
         throw Error(ExitCode::BadScene,
-                    "contact.normal: this law lives on material samples, which detection = \"layer\" has not");
+                    "contact.normal: this law needs material samples, which detection = \"layer\" does not have");
     if (context.float32() && (is_nonpenetrating(contact.normal) || contact.detection == Detection::Layer))
         throw Error(ExitCode::BadScene,
                     "contact.precision: float32 is there for detection \"swept\", \"capsule\" and \"nodes\" with normal "

@@ -48,7 +48,7 @@ bool Multipliers::update(device::Queue at, ContactParams par, const QuadratureBu
         if (!(solved[w] && wire.live > 0 && *std::max_element(first, first + wire.live) > 1)) continue;
         again[w] = 1;
         any = true;
-        // the other wires keep what they were solved with: what one does has no say in what they do
+        // the other wires keep the multipliers that they were solved with: systems are independent
         const std::size_t record = 2 * sizeof(MultiplierState);
         context_.copy(at, next_states_, states_, wire.capacity * record, wire.begin * record);
     }

@@ -16,7 +16,7 @@ public:
     void begin() { fresh_ = true; }
     /// Before an evaluation. @param par  of the evaluation: the stiffness of a multiplier follows the step
     void before_evaluation(device::Queue at, ContactParams par, const QuadratureBuffers& buffers);
-    /// Multipliers after a solve, for wires with solved[w]: those that miss what is allowed get new ones, and again[w] = 1.
+    /// Multipliers after a solve, for wires with solved[w]. Multipliers outside the tolerance get new values, and again[w] = 1.
     /// @return whether any did
     bool update(device::Queue at, ContactParams par, const QuadratureBuffers& buffers, const QuadratureSet& points,
                 std::span<const std::uint8_t> solved, std::span<std::uint8_t> again);

@@ -1,4 +1,4 @@
-// Near wall of quadrature points: what is known, and what is found anew.
+// Cache of the wall near each quadrature point, and its renewal.
 
 #include "contact/near_wall.h"
 

@@ -1,8 +1,7 @@
 #pragma once
-// What is known of the wall near every quadrature point: the nodes of the tree round it (kernels/shared/walk.h), or that no
-// wall is near. Either holds while the quadrature point stays near where it was found out, which is for many steps; and the wall
-// not moving, what one quadrature point knows serves its neighbours. Most of a wire is far from any wall: there one distance
-// serves a stretch of it.
+// Caches the wall near every quadrature point: the nodes of the tree round it (kernels/shared/walk.h), or that no wall is near. An
+// entry holds while the quadrature point stays near the place of the search, usually for many steps. Beside a rigid wall an entry
+// also serves the neighbours of its point. Most of a wire is far from any wall: there one distance serves a stretch of it.
 
 #include "contact/device_views.h"
 #include "contact/point_states.h"
@@ -60,8 +59,8 @@ private:
     const PointStates& states_;
     Lengths lengths_;
     uint slots_;
-    // What is known holds while the quadrature point is within keep_ of at_: either its BVH nodes, counts_ > 0; or, clear_ > 0,
-    // that no wall is within clear_ of at_, which serves for the neighbours too.
+    // An entry is valid while the quadrature point is within keep_ of at_. It has either its BVH nodes (counts_ > 0) or no wall
+    // within clear_ of at_ (clear_ > 0), which serves for the neighbours too.
     std::vector<Vec3> at_;                // [points] NaN: nothing is known
     std::vector<double> keep_, clear_;    // [points] [m]
     std::vector<std::uint32_t> counts_;   // [points]

@@ -1,4 +1,4 @@
-// What quadrature points carry from step to step: places, records, saving.
+// State of quadrature points from step to step: places, records, saving.
 
 #include "contact/point_states.h"
 
@@ -98,7 +98,7 @@ void PointStates::fetch(std::uint32_t first, std::uint32_t end)
     read_records(context_, device::Queue::Inline, states_t0_, host_t0_.data() + 2 * first, 2 * std::size_t{end - first}, 2 * first, narrow_);
 }
 
-/// Of a state that is restored. @param states  two records for each point of wires [first, end)
+/// Marks the points in contact of a restored state. @param states  two records for each point of wires [first, end)
 void PointStates::note_living(int first_wire, int end_wire, std::span<const ContactState> states)
 {
     std::size_t at = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What quadrature points carry from step to step, and where they are, on the device.
+// State of quadrature points from step to step, and their places, on the device.
 
 #include "contact/quadrature.h"
 #include "device/device.h"
@@ -10,7 +10,7 @@
 
 namespace seldinger {
 
-/// Of a saved state: finite numbers, triangles that there are. @throws Error BadFile
+/// Checks a saved state: finite numbers, existing triangles. @throws Error BadFile
 void check_contact_states(std::span<const ContactState> states, std::size_t triangles);
 
 class PointStates {
@@ -33,8 +33,8 @@ public:
             }
         commit(active);
     }
-    /// Two records for each point of wires [first, end). Those that no contact of the last step wrote are zeros: leftovers have
-    /// no say in what comes, nor may they in the bytes saved.
+    /// Two records for each point of wires [first, end). States that no contact of the last step wrote are zeros: leftovers must
+    /// neither affect later steps nor the saved bytes.
     [[nodiscard]] std::vector<ContactState> living(int first_wire, int end_wire);
     /// Calls f(point, state) with each record of a wire that a contact of the last step wrote, in the order of its points.
     template <class F>
@@ -52,7 +52,7 @@ public:
     }
     void save(std::vector<std::uint8_t>& bytes);
     void save_wire(std::vector<std::uint8_t>& bytes, int wire);
-    /// @param triangles  of the wall. @throws Error BadFile: the bytes hold what is none of its contacts
+    /// @param triangles  of the wall. @throws Error BadFile: the bytes hold a state that is none of its contacts
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end, std::size_t triangles);
     void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::size_t triangles);
 

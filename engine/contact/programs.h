@@ -1,5 +1,5 @@
 #pragma once
-// Which kernel files are built together. A program costs 50 ms at the start of a process even where its kernels are compiled on
+// Kernel files that are built together. A program costs 50 ms at the start of a process even where its kernels are compiled on
 // disk, so that what every step launches is one.
 
 namespace seldinger::programs {

@@ -30,9 +30,8 @@ ContactSpec with_lengths(ContactSpec contact, double radius)
     return contact;
 }
 
-// See quadrature.h. Up to smooth_ridge the axial part of a ridge's force is half of it at most, less than friction; a quarter of
-// a radius puts five quadrature points on a ridge that is pressed in by a fiftieth of the radius, and is reached at twice
-// smooth_ridge.
+// See quadrature.h. Up to smooth_ridge the axial part of a ridge's force is at most half of it, less than friction. A spacing of
+// 1/4 radius puts five quadrature points on a ridge that is pressed in by 0.02 radii, and is reached at twice smooth_ridge.
 constexpr double smooth_ridge = 0.12;   // [rad]
 constexpr double least_spacing = 0.25;  // of the radius
 

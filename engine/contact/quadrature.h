@@ -1,13 +1,13 @@
 #pragma once
-// Where the wire is asked for contact: quadrature points fixed in the material, whatever the nodes do.
+// Points at which contact is evaluated: quadrature points fixed in the material, whatever the nodes do.
 //
-// Quadrature point 0 of a wire is its tip (point law); quadrature point k >= 1 stands for the k-th stretch of `spacing` metres
-// from the tip and lies at its middle (detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of
-// the edge length). The default spacing is one wire radius: with every quadrature point farther than r/2 from the wall (the
-// hardening law never lets the axis nearer) the straight axis between two quadrature points cannot meet the wall at all.
+// Quadrature point 0 of a wire is its tip (point law). Quadrature point k >= 1 represents the k-th stretch of `spacing` metres from
+// the tip and lies at its middle. (Detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the
+// edge length.) The default spacing is one wire radius. If every quadrature point is farther than r/2 from the wall (the hardening
+// law never lets the axis nearer), the straight axis between two of them cannot meet the wall at all.
 //
-// A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a
-// rod: while one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The
+// A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a rod.
+// While one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The
 // integral over the wire has no such axial part, by symmetry, but a quadrature has, once its points are too few on the wire's
 // length that the ridge presses. Where the mesh's ridges are sharp, mean_ridge_angle (vessel/ridges.h), the default spacing is
 // finer, down to r/4.
@@ -31,8 +31,8 @@ struct WireQuadrature {
         2;  // of the step being solved; commit raises it. From 2: a record of zeros must not pass for the last step's
     double spacing = 0;     // [m]
     double placed_to = -1;  // material coordinate of the last node but one when they were placed last [m]
-    // Of a wire that shares its nodes with others (D12): where its material is in their coordinate, s = own - offset, and how far
-    // from its tip it is not inside another one [m].
+    // For a wire that shares its nodes with others (D12): position of its material in their coordinate, s = own - offset, and the
+    // length from its tip that is not inside another one [m].
     double offset = 0, exposed = std::numeric_limits<double>::infinity();
     double placed_offset = 0;  // when they were placed last
     std::vector<double> s;  // [capacity] material coordinate [m]
@@ -45,8 +45,8 @@ struct QuadratureSet {
     [[nodiscard]] int total() const { return static_cast<int>(models.size()); }
 };
 
-/// Bounds, above which quadrature points would fill the memory (some 400 bytes each) before anything is computed: of a wire's length
-/// in its smallest radii, several times that of 3 m of 0.1 mm, and of nodes times samples_per_edge.
+/// Bounds, above which quadrature points (some 400 bytes each) would fill the memory before any computation. One is for a wire's
+/// length in smallest radii, several times that of 3 m of 0.1 mm; the other for nodes times samples_per_edge.
 inline constexpr double most_slender = 5e5, most_samples = 2e6;
 
 /// Contact coefficients per section come from the wire's sections.

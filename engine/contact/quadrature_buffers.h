@@ -1,5 +1,5 @@
 #pragma once
-// What kernels read of the quadrature points in a launch over a list of them. Put together for each call: lists grow, and states
+// Data of quadrature points for a launch over a list of them. Put together for each call: lists grow, and states
 // are swapped when a step is accepted.
 
 #include "contact/device_views.h"

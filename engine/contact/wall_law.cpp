@@ -1,4 +1,4 @@
-// Constants of the contact laws from what the user gave.
+// Constants of the contact laws from the user's settings.
 
 #include "contact/wall_law.h"
 
@@ -16,9 +16,9 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 // A law given by the user holds as it was given up to 0.4 of the radius. Its pole stays where the wall's own is, at half the
-// radius: the axis is then always farther from the wall than the 0.45 radii that a node may move at once (`swept`), so that it
-// stays on its side of the wall. What is left between must be wide enough for Newton's steps: at a pole of a tenth of the radius
-// the force doubles within 0.036 radii.
+// radius. The axis is then always farther from the wall than the 0.45 radii that a node may move at once (`swept`), and stays on
+// its side of the wall. The remaining range must be wide enough for Newton's steps: at a pole of 0.1 radii the force
+// doubles within 0.036 radii.
 constexpr double exact_part = 0.8;  // of depth_limit
 
 double own_weight(const WireSection& section)
@@ -28,8 +28,8 @@ double own_weight(const WireSection& section)
 
 double radius_in_lumen(double r, double lumen_radius) { return effective_radius(rod_side(r, 0), wall_side(lumen_radius, r, 0)); }
 
-// (D10): moment per force = arm * a. From the wall's law a^2 = 2 r* depth; from a user's stiffness the Hertz half-width
-// a^2 = (4 r / pi) f ((1-nu1^2)/E1 + (1-nu2^2)/E2), f per metre, with a wire that gives no modulus taken as rigid.
+// (D10): moment per force = arm * a. From the wall's law a^2 = 2 r* depth. From a user's stiffness the Hertz half-width a^2 = (4 r
+// / pi) f ((1-nu1^2)/E1 + (1-nu2^2)/E2), f per metre; a wire without a modulus is taken as rigid.
 void set_rolling(QuadratureModel& m, const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
                  double r_star)
 {
@@ -45,8 +45,8 @@ void set_rolling(QuadratureModel& m, const WireSection& section, const ContactSp
     }
 }
 
-// Constants that follow from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor
-// of v- (D7): at smaller approach speeds the damping of a resting contact would exceed critical.
+// Constants from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor of v- (D7). At
+// smaller approach speeds the damping of a resting contact would exceed critical.
 void set_scales(QuadratureModel& m, double own_load)
 {
     const double depth = depth_under(own_load, m.stiffness, m.exponent);
@@ -56,8 +56,8 @@ void set_scales(QuadratureModel& m, double own_load)
 
 constexpr double impulse_speed = 1e-4;  // that may be left in the normal direction [m/s], against feeds of centimetres a second
 
-// multiplier_law.h. k: the wall's tangent stiffness a hundredth of the radius deep. kappa: the barrier carries at half of its
-// distance what the wall carries that deep. @param mass  that the quadrature point's law acts on per unit of its weight [kg/m],
+// multiplier_law.h. k: the wall's tangent stiffness at a depth of 0.01 radii. kappa: at half of its distance the barrier carries
+// the wall's force at that depth. @param mass  that the quadrature point's law acts on per unit of its weight [kg/m],
 // or [kg] at the tip
 void set_nonpenetration(QuadratureModel& m, const ContactSpec& contact, double mass)
 {

@@ -1,5 +1,5 @@
 #pragma once
-// The numbers of the contact laws of one section of wire against one wall (D6b, D6c, D7, D10), from what the user gave.
+// The numbers of the contact laws of one section of wire against one wall (D6b, D6c, D7, D10), from the user's settings.
 
 #include "contact/contact_spec.h"
 #include "rod/wire_spec.h"
@@ -22,7 +22,7 @@ inline constexpr double weight_gravity = 9.81;
 /// Foundation modulus of a thin layer on a stiff bed, k_f = E (1-nu) / ((1+nu) (1-2nu) H)  [N/m^3] (D6)
 [[nodiscard]] double foundation_modulus(const VesselSpec& wall);
 
-/// Line law of two bodies that lie along each other: f = (4/3) k_f sqrt(2 r*) depth^1.5 per metre, with r* and k_f of both sides
+/// Line law of two bodies that lie along each other: f = (4/3) k_f sqrt(2 r*) depth^1.5 per metre. r* and k_f are of both sides
 /// (D6b: a rigid wire along a lumen, 1/r* = 1/r - 1/R).
 [[nodiscard]] double line_stiffness(const LawSide& a, const LawSide& b);
 

@@ -1,4 +1,4 @@
-// Feet of nodes on a wall that yields, and how the wall gives way under them.
+// Feet of nodes on an elastic wall, and the wall's compliance under them.
 
 #include "contact/wall_stations.h"
 
@@ -9,17 +9,18 @@ namespace seldinger {
 
 namespace {
 
-// Of how far the wall has gone: nodes may be as far from where it was and touch it. The largest is that of the places that were
-// looked at; no other has gone much farther.
+// Factor on the wall's largest displacement: nodes may be that far from the initial wall and still touch it. The largest is that of
+// the examined points; no other has moved much farther.
 constexpr double farthest_factor = 1.25;
 
 constexpr double fade_length = 4;  // radii over which U fades out
 
-// Of y = x - U(foot of y): each brings it nearer by the slope of U. Of a node that goes on from a known y the next step is the next one.
+// Passes of y = x - U(foot of y): each reduces the error by the slope of U. A node with a known y takes its next pass in the next
+// step.
 constexpr int most_passes = 4;
 constexpr double settled = 1e-3;  // radii
 
-// |G| up to which what moves is carried back by it. Linear theory ends far below, and 1 + G is singular from 1 on.
+// |G| up to which positions are carried back. Linear theory ends far below, and 1 + G is singular from 1 on.
 constexpr double steepest = 0.5;
 
 double length_from(const Vec3& a, const Vec3& b) { return (a - b).norm(); }

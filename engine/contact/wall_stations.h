@@ -1,17 +1,17 @@
 #pragma once
-// Where wires meet a wall that yields. Contact is looked for in the wall's unmoved shape: each node of a wire is carried back by
-// what the wall has moved under it, and from there on the wall is the rigid one, exact mesh, tree and caches included.
+// Where wires meet an elastic wall. Contact is computed in the wall's undeformed shape. Each node of a wire is carried back by
+// the wall's displacement under it. From there on the wall is the rigid one, exact mesh, tree and caches included.
 //
 //     y = x0 - U0 + (1 + G)^-1 [(x - x0) - (U - U0)],     U = sum_a N_a(foot) w_a,     G = dU/dX at the foot            (D11a)
 //
-// x: node, x0, U0: what x and U were when its foot was found (the start of the step), foot: the point of the wall's smooth surface
-// that is nearest to y0 = x0 - U0, not to x0: then (D11a) is the tangent of the map that the next step's feet follow, and where the
-// wire is drawn along a dent the two part by terms of second order in the way of one step alone. Between nodes y is linear, as the
-// wire is. The wall's points X have gone to X + U(X), by a map of gradient 1 +
-// G: what the wire does relative to the wall is carried back by its inverse. To first order in the slope of the displacement (2.5
-// % of what a move of a fifth of the lumen's radius over a decay length gives is second order) the gap at y is that to the moved
-// wall. A force f at y is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot: no work and
-// no momentum is lost between the two. What is far from the wall is not carried at all: U fades out between `full` and `none`.
+// x: node; x0, U0: x and U at the time of its foot's search (the start of the step). foot: the point of the wall's smooth surface
+// nearest to y0 = x0 - U0, not to x0. Then (D11a) is the tangent of the map that the next step's feet follow. If the wire
+// is drawn along a dent, the two differ by terms of second order in the distance of one step alone. Between nodes y is linear, as
+// the wire is. The wall's points X have gone to X + U(X), by a map of gradient 1 +
+// G: what the wire does relative to the wall is carried back by its inverse. The gap at y is that to the moved wall to first order
+// in the slope of the displacement. For a move of 0.2 lumen radii over a decay length, 2.5 % of it are second order. A force f at y
+// is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot. No work and no momentum is lost
+// between the two. Nodes far from the wall are not carried at all: U fades out between `full` and `none`.
 
 #include "math/vec3.h"
 #include "rod/rod_arrays.h"
@@ -35,8 +35,8 @@ struct WallStation {
     int row = -1;                  // among those that touch, or may
 };
 
-/// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, for the last bits of
-/// what is found depend on it.
+/// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, because the last bits of
+/// a foot depend on it.
 struct WallFoot {
     double node[3] = {1e30, 1e30, 1e30};  // y from which it was found [m]
     double u = 0, v = 0;
@@ -44,8 +44,8 @@ struct WallFoot {
 };
 
 /// Where a node of the accepted state was and where it was carried to by the foot of that step. From its new foot it is carried to
-/// x - U, which differs by terms of second order in the slope and the way that it has gone: little, but as much as an overlap may
-/// have where a wire is drawn fast along a dent. y goes on from where it was, and by `most_made_good` radii a step to x - U.
+/// x - U, which differs by terms of second order in the slope and the distance moved. That is little, but as much as an overlap may
+/// have if a wire is drawn fast along a dent. y continues from its position, and by `most_made_good` radii a step to x - U.
 struct WallEnd {
     double x[3] = {1e30, 1e30, 1e30}, y[3] = {};  // [m]
 };
@@ -87,7 +87,7 @@ private:
     std::vector<Clear> clear_;           // [nodes] where a node was when it was far from the wall
 };
 
-/// W: how stations give way to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
+/// W: compliance of stations to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
 /// @param rows  nodes of the stations  @param w  [3 rows][3 rows], row by row
 void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What contact with a yielding wall keeps of one system while a step is solved. Private to yielding_wall*.cpp.
+// State of contact with an elastic wall for one system while a step is solved. Private to yielding_wall*.cpp.
 
 #include "contact/yielding_wall.h"
 
@@ -35,7 +35,7 @@ struct YieldingWall::System {
     void forget_base() { base_ = -1; }
     /// The wall where contact's answer sends it, by the linear equations at the trial, whose positions stay.
     void correct();
-    /// What is missed of the balance of wall and contact, against what may be.
+    /// Residual of the balance of wall and contact over the permitted one.
     /// @param of_force  of the largest force  @param of_radius  of the wire's radius
     [[nodiscard]] double misses(double of_force, double of_radius) const;
 

@@ -311,7 +311,7 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
         for (const auto& [unknown, value] : now.linear.e_transposed.row(k)) residual[unknown + by] += value * z[k];
     }
     if (!tangent) return;
-    // what add() has just asked contact for is what was said at the evaluation, but for a symmetric tangent
+    // add() uses the result of the last evaluation, except for a symmetric tangent
     if (!symmetric && system.wires.size() == 1) tangent->condensed.take(now.linear, unknowns.map.first(0));
     else linearise(system, &unknowns, tangent->condensed);
 }
@@ -320,7 +320,7 @@ bool YieldingWall::admissible(int wire) const { return contact_.admissible(wire)
 
 double YieldingWall::feasible_step(int wire) const { return std::min(contact_.feasible_step(wire), open_way(of(wire), wire)); }
 
-/// No wall is jumped while no node goes farther than the limit as the unmoved wall sees it. @return how much of the way is open
+/// No wall is jumped while no node goes farther than the limit as the unmoved wall sees it. @return how much of the path is open
 double YieldingWall::open_way(const System& system, int wire) const
 {
     const double limit = contact_.move_limit(wire);

@@ -1,15 +1,15 @@
 #pragma once
-// Contact with a wall that yields (D11): the force term that stands before contact with the unmoved wall, and carries wires back
-// to it (wall_stations.h). Both bodies are solved together:
+// Contact with an elastic wall (D11): the force term in front of contact with the undeformed wall; it carries wires back to that
+// wall (wall_stations.h). Both bodies are solved together:
 //
 //     wire   R(x) - A^T f(y) = 0                   f: what contact exerts on the nodes, whatever finds it and whatever its laws;
 //                                                  A = dy/dx = (1 + G)^-1 (wall_stations.h)
 //     wall   rho = U - U_free + W A^T f(y) = 0     U_free: where the wall would be at the end of the step if nothing touched it
 //
-// Newton's residual takes both: at each trial x the wall has been moved to where the last linear equations of the two have it for
-// this x; what is left of rho there goes into the wire's residual as the force that it will still make. With T = -A^T df/dy A the
-// tangent is T - T (W^-1 + T)^-1 T: unknowns U beside the band (math/condensed.h). Where a trial has gone far
-// from what was foreseen (rho makes a tenth of the largest force) the wall is moved again at the same x.
+// Newton's residual takes both. At each trial x the wall moves to the position that the last linear equations of both give for this
+// x. The remaining rho goes into the wire's residual as the force that it will still make. With T = -A^T df/dy A the
+// tangent is T - T (W^-1 + T)^-1 T: unknowns U beside the band (math/condensed.h). If a trial is far from this prediction (rho
+// above 10 % of the largest force), the wall is moved again at the same x.
 //
 // When a step is accepted the wall takes -A^T f, all of it: (K + C/h) w1 = C/h w0 - sum N^T A^T f (wall/wall_dynamics.h).
 
@@ -63,7 +63,7 @@ public:
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
     void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
 
-    /// Of the control vertices [3V] [m], and what contact has done on them since the beginning [J].
+    /// Displacement of the control vertices [3V] [m], and contact's work on them since the beginning [J].
     [[nodiscard]] std::vector<double> displacement(int system) const;
     [[nodiscard]] double work(int system) const;
     /// Contact forces on the nodes of a wire, [n], as the wire feels them.

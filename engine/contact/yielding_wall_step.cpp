@@ -1,4 +1,4 @@
-// Contact with a yielding wall from step to step: feet, what may touch, the wall's own step, saving.
+// Contact with an elastic wall from step to step: feet, possible contacts, the wall's own step, saving.
 
 #include "contact/yielding_system.h"
 
@@ -50,7 +50,7 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
 
 // ---- start of a step ----
 
-/// Of the node that was at x; births and merges have renumbered it. Null: there was none.
+/// End state of the node that was at x; births and merges have renumbered it. Null: there was none.
 const WallEnd* YieldingWall::System::end_of(int first, int count, int node, const Vec3& x) const
 {
     const auto is = [&](int i) { return i >= 0 && i < count && Vec3(ends[first + i].x) == x; };
@@ -168,7 +168,7 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
     contact_.prepare(unmoved_, live);
 }
 
-/// What the wall does by itself in a step of h, and how it gives way where it may be touched.
+/// The wall's free motion in a step of h, and its compliance where it may be touched.
 void YieldingWall::start_step(System& system, double h) const
 {
     system.begun = true;
@@ -309,7 +309,7 @@ void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
 
 std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
 {
-    // what is only read leaves no trace: the last bits of a foot depend on where it was looked for before
+    // reading leaves no trace: the last bits of a foot depend on the start of its search
     std::vector<WallStations> before;
     for (const auto& system : systems_) before.push_back(system->stations);
     for (int w = 0; w < rods.wire_count(); ++w) carry_back(rods, w);
@@ -383,12 +383,12 @@ void YieldingWall::take_feet(const std::uint8_t*& bytes, const std::uint8_t* end
         if (foot.triangle >= wall_.surface().topology().triangle_count() ||
             !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9) ||
             !std::all_of(std::begin(foot.node), std::end(foot.node), [](double x) { return std::isfinite(x); }))
-            throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
+            throw Error(ExitCode::BadFile, "the saved state names a position that this scene's wall does not have");
         WallEnd& end_state = system.ends[i];
         take_bytes(bytes, end, &end_state, 1);
         const auto finite = [](double x) { return std::isfinite(x); };
         if (!std::ranges::all_of(end_state.x, finite) || !std::ranges::all_of(end_state.y, finite))
-            throw Error(ExitCode::BadFile, "the saved state holds a place that is no number");
+            throw Error(ExitCode::BadFile, "the saved state holds a position that is not finite");
     }
 }
 

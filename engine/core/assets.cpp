@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Whether nobody but the owner of `program` (or who runs it, or root) can have put the folder there: plot scripts in it are executed. In
-/// a folder that all may write to, as /tmp, what has the sticky bit above it is still its owner's.
+/// Whether nobody but the owner of `program` (or who runs it, or root) can have put the folder there: plot scripts in it are
+/// executed. In a folder that all may write to, such as /tmp, the sticky bit protects an entry's owner.
 bool is_ours(const fs::path& place, const fs::path& program)
 {
     struct stat file {}, at {}, above {};

@@ -11,8 +11,8 @@
 
 namespace seldinger {
 
-/// Whether every byte of a T belongs to a member. What lies between members nobody sets: the bytes of two equal states would differ,
-/// and memory that is not the file's business would get into it.
+/// Whether every byte of a T belongs to a member. Nobody sets the padding between members: the bytes of two equal states would
+/// differ, and foreign memory would get into the file.
 template <class T>
 bool is_without_gaps()
 {

@@ -1,4 +1,4 @@
-// Programs started with a plain state of signals (posix_spawn), and waited for.
+// Starts programs with default signals (posix_spawn), and waits for them.
 #include "core/child_process.h"
 
 #include <fcntl.h>

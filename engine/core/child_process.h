@@ -1,5 +1,5 @@
 #pragma once
-// Other programs: started with a plain state of signals, and waited for.
+// Starts other programs with default signals, and waits for them.
 
 #include <sys/types.h>
 
@@ -21,7 +21,7 @@ enum class ProcessGroup { Shared, Own };
 [[nodiscard]] pid_t start_program(const std::vector<std::string>& words, int input = no_descriptor, int error = no_descriptor,
                                   int output = no_descriptor, ProcessGroup group = ProcessGroup::Shared);
 
-/// Of a process that `parent` started: it gets `signal` when `parent` ends, however that ends, and at once where it has ended.
+/// Ties a process to its parent `parent`: it gets `signal` when `parent` ends for any reason, and at once if it has ended.
 void end_with_parent(pid_t parent, int signal);
 
 /// Why a program could not be started, and what to do, from errno. @param advice  where it is not installed

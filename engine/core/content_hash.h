@@ -1,5 +1,5 @@
 #pragma once
-// 128 bits that tell contents apart, eight bytes at a time: a mesh of 100 MB in 20 ms. Against accidents; whoever means to can make
+// 128-bit hash of contents, eight bytes at a time: a mesh of 100 MB in 20 ms. Against accidents; whoever means to can make
 // two contents of one hash.
 
 #include <bit>

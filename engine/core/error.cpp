@@ -1,4 +1,4 @@
-// An error's text may quote a file: it is made printable here, once, for every way it can take to a person.
+// An error's text may quote a file: it is made printable here, once, for all its readers.
 #include "core/error.h"
 
 #include "core/printable.h"

@@ -1,5 +1,5 @@
 #pragma once
-// The user's mistakes and a machine's shortcomings, as one exception with the exit code that it leads to.
+// Errors of the user and failures of the machine, as one exception with its exit code.
 
 #include <stdexcept>
 #include <string>
@@ -18,8 +18,8 @@ enum class ExitCode : int {
     Interrupted = 130,
 };
 
-/// One line for stderr: where (file, line, key), what was expected, what to do. Thrown while
-/// loading and for what a caller asks; never for numerical trouble in a step.
+/// One line for stderr: place (file, line, key), expected value, fix. Thrown while loading and for what a caller asks; never for
+/// numerical trouble in a step.
 class Error : public std::runtime_error {
 public:
     /// @param message  may quote files and names: what a terminal would obey becomes '?' (core/printable.h)

@@ -1,7 +1,7 @@
 #pragma once
 // Files that are never half written. Whole files appear under their name only when complete (temporary name, then rename);
 // tables that grow are appended row by row, so that a kill at any moment leaves every row that was written.
-// Every write is checked: a full disk is an Error(BadFile) at once, and what was there before stays. Nothing is written through a link,
+// Every write is checked: a full disk is an Error(BadFile) at once, and an existing file stays. Nothing is written through a link,
 // into a file that has a second name, or in the place of a pipe or a device.
 
 #include "core/folder.h"
@@ -23,8 +23,8 @@ enum class Durable { No, Yes };  // Yes: survives a power cut too (fsync), for c
 /// then untouched
 void write_file(const FilePlace& place, std::string_view content, Durable durable = Durable::No);
 
-/// A file under a name of its own beside the place where it is to be (NAME.PID.tmp), which was not there before it: whoever else has
-/// put a link or a file there keeps it. Goes again unless it is put in place.
+/// A file with a temporary name beside its final place (NAME.PID.tmp), which must not have existed: links and files of others stay
+/// untouched. Goes again unless it is put in place.
 class NewFile {
 public:
     /// @throws Error BadFile: the folder cannot be written to, or a folder, a pipe or a device is in the place
@@ -46,8 +46,8 @@ private:
 /// Makes a folder and its parents. @throws Error BadFile
 void make_folder(const std::filesystem::path& path);
 
-/// A folder below or beside one that a user gave, under a name of this program's choice: made where there is none; a link in its place,
-/// which somebody else may have put there, is refused. @throws Error BadFile
+/// A folder below or beside one that a user gave, under a name of this program's choice. It is made if there is none. A link in its
+/// place, which somebody else may have put there, is refused. @throws Error BadFile
 [[nodiscard]] Folder make_own_folder(const std::filesystem::path& path);
 
 /// A file that grows at its end. Each append() is one write to the system: nothing is held back in this process.

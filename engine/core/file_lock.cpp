@@ -1,4 +1,4 @@
-// Takes and gives back locks by flock on a file of their own; finds files that a killed process left half written.
+// Takes and releases locks by flock on a separate file; finds files that a killed process left half written.
 #include "core/file_lock.h"
 
 #include "core/error.h"
@@ -41,7 +41,7 @@ long holder(int fd)
 {
     struct stat status {};
     char text[32] = {};
-    // a second name: what is written here would be written there
+    // a second name: writing here would write there
     if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink > 1) return no_lock;
     const ssize_t got = ::pread(fd, text, sizeof text, 0);
     if (got == 0) return unnamed;
@@ -52,8 +52,8 @@ long holder(int fd)
 
 [[noreturn]] void refuse(const FilePlace& lock)
 {
-    throw Error(ExitCode::BadFile, lock.path().string() + ": is needed as a lock and is something else (a link, a file with a second name or "
-                                                          "with something in it); move it away, or choose another place with -o");
+    throw Error(ExitCode::BadFile, lock.path().string() + ": is not a lock file (a link, a file with a second name or "
+                                                          "with something in it); move it away, or choose another folder with -o");
 }
 
 /// @return a descriptor that holds the lock; -1 where the file system knows no locks
@@ -85,7 +85,7 @@ int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
     }
 }
 
-/// The process that a name NAME.PID.tmp speaks of; 0 for other names.
+/// The process in a name NAME.PID.tmp; 0 for other names.
 pid_t writer_of(const std::string& name)
 {
     if (!name.ends_with(".tmp")) return 0;

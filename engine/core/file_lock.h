@@ -1,5 +1,5 @@
 #pragma once
-// One writer to a folder or to a file that grows: whoever comes second is refused in one line. The lock is the system's own
+// One writer to a folder or to a file that grows: the second one is refused in one line. The lock is the system's own
 // (flock), so that it ends with the process, however that ends. Who only reads takes none.
 
 #include "core/folder.h"
@@ -14,8 +14,8 @@ public:
     FileLock() = default;
     /// Locks a folder by a file ".lock" in it, makes the folder where it is missing, and removes what a killed process has left
     /// half written there (name.PID.tmp). A folder that was made and stayed empty goes with the lock.
-    /// @throws Error BadFile: another process writes there, the folder cannot be written to, or what has the lock's name is no lock: a
-    /// link, a file with a second name or with something in it
+    /// @throws Error BadFile: another process writes there, the folder cannot be written to, or the lock's name belongs to a link,
+    /// to a file with a second name or to a file with contents
     [[nodiscard]] static FileLock of_folder(const std::filesystem::path& dir);
     /// The same of a folder that is open.
     [[nodiscard]] static FileLock of_folder(const Folder& folder);

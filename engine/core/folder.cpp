@@ -1,4 +1,4 @@
-// Opens folders without following links in them, and looks, renames and removes by their descriptors.
+// Opens folders without following links in them, and reads, renames and removes by their descriptors.
 #include "core/folder.h"
 
 #include "core/check.h"
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) { throw Error(ExitCode::BadFile, path.string() + ": " + what); }
 
-/// Neither a way out of the folder nor a way down: a file's list may name its neighbours.
+/// Neither a path out of the folder nor a path down: a file's list may name its neighbours.
 bool is_name(const std::string& name)
 {
     return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos && name.find('\0') == std::string::npos;

@@ -1,6 +1,6 @@
 #pragma once
-// A folder that is open. What is done below it is done in that folder, whatever becomes of its name meanwhile, and never through a link:
-// a link in it, or in the place of a folder in it, is refused. So nothing outside of a folder that came from somebody else, or that
+// A folder that is open. Operations below it stay in that folder, even if its name changes meanwhile. They never follow a link: a
+// link in it, or in the place of a folder in it, is refused. So nothing outside of a folder that came from somebody else, or that
 // others write to, is read, written or removed.
 
 #include <filesystem>
@@ -23,7 +23,7 @@ public:
     /// The descriptor that name() starts from, or AT_FDCWD.
     [[nodiscard]] int start() const;
     [[nodiscard]] const std::string name() const { return handle_ ? path_.filename().string() : path_.string(); }
-    /// For messages, and for what is done by name alone.
+    /// For messages, and for operations by name alone.
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     /// O_NOFOLLOW in a Folder, else 0: a user's own link to a file that is to be read is followed.
     [[nodiscard]] int read_flags() const;
@@ -62,12 +62,13 @@ public:
     [[nodiscard]] bool has_file(const std::string& name) const;
     /// The same of a path of names; without a link on the way. @throws Error BadFile: a link in the place of a folder
     [[nodiscard]] bool has_below(const std::filesystem::path& file) const;
-    /// What is in it, in the order of the names. @throws Error BadFile
+    /// Its entries, in the order of the names. @throws Error BadFile
     [[nodiscard]] std::vector<std::string> names() const;
     /// Into another folder or under another name; of a link the link itself. @return false: there is no `name` (any more)
     /// @throws Error BadFile
     bool rename(const std::string& name, const Folder& to, const std::string& new_name) const;
-    /// A file, a link itself, or an empty folder; never what is in a folder. @return 0 where it is gone now or was not there, or errno
+    /// Removes a file, a link itself, or an empty folder; never a folder's contents. @return 0 where it is gone now or was not
+    /// there, or errno
     int remove(const std::string& name) const;
 
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }

@@ -1,4 +1,4 @@
-// Runs ranges of items on oneTBB's pool, with the number of threads that was asked for.
+// Runs ranges of items on oneTBB's pool, with the requested number of threads.
 #include "core/parallel.h"
 
 #include <oneapi/tbb/global_control.h>
@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <memory>
 
-// oneTBB is not built with the thread sanitizer, nor is this file then (its templates are oneTBB's): it does not see that a
-// loop's items come after what was before the loop, and before what follows it, and is told. Items are in no order among each
+// oneTBB is not built with the thread sanitizer, and neither is this file, which has its templates. The sanitizer must be told that
+// a loop's items run after the code before the loop and before the code after it. Items are in no order among each
 // other: their races are found.
 #if defined(SEL_TELL_THREAD_SANITIZER)
     #include <sanitizer/tsan_interface.h>

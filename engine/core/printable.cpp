@@ -1,4 +1,4 @@
-// Walks UTF-8 by its lead bytes and lets through what can be seen.
+// Walks UTF-8 by its lead bytes and lets printable characters through.
 #include "core/printable.h"
 
 #include <algorithm>

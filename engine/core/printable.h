@@ -1,18 +1,18 @@
 #pragma once
-// Makes text that came from a file fit for a terminal, a log and one line of an error.
+// Makes text from a file safe for a terminal, a log and one line of an error.
 
 #include <string>
 #include <string_view>
 
 namespace seldinger {
 
-/// `text` with a '?' for whatever a terminal might obey or a reader not see: control characters (but a line's end stays), bytes
-/// that are no UTF-8, marks that turn the direction of writing, characters without width. Tabs become blanks. A text that is longer
-/// than `most` bytes ends in "...".
+/// `text` with a '?' for everything that a terminal might obey or a reader not see. These are control characters (but a line's end
+/// stays), bytes that are no UTF-8, marks that turn the direction of writing, characters without width. Tabs become blanks. A text
+/// that is longer than `most` bytes ends in "...".
 [[nodiscard]] std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
 
-/// The text with the middle of each word of more than `most` bytes left out and the word's length in its place: a line that quotes a
-/// name of a million letters still says what is wrong with it. @param most  of a word, 64 or more
+/// Shortens each word of more than `most` bytes: its middle is replaced by its length. A line that quotes a name of a million
+/// letters still shows the fault. @param most  of a word, 64 or more
 [[nodiscard]] std::string with_short_words(std::string_view text, std::size_t most);
 
 /// The text with line ends and other control characters made spaces: a message is one line, whatever it quotes.

@@ -1,5 +1,5 @@
 #pragma once
-// A binary file that tells whether it is whole: magic, payload size (UInt64), payload, FNV-1a of the payload (UInt64);
+// A binary file that shows whether it is complete: magic, payload size (UInt64), payload, FNV-1a of the payload (UInt64);
 // little-endian, as in memory.
 
 #include "core/folder.h"

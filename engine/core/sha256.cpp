@@ -1,4 +1,4 @@
-// SHA-256 in the letters of its standard [FIPS 180-4]. For texts that lie in memory.
+// SHA-256 in the letters of its standard [FIPS 180-4], for texts in memory. For texts that lie in memory.
 #include "core/sha256.h"
 
 #include <bit>
@@ -49,7 +49,7 @@ std::array<std::uint8_t, 32> sha256(std::string_view text)
     Hash H = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
     const std::size_t whole = text.size() / 64 * 64;
     for (std::size_t at = 0; at < whole; at += 64) add_block(H, text.data() + at);
-    // what is left, a bit, zeros, and the length in bits [5.1.1]
+    // the remaining bytes, a bit, zeros, and the length in bits [5.1.1]
     std::string end(text.substr(whole));
     end += static_cast<char>(0x80);
     end.resize((end.size() + 8 + 63) / 64 * 64 - 8, '\0');

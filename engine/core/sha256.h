@@ -1,5 +1,5 @@
 #pragma once
-// SHA-256 [FIPS 180-4, sec. 6.2]: what a Content-Security-Policy names a script by.
+// SHA-256 [FIPS 180-4, sec. 6.2], by which a Content-Security-Policy names a script.
 
 #include <array>
 #include <cstdint>

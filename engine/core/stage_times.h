@@ -1,9 +1,9 @@
 #pragma once
-// Where the time of a step goes.
+// Time of a step by stages.
 
 namespace seldinger {
 
-/// Of one step, all systems together [s].
+/// Times of one step, all systems together [s].
 struct StageTimes {
     double detect = 0, evaluate = 0, reduce = 0, wall = 0, solve = 0, adapt = 0;
     [[nodiscard]] double in_all() const { return detect + evaluate + reduce + wall + solve + adapt; }

@@ -1,4 +1,4 @@
-// Reserves address space and starts threads that only wait, for trial.
+// Tests address space by reserving it, and threads by starting some that only wait.
 #include "core/system_needs.h"
 
 #include "core/error.h"
@@ -58,7 +58,7 @@ void try_system_needs(const SystemNeeds& needs)
 {
     const std::size_t bytes = needs.address_space + static_cast<std::size_t>(needs.threads) * usual_stack;
     if (!can_reserve(bytes))
-        throw Error(ExitCode::NoDevice, fmt::format("{}: the system refuses {} MB of address space more, which it may take. Fix: raise the limit "
+        throw Error(ExitCode::NoDevice, fmt::format("{}: got less address space than it may need; expected {} MB more. Fix: raise the limit "
                                                     "(ulimit -v)",
                                                     needs.library, bytes / mebibyte));
     if (const int got = can_start(needs.threads); got < needs.threads)

@@ -1,6 +1,5 @@
 #pragma once
-// Libraries that end or hang the process where the system gives them no thread or no memory (PoCL, LLVM, Mesa) are asked for nothing
-// before as much has been had for trial.
+// Tests resources before libraries need them (PoCL, LLVM, Mesa): without a thread or memory they end or hang the process.
 
 #include <cstddef>
 #include <string>

@@ -54,14 +54,15 @@ private:
 /// Which queue a chain of launches goes to.
 enum class Queue { Inline, Pool };
 
-/// What a kernel's items are like. Branching: long, each its own way (walks, contact laws): on a CPU one item is a work-group, as
-/// private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
-/// Short: vector loops and queries of half a microsecond, which is what a group of its own would cost.
+/// What a kernel's items are like. Branching: long, each with its own path (walks, contact laws). On a CPU one item is a
+/// work-group, because private arrays of many items at once stay neither in registers nor in the first cache (1/6 of the time of an
+/// evaluation).
+/// Short: vector loops and queries of half a microsecond, the cost of a separate group.
 enum class Items { Branching, Short };
 
 class Context {
 public:
-    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first device with what is needed
+    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first suitable device
     /// @param float32  build kernels for `float` arithmetic
     explicit Context(int index = -1, bool float32 = false);
     ~Context();
@@ -114,8 +115,8 @@ public:
     Kernel(Kernel&& other) noexcept;
     Kernel& operator=(Kernel&& other) noexcept;
 
-    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items. What has for_each_argument(f)
-    /// stands for all that f is called with: arguments that kernels take together (contact/device_views.h).
+    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items. A type with for_each_argument(f)
+    /// is a group of kernel arguments (contact/device_views.h): f is called with each.
     template <class... Args>
     void launch(Queue queue, std::size_t items, const Args&... args)
     {

@@ -1,5 +1,5 @@
 #pragma once
-// What a user reads about an OpenCL device. Names no type of OpenCL.
+// Description of an OpenCL device for users. Names no type of OpenCL.
 
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// Which OpenCL devices there are, and which one is the default.
+// Lists the OpenCL devices, and chooses the default one.
 
 #include <CL/cl.h>
 

@@ -1,4 +1,4 @@
-// Tries the cache's folder by a file of some size, walks through its shared objects, and finds another folder where it must.
+// Tests the cache's folder with a file of some size, checks its shared objects, and finds another folder if necessary.
 #include "device/kernel_cache.h"
 
 #include "core/error.h"
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t room = 1 << 20;  // [bytes] what the kernels of a scene take, about
 
-/// @return 0, or errno of what cannot be done there
+/// @return 0, or the errno of the failed operation
 int try_to_write(const fs::path& dir)
 {
     std::error_code error;
@@ -184,7 +184,7 @@ void tell_compiling(bool on) { telling = on; }
 CompilerCall::CompilerCall()
 {
     if (!telling) return;
-    // the clock that files are dated by, which stands for some milliseconds at a time
+    // the clock of file dates, which advances by some milliseconds at a time
     ::clock_gettime(CLOCK_REALTIME_COARSE, &begun_);
     if (!has_program(kernel_cache_folder(), nullptr)) tell();
 }

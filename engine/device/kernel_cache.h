@@ -1,6 +1,6 @@
 #pragma once
-// The folder where PoCL keeps compiled kernels: whether it can be written to, and whether what is in it is whole. PoCL itself ends
-// in "does not build", in no device at all, or by a signal where it is not.
+// PoCL's cache folder: whether it can be written to, and whether its contents are complete. PoCL itself ends in "does not build",
+// in no device at all, or by a signal where it is not.
 
 #include <ctime>
 #include <filesystem>
@@ -20,7 +20,7 @@ void prepare_kernel_cache();
 void tell_compiling(bool on);
 
 /// Around one call of the compiler. Says so before it where no kernel is in the cache, and after it where the compiler has just
-/// written one: later ones follow. What is in the cache is read in milliseconds, and nothing is said.
+/// written one: later ones follow. Reading cached kernels takes milliseconds, and no note is printed.
 class CompilerCall {
 public:
     CompilerCall();

@@ -20,7 +20,7 @@ namespace seldinger::device {
 
 namespace {
 
-// PoCL's compiler counts its errors on stderr; what is wrong is in the build log, which our own message quotes. One at a time.
+// PoCL's compiler counts its errors on stderr; the reasons are in the build log, which our own message quotes. One at a time.
 class QuietStderr {
 public:
     QuietStderr() : saved_(dup(STDERR_FILENO))

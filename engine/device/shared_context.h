@@ -1,7 +1,8 @@
 #pragma once
-// What all Contexts of one process share on the same devices: the cl_context and the programs built in it. To build a program
-// takes 50 ms even where PoCL finds its kernels compiled on disk (it preprocesses the text to know), more than a small world
-// computes in a second of its time; studies make thousands of them.
+// State that all Contexts of one process share on the same devices: the cl_context and the programs built in it. Building a program
+// takes
+// 50 ms even if PoCL finds its kernels compiled on disk (it preprocesses the text to know). That is longer than a small world
+// computes for a second of its time, and studies make thousands of worlds.
 
 #include "device/device.h"
 

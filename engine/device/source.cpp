@@ -1,5 +1,5 @@
-// Puts the text of a kernel file together from the embedded sources, or from SEL_KERNEL_DIR when that is set (for people who
-// work on kernels: no rebuild needed).
+// Puts the text of a kernel file together from the embedded sources, or from SEL_KERNEL_DIR if that is set (to change kernels
+// without a rebuild).
 
 #include "core/error.h"
 #include "device/device.h"

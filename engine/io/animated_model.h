@@ -1,5 +1,5 @@
 #pragma once
-// A vessel and tubes that move, as programs for pictures take them: glTF (Blender, browsers) and USD (Omniverse, Houdini).
+// A vessel and moving tubes for other programs: glTF (Blender, browsers) and USD (Omniverse, Houdini).
 
 #include "math/vec3.h"
 

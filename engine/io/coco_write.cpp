@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Three numbers a point; what is outside of the picture is said to be not labelled, as COCO does.
+/// Three numbers for each point; a point outside the picture counts as not labelled, as in COCO.
 void add_point(const CocoPoint& point, Json& list)
 {
     list.push_back(point.visible ? point.column : 0.0);

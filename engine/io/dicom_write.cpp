@@ -55,7 +55,7 @@ private:
     std::uint32_t last_ = 0;
 };
 
-/// 2.25 and a decimal of 64 bits [PS3.5 B.2], of a text and what it is for.
+/// 2.25 and a 64-bit hash in decimal [PS3.5 B.2], of a text and its purpose.
 std::string uid(const std::string& identity, const char* what)
 {
     return fmt::format("2.25.{}", fnv1a(what, std::strlen(what), fnv1a(identity.data(), identity.size())));

@@ -1,4 +1,4 @@
-// Starts ffmpeg, feeds it pixels or pictures, and puts what it wrote in place.
+// Starts ffmpeg, feeds it pixels or pictures, and puts the finished film in place.
 #include "io/film_write.h"
 
 #include "core/child_process.h"

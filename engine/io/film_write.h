@@ -1,5 +1,5 @@
 #pragma once
-// Pictures into a film, through a pipe to the system's ffmpeg.
+// Makes a film of pictures, through a pipe to the system's ffmpeg.
 
 #include "core/file_io.h"
 
@@ -23,7 +23,7 @@ public:
     /// @param rate  frames per second. @throws Error BadFile: no ffmpeg, a folder by that name, an ending other than .mp4, .mkv
     /// or .mov
     FilmWriter(const std::filesystem::path& path, int width, int height, double rate, FilmPixels pixels = FilmPixels::Grey12);
-    /// Of pictures as PNG files, all of one size.
+    /// Film of pictures as PNG files, all of one size.
     FilmWriter(const std::filesystem::path& path, double rate);
     ~FilmWriter();
     FilmWriter(const FilmWriter&) = delete;

@@ -83,7 +83,7 @@ private:
         return static_cast<int>(json_["accessors"].size()) - 1;
     }
 
-    /// @param limits  smallest and largest of each component are told, as the format wants of places and times
+    /// @param limits  smallest and largest of each component are written, as the format requires for places and times
     int add(const Floats& values, int components, const char* shape, int target = 0, bool limits = false)
     {
         const int id = add_bytes(values, number_float, values.size() / components, shape, target);

@@ -16,7 +16,7 @@ void put_number(std::string& bytes, std::uint64_t value, int size)
     for (int k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * k) & 0xff);  // little-endian
 }
 
-/// Code points of a UTF-8 text; a byte that is not UTF-8 stands for itself.
+/// Code points of a UTF-8 text; a byte that is not UTF-8 counts as one.
 std::vector<std::uint32_t> code_points(const std::string& text)
 {
     std::vector<std::uint32_t> points;

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures to PNG files.
+// Writes pictures to PNG files.
 
 #include "core/folder.h"
 

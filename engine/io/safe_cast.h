@@ -1,5 +1,5 @@
 #pragma once
-// Numbers of files from one type into another, with no value for which that is undefined.
+// Converts numbers of files from one type to another without undefined values.
 
 #include <concepts>
 

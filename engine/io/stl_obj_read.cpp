@@ -100,7 +100,7 @@ std::int64_t corner_of_face(std::string_view word, std::size_t vertex_count, con
     return index > 0 ? index - 1 : static_cast<std::int64_t>(vertex_count) + index;  // negative: counted back from here
 }
 
-/// A line of an OBJ, with those that a backslash at its end goes on with.
+/// A line of an OBJ, with its continuation lines (backslash at the end).
 std::string_view obj_line(TextWords& lines, std::string& joined)
 {
     std::string_view line = lines.line();

@@ -1,6 +1,7 @@
 #pragma once
-// Reads STL (binary, ASCII) and OBJ. Coordinates written as text arrive as the nearest double: rounded to float32 first, as most
-// mesh libraries have them, a vessel a metre or more from its origin is off by what a wire's weight sinks into its wall.
+// Reads STL (binary, ASCII) and OBJ. Coordinates written as text arrive as the nearest double. If they were rounded to float32
+// first, as in most mesh libraries, a vessel a metre or more from its origin would be off by the depth to which a wire's weight
+// sinks into its wall.
 
 #include "io/vtp_read.h"
 

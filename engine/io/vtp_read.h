@@ -34,9 +34,9 @@ struct PolyData {
 /// Geometry leaves point, cell and field data packed: nobody asks for them, and a constant array packs a thousandfold.
 enum class PolyParts { All, Geometry };
 
-/// Times the file's size that its arrays may take in memory, every value as eight bytes, with what is read to find them. VTK's
-/// own writer at its best reaches 14 with the geometry of regular tubes, planes and spheres of float32 and 32-bit indices, and 4
-/// with patients' vessels; zlib alone would go to a thousand, and many pieces on one block to anything.
+/// Times the file's size that its arrays may take in memory, every value as eight bytes, with what is read to find them. VTK's own
+/// writer at its best reaches 14 with regular tubes, planes and spheres of float32 and 32-bit indices, and 4 with patients'
+/// vessels. zlib alone would reach a thousand, and many pieces on one block have no limit.
 constexpr std::uint64_t kMostUnpacked = 32;
 constexpr std::uint64_t kLeastUnpacked = 1 << 20;  // small files may, whatever their size [bytes]
 

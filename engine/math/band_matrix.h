@@ -84,10 +84,10 @@ public:
     /// what the matrix and the right side have there is of no account: three quarters of the pivots, and of the work at each.
     void set_fourth(bool takes_part) { fourth_ = takes_part; }
 
-    /// LDL^T of the symmetric matrix (reads the upper half), into its own storage: the matrix stays as assembled. A pivot
-    /// that no positive definite matrix could have (below pivot_floor times its diagonal a_kk, or below c_kj^2 / a_jj for
-    /// some entry c_kj of the reduced row) is raised, at least to a_kk: the result is always positive definite, its entries
-    /// stay bounded, and the step along a raised pivot is as small as the diagonal alone would make it.
+    /// LDL^T of the symmetric matrix (reads the upper half), into its own storage: the matrix stays as assembled. A pivot is
+    /// raised, at least to a_kk, if no positive definite matrix could have it: below pivot_floor times its diagonal a_kk, or below
+    /// c_kj^2 / a_jj for some entry c_kj of the reduced row. The result is always positive definite, its entries stay bounded, and
+    /// the step along a raised pivot is as small as the diagonal alone would make it.
     /// [Gill81, sec. 4.4.2.2] with the bound taken per entry, so that it does not depend on units. @return pivots raised
     int factor_ldlt() { return fourth_ ? factor_ldlt_of<4>() : factor_ldlt_of<3>(); }
     void solve_ldlt(std::span<double> rhs_to_x) { fourth_ ? solve_ldlt_of<4>(rhs_to_x) : solve_ldlt_of<3>(rhs_to_x); }
@@ -98,8 +98,8 @@ public:
     [[nodiscard]] int negative_pivots() const { return negative_pivots_; }
     void solve_lu(std::span<double> rhs_to_x) { fourth_ ? solve_lu_of<4>(rhs_to_x) : solve_lu_of<3>(rhs_to_x); }
 
-    /// Rounding leaves a pivot that should be 0 at about 1e-15 of its diagonal; the weakest honest one (the inertia of a
-    /// stiff fine wire at a long step, m/h^2 against EA/l) is about 1e-11 of it.
+    /// Rounding leaves a pivot that should be 0 at about 1e-15 of its diagonal. The weakest real one is about 1e-11 of it (the
+    /// inertia of a stiff fine wire at a long step, m/h^2 against EA/l).
     static constexpr double pivot_floor = 1e-14;
 
 private:

@@ -1,4 +1,4 @@
-// Entries of a banded matrix: what is done to them row by row.
+// Row operations on the entries of a banded matrix.
 
 #include "math/band_matrix.h"
 

@@ -57,8 +57,8 @@ void BandedSolver::Woodbury::factor_small()
     lu.factor(s);
 }
 
-/// Of the whole, A being positive definite. U = V: with U^T A^-1 U = L L^T those of I + L^T C L (symmetric parts, where they are
-/// not symmetric). Else the determinant tells whether their number is odd.
+/// Negative eigenvalues of the whole matrix, A being positive definite. U = V: with U^T A^-1 U = L L^T those of I + L^T C L
+/// (symmetric parts, where they are not symmetric). Else the determinant tells whether their number is odd.
 int BandedSolver::Woodbury::negative_eigenvalues() const
 {
     if (!free.same_sides()) return lu.sign() < 0 ? 1 : 0;

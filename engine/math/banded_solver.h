@@ -1,15 +1,15 @@
 #pragma once
 // The linear solver of Newton's method: a banded matrix A, and columns U C V^T for the few unknowns that couple outside of its
-// band. Without columns it is the band's factors and nothing else. What couples outside of the band all along (`far`) is part of
-// A, which then has factors of its own (math/node_factors.h). With k columns, by Woodbury:
+// band. Without columns it is the band's factors and nothing else. Entries outside of the band over its whole length (`far`) are
+// part of A, which then has its own factors (math/node_factors.h). With k columns, by Woodbury:
 //
 //   (A + U C V^T)^-1 b = y - Z S^-1 C V^T y,   y = A^-1 b,   Z = A^-1 U,   S = I + C V^T Z          (k x k)
 //
-// which asks nothing of C: it may be singular, indefinite or unsymmetric. Where the band alone is nearly singular (a wire that only
-// a column holds) y and Z S^-1 C V^T y are both large and cancel, to eps cond(A) of the solution; so the residual of the whole is
-// checked, and the solution refined once by it where it is too large.
+// which asks nothing of C: it may be singular, indefinite or unsymmetric. If the band alone is nearly singular (a wire that only a
+// column holds), y and Z S^-1 C V^T y are both large and cancel, to eps cond(A) of the solution. So the residual of the whole is
+// checked, and if it is too large the solution is refined once.
 //
-// Unknowns beside the band that are eliminated (math/condensed.h) come on top: what is left of them takes a few more solutions.
+// Unknowns beside the band that are eliminated (math/condensed.h) add a few more solutions for their remainder.
 //
 // Signs. With A positive definite and C symmetric, A + U C U^T has as many negative eigenvalues as S has:
 // A^-1/2 (A + U C U^T) A^-1/2 = I + W C W^T, W = A^-1/2 U, and W C W^T has the eigenvalues of C W^T W = C U^T A^-1 U beside zeros.

@@ -185,7 +185,7 @@ inline double sum(const Eight& v)
 
 }  // namespace
 
-/// y = L^-1 y for a panel's unknowns; what they take from the rows below is taken there.
+/// y = L^-1 y for a panel's unknowns; contributions to the rows below are subtracted there.
 template <int sides>
 void BlockCholesky::down(const Panel& panel, double* const* y, double* const* t) const
 {

@@ -33,8 +33,8 @@ public:
     [[nodiscard]] std::size_t entries() const { return values_.size() + inverse_.size(); }
 
 private:
-    /// Columns of L with the same rows below. Three columns (a block) after each other, in each groups of 8 rows by 3 columns,
-    /// from the group of the diagonal on; what is above, in, or past the diagonal blocks' rows is 0.
+    /// Columns of L with the same rows below. Three columns (a block) after each other, each in groups of 8 rows by 3 columns, from
+    /// the diagonal's group on. Entries above, inside or past the diagonal blocks' rows are 0.
     struct Panel {
         std::int32_t first, columns;   // blocks in the new order
         std::int32_t first_row, rows;  // in rows_: blocks below the panel's own square

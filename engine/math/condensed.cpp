@@ -13,7 +13,8 @@ namespace seldinger {
 
 namespace {
 
-// Of what the others make of an error in their own equations: equilibria of a wire that touches all along are not found with 1e-7.
+// Accuracy of their own equations, whose errors the other unknowns amplify: equilibria of a wire in contact over its whole length
+// are not found with 1e-7.
 constexpr double own_accuracy = 1e-11;
 
 using Vector = Eigen::Map<Eigen::VectorXd>;
@@ -222,7 +223,7 @@ int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fi
         for (std::size_t i = 0; i < n; ++i)
             if (fixed[i]) along[i] = 0;
     };
-    // x of r, and what it does to u
+    // x of r, and its effect on u
     band(r_to_x);
     std::copy(r_to_x.begin(), r_to_x.end(), along.begin());
     off_fixed();

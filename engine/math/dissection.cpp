@@ -88,7 +88,7 @@ private:
             return;
         }
         for (int again = 0; again < 2; ++again) seen = search(seen.back(), part_[static_cast<std::size_t>(seen.back())]);
-        // the thinnest level between a third and two thirds, those in the middle first
+        // the thinnest level between 1/3 and 2/3, those in the middle first
         const std::int32_t last = level_[static_cast<std::size_t>(seen.back())];
         std::vector<std::int32_t> count(static_cast<std::size_t>(last) + 1, 0);
         for (const std::int32_t v : seen) ++count[static_cast<std::size_t>(level_[static_cast<std::size_t>(v)])];

@@ -1,10 +1,9 @@
 #pragma once
-// Where unknowns live. The only place, beside the band matrix, that knows how many a node has and how they lie.
+// Order of unknowns. The only place, beside the band matrix, that knows how many a node has and how they lie.
 //
 // A rod's unknowns lie node by node from the tip: the three coordinates of node i, then the spin angle of the edge that begins
-// there (the last node begins none; its place is kept and held). Bending joins a node with the next two, and no coordinate with
-// the spin of an edge two nodes on (x_a meets theta_{a+1} at the farthest), so that a rod's matrix has half bandwidth
-// 2 * 4 + 2 = 10.
+// there. The last node begins no edge; its place is kept and held. Bending joins a node with the next two, but no coordinate with
+// the spin of an edge two nodes on (x_a meets theta_{a+1} at the farthest). So a rod's matrix has half bandwidth 2 * 4 + 2 = 10.
 //
 // A system's unknowns are those of its instruments, each in one piece or node by node in turn with the others (DofMap).
 
@@ -15,7 +14,7 @@
 
 namespace seldinger {
 
-/// Of one rod, counted from its own first unknown.
+/// Unknowns of one rod, counted from its own first unknown.
 struct RodDofs {
     static constexpr int per_node = 4;
     static constexpr int coordinates = 3;     // of them, which come first
@@ -37,7 +36,7 @@ struct RodDofs {
     [[nodiscard]] static constexpr bool is_spin(int unknown) { return unknown % per_node == spin_place; }
 };
 
-/// Of a system of rods.
+/// Unknowns of a system of rods.
 class DofMap {
 public:
     enum class Order {

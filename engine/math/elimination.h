@@ -1,5 +1,5 @@
 #pragma once
-// What elimination of a sparse symmetric matrix will fill, before any number is known.
+// Fill of the elimination of a sparse symmetric matrix, before any number is known.
 
 #include "math/dissection.h"
 
@@ -17,7 +17,7 @@ struct Elimination {
     double entries = 0;                           // below the diagonal
 };
 
-/// @param order  old vertex of each new one; what comes back fills as much but is postordered
+/// @param order  old vertex of each new one; the result fills as much but is postordered
 [[nodiscard]] Elimination eliminate(const Graph& graph, const std::vector<std::int32_t>& order);
 
 }  // namespace seldinger

@@ -1,12 +1,12 @@
 #pragma once
-// Factors of a band and of entries far from it (FarEntries), sparse, by blocks of four unknowns (nodes) that are eliminated in an
-// order given from outside: two rods that touch all along stay cheap where their nodes are taken in turn, however far apart they
-// lie in the vector of unknowns.
+// Sparse factors of a band and of distant entries (FarEntries), by blocks of four unknowns (nodes) that are eliminated in a given
+// order. Two rods in contact over their length stay cheap if their nodes are taken in turn, however distant they are in the vector
+// of unknowns.
 //
 // Which blocks fill is found first (elimination tree: what a node's row leaves to the next one of its columns) and kept while the
-// pattern stays. Then node by node as in BandMatrix, by the same rules for pivots. With s blocks beside the diagonal one left in
-// a row a node costs s (s + 1)/2 products of 4x4 blocks (twice in an LU): s = 2 for a rod by itself, 4 to 6 for two that touch
-// all along with their nodes in turn, 7 to 10 for three: two of 100 nodes took 70 us where their bands alone took 17. A crossing
+// pattern stays. Then node by node as in BandMatrix, by the same rules for pivots. With s blocks beside the diagonal one left in a
+// row a node costs s (s + 1)/2 products of 4x4 blocks (twice in an LU). s = 2 for a single rod, 4 to 6 for two in contact over
+// their length with their nodes in turn, 7 to 10 for three. Two of 100 nodes took 70 us, their bands alone 17. A crossing
 // of rods far apart fills only the columns that it joins.
 
 #include "math/band_matrix.h"
@@ -22,8 +22,8 @@ class NodeFactors {
 public:
     static constexpr int width = FarEntries::width;
 
-    /// LDL^T of the symmetric matrix band + far (reads the upper half of what is in elimination order), pivots raised as
-    /// BandMatrix does. @param fixed  [unknowns] whose far entries are left out: prescribed  @param order  [nodes] which node is
+    /// LDL^T of the symmetric matrix band + far (reads the upper half in elimination order), pivots raised as in BandMatrix.
+    /// @param fixed  [unknowns] whose far entries are left out: prescribed  @param order  [nodes] which node is
     /// eliminated first, second, ...; empty: as they lie
     /// @param fourth  whether every node's fourth unknown takes part, see BandMatrix::set_fourth()  @return pivots raised
     int factor_ldlt(const BandRows& band, const FarEntries& far, std::span<const unsigned char> fixed, std::span<const int> order,

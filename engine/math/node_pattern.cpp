@@ -1,4 +1,4 @@
-// Which blocks the factors of band and far entries fill, in a given order of elimination.
+// Blocks filled by the factors of band and far entries, in a given order of elimination.
 
 #include "math/node_factors.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// The largest mean of so many values in a row.
+// The largest mean of a given number of consecutive values.
 
 #include <algorithm>
 #include <cstddef>
@@ -19,12 +19,12 @@ public:
         if (++count_ == last_.size()) most_ = mean();
         else if (count_ > last_.size()) most_ = std::max(most_, mean());
     }
-    /// Of fewer values than a mean takes: the mean of all; 0 of none.
+    /// With fewer values than a mean takes: the mean of all; 0 without any.
     [[nodiscard]] double value() const { return count_ == 0 ? 0 : count_ < last_.size() ? sum_ / static_cast<double>(count_) : most_; }
 
     /// As many values as a mean takes have been added.
     [[nodiscard]] bool full() const { return count_ >= last_.size(); }
-    /// Of the last values, once full.
+    /// Mean of the last values, once full.
     [[nodiscard]] double mean() const { return sum_ / static_cast<double>(last_.size()); }
 
 private:

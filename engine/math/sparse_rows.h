@@ -1,5 +1,5 @@
 #pragma once
-// A few sparse rows, filled one after the other and then only read: what joins two sets of unknowns.
+// A few sparse rows, filled one after the other and then only read: couplings of two sets of unknowns.
 
 #include <cstddef>
 #include <span>

@@ -80,7 +80,7 @@ public:
     }
     [[nodiscard]] double squaredNorm() const { return dot(*this); }
     [[nodiscard]] double norm() const { return std::sqrt(squaredNorm()); }
-    /// Of length 1; as it is where it is 0.
+    /// Unit vector; a zero vector stays zero.
     [[nodiscard]] Vec3 normalized() const
     {
         const double square = squaredNorm();

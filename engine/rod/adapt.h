@@ -1,5 +1,5 @@
 #pragma once
-// Adaptive nodes: which edges of a wire are too long for what it is doing, which nodes nothing needs, and how to change that.
+// Adaptive nodes: finds edges that are too long for the present shape and nodes that are not needed, and changes them.
 //
 // The error of an edge of length h, as the distance by which it moves the tip (kappa: curvature; B: bending stiffness; D: jump of
 // the shear force at its nodes, which is what contact, links and point loads make; l: lever, the distance over which an error of
@@ -14,9 +14,9 @@
 // WireSpec::edge_error. An estimate by M and its differences, not by curvature, does not see a jump of stiffness: there the
 // curvature jumps, but a node's compliance is exact wherever the jump lies in its cell (rest_shape.cpp).
 //
-// No memory: what is split or merged follows from the present shape alone. A split needs e > 1 edge_error, a merge
-// needs e of the merged edge < (0.65)^3 = 0.27 edge_error; since e changes by 4 to 8 with a factor of 2 in h, a wire that stands
-// still comes to rest in its nodes too.
+// No memory: splits and merges follow from the present shape alone. A split needs e > 1 edge_error, a merge needs e of the merged
+// edge < (0.65)^3 = 0.27 edge_error. Since e changes by 4 to 8 with a factor of 2 in h, the nodes of a resting wire come to rest
+// too.
 
 #include "rod/elastic.h"
 
@@ -44,7 +44,7 @@ struct NodeDemands {
     Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
     bool may_merge = true;
     bool may_refine = true;  // else only what the ratio of neighbours asks for
-    // edges beside nodes on which contact acts are no longer than that [m]: what they touch bends with them
+    // edges beside nodes with contact are no longer than that [m]: their contacts bend with them
     std::span<const Vec3> contact = {};  // [n] [N]
     double touching_edge = std::numeric_limits<double>::infinity();
     std::span<const std::uint8_t> bowed = {};  // [n] nodes that stay for what lies under them
@@ -63,8 +63,8 @@ public:
     /// Longest edge [m] that the present shape allows in the place of each edge, in [min_edge, max_edge]. O(n).
     /// @return [n-1]; valid until the next call
     std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
-    /// How long a fed wire's base edge is to become before a node is born behind it [m]: as the shape there asks for, or up to
-    /// a section's boundary in it, which gets that node. What touches there is left out.
+    /// Length to which a fed wire's base edge grows before a node is born behind it [m]: by the shape there, or up to a section's
+    /// boundary in it, which gets that node. Contacts there are left out.
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call

@@ -1,7 +1,7 @@
 #pragma once
 // Clamps: a prescribed tangent (and director) at a node, coupled to the edges there by half a Voronoi cell of wire each.
-// With a = rest_length/2 the spring B/a is the wire between the node and the middle of its edge, where the edge's tangent
-// is that of the wire to second order; freezing the whole edge instead would shorten the free length by that half.
+// With a = rest_length/2 the spring B/a is the wire between the node and the middle of its edge, where the edge's tangent is that
+// of the wire to second order. Freezing the whole edge instead would shorten the free length by that half.
 
 #include "rod/pair.h"
 

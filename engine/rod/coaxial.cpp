@@ -132,7 +132,7 @@ void put_end(const CoaxialDofs& dofs, const StencilTerms& t, std::span<double> g
 
 }  // namespace
 
-// ---- what is called from outside ----------------------------------------------------------------------------------------------
+// ---- interface -----------------------------------------------------------------------------------------------------------------
 
 CoaxialHessian::CoaxialHessian(int nodes, int instruments) : width_(CoaxialDofs{instruments}.per_node())
 {

@@ -1,19 +1,19 @@
 #pragma once
-// Instruments inside each other that share one centreline (D12): energy, gradient, Hessian, and what the hand at each one feels.
+// Instruments inside each other that share one centreline (D12): energy, gradient, Hessian, and the forces at the hand of each one.
 //
-// Clearance is zero. The centreline has nodes x_i and edges as a wire has (RodView), with one reference frame per edge;
-// instrument k has spin angles theta_k of its own in these frames and lies along the centreline by its offset o_k: at the
-// centreline's coordinate s (RodView::material_s, rising from the tip) is its material s + o_k, measured from its own tip. Where
-// that is outside [0, its length] it is not there and contributes nothing.
+// Clearance is zero. The centreline has nodes x_i and edges as a wire has (RodView), with one reference frame per edge. Instrument
+// k has its own spin angles theta_k in these frames and lies along the centreline by its offset o_k. At the centreline's coordinate
+// s (RodView::material_s, rising from the tip) is its material s + o_k, measured from its own tip. Where that is outside [0, its
+// length] it is not there and contributes nothing.
 //
 //     E = sum_k 1/2 int B_k |kappa - R(theta_k) kappa_k|^2 + C_k theta_k'^2 ds + 1/2 int EA strain^2 ds         (D12)
 //                                                       [Dupont10; Rucker10], discretised like D1-D3 [Bergou10]
 //
 // **A cell** (Voronoi: from the middle of one edge to the middle of the next) is cut where any instrument begins, ends or changes
-// its section. In a piece the instruments act as one of stiffness B = sum B_k and natural curvature r = sum B_k R_k kappa_k / B,
-// and what forcing them into one shape costs, 1/2 sum_{k<l} (B_k B_l/B) |R_k kappa_k - R_l kappa_l|^2, does not depend on the
-// shape: it is what turns them against each other. Pieces are in series, as in rod/rest_shape.cpp, so that a jump of stiffness
-// anywhere in a cell keeps second order:
+// its section. In a piece the instruments act as one of stiffness B = sum B_k and natural curvature r = sum B_k R_k kappa_k / B.
+// Forcing them into one shape costs 1/2 sum_{k<l} (B_k B_l/B) |R_k kappa_k - R_l kappa_l|^2. This does not depend on the shape: it
+// turns them against each other. Pieces are in series, as in rod/rest_shape.cpp, so that a jump of stiffness anywhere in a cell
+// keeps second order:
 //
 //     E_i = 1/2 |f kappa - int r ds|^2 / int ds/B + (what forcing costs) + sum_k 1/2 (f_k twist_k)^2 / int ds/C_k
 //
@@ -23,8 +23,8 @@
 // node. With one instrument this is the energy of rod/elastic.h.
 //
 // **Unknowns** of node i: x, y, z, then for each instrument the angle of the edge that begins there; 3 + K, half bandwidth
-// 2 (3 + K) + 2, 12 for two. The last node's angles are those of the hub's clamp, in the places that a wire leaves unused:
-// prescribed, or joined to the hand by the twist of what is still behind it (CoaxialBase). Angles of edges that an instrument
+// 2 (3 + K) + 2, 12 for two. The last node's angles are those of the hub's clamp, in the places that a wire leaves unused. They are
+// prescribed, or joined to the hand by the twist of the length still behind it (CoaxialBase). Angles of edges that an instrument
 // does not reach are of no account: coaxial_idle() says which; the solver holds them and follow_idle() keeps them level with the
 // rest.
 
@@ -143,7 +143,7 @@ void accept_coaxial(CoaxialRod& rod, const RodView& line, const CoaxialTrial& tr
 [[nodiscard]] double coaxial_energy(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,
                                     const CoaxialBase& base, const RodFrames& frames);
 
-/// Adds +dE/dq to `gradient` (CoaxialDofs; may be empty) and d2E/dq2 to `hessian` (may be null). What is said at add_elastic() of
+/// Adds +dE/dq to `gradient` (CoaxialDofs; may be empty) and d2E/dq2 to `hessian` (may be null). The remark at add_elastic() on
 /// moving a frame while changing shape holds here too. `Projected`: every stencil positive semidefinite, Gauss-Newton where
 /// natural curvature is felt. O(n), no allocation.
 void add_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
@@ -156,8 +156,8 @@ struct CoaxialHands {
     std::array<double, most_coaxial> torque{};        // that the hand exerts, + in the sense of increasing theta [N m]
 
     /// Force of the hand on instrument k, + when it pushes. The hand of the one whose tip the centreline's coordinate counts from
-    /// (`leader`) makes the centreline longer while the others stay at the hub: o_l falls. The weight of what is fed is not in
-    /// it.
+    /// (`leader`) makes the centreline longer while the others stay at the hub: o_l falls. The weight of fed material is not
+    /// included.
     [[nodiscard]] double push(int k, int leader, int instruments) const;
 };
 [[nodiscard]] CoaxialHands coaxial_hands(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,

@@ -1,5 +1,5 @@
 #pragma once
-// What births and merges of a common centreline's nodes are made of: for rod/coaxial_split.cpp and rod/coaxial_nodes.cpp alone.
+// Parts of births and merges of a common centreline's nodes: for rod/coaxial_split.cpp and rod/coaxial_nodes.cpp alone.
 
 #include "rod/clamp.h"
 #include "rod/coaxial.h"

@@ -1,4 +1,4 @@
-// What hands at instruments that share a centreline feel: how the energy changes when one of them is pushed or turned.
+// Forces at the hands of instruments that share a centreline: change of the energy when one of them is pushed or turned.
 
 #include "rod/coaxial_stencil.h"
 
@@ -73,7 +73,7 @@ struct HandForces {
         return force;
     }
 
-    /// Half of what is gained goes to the cell before the hub's, half to the hub's, whose other end moves on.
+    /// Half of the gain goes to the cell before the hub's, half to the hub's, whose other end moves.
     [[nodiscard]] double line_force() const
     {
         const int hub = line.n - 1;

@@ -1,8 +1,8 @@
 #pragma once
-// Of instruments that share a centreline: what of the bending moment each carries, in a frame that goes along the line in parallel.
+// Splits the bending moment of a common centreline among its instruments, in a frame that is transported along the line.
 //
-// M(s), the line's, is linear between nodes. Where B = sum B_k of what is there, the curvature of the line is r + M/B, r = sum B_k R_k
-// kappa_k / B, and instrument k carries M_k = B_k (r + M/B - R_k kappa_k): M_k jumps where B or r do, M does not.
+// M(s), the line's, is linear between nodes. With B = sum B_k over the instruments there, the curvature of the line is r + M/B, r =
+// sum B_k R_k kappa_k / B. Instrument k carries M_k = B_k (r + M/B - R_k kappa_k): M_k jumps where B or r do, M does not.
 
 #include "rod/coaxial.h"
 
@@ -16,16 +16,16 @@ struct CoaxialMoments {
     std::vector<double> parallel;  // [nodes] angle of the parallel frame in each edge's reference frame, the last one the clamp's [rad]
 };
 
-/// Of a configuration; `frames` of that (update_coaxial).
+/// Measures the moments of a configuration; `frames` of that (update_coaxial).
 void measure_moments(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
                      const RodFrames& frames, CoaxialMoments& out);
 
-/// Of the instruments `from` to `until` - 1, each as part of all that is there.
+/// Share of the instruments `from` to `until` - 1 among all instruments there.
 struct CoaxialShare {
     double stiffness = 0, others = 0;       // their B, that of the rest [N m^2]
     CoaxialMoments::Complex own = 0;        // sum of B_k (r - R_k kappa_k) [N m]
     CoaxialMoments::Complex natural = 0;    // r [1/m]
-    /// Of the line's moment, theirs.
+    /// Their part of the line's moment.
     [[nodiscard]] CoaxialMoments::Complex of(CoaxialMoments::Complex moment) const
     {
         return stiffness > 0 ? stiffness / (stiffness + others) * moment + own : 0.0;

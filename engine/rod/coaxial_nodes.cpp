@@ -91,7 +91,7 @@ RodClamp sleeve_of(const RodView& line, const CoaxialBase& base)
     return clamp;
 }
 
-/// What one instrument says of an edge before it is split.
+/// Data of one instrument on an edge before it is split.
 struct OldSpin {
     double theta = 0, spin = 0, momentum = 0;
     double twist_rate[2] = {}, slope[2] = {};  // of angle [rad/m] and of spin along the line [1/(s m)], at both nodes
@@ -135,8 +135,8 @@ void move_hubwards(const RodView& line, int first, double added)
     for (int i = first; i < line.n; ++i) line.material_s[i] += added;
 }
 
-/// Rest length of edge j that carries `force`, of one that is about as long now: of a line that flies apart edges may be squeezed
-/// to nothing or miles long; then lengths are kept, not forces.
+/// Rest length at which edge j, of about its present length, carries `force`. In a line that flies apart edges may be squeezed to
+/// nothing or miles long; then lengths are kept, not forces.
 double rest_under(const RodView& line, int j, double force)
 {
     const double chord = (line.pos(j + 1) - line.pos(j)).norm();

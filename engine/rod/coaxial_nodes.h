@@ -1,13 +1,13 @@
 #pragma once
-// Adaptive nodes of instruments that share a centreline: what rod/adapt.h judges a line's nodes by, and its edges split and merged
-// anywhere along it, so that what the instruments carry does not jump, as those of a wire are (rod/split.h).
+// Adaptive nodes of instruments that share a centreline. rod/adapt.h judges a line's nodes; its edges are split and merged anywhere
+// along it. As for wires (rod/split.h), forces of the instruments do not jump.
 //
 // Moments: M = dE/d(integrated curvature) of a cell, of all instruments together. Where an instrument ends or changes its section
 // the curvature jumps and M does not, wherever in a cell that is (rod/coaxial.h): the measure of rod/adapt.h holds as for a wire.
 //
 // Twist: instruments curved by nature turn each other, by a torque per length q_k(s) that begins and ends where their curves do.
-// Each node's twist is that of its cell's middle, so that the angle of k is off by J h^2/(12 C_k), J being the jump of the slope of
-// its torque at the node, as an angle of bending is by a jump of shear. That moves the tip of k by as much as it is off the axis:
+// Each node's twist is that of its cell's middle. So the angle of k is off by J h^2/(12 C_k), J being the jump of the slope of its
+// torque at the node, just as a bending angle is off by a jump of shear. That moves the tip of k by as much as it is off the axis:
 //
 //     e(h) = sum_k r_k J_k h^2/(12 C_k)                                                       [m]
 //

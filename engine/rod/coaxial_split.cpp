@@ -84,7 +84,7 @@ struct OldBase {
     }
 };
 
-/// Frames and angles of both edges that base edge a became: each instrument's twist per length is what it was on either side.
+/// Frames and angles of both edges of a split base edge: each instrument keeps its twist per length on either side.
 void split_frames(RodArrays& rods, std::span<const int> wires, const CoaxialBase& base, const OldBase& old)
 {
     const RodView line = rods.view(wires[0]);

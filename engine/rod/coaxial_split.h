@@ -1,6 +1,5 @@
 #pragma once
-// Nodes at the hub of instruments that share a centreline come and go while these are fed, as those of a wire do (rod/split.h):
-// what they carry does not jump.
+// Adds and removes nodes at the hub while instruments on one centreline are fed, as for a wire (rod/split.h): forces do not jump.
 //
 // A new node is put where its bending forces balance, both new edges carry the old one's axial force, and each instrument keeps
 // its twist per length at both neighbours. It moves so that no edge is stretched.

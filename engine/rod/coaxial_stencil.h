@@ -1,5 +1,5 @@
 #pragma once
-// What the energy of a cell of a centreline shared by instruments depends on, and its derivatives: for rod/coaxial*.cpp alone.
+// Variables of the energy of a cell of a common centreline, and its derivatives: for rod/coaxial*.cpp alone.
 
 #include "rod/coaxial.h"
 #include "rod/pair.h"
@@ -18,15 +18,14 @@ struct Stencil {
     std::array<Complex, most_coaxial> phase{};
 };
 
-/// Gradient and Hessian of a stencil. What instruments have in common lies in `common`; of `own` count only what has an angle in
-/// it.
+/// Gradient and Hessian of a stencil. Terms shared by the instruments are in `common`; of `own` only those with an angle count.
 struct StencilTerms {
     PairTerms common;
     std::array<PairTerms, most_coaxial> own;
     double cross[most_coaxial][most_coaxial] = {};  // each second derivative by an angle of k and one of l
 };
 
-/// Of node i: inner, the hub with the clamp as hub-side partner, or the tip.
+/// Stencil of node i: inner, the hub with the clamp as hub-side partner, or the tip.
 [[nodiscard]] Stencil stencil_at(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
                                  const RodFrames& frames, int i);
 /// [J]

@@ -1,5 +1,5 @@
 #pragma once
-// How a turning angle becomes curvature: the scalar that (D2) squares.
+// From a turning angle to curvature: the scalar that (D2) squares.
 //
 // Edges that meet at a node turn by phi. Any f(phi) = phi + O(phi^3) is an integrated curvature of second order; which one
 // decides the size of the error where a wire is strongly bent. All of the family
@@ -13,8 +13,8 @@
 //
 // Why the angle. In a plane B theta'' = P sin(theta) becomes B (delta^2 theta)/h^2 + 12 a B h^2 theta'^2 theta'' + ... = P
 // sin(theta), and its error is h^2 theta'' [C/12 + (12 a - 1/8) theta'^2], C a constant of the solution: seven times less with a
-// = 0 where bending is strong. An arc of natural curvature k turns by exactly k h a node. A localised helix, where bending
-// balances torque, is off by a third as much (docs/validation.md). [Bergou08] notes that the choice is free; 2 sin(phi/2), q = 1,
+// = 0 where bending is strong. An arc of natural curvature k turns by exactly k h a node. A localised helix, where bending balances
+// torque, has 1/3 of the error (docs/validation.md). [Bergou08] notes that the choice is free; 2 sin(phi/2), q = 1,
 // would fold without resistance.
 
 #include "rod/wire_spec.h"

@@ -21,7 +21,7 @@ struct Change {
     [[nodiscard]] Vec3 mean() const { return 0.5 * (from + to); }
 };
 
-/// A number, likewise.
+/// A scalar, in the same way.
 struct Span {
     double from, to;
     [[nodiscard]] double mean() const { return 0.5 * (from + to); }
@@ -76,7 +76,7 @@ Side clamp_side_of(const RodClamp& clamp)
     return side;
 }
 
-/// What one stencil holds: stiffnesses and rest values, and in whose frame natural curvature is measured.
+/// Data of one stencil: stiffnesses and rest values, and the frame of natural curvature.
 struct Stencil {
     double bend = 0, twist_stiffness = 0;  // B/l, C/l [N m]; 0: not here
     double rest_kappa1 = 0, rest_kappa2 = 0, rest_twist = 0;

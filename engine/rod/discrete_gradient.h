@@ -4,7 +4,7 @@
 // For any two configurations q0, q1 it gives G with
 //     G.(q1 - q0) = E(q1) - E(q0)     exactly, however far they are apart,
 // and G -> dE/dq as q1 -> q0, to second order at the middle of the step. With v1 + v0 = 2 (q1 - q0)/h and M (v1 - v0)/h = -G the
-// energy is then conserved to rounding and the solver's tolerance, whatever the step [Gonzalez96], [Simo92].
+// energy is then conserved to rounding and the solver's tolerance, whatever the step [Gonzalez96], [SimoTarnow92].
 //
 // E is a sum of functions of scalars that are bilinear in vectors: lengths |e|^2, products of edges e.f, and of tangents and
 // directors t.d. For such a product  Delta(a.b) = mean(a).Delta b + mean(b).Delta a,  and for a function of it a quotient of
@@ -14,10 +14,10 @@
 // mean(d_f).
 //
 // Linear momentum: G is made of pairs of opposite forces. Angular momentum: every product exerts no net moment about the mean
-// positions; a moment's action along an edge is its spin's, so that the sum of x x m v and of spins is kept but for the turning
-// of the spins' axes, whose gyroscopic moments (D4) leaves out, and for products of directors (natural curvature, twist) by their
-// moment times an edge's relative change of length over the step, 1e-6 and less. A wire that is straight by nature and not
-// twisted keeps it exactly.
+// positions, and a moment's action along an edge is its spin's. So the sum of x x m v and of spins is kept up to two small terms:
+// the turning of the spins' axes, whose gyroscopic moments (D4) leaves out, and the moment of products of directors (natural
+// curvature, twist) times an edge's relative change of length over the step, 1e-6 and less. A wire that is straight by nature and
+// not twisted keeps it exactly.
 
 #include "rod/elastic.h"
 
@@ -32,8 +32,8 @@ namespace seldinger {
 void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& before, const RodFrames& after,
                            std::span<const double> turned, std::span<double> gradient, double base_grown = 0);
 
-/// What the mean length of an edge that is fed misses for its mean strain: the start's length l0 was strained against the start's
-/// rest length l - grown, so that the strain's mean is ((l0 + l1)/2 + this)/l - 1. [m]
+/// Correction of the mean length of a fed edge for its mean strain. The start's length l0 was strained against the start's rest
+/// length l - grown, so the strain's mean is ((l0 + l1)/2 + this)/l - 1. [m]
 inline double feed_stretch(const RodView& rod, const RodFrames& before, int j, double base_grown)
 {
     if (j != rod.n - 2 || base_grown == 0) return 0;

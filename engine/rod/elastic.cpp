@@ -1,9 +1,9 @@
-// Energy, force and Hessian of a wire, assembled edge by edge, and what hand and clamp feel of it.
+// Energy, force and Hessian of a wire, assembled edge by edge, and the forces at hand and clamp.
 //
-// All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only: the
-// Hessian in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of
-// the nodes' Hessian is a signed sum of at most four of these, so the wire is walked once, from tip to hub, with two edges
-// in hand, and every entry of the band is touched once.
+// All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only. The Hessian
+// in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of the
+// nodes' Hessian is a signed sum of at most four of these. So the wire is walked once, from tip to hub, with two edges in hand, and
+// every entry of the band is touched once.
 
 #include "rod/elastic.h"
 
@@ -78,9 +78,8 @@ struct StencilBlocks {
     Lanes aa, ab, bb;
 };
 
-/// Walks from tip to hub, as many nodes at a time as there are lanes. In step k the lanes have the stencils of nodes first + l
-/// and the edges before these, and write the nodes that these edges begin at, which need what the last lane of the step before
-/// had.
+/// Walks from tip to hub, as many nodes at a time as there are lanes. In step k the lanes have the stencils of nodes first + l and
+/// the edges before these. They write the nodes at which these edges begin, which need the last lane of the step before.
 struct Walk {
     const RodView& rod;
     std::span<const RodClamp> clamps;
@@ -120,8 +119,8 @@ struct Walk {
         return p;
     }
 
-    /// Calls put(lane, terms) for all stencils from `first` on that lanes do not know: natural curvature, which takes the place
-    /// of what is there, and clamps, which add to it. @param terms_of  which derivatives are wanted
+    /// Calls put(lane, terms) for all stencils from `first` on that lanes cannot do: natural curvature, which replaces the terms
+    /// there, and clamps, which add to them. @param terms_of  which derivatives are wanted
     template <class Replace, class Add>
     void for_others(int first, bool every, HessianMode terms_of, const Replace& replace, const Add& add) const
     {
@@ -300,7 +299,7 @@ struct Walk {
         }
     }
 
-    /// Of the tip's clamp, in the last lane.
+    /// Forces of the tip's clamp, in the last lane.
     [[nodiscard]] StencilForces end_forces() const
     {
         StencilForces s{};
@@ -444,9 +443,8 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
 // The sum of both cells' halves is -M^2/(2B) for k = 0: the configurational force of a sleeve, [Bosi14]. The material fed is
 // taken to be like that of its cell; the moment a change of section passes the clamp is not seen.
 //
-// N is the force in the middle of the base edge. Of a length dl that comes in at the inlet x_hub, dl/2 becomes mass of either
-// node of the edge: its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, e from before
-// to hub.
+// N is the force in the middle of the base edge. If a length dl enters at the inlet x_hub, dl/2 becomes mass of either node of the
+// edge. Its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, with e from before to hub.
 double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
 {
     SEL_ASSERT(frames.spins);

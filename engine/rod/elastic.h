@@ -2,9 +2,9 @@
 // Stretch, bend and twist of one wire (D1-D3): energy, force, Hessian; and the time-parallel frames they live in.
 // [Bergou08], [Bergou10], [Jawed18]; symbols in engine/README.md.
 //
-// A trial configuration (x, theta) is always described relative to the accepted one in RodView: trial tangents follow from
-// trial positions, trial reference directors by parallel transport of the accepted ones from accepted to trial tangent,
-// reference twist by continuity from the accepted value.
+// A trial configuration (x, theta) is always described relative to the accepted one in RodView. Trial tangents follow from trial
+// positions, trial reference directors by parallel transport of the accepted ones from accepted to trial tangent, reference twist
+// by continuity from the accepted value.
 
 #include "rod/rod_arrays.h"
 #include "math/band_matrix.h"
@@ -18,8 +18,8 @@ struct RodTrial {
 
 /// A clamp ("half-Voronoi"): the tangent at `node` is prescribed, to second order in the edge length. It acts on the edge(s)
 /// that meet there through bending (and, if `spin`, twist) springs over half the edge's rest length, a = rest_length/2:
-/// E = B |kappa - share rest_kappa|^2 / (2 a), kappa from (clamp tangent, edge), share = a / voronoi_length (1 at tip and
-/// hub), and likewise twist. At an inner node these take the place of the node's own energy: `direction` of its bending,
+/// E = B |kappa - share rest_kappa|^2 / (2 a), kappa from (clamp tangent, edge), share = a / voronoi_length (1 at tip and hub);
+/// twist in the same way. At an inner node these take the place of the node's own energy: `direction` of its bending,
 /// `spin` of its twist.
 struct RodClamp {
     int node = 0;
@@ -59,8 +59,8 @@ private:
 struct RodFrames {
     explicit RodFrames(int nodes = 0, int clamp_capacity = 16);
     int capacity = 0;  // nodes
-    // False: the wire is straight by nature and isotropic, and its spin angles stay as they are: its gradient and Hessian need
-    // neither directors nor twist, and update_frames() leaves out d1, m1, m2, ref_twist, kappa1, kappa2, twist and the clamps'.
+    // False: the wire is straight by nature and isotropic, and its spin angles do not change. Its gradient and Hessian need neither
+    // directors nor twist, and update_frames() leaves out d1, m1, m2, ref_twist, kappa1, kappa2, twist and the clamps'.
     bool spins = true;
     bool material = true;  // False: the wire is straight by nature, and update_frames() leaves out m1, m2, kappa1 and kappa2.
     Vec3Array tangent, d1, m1, m2, kb;  // [n-1] tangents, reference director, material directors; [n] kb
@@ -92,12 +92,12 @@ enum class HessianMode { None, Exact, Projected };
 /// `hessian` (may be null). O(n), no allocation.
 ///
 /// dE/dx is the force for a change of shape in which no material frame spins about its own tangent. At the accepted state
-/// that is the derivative of E(x, theta). At a trial state away from it, moving edge j also spins its frame by
-/// (t x t0).dt/(1 + t0.t), t0 the accepted tangent (holonomy), so that the derivative of the function E(x, theta) is
-/// dE/dx + (dE/dtheta_j) (that)/dx. The physical balance is the one without this term (all moments about t do the same
-/// extra work, inertia and contact included), and both vanish together where theta is free. A line search on E with theta
-/// prescribed against a torque M sees a slope wrong by M times half of the rotation since the accepted state: accept the
-/// frames between iterations of a static solve, or test the residual instead, when that matters.
+/// that is the derivative of E(x, theta). At another trial state, moving edge j also spins its frame by (t x t0).dt/(1 + t0.t), t0
+/// the accepted tangent (holonomy). So the derivative of the function E(x, theta) is dE/dx + (dE/dtheta_j) (that)/dx. The physical
+/// balance is the one without this term (all moments about t do the same extra work, inertia and contact included), and both
+/// vanish together where theta is free. A line search on E with theta prescribed against a torque M sees a slope wrong by M times
+/// half of the rotation since the accepted state. If that matters, accept the frames between iterations of a static solve, or
+/// test the residual instead.
 ///
 /// `Exact` is the symmetric part of the derivative of this gradient, = d2E/dq2 at the accepted state.
 /// `Projected`: see rod/pair.h for bending and twist; stretch without the geometric term of a compressed edge.
@@ -107,8 +107,8 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
 /// Makes the trial configuration the accepted one: positions, theta, tangents, directors, reference twist.
 void accept_frames(const RodView& rod, const RodTrial& trial, const RodFrames& frames);
 
-/// Sets tangents and reference directors of a wire from its positions: director of the HUB edge is `normal` made
-/// orthogonal, the rest by parallel transport along the wire towards the tip (so ref_twist = 0); theta = 0.
+/// Sets tangents and reference directors of a wire from its positions. The director of the HUB edge is `normal` made orthogonal,
+/// the others follow by parallel transport along the wire towards the tip (so ref_twist = 0); theta = 0.
 void initialise_frames(const RodView& rod, const Vec3& normal);
 
 /// Rest shape, stiffness, mass of all nodes and edges from the spec and the nodes' material_s (rest lengths are its
@@ -116,8 +116,8 @@ void initialise_frames(const RodView& rod, const Vec3& normal);
 void set_rest_shape(const RodView& rod, const WireSpec& spec, bool rest_is_placed);
 
 /// Axial force with which the hand pushes the wire in [N], positive for a push, negative for a pull. It is the derivative of the
-/// elastic energy with respect to the rest length of the base edge, all nodes held where they are: the axial force of that edge
-/// and the configurational force of bending and twist [Bosi14]. The weight, along the wire, of the half edge at the inlet, whose
+/// elastic energy with respect to the rest length of the base edge at fixed nodes. That is the axial force of that edge and the
+/// configurational force of bending and twist [Bosi14]. The weight, along the wire, of the half edge at the inlet, whose
 /// mass the hub carries, and the clamps at the hub are included.
 [[nodiscard]] double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames,
                                 const Vec3& gravity);

@@ -11,9 +11,10 @@ namespace {
 
 using Complex = LumenPress::Complex;
 
-// Of a lumen's jacket of some 50 MPa [N/m^2]: instruments press with 1 to 100 N/m, which is a few micrometres of it.
+// Stiffness of a lumen with a jacket of some 50 MPa [N/m^2]: instruments press with 1 to 100 N/m, which deforms it by a few
+// micrometres.
 constexpr double give = 2e7;
-// Of what has nothing to rest on but the hub, its share in the lumen's stiffness: of no account beside bending
+// Part of the lumen's stiffness for instruments supported only by the hub: negligible beside bending
 constexpr double slack = 1e-6;
 
 double scalar(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
@@ -35,7 +36,7 @@ double LumenPress::energy(const std::vector<Complex>& at, double h) const
         const Place& place = places[static_cast<std::size_t>(i)];
         sum += share_of(i, last) * h * (0.5 * place.stiffness * std::norm(bent) + scalar(place.moment, bent));
     }
-    // the second differences at the first place and the one before it, of what goes on beyond
+    // the second differences at the first place and the one before it, of the instrument's extension beyond
     sum += (scalar(end.moment, y(1)) - scalar(end.moment + h * end.shear, y(0))) / h;
     for (int i = 0; i < last; ++i) {
         const Place& place = places[static_cast<std::size_t>(i)];

@@ -1,18 +1,17 @@
 #pragma once
-// By what force an instrument presses on the lumen that it lies in, of the two as they bend together.
+// Force of an instrument on the lumen around it, when both bend together.
 //
-// Instruments of one centreline have the same curvature everywhere: the inner one carries M(s) of the bending moment, which jumps
-// where a stiffness or a natural curvature does and where the outer one ends, and the lateral force between them, -M'', is a couple
-// without bound there. At the clearance c that the lumen leaves the inner one goes its own way instead, off by y(s), and |y| <= c.
+// Instruments of one centreline have the same curvature everywhere. The inner one carries M(s) of the bending moment, which jumps
+// at changes of stiffness or natural curvature and at the outer one's end. There the lateral force between them, -M'', is an
+// unbounded couple. At the clearance c that the lumen leaves the inner one goes its own way instead, off by y(s), and |y| <= c.
 // With B = B_in B_out/(B_in + B_out), as stiff as the one is against the other, y is the least of
 //
 //     J = int B |y''|^2/2 + M . y'' - w . y ds + M_e . y'(e) - Q_e . y(e),      |y| <= c,   y = y' = 0 at the hub
 //
-// a convex problem: moments M + B y'' of the inner one, and force between them only where it touches. w is what else moves the inner one
-// sideways, T kappa where it is drawn round a bend. At the end e of the overlap M_e
-// and Q_e are moment and shear of what of the inner one goes on beyond it; 0 where that ends. The lumen gives by K of force per
-// length and depth. A jump M_0 alone is a couple of forces M_0/l, l = sqrt(12 B c/M_0), from one side of the lumen to the other: the
-// force grows as 1/sqrt(c).
+// a convex problem: moments M + B y'' of the inner one, and force between them only in contact. w is any other lateral load on the
+// inner one: T kappa if it is drawn round a bend. At the end e of the overlap M_e and Q_e are moment and shear of the inner
+// instrument's part beyond it; 0 if it ends there. The lumen gives by K of force per length and depth. A jump M_0 alone is a
+// couple of forces M_0/l, l = sqrt(12 B c/M_0), from one side of the lumen to the other: the force grows as 1/sqrt(c).
 //
 // Complex numbers: the two directions across the line, in a frame carried along it in parallel.
 
@@ -25,7 +24,7 @@ class LumenPress {
 public:
     using Complex = std::complex<double>;
 
-    /// Of the inner one at places a `spacing` apart from the overlap's end to the hub.
+    /// Data of the inner instrument at places a `spacing` apart, from the overlap's end to the hub.
     struct Place {
         double stiffness = 0;  // B [N m^2]
         Complex moment = 0;    // M [N m]

@@ -1,5 +1,5 @@
 #pragma once
-// What a state that missed the solver's tolerance must not be, lest its forces be anything: drawn apart, crushed, or far from balance.
+// Rejects states that missed the solver's tolerance and whose forces would be arbitrary: drawn apart, crushed, or far from balance.
 
 #include "rod/rod_view.h"
 
@@ -7,10 +7,10 @@
 
 namespace seldinger {
 
-/// Whether an edge is longer or shorter by more than half of its rest length, and by more than a misplaced node makes of a short one (a hundredth of the
-/// radius: the base edge of a wire that is fed begins at nothing). What converged may be so, of a soft band; what missed the tolerance is then no
-/// state: forces on its nodes are anything, and the hand's work with them (a stiff wire thrown head-on against a wall at 0.5 m/s came to 1e11 N
-/// in an edge that the hand drew out).
+/// Whether an edge is longer or shorter by more than half of its rest length, and by more than a misplaced node makes of a short
+/// one (0.01 radii: the base edge of a fed wire begins at nothing). A converged state of a soft band may be so. A state that missed
+/// the tolerance is then no state: forces on its nodes are arbitrary, and so is the hand's work with them. (A stiff wire thrown
+/// head-on against a wall at 0.5 m/s came to 1e11 N in an edge that the hand drew out.)
 [[nodiscard]] inline bool is_torn(const ConstRodView& rod)
 {
     for (int j = 0; j + 1 < rod.n; ++j) {
@@ -21,8 +21,8 @@ namespace seldinger {
 }
 
 /// Whether the force that is left unbalanced would move a node by more than the wire's radius within the step, were nothing else to hold it: h^2 |R| / m
-/// with the wire's mean node. Where contact jumps the forces of such a state are those of the jump, not of the wire (6e4 N have been seen, in
-/// steps of 33 us; those of a stick or a crease that only flickers leave 1e-3 N and move nothing by 1e-4 of its radius).
+/// with the wire's mean node. If contact jumps, the forces of such a state are those of the jump, not of the wire. 6e4 N have been
+/// seen, in steps of 33 us; flickering stick or creases leave 1e-3 N and move nothing by 1e-4 of its radius.
 /// @param residual  largest of a node [N]   @param h  of the step [s]
 [[nodiscard]] inline bool is_thrown(const ConstRodView& rod, double residual, double h)
 {

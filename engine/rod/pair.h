@@ -3,7 +3,7 @@
 //
 // Unknowns of the stencil are the edge vectors e (tip side) and f (hub side) and the angles theta_e, theta_f. With unit
 // tangents te, tf:   chi = 1 + te.tf,   tt = (te + tf)/chi,   kb = 2 te x tf/chi,   |kb| = 2 tan(phi/2), phi the turning angle.
-// Curvature is g kb, g a function of chi (rod/curvature.h): g kb.n stands for kb.n of the papers below. W = |g kb|^2/2.
+// Curvature is g kb, g a function of chi (rod/curvature.h): g kb.n replaces kb.n of the papers below. W = |g kb|^2/2.
 //
 // **Which material frame kappa is measured in.** [Bergou10] averages the directors of both edges, kappa1 = kb.(m2e + m2f)/2.
 // That is |kb| cos(tau/2) times the true component: bending stiffness would fade with the twist tau of the node, vanish at
@@ -11,13 +11,12 @@
 // -tau/2, so that there is no twist left between these two, n_e and n_f):
 //     kappa1 = g kb.(n2e + n2f)/2 = g kb.n2e,   kappa2 = -g kb.(n1e + n1f)/2 = -g kb.n1e.
 // Both agree to O(tau^2); this one holds for any tau, several turns included, and an isotropic wire with no natural
-// curvature needs no frame at all: |kappa|^2 = 2 W. Derivatives with respect to e and f are those of [Bergou10] and
-// [Jawed18] with n for m (the twist's own variation cancels), and d kappa1/d theta = kappa2/2, d kappa2/d theta = -kappa1/2
-// for either angle.
+// curvature needs no frame at all: |kappa|^2 = 2 W. Derivatives with respect to e and f are those of [Bergou10] and [Jawed18] with
+// n for m (the twist's own variation cancels). For either angle d kappa1/d theta = kappa2/2, d kappa2/d theta = -kappa1/2.
 //
-// A clamp that holds only the direction has no director of its own: its frame follows the edge's. That is the same formula
-// with the frame taken at a share lambda = 1/2 + mu of the twist, counted from e: mu = 0 between edges, +1/2 at a clamp that
-// is the tip-side partner (the frame is f's), -1/2 at one on the hub side.
+// A clamp that holds only the direction has no director: its frame follows the edge's. That is the same formula with the frame
+// taken at a share lambda = 1/2 + mu of the twist, counted from e. mu = 0 between edges, +1/2 at a clamp that is the tip-side
+// partner (the frame is f's), -1/2 at one on the hub side.
 //
 // **Hessian, projected.** Newton needs a descent direction, so each stencil must be positive semidefinite; an eigenvalue
 // decomposition of 8x8 per node costs as much as the whole step. In the basis of the stencil (in-plane g = b x t, out of
@@ -115,7 +114,7 @@ inline void add_bend_hessian_exact(const Pair& p, double stiffness, PairTerms& o
     out.ef += outer((d2 * p.inv_e * p.inv_f) * fe, ef) + d1 * chi.ef;
 }
 
-/// Projected Hessian: omega (projector on b) + alpha (projector on g) in each block, written so that nothing is singular in a
+/// Projected Hessian: omega (projector on b) + alpha (projector on g) in each block. It is written so that nothing is singular in a
 /// straight wire: b b^T = 1 - t t^T - g g^T, sin^2 g_e g_e^T = fe fe^T, and gamma = (alpha - omega)/sin^2.
 /// @param s      1: no natural curvature felt, projected exact Hessian; 0: Gauss-Newton
 /// @param share  1 between edges; 1 - |kb|^2/4 = 2 c/chi at a clamp whose frame follows the edge (Gauss-Newton's d kappa/dx

@@ -1,5 +1,5 @@
 #pragma once
-// Where a wire that is not fed starts: its nodes along a given shape.
+// Start of a wire that is not fed: its nodes along a given shape.
 
 #include "rod/rod_arrays.h"
 
@@ -12,9 +12,9 @@ namespace seldinger {
 /// Uniform edge length [m].
 [[nodiscard]] double uniform_edge(const WireSpec& spec);
 
-/// Puts n = uniform_node_count nodes along the shape, from base to tip, so that every edge's chord is its rest length (no stretch
-/// in the start: at EA = 1e4 N the chord of a 5 mm edge on a 40 mm arc would start with 6 N); sets material_s, velocities, frames
-/// with the director `place.normal` at the hub, rest shape and masses.
+/// Puts n = uniform_node_count nodes along the shape, from base to tip, so that every edge's chord is its rest length. The start
+/// then has no stretch (at EA = 1e4 N the chord of a 5 mm edge on a 40 mm arc would start with 6 N). Sets material_s, velocities,
+/// frames with the director `place.normal` at the hub, rest shape and masses.
 /// @param path  points of the vessel's axis, from the entry on [m]; needed by the shape "centreline" only. @throws Error BadScene where the shape is too short
 void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const Vec3> path);
 

@@ -23,7 +23,7 @@ public:
     [[nodiscard]] int total_capacity() const { return begin_.back(); }
     /// @param n  2..capacity(wire); arrays keep their content, entries beyond the old count are unspecified
     void set_node_count(int wire, int n);
-    /// Makes room for a node at `index` in 1..n-1: it and the edge at that index repeat what was there, for the caller to
+    /// Makes room for a node at `index` in 1..n-1. It and the edge at that index repeat the old values, for the caller to
     /// overwrite; everything hubwards moves up by one. / Takes out node and edge `index`.
     void insert_node(int wire, int index);
     void erase_node(int wire, int index);

@@ -1,5 +1,5 @@
 #pragma once
-// One wire as arrays of its nodes and edges: what the rod's functions work on, and what a user reads.
+// One wire as arrays of its nodes and edges, for the rod's functions and for users.
 
 #include "rod/wire_spec.h"
 
@@ -38,8 +38,8 @@ struct BasicRodView {
     std::span<Number> tx, ty, tz;     // [n-1] unit tangent from node j to node j+1 (tip towards hub)
     std::span<Number> d1x, d1y, d1z;  // [n-1] first reference director, unit, normal to the tangent
     std::span<Number> ref_twist;      // [n] reference twist at inner nodes [rad]
-    // reference twist between a clamp at this node and the edge on its tip side (a), on its hub side (b), of the accepted
-    // state [rad]; kept so that full turns are not forgotten; 0 where no clamp is. Written by accept_frames
+    // reference twist between a clamp at this node and the edge on its tip side (a), on its hub side (b), of the accepted state
+    // [rad]. It is kept so that full turns are not forgotten; 0 without a clamp. Written by accept_frames
     std::span<Number> clamp_twist_a, clamp_twist_b;  // [n]
 
     /// The same, to be read only.

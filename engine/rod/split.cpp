@@ -1,4 +1,4 @@
-// Splitting and merging edges with what the wire carries kept.
+// Splits and merges edges, and keeps forces and momentum of the wire.
 
 #include "rod/split.h"
 
@@ -18,8 +18,8 @@ const RodClamp* find_clamp(std::span<const RodClamp> clamps, int node, bool RodC
     return nullptr;
 }
 
-/// What joins an edge to the rest of the wire at one of its nodes: the edge beyond, a spin clamp, or nothing (a free end).
-/// side 0: the edge lies on the tip side of the node, side 1: on its hub side. Indices as they stand when it is used.
+/// Connection of an edge to the rest of the wire at one of its nodes: the edge beyond, a spin clamp, or nothing (a free end). side
+/// 0: the edge lies on the tip side of the node, side 1: on its hub side. Indices as they stand when it is used.
 struct Joint {
     int node, side;
     const RodClamp* clamp;

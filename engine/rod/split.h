@@ -1,6 +1,6 @@
 #pragma once
-// Nodes come and go while material is fed and where the wire is refined: one edge becomes two, or two become one, so that
-// what the wire carries (axial force, moment, torque, momentum) does not jump.
+// Adds and removes nodes while material is fed and where the wire is refined. One edge becomes two, or two become one, and axial
+// force, moment, torque and momentum of the wire do not jump.
 //
 // A chord is shorter than its arc: with the axial force kept, the rest lengths after a split sum to
 // h (kappa h)^2/32 more than before. That length is reported, a surplus that the caller takes out of later
@@ -19,9 +19,9 @@ struct SplitResult {
 /// Splits edge `edge` (between nodes edge and edge + 1) at `fraction` in (0, 1) of its rest length from its tip side. The new
 /// node has index edge + 1. Capacity must allow one node more; views taken before are stale afterwards.
 ///
-/// - position: cubic Hermite curve between the edge's nodes. Tangent at an inner node: that of the parabola through it and
-///   its neighbours; at the wire's end: the clamp's if one holds the direction there, else that of natural curvature, which
-///   a free end has. Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
+/// - position: cubic Hermite curve between the edge's nodes. Tangent at an inner node: that of the parabola through it and its
+///   neighbours. At the wire's end: the clamp's if one holds the direction there, else that of natural curvature, which a free end
+///   has. Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
 /// - rest lengths: both new edges carry the axial force of the old one.
 /// - theta: twist per length is kept at both neighbours, the rest of the twist is at the new node.
 /// - velocity, acceleration, spin rates: linear along the wire, but that no edge is stretched by it; linear and spin momentum are
@@ -52,8 +52,8 @@ struct SplitScratch {
 };
 
 /// Feeding: splits the base edge (between nodes n-2 and n-1) of a wire whose hub stands still in a sleeve along the clamp there.
-/// The new node is put where its bending forces balance, between neighbours that stay, and moves so that no edge is stretched:
-/// the wire tipwards goes on with the speed that it had.
+/// The new node is placed where its bending forces balance, between neighbours that stay, and moves so that no edge is stretched:
+/// the tipward wire keeps its speed.
 SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const WireSpec& spec, std::span<const RodClamp> clamps,
                             SplitScratch& scratch);
 /// Takes out the node next to the hub; the nodes that stay keep their velocities.
@@ -63,9 +63,8 @@ SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, st
 /// @param natural  curvature of the wire at rest at the edge's free end, if it has one, as a vector along the binormal [1/m]
 [[nodiscard]] Vec3 split_point(const RodView& rod, int edge, double u, std::span<const RodClamp> clamps, const Vec3& natural);
 /// Velocity of the new node a+1: linear along the wire, and what both new edges ask for if they are to be stretched as fast as
-/// the old one was [1/s]. A polygon that bends while it slides along itself does not move linearly between two nodes, and axial
-/// forces answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a
-/// second.
+/// the old one was [1/s]. A polygon that bends while it slides along itself does not move linearly between two nodes. Axial forces
+/// answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a second.
 [[nodiscard]] Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_rate);
 
 /// By how much the node next to the hub is to move across `tangent`, of the base edge, where `gradient` is what elastic forces

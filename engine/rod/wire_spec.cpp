@@ -1,4 +1,4 @@
-// Sections of a wire: which one is at a material coordinate.
+// Sections of a wire, looked up by material coordinate.
 
 #include "rod/wire_spec.h"
 

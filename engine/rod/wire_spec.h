@@ -1,5 +1,5 @@
 #pragma once
-// What a wire is, as its user describes it: every property a function of the material coordinate s [m] from the tip.
+// Description of a wire by its user: every property is a function of the material coordinate s [m] from the tip.
 
 #include "math/vec3.h"
 

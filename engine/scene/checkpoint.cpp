@@ -55,7 +55,7 @@ void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c
     take_list(at, end, c.wire_frames);
     take_list(at, end, c.contact_frames);
     take_list(at, end, c.state);
-    if (at != end) throw Error(ExitCode::BadFile, "goes on after its end; run again with --overwrite");
+    if (at != end) throw Error(ExitCode::BadFile, "has data after its end; run again with --overwrite");
 }
 
 }  // namespace
@@ -133,14 +133,14 @@ void check_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
         throw Error(ExitCode::BadFile, fmt::format("{}: {}; run again with --overwrite", path.string(), why));
     };
     if (c.scene != scene) refuse("is of another scene, " + first_difference(c.scene, scene));
-    if (c.status < RunStatus::Running || c.status > RunStatus::Stopped) refuse("has a status that there is not");
-    if (!is_sound(c.tally, of.steps())) refuse("counts what cannot be");
+    if (c.status < RunStatus::Running || c.status > RunStatus::Stopped) refuse("has an unknown status");
+    if (!is_sound(c.tally, of.steps())) refuse("is corrupt: a counter is out of range");
     for (int k = 0; k < c.tally.exits.count; ++k)
-        if (c.tally.exits.exit[k].wire >= of.instrument_count()) refuse("tells of an instrument that there is not");
-    if (!sound(c.wire_frames, c.tally) || !sound(c.contact_frames, c.tally)) refuse("lists frames that cannot be");
+        if (c.tally.exits.exit[k].wire >= of.instrument_count()) refuse("is corrupt: an instrument index is out of range");
+    if (!sound(c.wire_frames, c.tally) || !sound(c.contact_frames, c.tally)) refuse("is corrupt: a frame number is out of range");
     int tables = 1;
     for (int k = 0; k < of.instrument_count(); ++k) tables += of.instrument(k).label.empty() ? 0 : 1;
-    if (c.trace_bytes.size() != static_cast<std::size_t>(tables)) refuse("is of other tables than this scene's");
+    if (c.trace_bytes.size() != static_cast<std::size_t>(tables)) refuse("belongs to a scene with other tables");
 }
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c)

@@ -1,5 +1,5 @@
 #pragma once
-// checkpoint.bin: where a run stands, so that it can go on with the same bits after any stop. A sealed file (core/sealed_file.h)
+// checkpoint.bin: state of a run, which continues from it with the same bits after any stop. A sealed file (core/sealed_file.h)
 // with magic "SELCKPT2".
 
 #include "scene/summary.h"
@@ -38,7 +38,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 [[nodiscard]] bool is_sound(const RunTally& tally, std::int64_t most);
 
 /// That it is of this scene and that every number can be true; the state itself is World::restore_state's affair.
-/// @param scene  what is to be resumed, as write_scene() writes it
+/// @param scene  scene to resume, as write_scene() writes it
 /// @throws Error BadFile naming what differs
 void check_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const Scene& of, const std::string& scene);
 

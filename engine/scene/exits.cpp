@@ -29,7 +29,7 @@ bool within(const BoundaryLoop& rim, const WallMesh& mesh, const Vec3& p)
     return std::abs(turned) > std::numbers::pi;
 }
 
-/// +1: the way from a to b leads out through the opening, -1: in, 0: neither.
+/// +1: the path from a to b leads out through the opening, -1: in, 0: neither.
 int crossing(const BoundaryLoop& rim, const WallMesh& mesh, const Vec3& a, const Vec3& b)
 {
     const double from = (a - rim.centre).dot(rim.inward), to = (b - rim.centre).dot(rim.inward);

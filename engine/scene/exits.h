@@ -1,9 +1,9 @@
 #pragma once
-// Which tip has left the vessel through which of its openings, and when: what goes out of a side branch has left the model, not
-// gone through its wall.
+// Records tips that left the vessel through an opening, with the time. A tip that leaves through a side branch has left the model,
+// not passed its wall.
 //
-// A tip leaves through an opening when the way that it has gone since it was last looked at crosses the polygon of the opening's
-// rim from inside to outside, and comes back when it crosses it the other way. What comes in at an inlet has not left before.
+// A tip leaves through an opening when its path since the last check crosses the polygon of the opening's rim from inside to
+// outside, and comes back when it crosses it the other way. A tip that enters at an inlet has not left before.
 
 #include "engine.h"
 #include "vessel/repair.h"

@@ -146,7 +146,7 @@ namespace {
 
 std::string narrowest_words(const WayThrough& way)
 {
-    // parts of a mesh that merely touch, or a wall that was left between them: no vessel is a tenth of the thinnest wire wide
+    // parts of a mesh that merely touch, or a wall left between them: no vessel is as narrow as 0.1 of the thinnest wire
     constexpr double closed = 1.5e-5;
     if (way.narrowest >= closed)
         return fmt::format("the narrowest lumen on the longest way has a radius of {:.2g} mm", 1e3 * way.narrowest);

@@ -1,5 +1,5 @@
 #pragma once
-// A first scene for a mesh that nobody has said anything of: its unit by its sizes, a way in, a wire of the catalogue that fits.
+// A first scene for a mesh without further information: its unit by its sizes, a way in, a wire of the catalogue that fits.
 
 #include "scene/vessel_load.h"
 #include "vessel/inlets.h"

@@ -23,7 +23,7 @@ struct Instrument {
 /// What `preset` may say, sorted. @throws Error BadFile as above
 [[nodiscard]] std::vector<std::string> instrument_names();
 
-/// All of the catalogue, sorted by name. @throws Error BadFile as above; BadScene, at its place, what is wrong in a file
+/// All of the catalogue, sorted by name. @throws Error BadFile as above; BadScene, with its place, for an error in a file
 [[nodiscard]] std::vector<Instrument> instruments();
 
 }  // namespace seldinger

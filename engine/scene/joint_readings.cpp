@@ -1,4 +1,4 @@
-// Sums and worsts over the instruments of a system.
+// Sums and worst values over the instruments of a system.
 #include "scene/joint_readings.h"
 
 #include "engine.h"

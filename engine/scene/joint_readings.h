@@ -1,5 +1,5 @@
 #pragma once
-// The instruments of a system read as one: what trace.csv and a batch's table say of several.
+// The instruments of a system read as one: values of several instruments in trace.csv and in a batch's table.
 
 #include "output.h"
 
@@ -10,7 +10,7 @@ namespace seldinger {
 class World;
 
 /// What the hand does (inserted, turned, its force and torque) is the first one's; counts, forces and energies are sums; overlaps
-/// and what else is a worst is the largest. Of one instrument: its own, bit for bit.
+/// and what else is a worst is the largest. Readings of a system; for one instrument its own, bit for bit.
 [[nodiscard]] WireReadings joint_readings(const World& world, int system);
 [[nodiscard]] WireReadings joint_readings(std::span<const WireOutput> wires);
 

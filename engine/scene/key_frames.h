@@ -14,14 +14,14 @@ class KeyFrames {
 public:
     /// @param keys  per instrument, times increasing [s]; empty: the instrument is not fed
     explicit KeyFrames(std::vector<std::vector<FeedKey>> keys);
-    /// Of the instruments of each scene in turn.
+    /// Key frames of the instruments of each scene in turn.
     explicit KeyFrames(std::span<const Scene> scenes);
     explicit KeyFrames(const Scene& scene);
     KeyFrames(const KeyFrames& other) : KeyFrames(other.keys_) {}
     KeyFrames(KeyFrames&&) noexcept = default;  // the keys stay where they are in memory
     KeyFrames& operator=(KeyFrames&&) noexcept = default;
 
-    /// What is asked in any step: each hub follows its keys. It refers to this object's keys.
+    /// Control of any step: each hub follows its keys. It refers to this object's keys.
     [[nodiscard]] const Control& control() const { return control_; }
 
 private:

@@ -1,4 +1,4 @@
-// The files of a run as it goes on: frames with their .pvd lists, summary.json, the checkpoint. Rows and tables:
+// The files of a running run: frames with their .pvd lists, summary.json, the checkpoint. Rows and tables:
 // recorder_tables.cpp.
 #include "scene/recorder.h"
 
@@ -93,7 +93,7 @@ void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
             fmt::format("{}: the scene lies there itself and would be overwritten; choose another folder with -o", dir.string()));
     if (use == FolderUse::Refuse)
         throw Error(ExitCode::BadScene,
-                    fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
+                    fmt::format("{}: holds a run already; give --resume to continue it, --overwrite to replace it, "
                                 "or another folder with -o",
                                 dir.string()));
     if (use != FolderUse::Resume || !fs::exists(dir / "checkpoint.bin", ignored)) return;
@@ -148,7 +148,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
                                                    scene.vessel.mesh.empty() ? "the vessel" : scene.vessel.mesh.string()));
     for (int k = 0; k < tally_.exits.count; ++k)
         if (tally_.exits.exit[k].opening >= static_cast<int>(vessel_.loops.size()))
-            throw Error(ExitCode::BadFile, fmt::format("{}: tells of an opening that there is not; run again with --overwrite",
+            throw Error(ExitCode::BadFile, fmt::format("{}: is corrupt: an opening is out of range; run again with --overwrite",
                                                        (dir_ / "checkpoint.bin").string()));
     if (world.device_name() != saved.device)
         warn(fmt::format("resumed on \"{}\" after \"{}\": the bits may differ from a run in one piece", world.device_name(),
@@ -196,7 +196,7 @@ void Recorder::take_in(const Output& now, const StepReport& report)
     tally_.row_flags |= report.flags;
 }
 
-/// The greatest loads and moves of what was read, and flags that only reading shows.
+/// The greatest loads and moves of the readings, and flags that only reading shows.
 void Recorder::take_greatest(const Output& now)
 {
     unsigned seen = 0;
@@ -230,7 +230,7 @@ unsigned Recorder::frame_parts() const
     return yields_ && scene_.contacts_every > 0 ? parts | Output::WallShape : parts;
 }
 
-/// In most steps less is borne in all than was read before, and the load along the wires is not looked at.
+/// In most steps the total load is below the largest reading so far, and the load along the wires is not computed.
 bool Recorder::may_bear_most(const World& world) const
 {
     for (int w = 0; w < world.wire_count(); ++w) {
@@ -319,7 +319,7 @@ void Recorder::checkpoint(const World& world, RunStatus status, double wall)
 
 std::string Recorder::finish(const World& world, RunStatus status, double wall)
 {
-    // what an interrupted run shows is not what it goes on from: the checkpoint comes before the extra row and frame
+    // an interrupted run does not resume from the row that it shows: the checkpoint comes before the extra row and frame
     const bool goes_on = status == RunStatus::TimeLimit || status == RunStatus::Interrupted;
     if (goes_on) checkpoint(world, status, wall);
     const auto start = Clock::now();

@@ -3,9 +3,9 @@
 // the checkpoint. It records Output, which is read from the world between steps.
 //
 // Frames are named after their step (wire_000120.vtp), so that a resumed run writes the same files again. Rows of trace.csv hold
-// the accepted state of their step; newton, flags and step_ms are the worst, the union and the mean since the row before. Of a
-// scene of [[instrument]] tables trace.csv reads all instruments as one (joint_readings.h), trace_NAME.csv, NAME.csv and the
-// series NAME.pvd each one alone.
+// the accepted state of their step; newton, flags and step_ms are the worst, the union and the mean since the row before. With
+// [[instrument]] tables, trace.csv reads all instruments as one (joint_readings.h); trace_NAME.csv, NAME.csv and the series
+// NAME.pvd show each one alone.
 
 #include "core/file_io.h"
 #include "scene/checkpoint.h"
@@ -33,7 +33,7 @@ public:
     /// Starts a new run in `dir`, whose old run, if any, is removed. @throws Error BadFile
     Recorder(const Scene& scene, const RepairReport& vessel, const World& world, std::filesystem::path dir);
 
-    /// Goes on where `checkpoint` left off: restores the world and cuts what was written later. @throws Error BadFile
+    /// Resumes at `checkpoint`: restores the world and cuts later output. @throws Error BadFile
     Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
              const Checkpoint& checkpoint);
 
@@ -46,7 +46,7 @@ public:
 
     /// Saves where the run stands. @param wall  of the loop so far [s]
     void checkpoint(const World& world, RunStatus status, double wall);
-    /// Writes final tables, summary and, unless the simulation stopped by itself, the checkpoint. @return the summary
+    /// Writes final tables, summary and, unless the simulation failed, the checkpoint. @return the summary
     std::string finish(const World& world, RunStatus status, double wall);
 
     [[nodiscard]] const RunTally& tally() const { return tally_; }

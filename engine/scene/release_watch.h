@@ -1,17 +1,16 @@
 #pragma once
-// Whether the largest force of a run is where something that held lets go.
+// Detects whether the largest force of a run is a sudden release.
 //
-// A tip that hangs on a crease, or a contact that sticks, is held while the hand's force climbs, and let go at a threshold. When
-// that is, differs with everything that differs between two runs, the length of the step among them, and a window that is
-// taken again from one state at half the step lets go where the run did. A time of release that is uncertain by dt_release leaves the
-// largest force F uncertain by
+// A tip that hangs on a crease, or a contact that sticks, is held while the hand's force climbs, and let go at a threshold. Its
+// time differs between any two runs, also with the length of the step. A window computed again from one state at half the step
+// releases where the run did. A time of release that is uncertain by dt_release leaves the largest force F uncertain by
 //
 //     dF = (dF/dt before the release) x dt_release,    dt_release = 0.1 s
 //
 // read off the run: by how much F has risen in the 0.1 s before it. Calibrated, not derived: on a stiff wire in a patient's arch
-// the same catch lets go up to 0.03 s later at an eighth of the step, and the friction there is 0.997 of what this bound allows.
-// A force that does not fall by more than a fifth within 20 ms after its largest has not let go, and the bound is 0. (The catch above
-// falls by 22 to 26 % at steps of 1 to 17 ms, a tip that lands on a tube's floor and settles by 15 %.)
+// the same catch releases up to 0.03 s later at 1/8 of the step, and the friction there is 0.997 of this bound.
+// A force that does not fall by more than 20 % within 20 ms after its largest is no release, and the bound is 0. (The catch above
+// falls by 22 to 26 % at steps of 1 to 17 ms. A tip that lands on a tube's floor and settles falls by 15 %.)
 
 #include "math/running_peak.h"
 

@@ -1,4 +1,4 @@
-// What follows from a scene as it was read.
+// Values that follow from a scene.
 
 #include "scene/scene.h"
 

@@ -93,7 +93,7 @@ struct Scene : SceneInstrument {
 
     /// That take the run to its end; sub-steps are not counted. Where dt does not go into the duration the last one is shorter.
     [[nodiscard]] long steps() const;
-    /// Of the step that is taken after `taken` [s].
+    /// Length of the step after `taken` steps [s].
     [[nodiscard]] double step_length(long taken) const;
     [[nodiscard]] int instrument_count() const { return 1 + static_cast<int>(others.size()); }
     [[nodiscard]] SceneInstrument& instrument(int k) { return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1]; }
@@ -106,7 +106,7 @@ struct Scene : SceneInstrument {
 inline constexpr long steps_at_rest = 10;
 
 /// Reads a scene file. @param overrides  texts of --set, "table.key=value", applied in order before anything is checked
-/// @throws Error BadFile (file missing), BadScene: one line, "file:line:column: key: what was expected; what to do"
+/// @throws Error BadFile (file missing), BadScene: one line, "file:line:column: key: expected value; fix"
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
 /// The same from text; `file` names it in messages, and relative mesh paths start at its folder.
@@ -119,12 +119,11 @@ inline constexpr long steps_at_rest = 10;
 
 /// Loads the vessel, places the feed and checks that wire and vessel fit each other.
 /// @param device_index  as in `seldinger devices`; -1: the default
-/// @param report  out, may be null: what import found and mended
+/// @param report  out, may be null: findings and repairs of the import
 /// @throws Error BadFile, BadScene
 [[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1, RepairReport* report = nullptr);
 
-/// One world for several scenes, each a system of its own, that agree in everything but their instruments, [feed], [[hold]],
-/// [[load]],
+/// One world for several scenes, each its own system, that agree in everything but their instruments, [feed], [[hold]], [[load]],
 /// [[link]] and the coefficients of [contact]. @param vessel  of these scenes, loaded
 [[nodiscard]] WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int device_index);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Where two scenes, as write_scene writes them, part.
+// First difference of two scenes, as write_scene writes them.
 
 #include <string>
 #include <string_view>

@@ -1,4 +1,5 @@
-// Lays the files of a scene over each other: include, preset, --set. A table is taken key by key, what a key holds as a whole.
+// Lays the files of a scene over each other: include, preset, --set. Tables are combined key by key; a key's value is replaced
+// completely.
 #include "scene/scene_layers.h"
 
 #include "core/error.h"
@@ -22,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t deepest_include = 8;
-// Of all that a scene includes, each as often as it is named: ten files that include ten others, eight deep, would be read for hours.
+// Limits on all included files, each counted as often as it is named: ten files that include ten others, eight deep, would be read
+// for hours.
 constexpr std::size_t most_includes = 100, most_included_bytes = 16u << 20;
 constexpr std::string_view stiffness_keys[] = {"bend_nm2", "twist_nm2", "stretch_n"};
 constexpr std::string_view material_keys[] = {"youngs_pa", "poisson"};
@@ -69,7 +71,7 @@ void lay_wire_under(toml::table& upper, toml::table&& lower)
 void lay_under(Layer& upper, Layer&& lower)
 {
     toml::table* lower_wire = lower.root["wire"].as_table();
-    // an instrument comes as a whole: nothing of another one shows through where it is silent
+    // an instrument replaces the whole table: no key of another one remains
     if (upper.has_preset && lower_wire) erase_keys(*lower_wire, instrument_keys);
     for (auto&& [key, node] : lower.root) {
         toml::table* over = upper.root[key.str()].as_table();

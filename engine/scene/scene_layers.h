@@ -1,6 +1,6 @@
 #pragma once
-// What a scene is made of before it is read as one table: the file itself over the files that it includes, [wire] over the
-// instrument that it names as its preset, --set over all. Private to scene/.
+// Layers of a scene before it is read as one table: the file itself over its included files, [wire] over the instrument named as
+// its preset, --set over all. Private to scene/.
 
 #include <filesystem>
 #include <span>
@@ -20,7 +20,7 @@ struct LayeredScene {
 
 inline constexpr std::size_t most_scene_instruments = 16;
 
-/// Keys of [wire] that an instrument may have: what it is, not where or how finely it is modelled.
+/// Keys of [wire] that an instrument may have: its properties, not its place or its discretisation.
 inline constexpr std::string_view instrument_keys[] = {"radius_m",  "lumen_radius_m", "density",   "youngs_pa",
                                                        "poisson",   "bend_nm2",       "twist_nm2", "stretch_n",
                                                        "mu_static", "mu_sliding",     "section"};

@@ -29,7 +29,7 @@ void read_integrator(const toml::table& table, Scene& scene)
     if (spec.conserve && spec.scheme != Scheme::Newton)
         t.fail("conserve", "energy is conserved by the converged step only; set scheme = \"newton\" or take this out");
     for (const auto key : {"beta", "gamma"})
-        if (spec.conserve) t.refuse(key, "is Newmark's, which conserve = true takes the place of; take one of the two out");
+        if (spec.conserve) t.refuse(key, "belongs to Newmark's scheme, which conserve = true replaces; take one of the two out");
     t.choice("spins", spec.spins, spins_words);
     t.number("tolerance", spec.tolerance, {0, 1, true, true, "a number above 0 and below 1"});
     t.number("damping_mass_1_s", spec.damping_mass, not_negative);
@@ -92,7 +92,7 @@ void check_hard_law(const TableReader& t, const Scene& scene)
     const std::string_view law = word_of(normal_words, spec.normal);
     const Scheme scheme = scene.integrator.scheme;
     if (spec.detection == Detection::Layer)
-        t.fail("normal", fmt::format("\"{}\" lives on material samples, which detection = \"layer\" has not; use \"swept\" or "
+        t.fail("normal", fmt::format("\"{}\" needs material samples, which detection = \"layer\" does not have; use \"swept\" or "
                                      "\"capsule\", or normal = \"hunt-crossley\"",
                                      law));
     if (scheme == Scheme::Linearised || scheme == Scheme::Explicit)

@@ -17,12 +17,12 @@ void read_task_table(const toml::table& table, Scene& scene);    // [task]
 void read_wire_table(const toml::table& table, const std::string& path, std::initializer_list<std::string_view> extra, bool fed,
                      SceneInstrument& into, Scene& scene);
 
-/// Where an instrument enters and its key frames. @param inherits  it enters where another one does: no inlet of its own
-/// Where a feed's instrument is among others.
+/// Place of a feed's instrument among others.
 struct FeedPlace {
     bool inside = false;  // another one, and so enters where that does
     bool merged = false;  // it shares its centreline with others
 };
+/// Reads the place where an instrument enters, and its key frames.
 void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene);
 
 /// Refuses a mu_static that stands there and is below mu_sliding.

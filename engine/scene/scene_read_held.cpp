@@ -1,4 +1,4 @@
-// What holds, pulls and ties the instruments: [[hold]], [[load]], [[link]].
+// Holds, loads and links of the instruments: [[hold]], [[load]], [[link]].
 #include "scene/scene_read.h"
 
 #include <fmt/format.h>
@@ -72,7 +72,7 @@ void read_hold(const toml::table& table, const std::string& path, Scene& scene)
     t.flag("direction", hold.direction);
     t.flag("spin", hold.spin);
     if (!hold.position && !hold.direction && !hold.spin)
-        t.fail("position", "this hold holds nothing; set position, direction or spin to true");
+        t.fail("position", "fixes nothing; set position, direction or spin to true");
     hold.move = timed_rows<4>(t, "move", "[t_s, dx, dy, dz]");
     hold.turn = timed_rows<2>(t, "turn", "[t_s, rad]");
     t.vector("velocity_m_s", hold.velocity);

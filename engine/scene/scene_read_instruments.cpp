@@ -1,4 +1,4 @@
-// Several instruments: [[instrument]] with their feeds, and [coaxial], which says what is inside what.
+// Several instruments: [[instrument]] with their feeds, and [coaxial], which says which instrument is inside which.
 #include "rod/coaxial.h"
 #include "scene/scene_layers.h"
 #include "scene/scene_read.h"
@@ -26,7 +26,7 @@ void check_name(const TableReader& t, const std::string& name, const Scene& scen
     if (name.empty() || name.size() > longest_name || !plain)
         t.fail("name", fmt::format("expected 1 to {} letters, digits, - and _: files are named after it", longest_name));
     if (std::find(std::begin(taken_names), std::end(taken_names), name) != std::end(taken_names))
-        t.fail("name", fmt::format("\"{}\" is what a run calls a file of its own; choose another", name));
+        t.fail("name", fmt::format("\"{}\" is the name of a run's own file; choose another", name));
     for (int k = 0; k < count; ++k)
         if (const std::string& other = scene.instrument(k).label; other == name)
             t.fail("name", fmt::format("\"{}\" is instrument {} already; choose another", name, k));
@@ -173,7 +173,7 @@ void read_instruments(const toml::table& root, Scene& scene)
 {
     for (const char* key : {"wire", "feed"})
         if (const toml::node* node = root.get(key))
-            fail_at(node->source(), key, fmt::format("is the one-instrument form of what [[instrument]] says; take {} out", key));
+            fail_at(node->source(), key, fmt::format("is the one-instrument form of a key of [[instrument]]; take {} out", key));
     const std::vector<const toml::table*> tables = read_names(root, scene);
     if (const toml::table* coaxial = find_table(root, "coaxial")) read_coaxial(*coaxial, scene);
     for (int k = 0; k < scene.instrument_count(); ++k) read_instrument_table(*tables[static_cast<std::size_t>(k)], k, scene);

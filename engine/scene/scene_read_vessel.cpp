@@ -11,7 +11,7 @@
 namespace seldinger {
 namespace {
 
-/// Which keys a shape has; what is needed comes first.
+/// Keys of each shape; required ones come first.
 struct ShapeKeys {
     VesselShape shape;
     std::vector<std::string_view> needed, optional;
@@ -89,7 +89,7 @@ void read_axes(const TableReader& t, VesselSpec& vessel)
         t.fail("normal", "is parallel to axis; give any other direction");
 }
 
-/// What a wall that yields is held by, and what it carries.
+/// Support and loads of an elastic wall.
 void read_elastic_wall(const TableReader& t, VesselSpec& vessel)
 {
     t.number("support_pa_m", vessel.support, not_negative);

@@ -1,4 +1,4 @@
-// What an instrument is: its properties, its sections and its placement ([wire], [[instrument]]).
+// Properties, sections and placement of an instrument ([wire], [[instrument]]).
 #include "scene/scene_read.h"
 
 #include "contact/quadrature.h"
@@ -11,7 +11,7 @@
 namespace seldinger {
 namespace {
 
-/// Properties that the wire and its sections share; what is absent stays as it was (a section inherits the shaft's).
+/// Properties that the wire and its sections share; an absent one keeps its value (a section inherits the shaft's).
 void read_properties(const TableReader& t, WireSection& s)
 {
     t.number("radius_m", s.radius, positive);
@@ -90,7 +90,7 @@ void read_points(const TableReader& t, WireSpec& wire)
         if (!wire.place.points.empty()) length += step;
         wire.place.points.push_back(p);
     }
-    // chords are shorter than the arc they stand for; more than this is a wire placed under strain
+    // chords are shorter than their arc; more than this is a wire placed under strain
     if (std::abs(length - wire.length) > 0.05 * wire.length)
         t.fail("points",
                fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %", length, wire.length));
@@ -187,7 +187,7 @@ void check_lumen(const TableReader& t, WireSpec& wire)
 void check_friction(const TableReader& t, double mu_static, double mu_sliding)
 {
     if (t.has("mu_static") && mu_static < mu_sliding)
-        t.fail("mu_static", fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to go on; "
+        t.fail("mu_static", fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to continue; "
                                         "make it {} or more, or take it out",
                                         mu_static, mu_sliding, mu_sliding));
 }

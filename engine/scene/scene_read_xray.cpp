@@ -1,4 +1,4 @@
-// [carm] and [contrast]: how a run is looked at by X-ray.
+// [carm] and [contrast]: settings of X-ray pictures.
 #include "scene/scene_read.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-// From a scene to what a World is made of: loads the vessel, places the feed, checks that wire and vessel fit each other.
+// From a scene to the parts of a World: loads the vessel, places the feed, checks that wire and vessel fit each other.
 #include "scene/scene.h"
 
 #include "core/error.h"
@@ -23,7 +23,7 @@ namespace {
 // A lumen this much narrower or wider than the wire [wire radii] is a mistake in units, not a vessel: the tightest stenosis that
 // is worth pushing against and the widest ventricle lie well inside.
 constexpr double narrowest = 0.05, widest = 1000;
-// A mesh of a vessel has no lumen of more than a decimetre and is no larger than a patient [m]; nor does a wire go into a mesh
+// A mesh of a vessel has no lumen of more than a decimetre and is no larger than a patient [m]. A wire does not go into a mesh
 // whose lumen is thinner than itself almost everywhere. A generated shape may be anything: a case with a closed form.
 constexpr double widest_lumen = 0.1, largest_vessel = 3.0;
 constexpr double far_apart = std::numeric_limits<double>::infinity();
@@ -89,7 +89,7 @@ void check_size(const Scene& scene, const WireSpec& spec, const LoadedVessel& ve
              unit == scene.vessel.units ? "check wire.radius_m too (metres)" : fmt::format("units = \"{}\" would fit", unit)));
 }
 
-/// @return what was chosen, for every output
+/// @return choices made, for every output
 std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, FeedSpec& feed)
 {
     const SceneFeed& asked = scene.instrument(k).feed;
@@ -130,7 +130,7 @@ public:
                          p.x(), p.y(), p.z(), where));
     }
 
-    /// @return what was done to have it start inside
+    /// @return the move that puts its start inside
     std::string check(const Scene& scene, int k, WireSpec& wire)
     {
         StartInside start = start_inside(wire, vessel_.centreline, lumen());
@@ -170,8 +170,8 @@ double start_distance(const WireSetup& a, const WireSetup& b, std::span<const Ve
     return axis_distance(rods.view(0), rods.view(1));
 }
 
-/// Two instruments that are not inside each other start beside each other. Less than half of what they are thick between their
-/// axes is one place, not two that touch.
+/// Two instruments that are not inside each other start beside each other. Axes closer than half of their thickness coincide; they
+/// do not touch.
 void check_apart(const Scene& scene, std::span<const WireSetup> wires, std::span<const Vec3> path)
 {
     for (int b = 1; b < scene.instrument_count(); ++b)
@@ -180,7 +180,7 @@ void check_apart(const Scene& scene, std::span<const WireSetup> wires, std::span
             const double distance = start_distance(wires[a], wires[b], path);
             if (distance >= 0.5 * (wires[a].wire.shaft.radius + wires[b].wire.shaft.radius)) continue;
             fail(scene, key_of(scene, b, wires[b].feed.on ? "feed" : "place"),
-                 fmt::format("is where \"{}\" is, {:.3g} mm between their axes; put them apart{}", scene.instrument(a).label,
+                 fmt::format("coincides with \"{}\" ({:.3g} mm between their axes); put them apart{}", scene.instrument(a).label,
                              1e3 * distance, wires[b].feed.on ? ", or one inside the other with [coaxial]" : ""));
         }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// [carm] and [contrast] of a scene: how a run is looked at by X-ray. Nothing of it acts on the simulation.
+// [carm] and [contrast] of a scene: settings of X-ray pictures. Nothing of it acts on the simulation.
 
 #include "math/vec3.h"
 

@@ -1,4 +1,4 @@
-// Finds where a placed axis lies beyond the wall, moves that stretch into the lumen when it is shallow, and says so or refuses.
+// Finds where a placed axis lies beyond the wall. A shallow stretch is moved into the lumen, with a note; a deep one is refused.
 #include "scene/start_inside.h"
 
 #include "rod/place.h"
@@ -60,7 +60,7 @@ public:
                                  [](const AxisSample& a, const AxisSample& b) { return a.clearance < b.clearance; });
     }
 
-    /// Moves every stretch that has to go by a part of its way. @return false: none has; nothing where one has no way to go
+    /// Moves every stretch that has to go by a part of its path. @return false: none has; nothing where one has no path to go
     std::optional<bool> push()
     {
         bool any = false;

@@ -1,4 +1,4 @@
-// Windows of a run, some taken again with shorter steps.
+// Windows of a run, some computed again with shorter steps.
 #include "scene/step_twin.h"
 
 #include "math/running_peak.h"
@@ -31,9 +31,9 @@ double largest_mean(const std::vector<double>& values, double dt)
 }
 
 // No band is narrower than this share of its value. Windows begin where the run is: what its history has done before, and slips
-// that come earlier or later, they do not see. Calibrated, not derived: on the scenes of bench/readings.py and of the tests 20 ms
-// means of runs whose windows agreed to 0.1 % lay up to 2.6 % (hand force) and 6.6 % (friction) from those of steps four to
-// sixty-seven times as short.
+// that come earlier or later, they do not see. Calibrated, not derived, on the scenes of bench/readings.py and of the tests. 20 ms
+// means of runs whose windows agreed to 0.1 % lay up to 2.6 % (hand force) and 6.6 % (friction) from those of steps 4 to 67 times
+// as short.
 constexpr double hand_history = 0.03, friction_history = 0.07;
 
 /// What a difference from steps of 1/parts as long is multiplied by.
@@ -98,7 +98,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     estimate_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
-/// The window is over: looked at now, or kept for the end where it may be among those that are.
+/// The window is over: compared now, or kept for the end if it may be among the compared ones.
 void StepTwin::close()
 {
     if (window_.steps == 0) return;
@@ -193,9 +193,9 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
     const auto look = [&](const char* what, const ErrorBand& band) {
         if (band.resolved) return;
         if (band.band == 0)
-            list.push_back(fmt::format("{} of {:.3g} N: its error is not known, shorter steps found no state there", what, band.value));
+            list.push_back(fmt::format("{} of {:.3g} N: its error is unknown, because shorter steps did not converge there", what, band.value));
         else if (band.let_go)
-            list.push_back(fmt::format("{} of {:.3g} N is where something that held lets go, after a rise of {:.2g} N in {:.2g} s: when it does "
+            list.push_back(fmt::format("{} of {:.3g} N is a sudden release, after a rise of {:.2g} N in {:.2g} s: its time "
                                        "differs from run to run and is not resolved by steps of {:.3g} ms, the band is +- {:.2g} N; "
                                        "compare with other scene.dt_s",
                                        what, band.value, band.band, ReleaseWatch::release_time, 1e3 * e.dt, band.band));

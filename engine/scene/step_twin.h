@@ -1,31 +1,30 @@
 #pragma once
-// What the length of the step leaves in a run's forces and tip, estimated by the run itself.
+// Estimate of the time-step error in a run's forces and tip, by the run itself.
 //
-// The run is cut into windows of window_steps steps. Some are taken again in a world of its own, from the state that the run had
-// at their beginning, with steps of half the length: every periodic-th one, the last, and those in which hand force and friction
-// were largest so far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
+// The run is cut into windows of window_steps steps. Some are computed again in a separate world, from the state at their
+// beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
+// far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
 // and the band is
 //
 //     band = safety r/(r - 1) |Q(h) - Q(h/r)|,    safety = 1.5
 //
 // 3 |Q(h) - Q(h/2)| for halves: the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994,
-// doi:10.1115/1.2910291; order 1, ratio 2). The band of each reading is the largest that any window has shown: what one window of a run
-// does another may. Compared
-// are means over a window (hand force, friction), the largest mean over mean_time in a window (peaks), and where the tip is at its
-// end: single values of a wire that sticks, slips and strikes differ however short the step is, and a hand that starts at once
-// feels more the shorter the step.
+// doi:10.1115/1.2910291; order 1, ratio 2). The band of each reading is the largest of all windows: other windows may behave like
+// any of them. Compared are means over a window (hand force, friction), the largest mean over mean_time in a window (peaks), and
+// the tip's place at its end. Single values of a wire that sticks, slips and strikes differ however short the step is, and a hand
+// that starts at once feels more the shorter the step.
 //
-// Of a wire that catches and slips halves agree where both are wrong: backward Euler with steps of 17 and of 8 ms damps the
-// oscillations that a slip leaves, which steps of 1 ms and less show, and which change what it is held by next. The windows of the
+// For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
+// oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the
 // largest hand force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th
 // part of the step where that is longer.
 //
-// A largest force that is where something lets go has a band of its own (scene/release_watch.h): a twin lets go where the run did.
+// A largest force that is a release has its own band (scene/release_watch.h): a twin releases where the run did.
 //
-// What it cannot see: a history that has gone another way before the window began (a branch missed, a slip that came earlier).
+// It cannot see a history that differed before the window began (a branch missed, an earlier slip).
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
-// The twin is a world of its own: the run's bits are those of a run without it.
+// The twin is a separate world: the run's bits are those of a run without it.
 
 #include "engine.h"
 #include "scene/key_frames.h"
@@ -80,7 +79,7 @@ public:
 
     /// After each accepted step. @param readings  of all instruments as one   @param taken  steps of the run with this one
     void stepped(const World& run, const WireReadings& readings, long taken);
-    /// Looks at what is left to look at. @return the estimate over all
+    /// Checks the remaining windows. @return the estimate over all
     [[nodiscard]] ErrorEstimate finish(Finer finer);
 
 private:

@@ -140,7 +140,7 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("gravitational_j", r.gravitational);
 }
 
-/// Of a wall that yields; a rigid one has none of these.
+/// Readings of an elastic wall; a rigid one has none of these.
 void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& world)
 {
     const WallMechanics made = world.wall_mechanics();
@@ -166,7 +166,7 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     out["wall_far_steps"] = tally.far_steps;
 }
 
-/// Each instrument of [[instrument]] tables by itself.
+/// Each instrument of [[instrument]] tables alone.
 Json instruments_of(const World& world, const Scene& scene, std::vector<std::string>& lost)
 {
     Json list = Json::array();
@@ -225,8 +225,8 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                        "run, and report it with the scene");
     if (tally.far_steps > 0)
         list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
-                       " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
-                       "theory is good for (docs/wall.md)");
+                       " moved the wall by more than 20 % of the lumen's radius: beyond its linear "
+                       "theory (docs/wall.md)");
     if (tally.non_finite > 0)
         list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
     for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");

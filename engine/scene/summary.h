@@ -1,5 +1,5 @@
 #pragma once
-// summary.json: what a run came to, as one JSON object and as a few lines for people.
+// summary.json: the results of a run, as one JSON object and as a few lines for people.
 
 #include "engine.h"
 #include "scene/exits.h"
@@ -68,7 +68,7 @@ struct RunTally {
     std::int64_t row_newton = 0, row_flags = 0, row_steps = 0;
     double row_time = 0;  // [s]
 
-    /// What one wire's step adds to the counts and maxima; `steps` and times are the caller's.
+    /// Adds one wire's step to the counts and maxima; `steps` and times are the caller's.
     void take_in(const WireReadings& readings, unsigned flags, int newton_iterations);
     /// Flags that are seen only where a state is read (WireOutput::report), counted unless a step of the row has said so.
     void note_read(unsigned flags);

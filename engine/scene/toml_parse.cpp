@@ -52,12 +52,12 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
         toml::source_region where;
         where.path = std::make_shared<const std::string>(name);
         where.begin = {static_cast<toml::source_index>(line), 1};
-        fail_at(where, "", fmt::format("is nested deeper than {} levels; no scene is", most_toml_depth));
+        fail_at(where, "", fmt::format("is nested deeper than {} levels; use fewer levels", most_toml_depth));
     }
     try {
         return toml::parse(text, name);
     } catch (const toml::parse_error& error) {
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
+        fail_at(error.source(), "", fmt::format("is not TOML: {}; fix the syntax", error.description()));
     }
 }
 

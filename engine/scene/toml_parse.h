@@ -1,6 +1,6 @@
 #pragma once
-// TOML of files and of --set, whose authors may mean no good: size and depth are looked at before the parser, which calls itself
-// once for each level and ends the process where there are too many.
+// TOML of files and of --set may be hostile. Size and depth are checked before the parser, which calls itself once for each level
+// and ends the process if there are too many.
 
 #include "core/folder.h"
 

@@ -49,7 +49,7 @@ toml::table parse_value(const std::string& text, const std::string& value)
     const std::string source = "--set " + text;
     if (value.find_first_of("\r\n") != std::string::npos) fail_set(text, "expected a value on one line");
     if (too_deep(text) != std::string_view::npos)
-        fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; no scene is", most_toml_depth));
+        fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; use fewer levels", most_toml_depth));
     try {
         return toml::parse("value = " + value, source);
     } catch (const toml::parse_error& error) {
@@ -112,7 +112,7 @@ void apply_override(toml::table& root, const std::string& text)
         fail_set(text, "expected table.key=value");
     // quotes mean nothing in a path, so that what too_deep() takes for a text may be one
     if (parts.size() > most_toml_depth)
-        fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; no scene is", most_toml_depth));
+        fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; use fewer levels", most_toml_depth));
     toml::table parsed = parse_value(text, trimmed(text.substr(equals + 1)));
 
     toml::node* at = &root;

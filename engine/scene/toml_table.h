@@ -1,6 +1,6 @@
 #pragma once
-// Reads one table of a scene file, key by key, and turns every mistake into one line that says where it is, what was
-// expected and what to do. Knows TOML and messages, nothing of wires.
+// Reads one table of a scene file, key by key, and turns every mistake into one line with place, expected value and fix. Knows TOML
+// and messages, nothing of wires.
 
 #include "rod/wire_spec.h"
 #include "scene/scene_names.h"
@@ -28,8 +28,9 @@ inline constexpr Range not_negative{0, range_end, false, false, "a number, 0 or 
 inline constexpr Range friction_range{0, 10, false, false, "a coefficient of friction between 0 and 10"};
 inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio above -1 and below 0.5"};
 
-/// The largest size of a number under a key, by the unit that its name ends in: lengths and places 1e4 m, times 1e9 s, angles 1e9,
-/// gravity 1e6 m/s^2, speeds any, anything else 1e18 in its unit. Beyond that nothing can be computed, and an index would overflow.
+/// The largest size of a number under a key, by the unit in its name: lengths and places 1e4 m, times 1e9 s, angles 1e9, gravity
+/// 1e6 m/s^2. Speeds have no limit, any other number 1e18 in its unit. Beyond that nothing can be computed, and an index would
+/// overflow.
 [[nodiscard]] double largest(std::string_view key);
 
 /// The smallest size of a number that has to be above 0, times apart: powers of smaller ones are 0 in a double.
@@ -37,7 +38,8 @@ inline constexpr double smallest = 1e-30;
 
 /// Number of edits (insert, delete, replace, swap of neighbours) between two words.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
-/// What is longer is compared by its beginning: no key is as long, and edits take a time of the product of both lengths.
+/// A longer key is compared by its beginning: no known key is as long, and the edit distance takes a time of the product of both
+/// lengths.
 inline constexpr std::size_t longest_word = 64;
 /// The word of `known` with the fewest edits from `word`.
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string_view> known);
@@ -84,7 +86,7 @@ public:
 
     /// Error when the key is absent; `why` says when it is needed.
     void need(std::string_view key, std::string_view why = {}) const;
-    /// Error when the key is there; `why` says what it contradicts.
+    /// Error when the key is there; `why` names the contradiction.
     void refuse(std::string_view key, std::string_view why) const;
     /// Error at the key's value, or at the table when the key is absent.
     [[noreturn]] void fail(std::string_view key, std::string_view message) const;

@@ -1,5 +1,5 @@
 #pragma once
-// Text as TOML writes it.
+// Text in TOML form.
 
 #include <string>
 #include <string_view>

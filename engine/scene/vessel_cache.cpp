@@ -81,7 +81,7 @@ public:
         take(xyz, 3);
         return {xyz[0], xyz[1], xyz[2]};
     }
-    /// Of a list whose items take that many bytes.
+    /// Length of a list whose items take that many bytes.
     std::size_t count(std::size_t bytes_each)
     {
         const std::int64_t n = number();

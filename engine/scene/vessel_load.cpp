@@ -100,8 +100,8 @@ std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centre
     const auto narrowest = std::min_element(centreline.radius.begin(), centreline.radius.end());
     if (!spec.elastic || narrowest == centreline.radius.end() || *narrowest >= spec.thickness) return {};
     const Vec3& at = centreline.points[static_cast<std::size_t>(narrowest - centreline.radius.begin())];
-    return fmt::format("the lumen narrows to a radius of {:.3g} mm near [{:.4g}, {:.4g}, {:.4g}] m, in a wall of {:.3g} mm: that is no "
-                       "thin shell, and a wire cannot force it open there; make vessel.thickness_m smaller, or set vessel.wall = "
+    return fmt::format("the lumen narrows to a radius of {:.3g} mm near [{:.4g}, {:.4g}, {:.4g}] m, in a wall of {:.3g} mm: that is not a "
+                       "thin shell, and a wire cannot open it there; make vessel.thickness_m smaller, or set vessel.wall = "
                        "\"rigid\"",
                        1e3 * *narrowest, at.x(), at.y(), at.z(), 1e3 * spec.thickness);
 }

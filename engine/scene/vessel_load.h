@@ -20,12 +20,12 @@ struct LoadedVessel {
 /// @throws Error BadFile (missing, unreadable, empty, no usable triangle), BadScene (impossible sizes)
 [[nodiscard]] LoadedVessel load_vessel(const VesselSpec& spec);
 
-/// Where a wall that yields is thicker than half of the lumen in it, and is no thin shell. @return a sentence; empty: nowhere
+/// Where an elastic wall is thicker than half of the lumen in it, and is no thin shell. @return a sentence; empty: nowhere
 [[nodiscard]] std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centreline);
 
 /// A warning where the edges of an elastic wall's control mesh are longer than the length over which a dent decays; else nothing.
-/// Measured on planes whose size alone was changed: displacement is low by about 0.026 (edge/decay)^2, the largest stress by
-/// about 0.35 edge/decay up to one decay length; in tubes by up to three times as much (docs/wall.md).
+/// Measured on planes of different size: displacement is low by about 0.026 (edge/decay)^2, the largest stress by about 0.35
+/// edge/decay up to one decay length. In tubes both are up to three times as large (docs/wall.md).
 [[nodiscard]] std::string describe_coarse_wall(const WallMechanics& wall, const VesselSpec& spec);
 
 }  // namespace seldinger

@@ -1,5 +1,5 @@
 #pragma once
-// Bytes from one thread to another in order, without locks: what does not fit is refused, whole.
+// Bytes from one thread to another in order, without locks: a block that does not fit is refused whole.
 
 #include <atomic>
 #include <cstddef>

@@ -43,7 +43,7 @@ double Coupling::next(double hand, const HubLoad& load, double low, double high)
     stretch_ = hand_ - hub_;
     stretch_rate_ = (stretch_ - before) / step_;
     force_ = k * stretch_ + b * (moved_by_hand - d);
-    slope_ = held ? k : k * load.stiffness / whole;  // at an end of its way the hub does not give
+    slope_ = held ? k : k * load.stiffness / whole;  // at an end of its path the hub does not give
     brought_ += force_ * moved_by_hand;
     return hub_;
 }

@@ -7,26 +7,27 @@
 //
 //   f' = k (x_h' - x - d) + b (x_h' - x_h - d)/T  =  F_s + K_s d + M (d - d_before)
 //
-// On the right is what the wire will answer, as far as it is known at the step's start: F_s, what it answered at the end of the last
-// step less its inertia, and how the answer grows within a step (WireReadings::hand_stiffness, K_s + M), of which the part that is
-// the inertia of the wire's own mass m, M = m/T^2, meets changes of speed only. It is solved for d, and the world is stepped to x + d.
+// On the right is the predicted response of the wire, as known at the step's start. F_s is its response at the end of the last step
+// less its inertia. The response grows within a step by WireReadings::hand_stiffness, K_s + M. The part M = m/T^2, the inertia of
+// the wire's own mass m, acts on changes of speed only. The equation is solved for d, and the world is stepped to x + d.
 //
-// Why it is passive. Both sides are taken at the end of the step. On the left, what the hand brings in is what is stored, what the hub
-// gets and what is lost, to the last bit:
+// Why it is passive. Both sides are taken at the end of the step. On the left, the hand's energy is exactly the sum of stored
+// energy, work on the hub and loss:
 //
 //   f'(x_h' - x_h) = [k e'^2/2 - k e^2/2] + f' d + k (e' - e)^2/2 + b (e' - e)^2/T,      e = x_h - x
 //
-// and backward Euler does the same on the wire's side. What remains is how far F' of the wire differs from the f' that it was thought to
-// be: the observer counts that too, energy() = brought in - stored - work done on the wire. Should it fall below zero the damper takes
-// what is missing, in the steps that follow [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002, doi:10.1109/70.988969].
+// and backward Euler does the same on the wire's side. The remainder is the difference between F' of the wire and the f' predicted
+// for it. The observer counts that too, energy() = brought in - stored - work done on the wire. Should it fall below zero, the
+// damper dissipates the difference in the following steps [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002,
+// doi:10.1109/70.988969].
 //
-// A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2 + b of
-// negative damping of its own: its friction and the hand's must be more than that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,
+// A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2 +
+// b of negative damping. Its friction and the hand's must exceed that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,
 // doi:10.1002/(SICI)1097-4563(199701)14:1<37::AID-ROB4>3.0.CO;2-V].
 
 namespace seldinger {
 
-/// Of one degree of freedom: metres and newtons, or radians and newton metres.
+/// Coupling of one degree of freedom: metres and newtons, or radians and newton metres.
 struct CouplingSpec {
     double stiffness = 0;    // k [N/m]
     double damping = 0;      // b [N s/m]
@@ -52,17 +53,17 @@ public:
     double next(double hand, const HubLoad& load, double low, double high);
     /// The step to there has been taken. @param force  what the instrument answered at its end
     void stepped(double force);
-    /// Hand and hub are here and at rest, nothing is stored; the observer's count goes on.
+    /// Hand and hub are here and at rest, nothing is stored; the observer's sum continues.
     void place(double at);
 
     [[nodiscard]] double position() const { return hub_; }
     /// How far the hand is ahead of the hub [m].
     [[nodiscard]] double stretch() const { return stretch_; }
-    /// On the hub by the hand, and so on the hand by what is at the hub [N].
+    /// Force of the hand on the hub, and so of the hub on the hand [N].
     [[nodiscard]] double force() const { return force_; }
     /// How the force of a step would grow with the hand farther on, at the same speed: d f'/d x_h' = k K/(k + b/T + K) [N/m].
     [[nodiscard]] double force_per_advance() const { return slope_; }
-    /// Brought in by the hand so far, less what is stored and what was done on the instrument [J].
+    /// Energy supplied by the hand so far, less the stored energy and the work on the instrument [J].
     [[nodiscard]] double energy() const { return brought_ - stored() - done_; }
     [[nodiscard]] double stored() const { return 0.5 * spec_.stiffness * stretch_ * stretch_; }
     /// The lowest that energy() has been [J].

@@ -1,4 +1,4 @@
-// Judges requests of hands: form, sender, sequence, values, speed.
+// Checks requests of devices: form, sender, sequence, values, speed.
 #include "session/hand_gate.h"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 #pragma once
-// Which of the datagrams that arrive are a hand's: everything else is counted and ignored. Knows packets and times, no sockets.
+// Accepts the datagrams of a device; all others are counted and ignored. Knows packets and times, no sockets.
 //
 // A device, told apart by its address, owns an instrument while it is heard. After a silence another device may take over, and so may
-// the same one with any sequence number: it was restarted. Sequence numbers of the owner rise, from 2^64 - 1 on to 0 [RFC 1982, 3.2]. A hand goes no faster than speed_limit on the whole: each instrument has an allowance of travel, filled at
-// that speed up to allowance_time's worth, that every move is taken off; so late packets in a bunch are as good as prompt ones, and a jump is
-// not.
+// the same one with any sequence number: it was restarted. Sequence numbers of the owner rise, from 2^64 - 1 on to 0 [RFC 1982,
+// 3.2]. On average a hand goes no faster than speed_limit. Each instrument has an allowance of travel, filled at that speed up to
+// allowance_time's worth; every move is taken off. So late packets in a bunch are as good as prompt ones, and a jump is not.
 
 #include "session/hand_packet.h"
 #include "session/session_limits.h"

@@ -1,9 +1,9 @@
 #pragma once
-// When the next step is due, and whether the last one was late. Knows no clock: it is told what time it is, so that a test can tell it too.
+// When the next step is due, and whether the last one was late. It has no clock: the caller passes the time, so that a test can
+// choose it.
 //
-// Step k begins at its due time d and is to be over by d + T. One that is not is late: session time stretches by what it was late, and
-// the next one is due at once. What was missed is never made up for by steps that follow faster, since what the hand feels between
-// them would be a wire that runs.
+// Step k begins at its due time d and is to be over by d + T. A step that ends later is late: session time stretches by the delay, and the
+// next one is due at once. Later steps never run faster to catch up, because the hand would feel a wire that runs.
 
 #include <cstdint>
 

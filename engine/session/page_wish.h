@@ -1,5 +1,5 @@
 #pragma once
-// What a page says over its WebSocket.
+// Messages of a page over its WebSocket.
 
 #include <cstdint>
 #include <string_view>
@@ -15,7 +15,7 @@ struct PageWish {
     std::uint32_t resets = 0;  // asked for so far
 };
 
-/// A page's message: what it names is changed, and nothing where it is no message.
+/// Applies a page's message: its named values change; an invalid message changes nothing.
 /// @return false: not one
 [[nodiscard]] bool read_wish(std::string_view text, PageWish& wish, bool& reset);
 

@@ -1,5 +1,5 @@
 #pragma once
-// A live session: the world's first system stepped in real time by a thread of its own, from what hands and page want.
+// A live session: a separate thread steps the world's first system in real time, with input from hands and page.
 //
 // Physics (this file) takes the newest wishes, steps, publishes; hand_channel.h and web_server.h talk to the outside; a clerk writes the
 // record. They meet in triple buffers and a ring: none ever waits for another, and the loop neither locks nor allocates.
@@ -54,7 +54,7 @@ public:
     [[nodiscard]] int instruments() const { return static_cast<int>(instruments_.size()); }
     /// Summary and score sheet as JSON; after finish().
     [[nodiscard]] std::string summary() const;
-    /// Why it was stopped by itself; empty: it was not.
+    /// Reason why it stopped without a request; empty: it did not.
     [[nodiscard]] const std::string& failure() const { return failure_; }
 
     TripleBuffer<PageWish> page;   // to the physics

@@ -1,5 +1,5 @@
 #pragma once
-// How much of anything a live session takes; what comes from outside is cut off here.
+// Limits of a live session; excess input from outside is cut off here.
 
 #include <cstddef>
 

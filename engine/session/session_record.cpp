@@ -1,4 +1,4 @@
-// Reads and writes the records of live sessions.
+// Reads and writes records of live sessions.
 #include "session/session_record.h"
 
 #include "core/bytes.h"
@@ -53,7 +53,7 @@ RecordHeader header_from(const std::string& text)
     return h;
 }
 
-/// Entries of one block. @return false where they do not fill it exactly, or ask for what cannot be
+/// Entries of one block. @return false if they do not fill it exactly, or hold an impossible value
 bool take_entries(std::string_view block, SessionRecord& record)
 {
     const std::size_t hubs = static_cast<std::size_t>(2 * record.header.instruments);
@@ -104,7 +104,7 @@ std::uint64_t record_hash(const Scene& scene)
     plain.wire_every = plain.contacts_every = 1;
     plain.task = {};
     if (plain.feed.on) plain.feed.keys = {plain.feed.at(0)};
-    // a mesh is told by its own hash, wherever it lies
+    // a mesh is identified by its own hash, wherever it lies
     if (!plain.vessel.mesh.empty()) plain.vessel.mesh = "mesh";
     if (!plain.vessel.centreline.empty()) plain.vessel.centreline = "centreline";
     const std::string text = write_scene(plain, ".");
@@ -131,7 +131,7 @@ RecordWriter::RecordWriter(const std::filesystem::path& path, const RecordHeader
         const bool is_record = std::filesystem::is_regular_file(path, missing) && read_file(path).starts_with(magic);
         if (!is_record)
             throw Error(ExitCode::BadScene,
-                        fmt::format("{}: is there and is no record, and would be lost; choose another file with --record", path.string()));
+                        fmt::format("{}: exists, is not a record and would be overwritten; choose another file with --record", path.string()));
     }
     if (path.has_parent_path()) make_folder(path.parent_path());
     file_ = AppendFile(path, 0);

@@ -1,6 +1,6 @@
 #pragma once
-// The record of a live session: what was asked of every hub in every step, to the bit, so that a run that is asked the same ends with the
-// same bits. A file that grows in blocks of a fraction of a second, each with its checksum: what a killed session leaves is whole up to
+// The record of a live session: the input of every hub in every step, to the bit. A run with the same input ends with the same
+// bits. A file that grows in blocks of a fraction of a second, each with its checksum: what a killed session leaves is whole up to
 // the last block.
 //
 //   "SELLIVE1" · u32 length · header (JSON) · blocks: u32 length · u64 FNV-1a · entries, packed

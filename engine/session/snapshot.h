@@ -9,7 +9,7 @@
 
 namespace seldinger {
 
-/// Of one instrument.
+/// Numbers of one instrument.
 struct InstrumentNumbers {
     double hand = 0, hand_turn = 0;      // where the hand is [m], [rad]
     double advance = 0, turn = 0;        // of the hub since the start [m], [rad]

@@ -1,5 +1,5 @@
 #pragma once
-// How long something takes, as quantiles over a whole session in constant memory: one thread adds, any reads.
+// Durations as quantiles over a whole session in constant memory: one thread adds, any reads.
 // Bins of an octave's 32nd part: a quantile is right to 3 %.
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
-// The newest value from one thread to another, of which neither waits for the other: three places, one being written, one being read, and
-// the newest between them.
+// The newest value from one thread to another; neither waits for the other. There are three places: one being written, one being
+// read, and the newest between them.
 
 #include <array>
 #include <atomic>
@@ -15,7 +15,7 @@ public:
 
     /// Where the writer writes; holds some older value.
     [[nodiscard]] T& back() { return places_[back_]; }
-    /// What was written becomes the newest.
+    /// The written buffer becomes the newest.
     void publish() { back_ = middle_.exchange(back_ | fresh, std::memory_order_acq_rel) & place; }
     void put(const T& value)
     {

@@ -1,5 +1,5 @@
 #pragma once
-// What the web server sends: the page's files, the scene and its wall as the browser draws them, and frames of the newest step.
+// Contents of the web server: the page's files, the scene and its wall for the browser, and frames of the newest step.
 
 #include "scene/scene.h"
 #include "session/score.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Who may talk to the session's web server, decided from text alone: token, origin, host, and how much a client may send.
+// Access to the session's web server, decided from text alone: token, origin, host, and limits for a client.
 
 #include <map>
 #include <string>
@@ -62,7 +62,7 @@ private:
     double per_second_, at_once_, left_, last_;
 };
 
-/// Wrong tokens by the address that they came from. An address with too many of them waits before another one is looked at.
+/// Wrong tokens by the address that they came from. An address with too many wrong tokens waits before the next one is checked.
 class WrongTokens {
 public:
     static constexpr double per_second = 5, at_once = 20;  // a page of an earlier session asks once a second

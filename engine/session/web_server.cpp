@@ -81,8 +81,8 @@ struct Hub {
                      options.address, options.token);
     }
 
-    /// Whether `who` may have another connection. Where there are as many as may be, who has waited longest without a whole request
-    /// gives way: a page's comes at once.
+    /// Whether `who` may have another connection. At the limit the connection that has waited longest without a whole request is
+    /// closed; a page's request comes at once.
     bool make_room(const std::string& who);
     bool give_way(const std::string* of);
 
@@ -271,7 +271,7 @@ private:
         if (path != "/ws" || hub_.sockets.size() >= most_sockets) {
             ++hub_.counts.refused;
             if (path != "/ws") return refuse(request, http::status::not_found, "nothing there");
-            return refuse(request, http::status::service_unavailable, "as many watch as can");
+            return refuse(request, http::status::service_unavailable, "too many pages are connected; close one");
         }
         stream_.expires_never();
         std::make_shared<Socket>(std::move(stream_), hub_, std::move(place_))->accept(std::move(request));
@@ -362,7 +362,7 @@ struct WebServer::Impl {
         });
     }
 
-    /// Without a descriptor to give, who waits goes on waiting: asking again at once would take a core until one is free.
+    /// Without a free descriptor, a new connection keeps waiting: asking again at once would take a core until one is free.
     void listen_later()
     {
         ++hub.counts.not_accepted;

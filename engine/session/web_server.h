@@ -1,5 +1,5 @@
 #pragma once
-// The session's web server: the page over HTTP, frames and wishes over a WebSocket, in a thread of its own. Clients that are slow lose
+// The session's web server in a separate thread: the page over HTTP, frames and wishes over a WebSocket. Clients that are slow lose
 // frames, clients that are wrong lose the connection; the physics notices neither.
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct WebOptions {
     int port = 8080;  // 0: any that is free
 };
 
-/// What has come and gone.
+/// Counts of bytes and connections.
 struct WebCounts {
     std::uint64_t requests = 0, refused = 0, malformed = 0, sockets = 0, frames = 0, frames_dropped = 0;
     std::uint64_t gave_way = 0;      // connections that were closed for newer ones

@@ -1,4 +1,4 @@
-// Elastic forces and tangent of instruments that share a centreline, and their passengers' way along with it.
+// Elastic forces and tangent of instruments that share a centreline, and the motion of their passengers along it.
 
 #include "solve/coaxial_problem.h"
 

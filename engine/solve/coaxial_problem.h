@@ -3,7 +3,7 @@
 // in the unknowns of the system, and how passengers follow the line.
 //
 // A passenger's positions are no unknowns: they are the line's at every trial, x_k = x. A force f_k(x_k, theta_k) on it is one on
-// (x, theta_k): its positions' part of residual and tangent is added to the line's, and between the line's positions and its own
+// (x, theta_k). Its positions' part of residual and tangent is added to the line's, and between the line's positions and its own
 // angles there are entries far from the band.
 
 #include "math/banded_solver.h"
@@ -28,7 +28,7 @@ public:
     void mirror();
     /// Elastic forces at the trial into the wires' residuals, and the torques of dead moments on passengers' spins.
     void add_residual();
-    /// What is on passengers' positions goes to the line's.
+    /// Forces on passengers' positions go to the line's.
     void fold_residual();
     /// Elastic tangent into band and far entries of the system. @param all  start of the system's vector of unknowns
     /// @param symmetric  the symmetric part of what dead moments do

@@ -1,4 +1,4 @@
-// Where holds, loads and links act: points of the wire found by their material distance, times by their keys.
+// Places and times of holds, loads and links: points of the wire by their material distance, times by their keys.
 
 #include "solve/constraints.h"
 
@@ -116,7 +116,7 @@ WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> 
     for (std::size_t k = 0; k < links_.size(); ++k) check_on_wire("link", k, links_[k].at, wire_length);
     for (std::size_t k = 0; k < holds.size(); ++k) {
         const HoldSpec& spec = holds[k];
-        // a hold must find its node now; what is fed in later cannot be held
+        // a hold must find its node now; material that is fed later cannot be held
         check_on_wire("hold", k, spec.at, rod.material_s[rod.n - 1]);
         check_holds_something(k, spec);
         Hold hold;

@@ -1,5 +1,5 @@
 #pragma once
-// Holds, loads and links of one wire: what the scene asks for (solve_spec.h), resolved to nodes and edges at a given time.
+// Holds, loads and links of one wire, from the scene (solve_spec.h) to nodes and edges at a given time.
 //
 // What a hold keeps (position, tangent, director) is taken once, from the wire as it is placed at t = 0. Afterwards points
 // are found by their material distance from the tip, never by node index, so that nodes may come and go.
@@ -39,8 +39,9 @@ public:
     [[nodiscard]] std::span<const double> held_distances() const { return held_distances_; }
     /// Time at which the last move, turn or ramp comes to its end [s]; 0 without any.
     [[nodiscard]] double moving_until() const;
-    /// Times [s] by way of which an equilibrium is to be followed to where moves, turns and ramps end; the last is infinity.
-    /// Between two of them no hold or link moves by more than half a hundredth of `length` [m] or turns by more than 45 degrees.
+    /// Times [s] through which an equilibrium follows holds and links to the ends of their moves, turns and ramps; the last is
+    /// infinity.
+    /// Between two of them no hold or link moves by more than 0.5 % of `length` [m] or turns by more than 45 degrees.
     [[nodiscard]] std::vector<double> path(double length) const;
     /// Distance between where hold k was asked for and the node that took it [m].
     [[nodiscard]] double offset(int hold) const { return holds_[hold].offset; }

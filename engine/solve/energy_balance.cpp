@@ -1,4 +1,4 @@
-// The sums that energy made is told from.
+// The sums from which generated energy is found.
 
 #include "solve/energy_balance.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a wire has more energy than was ever put into it.
+// Checks whether a wire has more energy than was ever supplied.
 //
 // B = kinetic + elastic + gravitational - work done on the wire - what fed material brought in. With V the energy that contact
 // springs hold, B + V can only fall: dashpots, sliding and dissipative integrators take from it, nothing adds to it. V is known
@@ -7,16 +7,16 @@
 //
 //   made(t) = max(0, B(t) - min over s < t of (B(s) + S(s)))
 //
-// is energy that came from nowhere, and never more than that. It is held against what the scheme may honestly miss. No scheme
-// keeps the energy of a nonlinear system exactly: a step of backward Euler that ends where the potential is concave (a column
-// that buckles, a tip that snaps) makes (1/2) d.(-H) d for the concave part H of the Hessian and the move d; the trapezoid misses
-// third order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step makes too much when
+// is energy that came from nowhere, and never more than that. It is held against what the scheme may honestly miss. No scheme keeps
+// the energy of a nonlinear system exactly. A step of backward Euler that ends where the potential is concave (a column that
+// buckles, a tip that snaps) makes (1/2) d.(-H) d for the concave part H of the Hessian and the move d. The trapezoid misses third
+// order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step makes too much when
 //
 //   min(made, kinetic) > fraction * (turned over + released) + floor + unseen + rounding
 //
 // turned over: kinetic at the start and |work|, summed; released: the largest fall of the stored energy, which a wire that was
-// placed bent turns over without any work. Made energy counts as far as it shows as kinetic energy: forces at the ends of steps
-// give the work of the hand to a share of what the wire stores only, and where nothing moves, nothing is growing. unseen: work
+// placed bent turns over without any work. Generated energy counts as far as it shows as kinetic energy. Forces at the ends of
+// steps give the hand's work only to a fraction of the wire's stored energy, and where nothing moves, nothing grows. unseen: work
 // that a hand may have done between the ends of steps (see EnergyInput). rounding: 1e-9 of the terms.
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct WireEnergy {
     [[nodiscard]] bool finite() const { return std::isfinite(kinetic + stored + contact); }
 };
 
-/// Of one step or sub-step.
+/// Energy input of one step or sub-step.
 struct EnergyInput {
     double work = 0;     // done on the wire by hands, holds, loads and links [J]
     double carried = 0;  // brought in by material that was fed [J]

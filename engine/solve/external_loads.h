@@ -1,6 +1,6 @@
 #pragma once
-// Forces on one wire that the host knows without looking round: weight and dead loads, links (springs to points), damping by
-// mass. The verbs are those of solve/force_term.h; these terms are part of every wire's equations, summed with them in one pass.
+// Forces on one wire that the host computes without neighbours: weight and dead loads, links (springs to points), damping by mass.
+// The verbs are those of solve/force_term.h; these terms are part of every wire's equations, summed with them in one pass.
 
 #include "math/band_matrix.h"
 #include "rod/elastic.h"
@@ -25,7 +25,7 @@ public:
     void add_moments_to_tangent(const RodFrames& frames, BandRows& tangent, bool symmetric) const;
     /// Whether there are moments: these have no potential.
     [[nodiscard]] bool unsymmetric() const;
-    /// Of the dead forces, weight left out [N].
+    /// Adds the dead forces, without weight [N].
     void add_to_sum(Vec3& sum) const;
     /// What residuals are compared with: |force| and |moment|/length, summed [N].
     [[nodiscard]] double scale(double length) const;
@@ -61,7 +61,7 @@ public:
     /// Its part of what multiplies inertia on the diagonal.
     [[nodiscard]] double diagonal_rate(const TimeScheme& time) const { return rate_ * time.damping_rate(); }
     void add_to_sum(const TimeScheme& time, const WireUnknowns& q, Vec3& sum) const;
-    /// What it takes in the step [J].
+    /// Energy that it takes in the step [J].
     [[nodiscard]] double work(const TimeScheme& time, const WireUnknowns& q) const;
 
 private:

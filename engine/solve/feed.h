@@ -1,22 +1,22 @@
 #pragma once
 // Feeding a wire through the hub: the base node stays at the inlet, its tangent clamped there, and the base edge's rest length
-// grows (or shrinks) with what the hand advances (design section 1, Feeding).
+// grows (or shrinks) with what the hand advances.
 //
 // h is the wire's uniform edge; for adaptive nodes it follows from the longest edge that the shape at the hub allows, 3h/2.
 //
 // Until half an edge is inside, the wire is a rigid piece gliding through the introducer behind `point`: no unknowns, no contact. From
 // then on a node is born at the inlet whenever an edge is inside, and taken out where it is pulled back to there. There, and only
-// there, a change of the node set changes nothing: a base edge of length l -> 0 lies along the sleeve, and with it the clamp's
-// half cell l/2 and the node's cell (l + h)/2 are the half cell h/2 that clamped the edge of length h before. Shape, forces,
-// energy and what every sample of the wire touches are the same, but for terms of order l/h of a polygon's own error (kappa h)^2;
-// l is base_born of an edge or what a step feeds, whichever is more.
+// there, a change of the node set changes nothing. A base edge of length l -> 0 lies along the sleeve. With it the clamp's half
+// cell l/2 and the node's cell (l + h)/2 are the half cell h/2 that clamped the edge of length h before. Shape, forces, energy
+// and contacts of every sample are the same up to terms of order l/h of a polygon's own error (kappa h)^2. l is base_born of an
+// edge or the feed of a step, whichever is more.
 //
-// Speed does jump there, of the wire tipwards: rest length that is fed into the base edge pushes along it, at an angle phi =
-// kappa h/2 to the sleeve, and after the birth along the sleeve, so that the same feed moves the wire slower by v phi^2/2.
-// Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The
-// base edge therefore goes on at the rate that keeps the wire's speed, and both the excess of that rate over the feed and the
-// length that it has brought in, the surplus s of rest length, fade: s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So
-// neither force nor speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
+// The speed of the tipward wire does jump there. Rest length fed into the base edge pushes along it, at an angle phi = kappa h/2 to
+// the sleeve, and after the birth along the sleeve. So the same feed moves the wire slower by v phi^2/2.
+// Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The base
+// edge therefore continues at the rate that keeps the wire's speed. Two quantities fade: the excess of that rate over the feed, and
+// the surplus s of rest length that it has brought in. s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So neither force nor
+// speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
 // the surplus back at once.
 
 #include "rod/elastic.h"
@@ -41,8 +41,8 @@ struct FeedState {
 /// Puts a fed wire into its introducer, with as much of it inside as the inlet says.
 void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index);
 
-/// The way of a hub, as a control asks for it: piecewise linear in time between keys whose times increase strictly, and constant
-/// outside of them.
+/// The path of a hub in a control: piecewise linear in time between keys whose times increase strictly, and constant outside of
+/// them.
 class HubPath {
 public:
     /// @param keys  outlive the path, at least one
@@ -82,7 +82,7 @@ struct BaseEdge {
 /// Limits for a base edge that is to become `whole`. @param pushed, pulled  how far the wire goes in the next step [m]
 [[nodiscard]] BaseEdge base_edge_limits(double whole, double pushed, double pulled);
 
-/// Lets the surplus fade over h [s], without a jump of force or speed. @return what is to be added to the rest length [m]
+/// Lets the surplus fade over h [s], without a jump of force or speed. @return rest length to add [m]
 [[nodiscard]] double fade_surplus(FeedState& state, double h);
 
 /// What adapt_hub works with; kept, so that a split allocates nothing.

@@ -1,4 +1,4 @@
-// The answers of a list of force terms: those of the terms, joined.
+// Joins the results of a list of force terms.
 
 #include "solve/force_term.h"
 

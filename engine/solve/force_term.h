@@ -1,6 +1,6 @@
 #pragma once
-// Forces on the wires as the solver sees them: one interface for whatever adds to residual and tangent (contact with the wall or
-// with another instrument), and the list of them that Newton's method works with.
+// Forces on the wires as the solver sees them: one interface for all that adds to residual and tangent (contact with the wall or
+// with another instrument), and the list of them in Newton's method.
 //
 // A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step, and in a sub-step likewise:
 //
@@ -11,7 +11,7 @@
 //   refine                                  outer update, once Newton has converged (multipliers); Newton goes on where asked
 //   commit                                  the last trial is the accepted state
 //
-// What does nothing has a default that does nothing. Questions that decide how Newton works are named after what they ask.
+// Optional functions have an empty default.
 
 #include "core/stage_times.h"
 #include "math/band_matrix.h"
@@ -44,11 +44,11 @@ struct SystemUnknowns {
     }
 };
 
-/// What friction does while an equilibrium is looked for: Stuck: whatever touches holds where it touched first, and keeps what it
-/// took for the steps that follow; Sliding: it slips on the way, and holds where it comes to rest.
+/// What friction does while an equilibrium is looked for: Stuck: every contact keeps its first point of touch, and its force for
+/// the steps that follow; Sliding: it slips on the way, and holds where it comes to rest.
 enum class Settling { Off, Stuck, Sliding };
 
-/// Work that contact has done on a wire in a step, relative to what it touches, by its laws [J].
+/// Work of contact on a wire in a step, relative to the touched body, by its laws [J].
 struct ContactWork {
     double normal = 0, friction = 0, rolling = 0;
 };
@@ -58,7 +58,7 @@ public:
     virtual ~ForceTerm() = default;
 
     // ---- start of a step ----
-    /// Remembers what it needs of the start of the step.
+    /// Remembers the start of the step.
     virtual void begin_step(RodArrays& /*rods*/) {}
     /// Takes the present node set (after feeding); nothing acts on wires with live[w] == 0 (still in the introducer).
     virtual void prepare(RodArrays& /*rods*/, std::span<const std::uint8_t> /*live*/) {}
@@ -83,7 +83,7 @@ public:
     /// Adds -force to `residual` (laid out as RodDofs says) and -d(force)/dq to `tangent` if not null. `symmetric`: leave out the
     /// unsymmetric (sliding friction) part of the tangent.
     virtual void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const = 0;
-    /// What joins unknowns of the system that no stencil of a wire does (two wires, far nodes of one): adds -force to `residual`,
+    /// Coupling of unknowns of the system outside a wire's stencils (two wires, distant nodes of one). Adds -force to `residual`,
     /// in the system's unknowns, and -d(force)/dq to `tangent` if not null, beside its band. `symmetric`: as in add().
     virtual void couple(const SystemUnknowns& /*system*/, std::span<double> /*residual*/, BandedSolver* /*tangent*/,
                         bool /*symmetric*/) const
@@ -95,14 +95,14 @@ public:
     [[nodiscard]] virtual double largest_force(int /*wire*/) const { return 0; }
     /// What rounding does to the force on a node at the trial [N], at most: no residual is smaller. 0: nothing that counts.
     [[nodiscard]] virtual double rounding(int /*wire*/) const { return 0; }
-    /// Feasible step length: how much of the straight way from the last state taken to the trial is open, 1: all. A law that
-    /// never overlaps refuses a trial whose way is not.
+    /// Feasible step length: how much of the straight path from the last state taken to the trial is open, 1: all. A law that
+    /// never overlaps refuses a trial whose path is not.
     [[nodiscard]] virtual double feasible_step(int /*wire*/) const { return 1; }
     /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
     [[nodiscard]] virtual double move_limit(int /*wire*/) const { return std::numeric_limits<double>::infinity(); }
     /// The wire's last evaluated trial has been taken: the next ones start from there.
     virtual void take(int /*wire*/) {}
-    /// The next trial is the start of the step again: what has been taken is no base of it.
+    /// The next trial is the start of the step again: an accepted trial is no base of it.
     virtual void start_again(int /*wire*/) {}
     /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not
     /// settled there (D8), renews them and sets again[w] = 1: these wires are to be solved on from there. @return whether any
@@ -118,8 +118,8 @@ public:
     // ---- the accepted state ----
     /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
     virtual void commit(std::span<const std::uint8_t> /*active*/) {}
-    /// Work done on the wire, from outside of it and of what stored_energy() speaks of, by what moves under the force: a wall,
-    /// in the step that was evaluated last [J].
+    /// Work done on the wire by moving contact partners, such as a wall, in the step that was evaluated last; stored_energy() does
+    /// not include it [J].
     [[nodiscard]] virtual double work_from_outside(int /*wire*/) const { return 0; }
     /// In the step that was evaluated last.
     [[nodiscard]] virtual ContactWork contact_work(int /*wire*/) const { return {}; }
@@ -132,7 +132,7 @@ public:
     /// Where the time has gone since clear_times().
     [[nodiscard]] virtual StageTimes times() const { return {}; }
     virtual void clear_times() {}
-    /// What it remembers from step to step, of all wires; save_wire: what save() would write in a world of this wire alone.
+    /// State from step to step, of all wires; save_wire: the bytes of save() in a world of this wire alone.
     virtual void save(std::vector<std::uint8_t>& /*bytes*/) {}
     virtual void save_wire(std::vector<std::uint8_t>& /*bytes*/, int /*wire*/) {}
     virtual void restore(const std::uint8_t*& /*bytes*/, const std::uint8_t* /*end*/) {}
@@ -158,12 +158,12 @@ public:
     void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) const;
     void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
                         std::span<const std::uint8_t> active) const;
-    /// Of all terms.
+    /// Whether all terms admit the trial.
     [[nodiscard]] bool admissible(int wire) const;
     /// The sum of all.
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const;
-    /// Of any.
+    /// Whether any term's tangent is unsymmetric.
     [[nodiscard]] bool unsymmetric(int wire) const;
     [[nodiscard]] bool follows_spins() const;
     [[nodiscard]] bool may_jump() const;
@@ -180,10 +180,10 @@ public:
     [[nodiscard]] double move_limit(int wire) const;
     void take(int wire) const;
     void start_again(int wire) const;
-    /// Each term renews what it has. @param again  [wires] overwritten: those to be solved on
+    /// Each term renews its own data. @param again  [wires] overwritten: those to be solved on
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) const;
     void commit(std::span<const std::uint8_t> active) const;
-    /// Of all terms.
+    /// Whether all terms are clear.
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire) const;
     void save(std::vector<std::uint8_t>& bytes) const;
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) const;

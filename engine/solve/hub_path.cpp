@@ -1,4 +1,4 @@
-// The way of a hub between its keys; by itself, since scenes ask for it and for nothing else of feeding.
+// The path of a hub between its keys; a separate file, since scenes need it and no other part of feeding.
 #include "solve/feed.h"
 
 #include <algorithm>

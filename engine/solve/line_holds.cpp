@@ -1,4 +1,4 @@
-// Holds of instruments that share a centreline: where they are, what they do there, what is remembered.
+// Holds of instruments that share a centreline: place, force, state.
 
 #include "solve/line_holds.h"
 
@@ -40,7 +40,7 @@ double reference_angle(const WireConstraints::LineHold& hold, const Vec3& tangen
     return signed_angle(parallel_transport(hold.director, hold.tangent, tangent, chi), d1, tangent);
 }
 
-/// c of what lies between the middles, (1 - w) w l/B and its derivative by the place; no less than a share of l/B.
+/// c of the stretch between the middles, (1 - w) w l/B and its derivative by the place; at least a fraction of l/B.
 void set_compliance(double w, double length, double stiffness, double& c, double& rate)
 {
     const double share = w * (1 - w);
@@ -131,7 +131,7 @@ void LineHolds::set_springs(const OfWire& of, const RodView& line, Active& activ
     set_compliance(w, active.length, twist_stiffness, active.twist, active.twist_rate);
 }
 
-/// Reference angles such that the instrument is not twisted off what holds it by more than half a turn as the step begins.
+/// Reference angles for which the instrument is twisted relative to its hold by at most half a turn at the start of the step.
 void LineHolds::find_angles(const OfWire& of, int wire, Active& active)
 {
     const RodView line = rods_.view(of.group->line()), own = rods_.view(wire);

@@ -1,11 +1,12 @@
 #pragma once
-// Holds of instruments that share a centreline: places of their material, which slide along the line as each is fed; a force term
+// Holds of instruments that share a centreline: points of their material, which slide along the line as each is fed; a force term
 // on the host.
 //
-// A place s of the line (rod/coaxial.h) lies on an edge and in a cell, between the middles of edges a (tipwards) and b, at the share
-// w of the cell's length l; in the half cell at the tip there is b alone, in the hub's b is the sleeve. With the shape of what is
-// interpolated, x(s) on its edge, t = (1 - w) t_a + w t_b and psi = (1 - w) psi_a + w psi_b, psi_j the angle of instrument k's director
-// on edge j from where it is held:
+// A place s of the line (rod/coaxial.h) lies on an edge and in a cell, between the middles of edges a (tipwards) and b, at the
+// fraction w of the cell's length l. In the half cell at the tip there is b alone, in the hub's b is the sleeve. The shape is
+// interpolated:
+// x(s) on its edge, t = (1 - w) t_a + w t_b and psi = (1 - w) psi_a + w psi_b, with psi_j the angle of instrument k's director on
+// edge j from its hold:
 //
 //     position     x(s) = p(t)                                       exactly: multipliers
 //     direction    U = |t_c - t|^2 / (2 c),   c = w (1 - w) l/B      [J], c in 1/(N m)
@@ -18,15 +19,16 @@
 // a share of l/B, which puts the clamp off by that share of an edge. In the half cell at the tip c = (distance to the middle)/B. Left
 // out: what bends by nature within that half cell, and a change of stiffness within the cell that the place is in.
 //
-// **Position**: F = lambda + K (p - x). K is ten times an edge's own stiffness EA/l, so that Newton's method sees next to nothing else
-// of the place, and lambda takes in what is missing each time it has converged (refine()), until x is at p to 1e-7 of an edge.
+// **Position**: F = lambda + K (p - x). K is ten times an edge's own stiffness EA/l, so that Newton's method sees next to nothing
+// else of the place. Each time it has converged, lambda takes in the remaining force (refine()), until x is at p to 1e-7 of an
+// edge.
 // The force is remembered from step to step.
 //
-// **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line, so that the holds pull at it by dU/ds along the line (of
-// a position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is let
-// go, and held again where it comes back.
+// **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line. So the holds pull at it by dU/ds along the line (of a
+// position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is
+// let go, and held again where it comes back.
 //
-// Each acts on the arrays of its own instrument; what a passenger's positions feel is put on the line's (solve/coaxial_problem.h).
+// Each acts on the arrays of its own instrument; forces on a passenger's positions go to the line's (solve/coaxial_problem.h).
 
 #include "solve/coaxial_group.h"
 #include "solve/force_term.h"
@@ -61,7 +63,7 @@ public:
     [[nodiscard]] Vec3 force(int wire) const;
     /// On an instrument along the line, + towards the tip [N].
     [[nodiscard]] double along(int wire) const;
-    /// Of its holds on an instrument over the step, at the places where they began [J].
+    /// Work of its holds on an instrument over the step, at the points where they began [J].
     [[nodiscard]] double work(int wire) const;
 
 private:
@@ -69,7 +71,7 @@ private:
     using Vector = std::array<double, unknowns>;
     using Matrix = std::array<Vector, unknowns>;
 
-    /// What is remembered of a hold.
+    /// State of a hold.
     struct Memory {
         Vec3 force = Vec3::Zero();  // [N]
         double turned = 0;          // about the tangent, at the end of the last step [rad]
@@ -107,7 +109,7 @@ private:
         std::vector<Memory> memory;  // [holds]
         std::vector<Active> active;
     };
-    /// Of an edge, or the sleeve, at a trial.
+    /// State of an edge, or the sleeve, at a trial.
     struct EdgeState {
         Vec3 tangent, d1;
         double inverse = 0;  // of its length; 0: it does not move [1/m]

@@ -1,9 +1,9 @@
 #pragma once
-// The linear equations of a Newton iteration: which matrix is factorised, and what is solved with it.
+// The linear equations of a Newton iteration: which matrix is factorised, and which systems are solved with it.
 //
-// The exact Hessian where the matrix it gives is positive definite, else its projection to positive semidefinite stencils (and the
-// exact one again, by LU, once the projected one has brought three full steps: near the root it converges where the projected one
-// crawls). With sliding friction, dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same.
+// Takes the exact Hessian if its matrix is positive definite, else its projection to positive semidefinite stencils. After three
+// full steps by the projected one it takes the exact one again, by LU: near the root that converges where the projected one crawls.
+// With sliding friction, dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same.
 // Statics: a Levenberg-Marquardt shift on the diagonal, as little as makes the exact matrix positive definite.
 
 #include "solve/system_problem.h"

@@ -1,4 +1,4 @@
-// Prediction of tensions, and what it changes in residual and tangent.
+// Prediction of tensions, and its effect on residual and tangent.
 
 #include "solve/mixed_tension.h"
 

@@ -1,4 +1,4 @@
-// The balance of momentum, gathered from what each term is reported from.
+// The balance of momentum, from the readings of each term.
 
 #include "solve/momentum.h"
 

@@ -1,14 +1,15 @@
 #pragma once
-// Balance of momentum of a whole wire, read off an accepted step (design section 1):
+// Balance of momentum of a whole wire, read off an accepted step:
 //
 //   held + weight + contact + loads + fed = d/dt sum_i m_i v_i
 //
 // Every term is gathered where it is reported from (reactions of the solver, contact forces of the device's sums, velocities of
-// the state), so that `error` tells whether the numbers a user reads belong together. What may be left is what the solver leaves
-// on the free nodes: |error| <= sqrt(3) n force_residual and rounding.
+// the state), so that `error` tells whether the numbers a user reads belong together. The solver's residual on the free nodes
+// bounds the error: |error| <= sqrt(3) n force_residual and rounding.
 //
 // A fed wire's last node stands still at the inlet while material passes through it: its velocity is the material's, and its half
-// cell's momentum counts. What comes in brings its own, `fed` = sum_i (m_i+ - m_i-) v_i- / h, rho A v^2 for a steady feed.
+// cell's momentum counts. Entering material brings its own momentum, `fed` = sum_i (m_i+ - m_i-) v_i- / h, rho A v^2 for a steady
+// feed.
 //
 // Backward Euler and energy-momentum steps: the rate is (P+ - P-)/h, and forces are those that the step took. Newmark: M a+ at
 // the end of the step, where the equations hold, and `fed`. `explicit` takes its forces at the start of the step, and its

@@ -1,11 +1,11 @@
 #pragma once
-// The balance of momentum of a whole wire as it is reported (solve/momentum.h).
+// The balance of momentum of a whole wire, for reports (solve/momentum.h).
 
 #include "math/vec3.h"
 
 namespace seldinger {
 
-/// Of the last sub-step; all in newtons.
+/// Balance of the last sub-step; all in newtons.
 struct MomentumBalance {
     Vec3 held = Vec3::Zero();  // by all holds, and by the inlet of a fed wire
     Vec3 weight = Vec3::Zero();

@@ -1,7 +1,7 @@
-// How Newton's method starts and goes on for one system, and its report. The first guess is the accepted state moved on with its
-// velocity, as far as force terms have searched; of instruments that are a rod each with its acceleration too, x + h v + h^2 a with a
-// of the last step: what they push each other changes by less from step to step than from rest to motion, and a guess that has it
-// takes three iterations to two.
+// Start and continuation of Newton's method for one system, and its report. The first guess moves the accepted state on with its
+// velocity, as far as force terms have searched. Instruments that are separate rods also use their acceleration: x + h v + h^2 a
+// with a of the last step. Their mutual forces change less from step to step than from rest to motion, and such a guess saves one
+// of three iterations.
 
 #include "solve/newton_system.h"
 

@@ -39,7 +39,7 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
     ++evaluations_;
     took_trial_ = corrected_ = false;
     bool usable = finite;
-    double open = 1;  // share of the way to the trial
+    double open = 1;  // share of the path to the trial
     for (const WireProblem* wire : problem.solved()) {
         usable = usable && terms.admissible(wire->wire);
         if (finite) open = std::min(open, terms.feasible_step(wire->wire));
@@ -66,11 +66,11 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
     chord_steps(terms);
 }
 
-/// Whether the next direction is the correction that the last factors have given for the trial, which is at hand. Of instruments that
-/// touch only, whose factors cost more than the test, and whose tangent leaves things out (how the Gauss points of their contact move):
-/// with the last factors corrections shrink by the contraction from trial to trial, with new ones by new_factors or so, and the last
-/// ones do where they need no more trials. The contraction is one of metres, beside which forces on a short stiff edge may hardly
-/// fall: what these have done since the base counts, too.
+/// Whether the next direction is the correction that the last factors have given for the trial, which is at hand. Keeps the factors
+/// only for instruments that touch, because their factors cost more than the test and their tangent is incomplete (the motion of
+/// Gauss points). With the last factors corrections shrink by the contraction from trial to trial, with new ones by about
+/// new_factors. The last factors serve if they need no more trials. The contraction is one of metres, beside which forces on a
+/// short stiff edge may hardly fall: what these have done since the base counts, too.
 bool NewtonSystem::keeps_factors() const
 {
     const double share = problem.residual_share(), contraction = std::max(contraction_, share / base_share_);
@@ -91,7 +91,7 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
         take_linearised();
         return true;
     }
-    // one linearised step is always taken: what force terms have said is of the start, and what they keep must be of the end
+    // one linearised step is always taken: force terms evaluated the start, and their state must be the end's
     if (!options_.linearised && problem.balanced() && problem.at_prescribed()) {
         if (options_.shifted && mode_perturbations_ < most_mode_perturbations && !model_.stable(terms))
             perturb_along_softest_mode();
@@ -110,7 +110,7 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
 }
 
 /// Where no move may be longer than force terms have searched, a part of the step is no step: half the time is asked for instead.
-/// Published detection has no such limit, and takes what it gets.
+/// Published detection has no such limit, and accepts any step.
 void NewtonSystem::take_linearised()
 {
     if (alpha_ != 1 && !std::isinf(move_limit_)) return give_up();
@@ -118,8 +118,8 @@ void NewtonSystem::take_linearised()
     phase_ = Phase::Done;
 }
 
-/// Out of ideas. Best effort: back to the last trial that was taken, which is nearer to the solution than the start by the tests
-/// that took it, and admissible; one more evaluation makes force terms speak of it.
+/// Out of ideas. Best effort: back to the last accepted trial, which is nearer to the solution than the start by the tests that
+/// accepted it, and admissible. One more evaluation gives the force terms this trial.
 void NewtonSystem::give_up()
 {
     if (!options_.best_effort || settling_ || iterations_ == 0 || phase_ != Phase::Search) {

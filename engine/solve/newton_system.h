@@ -4,22 +4,22 @@
 //
 // Direction (linear_model.cpp). The geometric stiffness of stretching is taken at the tension that the *linear* equations of the
 // previous iteration predict, not at the tension of the trial shape. A step that turns an edge by phi lengthens it by phi^2/2, and
-// EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is far too stiff sideways and every step
+// EA phi^2/2 is a spurious tension larger than any real force. With it the next direction is far too stiff sideways and every step
 // needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the mixed equations in position and tension;
 // same solution, since both tensions agree there; mixed_tension.h.)
 //
 // Step length (step_acceptance.cpp). There is no potential (friction), and no residual norm fits stretching and bending at once. A
-// trial is taken when either the simplified Newton correction A^-1 R(q + alpha d) of those mixed equations, in metres, has shrunk
-// against d (the natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has:
-// |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no
-// node moves farther than force terms have searched in one update. Between two evaluations of these, which cost most of a step,
-// the equations with the terms taken as linear are solved on by further back-substitutions (chord steps), so that what the next
-// evaluation finds is the terms' own curvature only. Where instruments touch, the factors may serve for the next direction too: the
-// correction of the test is that direction (keeps_factors).
+// trial is taken when one of two conditions holds. Either the simplified Newton correction A^-1 R(q + alpha d) of those mixed
+// equations, in metres, has shrunk against d (the natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution).
+// Or the derivative along d has: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more
+// than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of these,
+// which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
+// evaluation then meets the terms' own curvature only. Where instruments touch, the factors may serve for the next direction too:
+// the correction of the test is that direction (keeps_factors).
 //
-// Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, no larger than makes the exact matrix positive definite, turns each
-// iteration into a step of pseudo-time, judged by that step's equations: it leaves saddles and snaps through folds, and is
-// Newton's method at the end. A step in time that ends where the exact matrix is indefinite leaves its saddle likewise, once
+// Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, just large enough to make the exact matrix positive definite, turns
+// each iteration into a step of pseudo-time, judged by that step's equations. It leaves saddles and snaps through folds, and is
+// Newton's method at the end. A step in time that ends where the exact matrix is indefinite leaves its saddle in the same way, once
 // (stability.cpp).
 
 #include "solve/linear_model.h"
@@ -54,9 +54,9 @@ public:
     /// @param finite  frames at the trial are finite, and force terms have been evaluated there
     void advance(bool finite, const ForceTerms& terms);
 
-    /// After convergence, the terms' multipliers having changed: Newton goes on from where it is.
+    /// After convergence, the terms' multipliers having changed: Newton continues from here.
     void resume();
-    /// They have not settled, and will not: the system has failed, or takes what it has (best effort).
+    /// They have not settled, and will not: the system has failed, or takes its best state (best effort).
     void stop_short();
     /// Whether the last advance() took its trial: the next ones start from there.
     [[nodiscard]] bool took_trial() const { return took_trial_; }

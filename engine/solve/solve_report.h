@@ -1,5 +1,5 @@
 #pragma once
-// How the solve of a wire ended, and what its step has taken.
+// Report on the solve of a wire.
 
 namespace seldinger {
 
@@ -14,7 +14,7 @@ struct SolveReport {
     double force_scale = 0;    // largest of weight, loads, stretched links, B/L^2 (wire_scales.cpp) [N]
 };
 
-/// Energy of one step by what is not a force from outside [J].
+/// Energy of one step from other sources than external forces [J].
 struct StepLosses {
     double strain_work = 0;  // elastic force at the end times the move: what backward Euler makes of the change of elastic energy
     double inertia = 0;      // (1/2) m (v - v_0)^2: what backward Euler takes of the kinetic one

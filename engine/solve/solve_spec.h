@@ -1,5 +1,5 @@
 #pragma once
-// What the user asks of the integrator, and what holds, loads and feeds a wire. Times [s], SI.
+// The user's settings of the integrator, and the holds, loads and feeds of a wire. Times [s], SI.
 
 #include "rod/wire_spec.h"
 
@@ -65,8 +65,8 @@ struct FeedSpec {
     bool on = false;
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
     double advance = 0, turn = 0;  // at the start [m], [rad]
-    // Of instruments in one centreline: length between the hand and the inlet at the start, which is twisted and gets shorter as
-    // the instrument is pushed; 0: the hand is at the inlet, wherever that is [m].
+    // For instruments in one centreline: length between the hand and the inlet at the start. It is twisted, and gets shorter as the
+    // instrument is pushed; 0: the hand is always at the inlet [m].
     double behind = 0;
 };
 

@@ -62,7 +62,7 @@ NewtonSystem& Solver::newton_of(int system)
     return newton;
 }
 
-/// What a loop over the systems below `end` comes to after this one, and where what comes then is found.
+/// Result of a loop over the systems below `end`, and the start of the next one.
 void Solver::prefetch_after(int system, int end, SolveStage stage) const
 {
     if (system + 2 < end) prefetch(work_[system + 2].get(), sizeof(Work));
@@ -96,7 +96,7 @@ void Solver::write_trial(int system)
     }
 }
 
-/// The next trial of a system that goes on, for force terms to evaluate.
+/// The next trial of a system that continues, for force terms to evaluate.
 void Solver::prepare_trial(int system)
 {
     NewtonSystem& newton = newton_of(system);

@@ -1,7 +1,7 @@
 #pragma once
 // Time integration and equilibrium of all systems (D4, D5): Newton on the banded equations of each, in lockstep over systems so
 // that force terms (contact) are evaluated for all of them in one set of launches. A system, one wire or several that can touch
-// each other, is what is solved, converges or fails; its result does not depend on the others.
+// each other, is solved, converges or fails as one; its result does not depend on the others.
 
 #include "rod/elastic.h"
 #include "solve/coaxial_group.h"
@@ -23,7 +23,7 @@ class WireProblem;
 /// Workspace and options for a fixed set of wires. Masks, constraints and reports are per wire of the world.
 class Solver {
 public:
-    /// @param partition  wires of each system, which are consecutive; none: every wire is a system of its own
+    /// @param partition  wires of each system, which are consecutive; none: every wire is its own system
     Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity, std::span<const int> partition = {});
     ~Solver();
     /// Instruments of a system that share a centreline (solve/coaxial_group.h); before the first step. The group outlives this.
@@ -32,17 +32,17 @@ public:
     /// One step of length h [s] of wires with active[w] != 0; those of a system are solved together. Constraints are those at the
     /// end of the step. On success the wires' positions, velocities, spins and frames are the new ones; on failure (converged ==
     /// false, for the whole system) they are untouched.
-    /// @param terms  what acts on the wires beside weight, loads and links
+    /// @param terms  forces on the wires beside weight, loads and links
     void step(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
               std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 
-    /// How steps without spin angles have gone (solve/spins.cpp): steps taken and left out since the start; after a step in which
-    /// they were wanted, twice as many as the last time are solved with them before it is tried again.
+    /// Record of steps without spin angles (solve/spins.cpp): steps taken and left out since the start. After a step that needed
+    /// them, twice as many as the last time are solved with them before the next attempt.
     struct SpinRecord {
         std::int64_t steps = 0, without = 0;
         std::int32_t wait = 0, last_wait = 0;
     };
-    /// Of the wire's system.
+    /// Spin record of the wire's system.
     [[nodiscard]] SpinRecord& spin_record(int wire) { return spin_records_[system_of_[wire]]; }
 
     /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
@@ -62,8 +62,8 @@ public:
     [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
     /// Reaction at prescribed unknown i of the wire [N or N m]: the force that the hold exerts on it.
     [[nodiscard]] double reaction(int wire, int unknown) const;
-    /// How far a node of a wire moves along `direction` per force on it that way, by the equations that the last step was solved
-    /// with [m/N]; 0 where nothing was factorised or factors are not kept (linearised, explicit).
+    /// Move of a node of a wire along `direction` per force on it in that direction, by the equations of the last step [m/N]. 0 if
+    /// nothing was factorised or factors are not kept (linearised, explicit).
     [[nodiscard]] double compliance(int wire, int node, const Vec3& direction);
     /// Tension of the base edge that the state has beyond the one that was solved for: 0 but for linearised steps [N].
     [[nodiscard]] double base_tension_excess(int wire) const;
@@ -71,7 +71,7 @@ public:
     [[nodiscard]] Vec3 load_force(int wire) const;
     /// How far unknown i went in the last step [m or rad].
     [[nodiscard]] double displacement(int wire, int unknown) const;
-    /// Work that what is left on the free unknowns, within the tolerance, did on the wire in the last step [J].
+    /// Work of the residual on the free unknowns, within the tolerance, on the wire in the last step [J].
     [[nodiscard]] double residual_work(int wire) const;
     /// What backward Euler and damping have taken in the last step, see WireProblem.
     [[nodiscard]] StepLosses losses(int wire) const;

@@ -1,4 +1,4 @@
-// What can be read off a solve, per wire.
+// Readings of a solve, per wire.
 
 #include "solve/solver_work.h"
 

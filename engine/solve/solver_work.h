@@ -1,5 +1,5 @@
 #pragma once
-// What the solver keeps per system, and the loop over systems; private to solve/.
+// The solver's data per system, and the loop over systems; private to solve/.
 
 #include "core/parallel.h"
 #include "solve/newton_system.h"

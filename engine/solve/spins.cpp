@@ -1,10 +1,10 @@
-// When spin angles need not be solved for.
+// Decides when spin angles need no solution.
 //
 // In a wire that is straight by nature and isotropic nothing is fixed to the material frames but twist and spin inertia. Where no
-// torque acts either, the spins' equations J theta'' + C (twist)'/l = torque hold by themselves, and three quarters of the
-// unknowns are left: exactly in any plane motion, where parallel transport turns no frame; to the torsional inertia J theta''
-// (1e-4 of the bending forces and less) in space, where the frames follow the wire. It is not taken on trust: after each step
-// solved without them the spins' equations are evaluated, friction's torque included, and a step in which they do not hold to the
+// torque acts either, the spins' equations J theta'' + C (twist)'/l = torque hold without them, and 3/4 of the unknowns are left.
+// This is exact in any plane motion, where parallel transport turns no frame. In space, where the frames follow the wire, it holds
+// to the torsional inertia J theta'' (1e-4 of the bending forces and less). It is not taken on trust. After each step
+// solved without them the spins' equations are evaluated, friction's torque included. A step in which they do not hold to the
 // solver's tolerance is solved again with them (Solver::check_spins).
 
 #include "rod/clamp.h"

@@ -1,4 +1,4 @@
-// Equilibria that cannot last, and how they are left: by a small perturbation along their softest mode.
+// Leaves unstable equilibria by a small perturbation along their softest mode.
 
 #include "solve/newton_system.h"
 
@@ -7,8 +7,8 @@
 
 namespace seldinger {
 
-/// A step of backward Euler minimises its incremental potential. Where the last exact matrix was not positive definite, the
-/// solution may be a saddle: a straight column pushed far beyond its buckling load, which no rounding error bends because nothing
+/// A step of backward Euler minimises its incremental potential. If the last exact matrix was not positive definite, the solution
+/// may be a saddle: for example a straight column pushed far beyond its buckling load. No rounding error bends it, because nothing
 /// leads out of its line. Asked once in a solve.
 bool NewtonSystem::may_be_saddle() const
 {
@@ -27,7 +27,7 @@ bool NewtonSystem::leave_saddle(const ForceTerms& terms)
     return saddle;
 }
 
-/// Leaves an unstable equilibrium by a hundredth of an edge along its softest mode, found by inverse iteration on the matrix that
+/// Leaves an unstable equilibrium by 1 % of an edge along its softest mode, found by inverse iteration on the matrix that
 /// LinearModel::stable() has assembled.
 void NewtonSystem::perturb_along_softest_mode()
 {

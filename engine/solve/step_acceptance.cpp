@@ -1,4 +1,4 @@
-// Whether a Newton trial is taken, and how much of the direction is tried next where it is not.
+// Decides whether a Newton trial is accepted, and otherwise which fraction of the direction is tried next.
 
 #include "solve/newton_system.h"
 
@@ -15,7 +15,7 @@ constexpr double located = 1e-6;  // of the wire's radius: a position known to w
 
 }  // namespace
 
-/// The trial cannot be: nearer to the last state that could. @param open  share of the way from there that is, as far as the force
+/// The trial cannot be: nearer to the last state that could. @param open  share of the path from there that is, as far as the force
 /// terms know
 void NewtonSystem::backtrack(double open)
 {
@@ -82,12 +82,11 @@ double NewtonSystem::largest_force(const ForceTerms& terms) const
     return most;
 }
 
-/// When no point of a wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base,
-/// and yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the
-/// wall are nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No
-/// elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the
-/// equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as
-/// good a base as any.
+/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the force differs
+/// by more than 10 % of the base's residual and of the largest contact force. Then the nearest facets of the wall have
+/// changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or contact
+/// stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is there, to
+/// that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.
 NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
 {
     if (!terms.may_jump() || options_.shifted || alpha_ == first_alpha_) return Jump::None;
@@ -108,9 +107,9 @@ NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
     return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
 }
 
-/// The correction is below a millionth of the wire's radius (a nanometre's half), and what is left of the force is either
-/// rounding (of a single-precision gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets'
-/// blends meet: the position is known to that half nanometre, and no position has a smaller residual.
+/// The correction is below 1e-6 of the wire's radius (half a nanometre). The remaining force is rounding (of a single-precision
+/// gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets blend. The position is known to that
+/// half nanometre, and no position has a smaller residual.
 bool NewtonSystem::at_kink(const ForceTerms& terms) const
 {
     if (iterations_ < 4 || options_.shifted) return false;

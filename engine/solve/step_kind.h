@@ -1,5 +1,5 @@
 #pragma once
-// What kind of equations a step solves, and what of a wire's arrays a loop over the wires needs next.
+// Kinds of equations of a step, and the arrays of a wire that a loop needs next.
 
 namespace seldinger {
 

@@ -1,4 +1,4 @@
-// Measures of a system's residuals and moves, and what is asked of all its wires in turn.
+// Measures of a system's residuals and moves, and questions to all its wires in turn.
 
 #include "solve/system_problem.h"
 

@@ -227,7 +227,7 @@ void SystemProblem::add_coaxial_tangents(HessianMode mode, bool symmetric, bool 
     }
 }
 
-/// Nodes of all wires in turn, the farthest from their hubs first: what lies beside each other is near each other in the factors.
+/// Nodes of all wires in turn, the farthest from their hubs first, so that neighbours in space are near each other in the factors.
 void SystemProblem::order_nodes()
 {
     const int count = size() / RodDofs::per_node;

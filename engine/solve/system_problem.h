@@ -1,6 +1,6 @@
 #pragma once
 // The equations of one system, the wires that are solved together: their unknowns in one vector, their tangents in one band with
-// columns for what couples them (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
+// columns for the coupling (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
 // unknowns in it. Convergence: each wire meets its own tolerance, so that a system whose wires do not touch solves none of them
 // less far than it would be alone.
 
@@ -18,8 +18,7 @@ namespace seldinger {
 
 class SystemProblem {
 public:
-    /// What one thread works with on one system after the other. Of 1,000 wires the matrices alone would be more than any cache
-    /// holds.
+    /// Buffers of one thread for one system after the other. For 1,000 wires the matrices alone would exceed any cache.
     struct Workspace {
         /// @param nodes  of all wires of the largest system
         explicit Workspace(int nodes)
@@ -53,12 +52,12 @@ public:
     /// Its arrays will be needed soon.
     void prefetch(SolveStage next) const;
 
-    /// Whether spin angles are left out: they stay what they were, and neither their equations nor twist are looked at.
+    /// Whether spin angles are left out: they keep their values, and their equations and twist are ignored.
     [[nodiscard]] bool without_spins() const { return !solved_.empty() && !solved_.front()->frames.spins; }
     /// Takes spin angles in again, as they were at the start of the step.
     void take_spins_in();
-    /// The same at the trial, which a solve without them has found, evaluates all of R there and tells whether the
-    /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Where no force follows the spins these
+    /// The same at a trial that a solve without them has found. It evaluates all of R there and reports whether the equations of
+    /// the spins hold too, to the tolerance: then the trial solves the whole. Where no force follows the spins these
     /// first follow the shape so that no wire is twisted, which is where torsion, far faster than bending, would take them.
     [[nodiscard]] bool spins_hold(const ForceTerms& terms);
 
@@ -96,7 +95,7 @@ public:
     [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
     [[nodiscard]] double largest_turn(std::span<const double> d) const;
     [[nodiscard]] double smallest_radius() const;
-    /// Of an edge, on average; the shortest wire edges' [m].
+    /// Length scale of an edge, on average; the shortest wire edges' [m].
     [[nodiscard]] double length_scale() const;
     /// R.d over the free unknowns [J]
     [[nodiscard]] double residual_along(std::span<const double> d) const;
@@ -120,7 +119,7 @@ public:
     /// Elastic energy at the trial; instruments that share a centreline have it on the first of them [J].
     [[nodiscard]] double elastic_energy(const WireProblem& wire) const;
     [[nodiscard]] StepLosses losses(const WireProblem& wire) const;
-    /// Of a wire that is the line of a group.
+    /// Hand forces and torques of the group led by wire `line`.
     [[nodiscard]] CoaxialHands coaxial_hands(int line) const;
 
     [[nodiscard]] int size() const { return map.size(); }

@@ -40,7 +40,7 @@ public:
     [[nodiscard]] double start_velocity(int i) const { return start_velocity_[i]; }
     /// Move of unknown i in a step by the velocity that it has at the start; none of the node at the hub of a fed wire.
     [[nodiscard]] double known_move(int i) const { return fed_ && is_hub(i) ? 0.0 : h_ * start_velocity_[i]; }
-    /// Of unknown i at the trial; of the material, where it passes through the hub.
+    /// Velocity of unknown i at the trial; at the hub, that of the material that passes.
     [[nodiscard]] double velocity(const WireUnknowns& q, int i) const;
     [[nodiscard]] double acceleration(const WireUnknowns& q, int i) const;
     /// Over the step when conserving, at its end otherwise: what damping sees.

@@ -1,4 +1,4 @@
-// The reference that a wire's trials are described from, and its accepted state.
+// The reference configuration of a wire's trials, and its accepted state.
 
 #include "solve/wire_problem.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What holds and loads a wire during one step, resolved to nodes and times (solve/constraints.h builds it).
+// Holds and loads of a wire during one step, resolved to nodes and times (solve/constraints.h builds it).
 
 #include "rod/elastic.h"
 
@@ -30,7 +30,7 @@ struct WireConstraints {
         }
     };
     std::vector<Spring> springs;
-    /// Of an instrument that shares its centreline with others, at a place of its material (solve/line_holds.h).
+    /// Hold of an instrument that shares its centreline with others, at a point of its material (solve/line_holds.h).
     struct LineHold {
         int hold;  // which of the instrument's holds
         double s;  // coordinate of the centreline [m]

@@ -83,17 +83,17 @@ void WireProblem::begin_frames(const IntegratorSpec& spec, bool leave_spins)
     set_stiffness_damping(spec);
 }
 
-/// Tension of an edge that is so long, without what was fed since: EA h v/l pushes with tens of newtons until this step has moved
-/// the wire on, and as stiffness against turning it buckles the base edge.
+/// Tension of an edge of that length, without the material fed since: EA h v/l pushes with tens of newtons until this step has
+/// moved the wire on, and as stiffness against turning it buckles the base edge.
 double WireProblem::tension_before_feed(int j, double length) const
 {
     const double fed_in = j == rod.n - 2 ? constraints_->base_grown : 0.0;
     return rod.stretch_stiffness[j] * (length / (rod.rest_length[j] - fed_in) - 1);
 }
 
-/// Tension of an edge as the equations of the last step had it, which is what one Newton step takes against turning (the
-/// geometric stiffness of stretching). The state at the start of the step has it changed by EA phi^2/2 where the edge turned by
-/// phi, which no linear equation has seen, which is gone one step later and which, as stiffness, holds the wire.
+/// Tension of an edge in the equations of the last step; one Newton step uses it against turning (the geometric stiffness of
+/// stretching). At the start of the step that tension has changed by EA phi^2/2 where the edge turned by phi. No linear equation
+/// has seen this change, it is gone one step later, and as stiffness it would hold the wire.
 double WireProblem::tension_before(int j) const
 {
     const Vec3 now = rod.pos(j + 1) - rod.pos(j);
@@ -156,8 +156,8 @@ RodTrial WireProblem::trial_view() const
     return {part(0), part(1), part(2), part(RodDofs::spin_place)};
 }
 
-// A discrete gradient is the mean force along the way from q_0 to q, of use only where that is not far: a frame or a joint that
-// turns by more in one step than this is refused, as is a fold.
+// A discrete gradient is the mean force along the path from q_0 to q, of use only for short paths. A frame or a joint that turns by
+// more in one step than this is refused, as is a fold.
 constexpr double most_turned = 2.0;  // [rad]
 
 bool WireProblem::update()

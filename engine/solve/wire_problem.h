@@ -60,7 +60,7 @@ public:
     /// All of dR/dq but force terms into `tangent`, prescribed unknowns not yet fixed, with the geometric stiffness of the
     /// predicted tension. @param symmetric  its symmetric part, as far as it is not symmetric
     void assemble_elastic(HessianMode mode, bool symmetric, BandRows& tangent) const;
-    /// What comes after force terms in the order of summation.
+    /// Terms after force terms in the order of summation.
     void add_stiffness_damping(BandRows& tangent) const;
     /// Whether dR/dq is not symmetric even without force terms: energy-momentum steps, dead moments.
     [[nodiscard]] bool unsymmetric() const { return time.conserving() || dead_loads_.unsymmetric(); }
@@ -76,7 +76,7 @@ public:
     [[nodiscard]] double squared_norm(std::span<const double> d) const;
     /// Largest move of a node in d [m].
     [[nodiscard]] double largest_move(std::span<const double> d) const;
-    /// Of a node, or of the surface by spin [m].
+    /// Largest move of a node, or of the surface by spin [m].
     [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
     /// Largest change of an edge vector by d, relative to the edge's rest length.
     [[nodiscard]] double largest_turn(std::span<const double> d) const;
@@ -99,7 +99,7 @@ public:
     /// M a = -R, 0 where prescribed, into the wire's arrays.
     void set_acceleration_from_residual();
 
-    /// Of the step from the start to the trial.
+    /// Losses of the step from the start to the trial.
     [[nodiscard]] StepLosses losses() const;
     /// Dead forces, links and damping by mass on the whole wire, as R has taken them [N].
     [[nodiscard]] Vec3 load_force() const;

@@ -1,4 +1,4 @@
-// What the residual of a wire is measured against, and the measures of residuals and moves.
+// Scales for the residual of a wire, and the measures of residuals and moves.
 
 #include "solve/wire_problem.h"
 
@@ -15,9 +15,10 @@ constexpr double most_bending_force = 10;  // of the scale of forces [N]
 
 }  // namespace
 
-// The largest of total weight, loads (moments over the wire's length), stretched links, and B/L^2, the force that bends the wire
-// to its own length, up to 10 N: a short stiff piece in the introducer (0.01 N m^2, 1 cm: 100 N) would else have residuals that show
-// in the hand's force. The floor is what rounding of positions far from the origin does to the stretching and inertia forces.
+// The largest of total weight, loads (moments over the wire's length), stretched links, and B/L^2, the force that bends the wire to
+// its own length, up to 10 N. Without this limit a short stiff piece in the introducer (0.01 N m^2, 1 cm: 100 N) would have
+// residuals that show in the hand force. The floor is what rounding of positions far from the origin does to the stretching and
+// inertia forces.
 void WireProblem::set_scales(const IntegratorSpec& spec, const Vec3& gravity)
 {
     const int n = rod.n;

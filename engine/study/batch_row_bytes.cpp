@@ -1,4 +1,4 @@
-// Rows of a batch as bytes, to a file and back from one that anyone may have written.
+// Rows of a batch as bytes, to a file and back from one of unknown origin.
 #include "study/batch_table.h"
 
 #include "core/bytes.h"

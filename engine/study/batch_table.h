@@ -52,7 +52,7 @@ inline constexpr BatchColumn batch_columns[] = {{"steps", true},
                                                 {"tip_y_m", false},
                                                 {"tip_z_m", false}};
 
-/// Of each [[instrument]] by itself, as `NAME.COLUMN`; the final state.
+/// Columns of each [[instrument]], as `NAME.COLUMN`; the final state.
 inline constexpr BatchColumn instrument_columns[] = {{"inserted_m", false},     {"turned_rad", false}, {"nodes", true},
                                                      {"hand_force_n", false},   {"hand_torque_nm", false},
                                                      {"tip_x_m", false},        {"tip_y_m", false},    {"tip_z_m", false}};

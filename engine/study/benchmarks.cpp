@@ -1,4 +1,4 @@
-// The table of built-in benchmarks and their refinements, and the benchmark that follows from a scene of one's own.
+// The table of built-in benchmarks and their refinements, and the benchmark of a user's scene.
 #include "study/benchmarks.h"
 
 #include "core/error.h"
@@ -88,7 +88,7 @@ Benchmark find_benchmark(const std::string& wanted, const std::filesystem::path&
         std::vector<std::string_view> names;
         for (const Entry& entry : entries) names.push_back(entry.name);
         throw Error(ExitCode::BadScene,
-                    fmt::format("--scenes: no benchmark \"{}\"; did you mean \"{}\"? (or give a scene file, *.toml)", wanted,
+                    fmt::format("--scenes: no benchmark \"{}\"; the nearest is \"{}\". Fix: give that, or a scene file (*.toml)", wanted,
                                 nearest_word(wanted, names)));
     }
     benchmark.name = found->name;

@@ -1,5 +1,5 @@
 #pragma once
-// The scenes that are charted: how long each runs, which part counts, what it is compared with.
+// The scenes of the chart: length of each run, the part that counts, and its reference.
 
 #include "study/reference.h"
 

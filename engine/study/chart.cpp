@@ -110,7 +110,7 @@ void compare(SceneChart& chart, const std::vector<Trajectory>& trajectories)
     }
 }
 
-/// A tenth of the smallest error charted; infinite for what is not charted.
+/// 10 % of the smallest error in the chart; infinite if an observable is not in it.
 PerObservable wanted_uncertainty(const SceneChart& chart)
 {
     PerObservable wanted;
@@ -122,7 +122,7 @@ PerObservable wanted_uncertainty(const SceneChart& chart)
     return wanted;
 }
 
-/// One scene: its models, then its reference, refined until it is a tenth of the smallest error.
+/// One scene: its models, then its reference, refined to 10 % of the smallest error.
 class SceneRun {
 public:
     SceneRun(const ChartOptions& options, RunStore& store, SceneChart& chart, const StudyScene& study)
@@ -233,7 +233,7 @@ ChartResult make_chart(const ChartOptions& options)
         chart.processor_time = options.processor_time;
         complete(chart.benchmark, scenes.back());
         if (options.reference_limit > 0) chart.benchmark.refinement.wall_limit = options.reference_limit;
-        // a wall that yields has models that go by its vessel's mesh
+        // an elastic wall has models that go by its vessel's mesh
         const WallEdges walls =
             scenes.back().vessel.elastic ? wall_edges(load_study_scene(scenes.back(), options.device).setup) : WallEdges{};
         for (const ChartModel& model : models_for(options, scenes.back(), walls)) result.runs_wanted += model.refused.empty();

@@ -1,5 +1,5 @@
 #pragma once
-// Speed against accuracy: the same scenes under every model, what each costs and how wrong it is.
+// Speed against accuracy: the same scenes under every model, with cost and error of each.
 
 #include "study/benchmarks.h"
 #include "study/chart_models.h"
@@ -35,8 +35,8 @@ struct ChartPoint {
     std::array<bool, observable_count> resolved{};  // the error is at least ten times the reference's uncertainty
     std::array<bool, observable_count> front{};     // nothing cheaper is as accurate
 
-    /// Complete, and the wire stayed in one piece and inside: what may stand on the front, unless it is as wrong as saying
-    /// nothing (its error exceeds SceneChart::scale).
+    /// Complete, and the wire stayed in one piece and inside: the model may stand on the front, unless its error exceeds
+    /// SceneChart::scale, that of no answer at all.
     [[nodiscard]] bool sound() const;
     /// Median seconds per simulated second, wall or processor time.
     [[nodiscard]] double cost(bool processor_time) const { return processor_time ? run.cost.cpu : run.cost.wall; }
@@ -61,7 +61,7 @@ struct ChartResult {
     int runs_done = 0, runs_wanted = 0;  // models, all scenes
 };
 
-/// Runs what is not in options.dir yet and compares. Writes chart.csv and references.csv there after every scene.
+/// Runs models that are not in options.dir yet and compares. Writes chart.csv and references.csv there after every scene.
 /// @throws Error BadScene, BadFile
 [[nodiscard]] ChartResult make_chart(const ChartOptions& options);
 

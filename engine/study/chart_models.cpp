@@ -128,7 +128,7 @@ void add_contact_choices(Collection& models, const Scene& scene, bool quick)
     }
 }
 
-/// Beside a rigid wall, what a wall that yields would do; beside one that yields, rigid and coarser ones.
+/// Beside a rigid wall, what an elastic wall would do; beside one that yields, rigid and coarser ones.
 void add_walls(Collection& models, const Scene& scene, bool quick, const WallEdges& walls)
 {
     const auto add = [&](bool elastic, double edge, double dt) {

@@ -1,6 +1,6 @@
 #pragma once
-// Which models a chart compares: each choice varied by itself around the scene's own, the cheap corners where two are varied
-// together, the published method, and the baselines.
+// The models of a chart: each choice varied alone around the scene's own, the cheap corners where two are varied together, the
+// published method, and the baselines.
 
 #include "study/simulation.h"
 #include "study/wall_edges.h"

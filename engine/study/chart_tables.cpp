@@ -1,4 +1,4 @@
-// What a chart is written down as: two tables for programs, a summary for people.
+// Output of a chart: two tables for programs, a summary for people.
 #include "study/chart.h"
 
 #include "study/result_table.h"
@@ -164,7 +164,7 @@ std::string chart_summary(const ChartResult& result)
             if (point.sound()) continue;
             if (point.run.over_limit)
                 text +=
-                    fmt::format("  {}: stopped at {:.3g} simulated s, too dear\n", point.model.model.name, point.run.simulated);
+                    fmt::format("  {}: stopped at {:.3g} simulated s, too expensive\n", point.model.model.name, point.run.simulated);
             else
                 text += fmt::format("  {}: {}{}\n", point.model.model.name, name(point.run.outcome),
                                     point.run.complete ? "" : fmt::format(" at {:.3g} s", point.run.failed_at));

@@ -102,7 +102,7 @@ double JitterMeter::add(double force)
     return ratio;
 }
 
-// what is left of the last window counts where it is long enough, or where there is no other
+// the rest of the last window counts if it is long enough, or if there is no other
 double JitterMeter::rest() const
 {
     const int left = static_cast<int>(window_.size());

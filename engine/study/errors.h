@@ -1,5 +1,5 @@
 #pragma once
-// How wrong a run is: its observables against those of a reference, sample by sample.
+// Errors of a run: its observables against those of a reference, sample by sample.
 
 #include "study/trajectory.h"
 
@@ -10,9 +10,9 @@
 namespace seldinger {
 
 /// Tip: distance of the tips. Shape: Fréchet distance of the whole axis. Hand force and friction: difference of their 20 ms
-/// means. Contact: how the normal force is spread along the wire, (1/L) ∫ |F(s) - F_ref(s)| ds with F(s) the force between tip
-/// and s: a force f put wrong by a distance d counts f d / L, one that is missing counts as much as if it had been moved out at
-/// an end. For equal totals this is the Wasserstein-1 distance times total force over length.
+/// means. Contact: distribution of the normal force along the wire, (1/L) ∫ |F(s) - F_ref(s)| ds with F(s) the force between tip
+/// and s. A force f that is misplaced by a distance d counts f d / L; a missing one counts as if it had been moved out at an end.
+/// For equal totals this is the Wasserstein-1 distance times total force over length.
 enum class Observable { Tip, Shape, HandForce, Friction, Contact };
 inline constexpr int observable_count = 5;
 

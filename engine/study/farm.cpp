@@ -145,7 +145,7 @@ FarmPlan read_farm(const Folder& dir)
         plan.items = count(plan.kind == FarmKind::Sweep ? "runs" : "frames", most_items);
         plan.tasks = count("tasks", std::min(plan.items, most_tasks));
         plan.key = in.at("key").get<std::string>();
-        if (plan.tasks < 1) throw Error(ExitCode::BadFile, file.string() + ": is a farm of nothing; make it again in another folder");
+        if (plan.tasks < 1) throw Error(ExitCode::BadFile, file.string() + ": has no tasks; make the farm again in another folder");
         return plan;
     } catch (const nlohmann::json::exception& error) {
         throw Error(ExitCode::BadFile,
@@ -244,7 +244,7 @@ Folder open_task_folder(const Folder& dir, const FarmPlan& plan, std::size_t tas
     if (!own.has(mark)) {
         remove_leftovers(own);
         if (!own.names().empty())
-            throw Error(ExitCode::BadFile, fmt::format("{}: holds what this farm did not put there (it has no {}). Fix: move it away",
+            throw Error(ExitCode::BadFile, fmt::format("{}: holds files of others (it has no {}). Fix: move it away",
                                                        own.path().string(), mark));
         write_file(own / mark, plan.key);
     } else if (read_file(own / mark, 64) != plan.key) {
@@ -302,7 +302,7 @@ std::optional<std::vector<BatchRow>> read_rows(const Folder& dir, const FarmPlan
         throw Error(error.code(), fmt::format("{}: {}; remove it and do the task again", file.string(), error.what()));
     }
     if (at != end || rows.size() != part.end - part.begin || !are_sound(rows, part.begin, part.end, instruments))
-        throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; remove it and do the task again");
+        throw Error(ExitCode::BadFile, file.string() + ": is corrupt: a value is out of range; remove it and do the task again");
     return rows;
 }
 

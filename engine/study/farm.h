@@ -1,19 +1,19 @@
 #pragma once
 // A batch, or a run's frames, cut into whole tasks that any number of machines do from one shared folder.
 //
-//   farm.json          what is cut, how, and the key that every result must carry
-//   todo/000012        a task that nobody does
+//   farm.json          the work, its division, and the key that every result must carry
+//   todo/000012        a task without a worker
 //   running/000012@W   worker W does it and holds a lock on this file; once W is dead the lock is free and the task may be taken
 //   done/000012        finished: never done again
-//   rows/000012.rows   results of a sweep's task, there whole or not at all
-//   log/000012.csv     what happened to the task
-//   tasks/000012/      where its batch is while it runs, marked by .farm with the plan's key; goes with it
+//   rows/000012.rows   results of a sweep's task, complete or absent
+//   log/000012.csv     history of the task
+//   tasks/000012/      its batch while it runs, marked by .farm with the plan's key; removed with it
 //
-// All of it is reached from the open folder and never through a link, and what goes again is the task's own folder, by its mark and the
-// names that a batch gives: a farm may be made by somebody else, or lie where others write.
+// All of it is reached from the open folder and never through a link. Only a task's own folder is removed, by its mark and the
+// names that a batch gives: a farm may come from somebody else, or lie where others write.
 //
-// A task moves from one folder to the next by rename, which only one worker can win. What a task yields depends on the plan and
-// its number alone, so that the merged table has the same bits for any cut, any number of machines and any failures.
+// A task moves from one folder to the next by rename, which only one worker can win. The results of a task depend on the plan
+// and its number alone, so the merged table has the same bits for any cut, any number of machines and any failures.
 
 #include "core/folder.h"
 #include "study/batch_table.h"

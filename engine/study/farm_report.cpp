@@ -1,4 +1,4 @@
-// What a farm's folder tells: where each task stands, how often tasks were begun, what a task costs beside its work.
+// Report on a farm's folder: state of each task, number of starts, overhead of a task.
 #include "study/farm.h"
 
 #include "core/error.h"
@@ -33,7 +33,7 @@ bool worker_lives(const FilePlace& file)
     return lives;
 }
 
-/// What one task's log says.
+/// Contents of one task's log.
 struct Story {
     std::size_t began = 0, finished = 0;
     double process = 0, work = 0;  // of the attempt that finished [s]

@@ -33,8 +33,8 @@ Interval free_part(const Vec3& c, const Vec3& p, const Vec3& q, double leash)
 }
 
 /// Whether a leash of this length suffices. Cell (i, j) of the free-space diagram is edge i of a against edge j of b. A column's
-/// left borders hold what is reachable from the start by monotone walks; only those that are not empty are looked at, so close
-/// curves cost as much as they have vertices.
+/// left borders hold the points that monotone walks reach from the start. Only non-empty ones are visited, so close curves cost as
+/// much as they have vertices.
 bool leash_suffices(std::span<const Vec3> a, std::span<const Vec3> b, double leash)
 {
     if ((a.front() - b.front()).norm() > leash || (a.back() - b.back()).norm() > leash) return false;
@@ -64,7 +64,7 @@ bool leash_suffices(std::span<const Vec3> a, std::span<const Vec3> b, double lea
             top_of_last = {};
             if (left[j].empty() && below.empty()) continue;
             const Interval top = free_part(b[j + 1], a[i], a[i + 1], leash), side = free_part(a[i + 1], b[j], b[j + 1], leash);
-            // a cell's free part is convex: from the left border all of the top is reached, from below what is not behind
+            // a cell's free part is convex: from the left border all of the top is reached, from below only the part ahead
             if (!top.empty()) {
                 top_of_last = top;
                 if (left[j].empty()) top_of_last.low = std::max(top.low, below.low);

@@ -1,5 +1,5 @@
 #pragma once
-// How far apart two curves are.
+// Distance of two curves.
 
 #include "math/vec3.h"
 

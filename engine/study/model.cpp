@@ -1,4 +1,4 @@
-// Lays a model over a scene, reads one off a scene, and puts it in words, in --set texts and in reasons why it cannot run.
+// Lays a model over a scene, reads one off a scene, and writes it as words, as --set texts and as reasons why it cannot run.
 #include "study/model.h"
 
 #include "core/error.h"
@@ -201,7 +201,7 @@ std::string why_not(const Model& model, const Scene& scene)
     if (model.coaxial && !scene.coaxial) return "the scene has no instruments inside each other";
     if (std::string reason = why_not_together(apply(model, scene)); !reason.empty()) return reason;
     try {
-        // the scene reader is the one place that knows what goes together and what is built
+        // only the scene reader knows which choices fit together and which are built
         (void)read_scene_text(write_scene(apply(model, scene), scene.source.parent_path()), scene.source);
     } catch (const Error& error) {
         return without_place(error.what(), scene.source);

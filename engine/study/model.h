@@ -1,6 +1,6 @@
 #pragma once
 // A model: one way to compute a scene, as a named set of choices laid over it. What a model leaves empty stays as the scene has
-// it. The chart, the stability map and the planner all speak of models; only apply() knows which scene key a choice is.
+// it. The chart, the stability map and the planner all use models; only apply() knows the scene key of a choice.
 
 #include "scene/scene.h"
 

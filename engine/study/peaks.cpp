@@ -1,4 +1,4 @@
-// Peaks of two runs beside each other, and what refinements leave of them.
+// Compares peaks of two runs, and bounds the remaining error.
 #include "study/peaks.h"
 
 #include "study/plan_reference.h"

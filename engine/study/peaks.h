@@ -1,12 +1,12 @@
 #pragma once
-// The largest that a run's forces become, and how far they may be from a reference's.
+// The peaks of a run's forces, and their largest error.
 //
-// A peak is the largest mean over 20 ms (RunPlan::average) at any time of the run: of |hand force| and of friction, sums over all
-// wires [N], and of the largest force per length of any wire on the wall (contact/force_per_length.h) [N/m]. Values of one step
-// are none: a hand that starts at once and a wire that strikes give more the shorter the step is.
+// A peak is the largest mean over 20 ms (RunPlan::average) at any time of the run. There are three: of |hand force| and of
+// friction, sums over all wires [N], and of the largest force per length of any wire on the wall (contact/force_per_length.h)
+// [N/m]. Values of one step are none: a hand that starts at once and a wire that strikes give more the shorter the step is.
 //
-// A peak is one number, so that two runs may agree in it by chance where nothing else agrees. What a refinement has moved counts
-// therefore as half of what the one before moved at least (first order: what it moves when nothing is left to chance).
+// A peak is one number, so that two runs may agree in it by chance where nothing else agrees. A refinement's movement therefore
+// counts as at least half of the previous one (first order: the movement without chance).
 
 #include "math/running_peak.h"
 
@@ -28,7 +28,7 @@ inline constexpr std::array<PeakWord, peak_count> peak_words = {
 /// |a - b|, one by one.
 [[nodiscard]] Peaks difference(const Peaks& a, const Peaks& b);
 
-/// What is left of the last of these movements, see the top. Infinite where there is none.
+/// The remainder after the last of these movements, see the top. Infinite where there is none.
 [[nodiscard]] Peaks peaks_left(const std::vector<Peaks>& moved);
 
 /// How far peaks may be off.
@@ -38,7 +38,7 @@ struct PeakGoal {
     double diameter = 0;      // [m]
 
     [[nodiscard]] bool asked() const { return tolerance > 0; }
-    /// For peaks that should be `right`. A share is one of 1 mN at least: less is told apart by no hand.
+    /// For peaks that should be `right`. A fraction is one of 1 mN at least: no hand feels less.
     [[nodiscard]] Peaks allowed(const Peaks& right) const;
     /// error + uncertainty within `share` of what is allowed; true where nothing was asked.
     [[nodiscard]] bool holds(const Peaks& error, const Peaks& uncertainty, const Peaks& right, double share = 1) const;

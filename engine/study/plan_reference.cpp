@@ -1,4 +1,4 @@
-// Refines a scene level by level until two movements bound the error that is left, or says that they do not.
+// Refines a scene level by level until two movements bound the remaining error, or reports that they do not.
 #include "study/plan_reference.h"
 
 #include "study/wall_edges.h"
@@ -32,7 +32,7 @@ Model level_model(const Scene& scene, const WallEdges& wall, const RunPlan& plan
     if (wall.yields()) model.wall_edge = wall.of_level(level, edge_refinement);
     if (is_static) return model;
     model.trapezoid = trapezoid;
-    // whole parts of the sampled interval, so that what is asked for is what is run
+    // whole parts of the sampled interval, so that the run has the requested steps
     model.dt = plan.interval / std::ceil(plan.interval / coarsest_step * std::pow(step_refinement, level) - 1e-9);
     return model;
 }
@@ -56,7 +56,7 @@ std::vector<double> column(const std::vector<PerObservable>& rows, Observable wh
     return values;
 }
 
-/// Judges what is known so far. @return whether it is good enough
+/// Judges the present levels. @return whether it is good enough
 bool judge(PlanReference& reference, const ReferenceGoals& goals)
 {
     reference.force_scale = std::max(1e-3, rms_hand_force(reference.values));
@@ -95,7 +95,7 @@ private:
     void run_levels()
     {
         const Scene& scene = scene_.scene;
-        // what touches nothing is smooth in time: second order, unless that breaks off. With contact the trapezoid rule rings
+        // without contact the motion is smooth in time: second order, unless that breaks off. With contact the trapezoid rule rings
         bool trapezoid = !is_static() && scene.vessel.shape == VesselShape::None && !scene.integrator.conserve;
         int broken = 0;
         for (int level = 0; level < most_levels; ++level) {

@@ -1,5 +1,5 @@
 #pragma once
-// What a plan's trials are compared with: the scene itself, refined in nodes and steps until two refinements bound the rest.
+// Reference of a plan's trials: the scene itself, refined in nodes and steps until two refinements bound the remaining error.
 
 #include "study/errors.h"
 #include "study/run_store.h"
@@ -10,10 +10,10 @@
 
 namespace seldinger {
 
-/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1 (backward Euler;
-/// where there is no vessel the trapezoid rule, with order 2), so that both errors fall by about two, and cost grows by three.
+/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k. Edges converge with order 2 and steps with order 1 (backward Euler;
+/// without a vessel the trapezoid rule, with order 2). So both errors fall by about two, and cost grows by three.
 inline constexpr double edge_refinement = 1.5, step_refinement = 2;
-// A wall that yields has its control mesh refined like the wire's edges, from twice the scene's own edge on, as far as memory is
+// An elastic wall has its control mesh refined like the wire's edges, from twice the scene's own edge on, as far as memory is
 // (wall_edges.h). What the finest mesh is wrong by is then bounded by one more run, with the edge that comes before it: second
 // order, so that as much is left as that moves.
 
@@ -35,7 +35,7 @@ struct PlanReference {
     std::vector<std::string> failures;  // levels that broke off, and how
 };
 
-/// What is needed of the reference: refinement goes on until its uncertainties are below.
+/// Requirements on the reference: refinement continues until its uncertainties are below.
 struct ReferenceGoals {
     double shape = 0, force = 0;                                // [m], [N]; force infinity: not asked
     bool force_is_relative = false;                             // then of the rms hand force
@@ -50,9 +50,9 @@ struct ReferenceGoals {
                                          RunStore& store, const std::string& name,
                                          const std::function<void(const std::string&)>& progress);
 
-/// A bound of the error that is left after the last of these movements, by Richardson: the rest of a geometric series whose ratio
-/// is that of the last two, taken as at least `least_ratio` (half: first order) and, where there is one movement only or they do
-/// not fall, as `most_ratio`.
+/// A bound of the remaining error after the last of these movements, by Richardson: the rest of a geometric series whose ratio is
+/// that of the last two. The ratio is taken as at least `least_ratio` (half: first order), and as `most_ratio` if there is only one
+/// movement or they do not fall.
 [[nodiscard]] double error_left(const std::vector<double>& moved);
 /// The movements fall: the last is below `most_ratio` of the one before or, with three, below its square of the one before that.
 [[nodiscard]] bool falls(const std::vector<double>& moved, double noise);

@@ -59,9 +59,9 @@ public:
     }
     [[nodiscard]] Place best_place() const { return best_place_; }
 
-    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so that the places that
-    /// meet the goals are bounded by a curve of corners: first down to one of them, then, where told to walk, along the curve, to
-    /// longer steps and more nodes and back, as far as that pays.
+    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so a curve of corners bounds
+    /// the places that meet the goals. The search goes down to one corner and then, if told to walk, along the curve, to longer
+    /// steps and more nodes and back, as long as that pays.
     void optimise(const Model& family, Place from, bool walks)
     {
         Place corner = from;
@@ -244,7 +244,7 @@ SearchGrid search_grid(const PlanReference& reference, double interval, double l
 std::string not_vouched_for(const Model& model, const Scene& scene, bool touches)
 {
     const IntegratorSpec integrator = apply(model, scene).integrator;
-    if (integrator.scheme == Scheme::Linearised) return "one Newton step leaves what it likes of the equations";
+    if (integrator.scheme == Scheme::Linearised) return "one Newton iteration per step leaves an unbounded residual";
     if (integrator.scheme != Scheme::Static && integrator.newmark && touches) return "it makes energy in contact";
     return {};
 }
@@ -370,7 +370,7 @@ SearchResult search_models(const Scene& scene, const Model& from, const SearchGr
     if (first && first->meets) search.optimise(start, place, false);
 
     // Twice: a choice that did not pay before another was made may pay after it. Along bounding curves only then: a choice can save
-    // half of every later trial, a walk hardly more than a fifth, and a budget may end the search anywhere.
+    // half of every later trial, a walk hardly more than 20 %, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {
         const bool walks = round > 0;
         const Model before = search.best()->model;

@@ -2,11 +2,11 @@
 // Looks for the cheapest model that meets a plan's goals, by trials. Every step of the search compares measured costs and errors;
 // nothing is extrapolated.
 //
-// A model is a family (integrator, detection, laws, what is left out) and a place on a grid of nodes and steps. In one family the
+// A model is a family (integrator, detection, laws, simplifications) and a place on a grid of nodes and steps. In one family the
 // error grows with the step and with the edges, so the places that meet the goals are bounded by a curve over nodes and steps: the
 // search goes down to a point of it, then along it as far as that pays. Families are tried from the winner's place on, the likeliest to pay first.
-// A wall that yields is tried first of all, rigid and on coarser control meshes, at the place where the search begins: it makes
-// every step several times as dear, so that what it is decides what all later trials cost.
+// An elastic wall is tried first of all, rigid and on coarser control meshes, where the search begins. It makes every step several
+// times as expensive, so this choice sets the cost of all later trials.
 
 #include "study/plan_trials.h"
 
@@ -22,7 +22,7 @@ struct SearchGrid {
     std::vector<int> nodes;
     std::vector<double> steps;  // [s]; empty: static
     std::vector<double>
-        walls;               // control edges of a wall that yields, coarse to fine, the scene's own last [m]; empty: it is rigid
+        walls;               // control edges of an elastic wall, coarse to fine, the scene's own last [m]; empty: it is rigid
     double finest_wall = 0;  // the reference's: where nothing meets the goals at a start on a coarser one [m]
 };
 
@@ -45,9 +45,9 @@ struct Choice {
 [[nodiscard]] std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& walls = {});
 
 /// Why no plan may choose a model, although it can be run; empty: it may. A trial shows that a model went through the scene once.
-/// What vouches for the run after it is that every step's equations are solved and that its energy adds up
-/// (solve/energy_balance.h): of one linearised step nothing bounds what is left of the equations, and in contact the trapezoid
-/// rule makes energy at any step, a little in every touch, until the balance ends the run.
+/// Two facts vouch for the run afterwards: every step's equations are solved, and its energy balances (solve/energy_balance.h). The
+/// residual of one linearised step is not bounded. In contact the trapezoid rule generates energy at any step, a little in every
+/// touch, until the balance ends the run.
 [[nodiscard]] std::string not_vouched_for(const Model& model, const Scene& scene, bool touches);
 
 struct SearchResult {

@@ -10,18 +10,18 @@
 namespace seldinger {
 namespace {
 
-// A trial is broken off when what it is wrong by so far would make it miss the tolerance by this factor even if it were right
-// from there on. Above 1, so that the search can tell a near miss from a hopeless one.
+// A trial stops early if its error so far would make it miss the tolerance by this factor even without further error. Above 1, so
+// that the search can tell a near miss from a hopeless one.
 constexpr double plainly_wrong = 2;
-// Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]: a machine that does
-// other things makes a trial look several times slower than it is.
+// Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]. On a busy machine a
+// trial looks several times slower than it is.
 constexpr double plainly_dear = 8, least_patience = 1;
 // The slowest of the sampled intervals over the mean of a run, where it was not timed.
 constexpr double unknown_slowest = 3;
 
 double square(double x) { return x * x; }
 
-/// Of the sampled intervals of a run that has begun, the one that took the longest, per simulated second.
+/// Slowest of the sampled intervals of a running trial, per simulated second.
 class Slowest {
 public:
     Slowest(const CostRule& cost, double interval, double& worst) : cost_(cost), interval_(interval), worst_(worst) {}
@@ -150,7 +150,7 @@ const TrialRun* TrialRuns::run(const Model& model, const RunPlan& plan, const st
         return nullptr;
     }
     const TrialRun& trial = known_[label(model)] = judge(model, *run, values);
-    // one whose steps are too long for the rate is no measure of what is too dear
+    // a trial whose steps are too long for the rate does not show which cost is too high
     if (trial.meets && model.dt.value_or(0) <= longest_step_ * (1 + 1e-9)) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
     return &trial;
 }

@@ -34,8 +34,8 @@ struct TrialRun {
     double jitter = 0;
 };
 
-/// Seconds that a run took, least touched by what else a machine does: on processor devices the lesser of wall and processor
-/// time (waiting for others does not count, nor do threads that helped), on others wall time.
+/// Seconds of a run, with the least influence of other work on the machine. On processor devices it is the smaller of wall and
+/// processor time (waiting for others does not count, nor do threads that helped), on others wall time.
 class CostRule {
 public:
     explicit CostRule(int device_index);

@@ -1,4 +1,4 @@
-// The planner's order of work: reference, pilots, search, a last timing of the best, and the plan that comes of it.
+// The planner's order of work: reference, trials, search, a last timing of the best, and the plan.
 #include "study/planner.h"
 
 #include "study/plan_search.h"
@@ -104,14 +104,14 @@ private:
                 fmt::format("not even the coarsest run of this scene ended within --budget {:g}; give more", options_.budget));
         if (reference.levels.empty())
             return stop_with(PlanStatus::NothingHolds,
-                             fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
+                             fmt::format("no model completes this scene: {}; make the scene less severe (contact.stiffness, "
                                          "feed speed, wire), {}or look at it with `seldinger run`",
                                          failures(reference), reference.out_of_budget ? "give a larger --budget, " : ""));
         const double shape = at(reference.uncertainty, Observable::Shape),
                      force = at(reference.uncertainty, Observable::HandForce);
         if (!reference.converges && !reference.out_of_budget)
             return stop_with(PlanStatus::NoReference,
-                             fmt::format("refining the scene keeps moving the wire, by {} at {} nodes and {:.3g} ms: it has no "
+                             fmt::format("refinement does not converge: it still moves the wire by {} at {} nodes and {:.3g} ms; the scene has no "
                                          "single answer (a bifurcation, or "
                                          "chatter); shorten scene.duration_s to before that",
                                          as_length(reference.moved.empty() ? 0 : at(reference.moved.back(), Observable::Shape)),
@@ -123,8 +123,8 @@ private:
         if (reference.levels.size() < 2) {
             stop_with(
                 PlanStatus::BelowReference,
-                fmt::format("only one run of the reference ended within its share of --budget {:g}: nothing is known of its "
-                            "error; give more",
+                fmt::format("only one run of the reference ended within its share of --budget {:g}: its error is "
+                            "unknown; give more",
                             options_.budget));
             return;
         }
@@ -162,7 +162,7 @@ private:
                            reference.failures.back());
     }
 
-    /// What is promised of the reference itself.
+    /// Promises for the reference itself.
     PlannedModel described(const Model& model, const Trajectory&)
     {
         PlannedModel planned;
@@ -275,7 +275,7 @@ private:
         return as_trial(model);
     }
 
-    /// What the reference says for itself a trial leaves to the scene, but for the order in time of what touches nothing.
+    /// A trial keeps the reference's settings from the scene, except for the order in time without contact.
     Model as_trial(Model model) const
     {
         model.tolerance.reset();
@@ -325,7 +325,7 @@ private:
         if (trials.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         result_.fast = planned(trials.all().at(label(model)), slowest);
         result_.message +=
-            fmt::format("; the quickest that was seen reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
+            fmt::format("; the fastest model found reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
     }
 
     /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only
@@ -377,15 +377,14 @@ private:
             fmt::format("nothing meets both: the cheapest that meets {} reaches {:.3g} of real time in its slowest stretch",
                         as_length(goals_.tolerance), 1 / best.slowest);
         if (result_.fast)
-            message += fmt::format("; the most accurate that keeps up is within {}", as_length(result_.fast->error));
+            message += fmt::format("; the most accurate model at this rate is within {}", as_length(result_.fast->error));
         stop_with(PlanStatus::NotBoth, std::move(message));
     }
 
     void nothing_meets(TrialRuns& trials, const SearchGrid& grid)
     {
         const Model& finest = result_.reference.model;
-        // with a rate, steps may not be as long as the tolerance allows, but they may be as short: what is missing is found at
-        // the reference
+        // with a rate, steps are limited from above only: the remaining accuracy is found at the reference
         result_.accurate = described(finest, result_.reference.values);
         if (goals_.rate > 0) add_fast(starting_model(), trials, grid);
         stop_with(goals_.rate > 0 ? PlanStatus::NotBoth : PlanStatus::BelowReference,
@@ -404,8 +403,7 @@ private:
         if (!trials.stopped()) result_.fast = planned(trials.all().at(label(*fast)), slowest);
     }
 
-    // ---- what was left out
-    // ------------------------------------------------------------------------------------------------------
+    // ---- simplifications -----------------------------------------------------------------------------------------------------
 
     /// The wall that was not chosen, elastic or rigid, at the nodes and steps of the chosen model: run to its end, budget or not,
     /// since the reason for the choice comes of it.

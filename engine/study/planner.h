@@ -1,13 +1,15 @@
 #pragma once
-// The cheapest model that is good enough for a scene, found by trials on the scene itself.
+// Finds the cheapest model that meets a tolerance for a scene, by trials on the scene itself.
 //
-//   1. A reference: the scene refined in nodes and steps at once until two refinements bound what is left (plan_reference.h).
-//   2. A search over models, each run over the whole path and compared with the reference, broken off as soon as it is plainly
-//      too wrong (plan_trials.h, plan_search.h): what is promised of a model has been measured, not extrapolated.
-//   3. The best are timed again, and each choice of the winner is exchanged for its neighbour: what is left out, at what price.
+//   1. A reference: the scene refined in nodes and steps at once until two refinements bound the remaining error
+//      (plan_reference.h).
+//   2. A search over models. Each runs over the whole path, is compared with the reference and stops early once it is plainly too
+//      wrong (plan_trials.h, plan_search.h). Promised errors are measured, not extrapolated.
+//   3. The best are timed again, and each choice of the winner is exchanged for its neighbour, to report simplifications and their
+//      price.
 //
 // Error of a run: root mean square, over sampled times, of the Fréchet distance of the wire's whole axis from the reference's
-// (never less than the tip's distance); of the hand force, of 20 ms means, relative to the rms of the reference's.
+// (never less than the tip's distance). For the hand force: of 20 ms means, relative to the rms of the reference's.
 
 #include "study/plan_reference.h"
 #include "study/plan_trials.h"
@@ -24,14 +26,14 @@ struct PlanOptions {
     std::filesystem::path trials;  // folder where trials are kept; a plan that was interrupted goes on from there
     double budget = 120;           // wall time of this call [s]
     int device = -1;
-    // With a rate: a model that meets the goals and takes no more of real time than this in its slowest stretch is taken at once,
-    // and the reference is known to a third of the tolerance only. 0: the cheapest is looked for, and what was left out
+    // With a rate: takes the first model that meets the goals and needs at most this fraction of real time in its slowest part. The
+    // reference is then known to 1/3 of the tolerance only. 0: looks for the cheapest model, and reports its simplifications
     double enough = 0;
     std::function<bool()> stop;                        // asked between samples of a trial; may be empty
     std::function<void(const std::string&)> progress;  // what is being done; may be empty
 };
 
-/// A model with what is known of it here.
+/// A model with its trial results.
 struct PlannedModel {
     Model model;
     Scene scene;             // to be run
@@ -55,7 +57,7 @@ struct Omission {
     bool too_dear = false;              // it was not run to its end because it took many times as long
 };
 
-/// What the chosen model makes of a wall that yields, and what the other choice does at its nodes and steps.
+/// What the chosen model makes of an elastic wall, and what the other choice does at its nodes and steps.
 struct WallChoice {
     bool elastic = true;
     double edge = 0;                                         // of the control mesh, of the elastic one of the two [m]

@@ -22,7 +22,7 @@ struct Best {
 
 using enum FrictionLaw;
 
-// The first two stand for scenes that were not searched: without damping of contact, whose factor is infinite where contact persists,
+// The first two are for scenes that were not searched: without damping of contact, whose factor is infinite where contact persists,
 // and in long steps on a soft wall.
 constexpr Best winners[] = {
     {"", false, 1 * ms, 101, Sign, 1},

@@ -1,5 +1,5 @@
 #pragma once
-// The published method as models. Where its description is silent, what was assumed is in docs/published-method.md.
+// The published method as models. docs/published-method.md has the assumptions where its description is silent.
 
 #include "study/model.h"
 

@@ -10,8 +10,8 @@
 namespace seldinger {
 namespace {
 
-// Below this a movement is rounding and the solver's tolerance, not discretisation: a tenth of a micrometre; a hundredth of a
-// millinewton is what the hand-force's 20 ms mean scatters by on a wire at rest.
+// Below this a movement is rounding and the solver's tolerance, not discretisation: 0.1 micrometres. On a wire at rest the hand
+// force's 20 ms mean scatters by 0.01 mN.
 constexpr PerObservable noise = {1e-8, 1e-8, 1e-6, 1e-6, 1e-6};
 
 constexpr double wall_refinement = 1.5;
@@ -108,7 +108,7 @@ void Refiner::judge()
             return judge_movements(moved, noise[k]);
         };
         // Medians do not see a jump that comes a little earlier or later; rms values do not see noise where most samples hardly
-        // move. What is uncertain is the rms in either case.
+        // move. The uncertainty is the rms in either case.
         reference_.convergence[k] = judged(reference_.moved);
         if (reference_.convergence[k] != Convergence::Falling) reference_.convergence[k] = judged(reference_.moved_median);
         reference_.uncertainty[k] =

@@ -1,5 +1,5 @@
 #pragma once
-// What a run is compared with: the analytic solution where there is one, else the scene itself refined until it no longer moves.
+// Reference of a run: the analytic solution if there is one, else the scene itself refined until it does not change.
 
 #include "study/errors.h"
 #include "study/run_model.h"
@@ -13,7 +13,7 @@ namespace seldinger {
 /// How a scene is refined: level k has (nodes - 1) 2^k edges and steps of dt / 2^k, converged to `tolerance`.
 struct Refinement {
     Model coarsest;              // nodes and dt given
-    double least_wall_edge = 0;  // of a wall that yields: coarsest.wall_edge / 1.5^k, which halves its error, as far as this [m]
+    double least_wall_edge = 0;  // of an elastic wall: coarsest.wall_edge / 1.5^k, which halves its error, as far as this [m]
     int least_levels = 3, most_levels = 6;
     double wall_limit = 120;  // of all levels together [s]; no level is begun that would pass it, going by the last
 };
@@ -25,7 +25,7 @@ enum class Convergence {
     Analytic,  // exact; uncertainty 0
     Falling,   // each refinement moves the result less than the one before: uncertainty is what the last one moved (rms). Judged
                // by the rms or the median over samples: a slip or a snap that comes a moment earlier moves one sample, and widens
-               // the band by it; a wire that goes another way moves all that follow
+               // the band by it. A wire that takes another path moves all that follow
     NotFalling,  // it does not: a bifurcation, chatter or a scene that has no single answer. Not to be charted
     Unknown,     // too few levels could be run
 };
@@ -55,8 +55,8 @@ public:
     Refiner(const StudyScene& scene, Refinement how, RunPlan plan, Window window, std::filesystem::path folder = {},
             std::vector<Baseline> baselines = {});
 
-    /// Runs levels until every observable's uncertainty is at most `wanted` of it (NaN or 0: as good as can be), the last level
-    /// is reached, the budget is spent, or it is plain that the results do not converge. May be called again with less.
+    /// Runs levels until every observable's uncertainty is at most `wanted` of it (NaN or 0: as good as possible). It ends earlier
+    /// if the last level is reached, the budget is spent, or the results plainly do not converge. May be called again with less.
     /// @return the reference so far
     const Reference& refine_to(const PerObservable& wanted);
     [[nodiscard]] const Reference& reference() const { return reference_; }
@@ -80,8 +80,8 @@ private:
     std::string failure_;  // why a level could not be run
 };
 
-/// How a sequence of movements goes on. NotFalling: the last refinement moved the result by more than 0.8 of the one before, or,
-/// with three at hand, than 0.5 of the one before that. A sequence below `noise` has arrived.
+/// Continuation of a sequence of movements. NotFalling: the last refinement moved the result by more than 0.8 of the one before,
+/// or, with three at hand, than 0.5 of the one before that. A sequence below `noise` has arrived.
 [[nodiscard]] Convergence judge_movements(const std::vector<double>& moved, double noise);
 
 }  // namespace seldinger

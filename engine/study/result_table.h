@@ -1,5 +1,5 @@
 #pragma once
-// A CSV table of finished runs that can be left at any moment and gone on with: one row per run, each written in one go.
+// A CSV table of finished runs that can be interrupted and resumed at any moment: one row per run, each written in one go.
 
 #include "core/file_io.h"
 
@@ -43,7 +43,7 @@ private:
 [[nodiscard]] std::string csv_number(double value);
 /// NaN for an empty text.
 [[nodiscard]] double number_in(const std::string& text);
-/// 0 of what is no count that an int holds: a table may have been written by anyone.
+/// 0 for a value that is no valid int: anyone may have written the table.
 [[nodiscard]] int count_in(const std::string& text);
 
 }  // namespace seldinger

@@ -15,7 +15,7 @@ namespace {
 constexpr int samples_by_default = 40;
 constexpr long contact_looks = 4;  // contact rows are fetched from the device so often per averaging time
 
-/// Wall and processor time of what lies between start() and stop().
+/// Wall and processor time between start() and stop().
 class Stopwatch {
 public:
     void start() { wall_start_ = std::chrono::steady_clock::now(), cpu_start_ = cpu_now(); }

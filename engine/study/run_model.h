@@ -1,5 +1,5 @@
 #pragma once
-// Runs one scene under one model: times the steps, keeps the observables, says how the run behaved, stops early when told to.
+// Runs one scene under one model: times the steps, keeps the observables, reports the run's behaviour, stops early on request.
 
 #include "study/classify.h"
 #include "study/trajectory.h"
@@ -44,7 +44,7 @@ struct ModelRun {
     double failed_at = 0;         // of a run that broke off by itself [s]
     double simulated = 0;         // [s]
     int nodes = 0, contacts = 0;  // at most
-    double wall_move = 0;         // farthest that a wall that yields has gone, of the samples [m]
+    double wall_move = 0;         // farthest that an elastic wall has gone, of the samples [m]
     long wall_far_steps = 0;      // in which it was beyond its linear theory (StepWallFar)
     bool complete = false;        // reached the end
     bool over_limit = false;      // stopped by wall_limit

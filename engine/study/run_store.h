@@ -1,6 +1,6 @@
 #pragma once
-// Runs that are not done twice: what run_model() found, kept in a folder under the scene's and the model's own words, so that a
-// study that was interrupted goes on where it stopped.
+// Stored results of run_model(), in a folder under the words of scene and model, so that an interrupted study continues and no run
+// is done twice.
 //
 //   runs.csv               one row per finished run, appended as it finishes
 //   <scene>/*.trajectory   its observables

@@ -1,5 +1,5 @@
 #pragma once
-// Feeds a run's FailureWatch (classify.h) with what it cannot see in the readings: the work that holds and loads do on the wire.
+// Feeds a run's FailureWatch (classify.h) with data that readings lack: the work of holds and loads on the wire.
 
 #include "study/classify.h"
 #include "study/simulation.h"
@@ -8,8 +8,8 @@ namespace seldinger {
 
 class RunWatch {
 public:
-    /// @param scene  as run. Where work is put in by ways that are not metered here (springs, dead moments, loads or moving holds
-    ///               elsewhere than at tip and base, a wall that yields) energy is judged by the engine's own audit alone
+    /// @param scene  as run. Other sources of work are not measured here: springs, dead moments, loads or moving holds elsewhere
+    ///               than at tip and base, an elastic wall. With them the engine's own audit alone judges the energy
     /// @param limits  radius 0 or infinite: the wire's own
     RunWatch(const Scene& scene, const WorldSetup& setup, FailureLimits limits, bool end_on_blow_up, const Simulation& start);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Whole scenes, timed: steps per second, the time of each stage, what was asked of the device.
+// Whole scenes, timed: steps per second, the time of each stage, calls of the device.
 
 #include "scene/scene.h"
 

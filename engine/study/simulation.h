@@ -1,7 +1,7 @@
 #pragma once
-// What the study runs: the engine's World, or a baseline that an application registers (bench/baselines). Both are stepped, read
-// and timed in the same way. Of several instruments it looks at the first one's shape and hand, and at
-// forces, energies and overlaps of all (joint_readings.h).
+// A run of the study: the engine's World, or a baseline that an application registers (bench/baselines). Both are stepped, read
+// and timed in the same way. With several instruments it measures the first one's shape and hand, and forces, energies and overlaps
+// of all (joint_readings.h).
 
 #include "study/model.h"
 

@@ -30,7 +30,7 @@ struct StabilityMap {
     std::filesystem::path source;      // the file that `scene` was read from, where it is the user's; else empty
     std::vector<double> values;        // SI, rising
     std::vector<double> quick_values;  // a subset
-    /// --set texts for one value. @param dt  the cell's step [s], for what has to be prescribed step by step
+    /// --set texts for one value. @param dt  the cell's step [s], for input that is prescribed step by step
     /// @param pace  by how much all prescribed motion is slowed down, 1 or more
     /// @param folder  where meshes were written (write_stability_meshes); only named here
     std::function<std::vector<std::string>(double value, double dt, double pace, const std::filesystem::path& folder)> set;
@@ -62,8 +62,8 @@ struct CellResult {
     double simulated = 0;      // [s]; less than asked when the run broke off
     bool over_limit = false;   // took longer than the limit and was ended
     bool stopped = false;      // by `stop`: says nothing
-    long wall_far_steps = 0;   // in which a wall that yields was beyond what its linear theory is good for
-    /// What was seen to fail; "unfinished" where nothing had failed when the limit ended it: no run that did not end has held.
+    long wall_far_steps = 0;   // in which an elastic wall was beyond what its linear theory is good for
+    /// The observed failure; "unfinished" if nothing had failed when the limit ended the run: only a run that ends can hold.
     [[nodiscard]] const char* outcome() const { return over_limit && verdict.held() ? "unfinished" : name(verdict.outcome); }
 };
 
@@ -73,14 +73,14 @@ struct CellResult {
 
 /// What the cells of one map and value are judged by: the default method's own runs of that scene, well resolved.
 struct CellReference {
-    /// The deepest that the wire sinks in where the same is done slowly: the law's static indentation under the scene's largest
-    /// load. infinity where the map has no static load, or where that run has no end. [m]
+    /// The largest depth of the wire in the same slow motion: the law's static indentation under the scene's largest load. infinity
+    /// if the map has no static load, or if that run has no end. [m]
     double indentation = std::numeric_limits<double>::infinity();
     /// The hand's force after every millisecond [N]; empty where it is not judged.
     std::vector<double> hand_force;
 
-    /// Jitter that the force shows when it is looked at every `dt`: a tip that crosses a ridge of the wall every few steps is
-    /// none of the method's making. 0 for steps that resolve it. [-]
+    /// Jitter of the force sampled every `dt`: a tip that crosses a ridge of the wall every few steps is not the method's fault. 0
+    /// for steps that resolve it. [-]
     [[nodiscard]] double honest_jitter(double dt) const;
 };
 

@@ -75,7 +75,7 @@ StabilityMap coaxial_merged()
 
 constexpr double there = 0.03, pushed = 0.003;  // of each wire: inside at the start, straight; and so much more by the end [m]
 
-/// Their tips are held, so that what is fed in has to find room: the wires buckle against each other and the wall. The hands push
+/// Their tips are held, so fed length has to find room: the wires buckle against each other and the wall. The hands push
 /// with 1 N (6 radii) to 11 N (2.1).
 StabilityMap channel()
 {

@@ -1,6 +1,6 @@
-// The maps: failure rows F1 ... F21 as small scenes. A wire of 0.9 mm, 8 cm long, does in two thirds of a second what the row is
-// about; most do it in one scene, fed round a bend whose outer wall it meets at once. Sizes are chosen so that a cell
-// costs a fraction of a second at 1 ms.
+// The maps: failure rows F1 ... F21 as small scenes. A wire of 0.9 mm, 8 cm long, does the row's motion in 2/3 s. Most rows use one
+// scene, fed round a bend whose outer wall it meets at once. Sizes are chosen so that a cell costs a fraction of a second at 1
+// ms.
 
 #include "study/stability.h"
 #include "study/stability_meshes.h"
@@ -231,8 +231,7 @@ StabilityMap snug()
     StabilityMap map = fed_map("snug", "F19", "a wire is fed into a soft bent tube that is hardly wider than it",
                                "bending stiffness, of 1e-4 N m^2", decades(1, 100, 2));
     map.static_load = false;  // the tube's bend presses, not a load; the wire's radius is the limit
-    // 35 mm on a circle of half a metre, a lumen of 1.2 radii, 0.1 MPa: the wire straightens the tube by a third of a millimetre
-    // at most
+    // 35 mm on a circle of half a metre, a lumen of 1.2 radii, 0.1 MPa: the wire straightens the tube by at most 0.33 mm
     map.set = [](double value, double, double pace, const Folder&) {
         Texts texts = feed(0.03, duration, pace, 0.006);
         texts.insert(texts.end(), {"wire.length_m=0.045", "wire.nodes=46", fmt::format("wire.bend_nm2={}", 1e-4 * value),

@@ -60,7 +60,7 @@ WallMesh spoilt(WallMesh mesh, double share)
                 gone[at] = true;
                 break;
             default: {
-                // three from one: its middle point lies a hundredth off a corner
+                // three from one: its middle point lies 1 % off a corner
                 const Vec3 a = mesh.vertices[t[0]], m = (mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 2;
                 const auto v = static_cast<std::int32_t>(mesh.vertices.size());
                 mesh.vertices.push_back(a + 0.01 * (m - a));

@@ -1,5 +1,5 @@
 #pragma once
-// What the stability maps are put together from: the usual wire, bend and feeds, and lists of values. Private to the maps.
+// Parts of the stability maps: the usual wire, bend and feeds, and lists of values. Private to the maps.
 
 #include "study/stability.h"
 

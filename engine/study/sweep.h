@@ -1,5 +1,5 @@
 #pragma once
-// A sweep file: which keys of a scene take which values, and the runs that follow from it.
+// A sweep file: keys of a scene with their values, and the runs that follow from it.
 //
 //   [vary]
 //   "wire.bend_nm2" = [1e-5, 1e-4]                          # a list: every value, with every value of the other lists (grid)

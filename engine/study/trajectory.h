@@ -1,5 +1,5 @@
 #pragma once
-// What is kept of a run: its observables on a grid of times that all models share, so that any two runs can be compared.
+// Observables of a run on a grid of times that all models share, so that any two runs can be compared.
 
 #include "core/folder.h"
 #include "study/peaks.h"

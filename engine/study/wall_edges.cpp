@@ -1,4 +1,4 @@
-// The control edge that a wall that yields has of itself, and the finest and the coarsest of a study.
+// The default control edge of an elastic wall, and the finest and the coarsest of a study.
 #include "study/wall_edges.h"
 
 #include "wall/control_mesh.h"

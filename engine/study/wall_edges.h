@@ -1,5 +1,5 @@
 #pragma once
-// Which control edges of a wall that yields a study tries, and how fine its reference may go (docs/wall.md).
+// Control edges of an elastic wall in a study, and the finest one of its reference (docs/wall.md).
 
 #include "engine.h"
 
@@ -14,7 +14,7 @@ struct WallEdges {
     [[nodiscard]] bool yields() const { return own > 0; }
     /// Edges worth trying, longest first: multiples of `own`, down to it.
     [[nodiscard]] std::vector<double> trials() const;
-    /// Of level k of a reference, twice `own` at first and refined by `ratio`: as far as `least`.
+    /// Edge of level k of a reference, twice `own` at first and refined by `ratio`, down to `least`.
     [[nodiscard]] double of_level(int level, double ratio) const;
 };
 

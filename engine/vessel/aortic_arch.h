@@ -1,6 +1,6 @@
 #pragma once
 // The project's own vessel: a thoracic aorta from the diaphragm over the arch to the root, with the three supra-aortic
-// branches. Every dimension is a published mean, so that it stands for no one's patient and may go anywhere.
+// branches. Every dimension is a published mean, so it describes no patient and may be published anywhere.
 //
 // [Hager 2002]     Hager et al., J Thorac Cardiovasc Surg 123(6):1060-1066, doi:10.1067/mtc.2002.122310: diameters of the aorta
 //                  at seven levels, helical CT, 70 adults.

@@ -11,7 +11,7 @@ namespace seldinger {
 std::vector<int> Centreline::main_path() const
 {
     if (points.empty()) return {};
-    // a point's parent may stand behind it in a file: follow parents up, remembering what is known
+    // a point's parent may stand behind it in a file: follow parents up, remembering known ones
     std::vector<double> from_root(points.size(), -1);
     std::vector<int> climb;
     for (int i = 0; i < static_cast<int>(points.size()); ++i) {

@@ -130,8 +130,8 @@ private:
         return best;
     }
 
-    /// Tells a branch from the corner of a lumen that is not round: towards a corner the balls shrink with the way that is left
-    /// (a flat lumen twice as wide as high gives a ratio of 2), along a branch they keep their size.
+    /// Distinguishes a branch from the corner of a lumen that is not round. Towards a corner the balls shrink with the remaining
+    /// path (a flat lumen twice as wide as high gives a ratio of 2); along a branch they keep their size.
     /// @param raw  from the tip to the parent's core
     static bool is_branch(const Polyline& raw, const Vec3& join, double parent_radius)
     {
@@ -140,8 +140,8 @@ private:
             widest = std::max(widest, raw.radius[i]);
             if (i > 0) length += (raw.points[i] - raw.points[i - 1]).norm();
         }
-        // what is half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off
-        // its root)
+        // a branch half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off its
+        // root)
         return widest > 0 &&
                (length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius));
     }
@@ -180,7 +180,7 @@ private:
         append(line, join);
     }
 
-    /// A path to the wall of a closed end runs through its corner: takes off what is narrow beside a larger sphere.
+    /// A path to the wall of a closed end runs through its corner: removes the narrow part beside a larger sphere.
     /// The corner of a flat end is sqrt(2) radii from the last sphere that fills the lumen: hence 1.5.
     void trim_tip(Polyline& line) const
     {
@@ -208,7 +208,7 @@ private:
         }
     }
 
-    /// Every sample that the ball stands for.
+    /// Every sample that the ball represents.
     void mark_served(int ball)
     {
         work_.spend(static_cast<double>(served_.size()));

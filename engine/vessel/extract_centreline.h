@@ -8,7 +8,8 @@
 //    lumen. A link costs length / radius^2, so cheapest paths keep to the middle [Antiga et al. 2003,
 //    doi:10.1109/TMI.2003.812261 use 1 / radius on Voronoi poles].
 // 3. From the root, the farthest piece of wall that no path serves yet gets a path, until all are served; openings come first
-//    [Sato et al. 2000, TEASAR, doi:10.1109/PCCGA.2000.883951]. Corners of lumens that are not round are told from branches.
+//    [Sato et al. 2000, TEASAR, doi:10.1109/PCCGA.2000.883951]. Corners of lumens that are not round are distinguished from
+//    branches.
 // 4. Each path is resampled at about half its radius, smoothed, and its points climb to the local maximum of the exact
 //    distance to the wall across the path.
 

@@ -17,13 +17,14 @@ struct Inlet {
     int opening = -1;                // index in RepairReport::loops, -1: a closed end
 };
 
-/// Openings, or for a closed vessel the tips of the centreline, widest first, after the one that inlet = "auto" takes: the opening
-/// at the centreline's root (the widest, unless the centreline was given), or the closed end at its root. `inlet = n` counts them from
+/// Openings, or for a closed vessel the tips of the centreline, widest first. Before them is the one that inlet = "auto" takes: the
+/// opening at the centreline's root (the widest, unless the centreline was given), or the closed end at its root. `inlet = n`
+/// counts them from
 /// 1. A tip's inlet lies one lumen radius in from the end, where the lumen has its width; tips that lead to one place are listed
 /// once. Empty without centreline and openings.
 [[nodiscard]] std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
-/// Its place in metres and millimetres, its radius and what it is, in words.
+/// Its place in metres and millimetres, its radius and its kind, in words.
 [[nodiscard]] std::string describe(const Inlet& inlet);
 
 /// The first of them. @throws Error BadFile when the vessel has no way in

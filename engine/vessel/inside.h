@@ -1,5 +1,5 @@
 #pragma once
-// Where a point is: inside the lumen, in or beyond the wall, or out through an opening.
+// Position of a point: inside the lumen, in or beyond the wall, or out through an opening.
 
 #include "vessel/tree.h"
 #include "vessel/wall_mesh.h"

@@ -24,7 +24,7 @@ struct Ball {
     double radius;
 };
 
-/// Of each round of shrinking, the triangle that the ball met; -1: none yet.
+/// The triangle that the ball met in each round of shrinking; -1: none yet.
 using Met = std::array<std::int64_t, 40>;
 
 /// Largest ball inside the lumen that touches the wall at `at` with centre along `normal`. Starts with half the chord
@@ -178,8 +178,8 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
     }
 }
 
-/// Marks the balls of stretches of lumen: sets of overlapping balls that stand for two samples a ball or more. Loose balls in
-/// corners and folds of a rough wall stand for themselves; no path shall end there.
+/// Marks the balls of stretches of lumen: sets of overlapping balls that represent two samples a ball or more. Loose balls in
+/// corners and folds of a rough wall represent only themselves; no path shall end there.
 void mark_lumen(MedialGraph& graph)
 {
     constexpr long kFewest = 30;  // samples of a stretch worth a path
@@ -234,7 +234,7 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     const double skip = 1e-3 * edge_sum / static_cast<double>(edges.count()), limit = box.diagonal().norm();
     graph.wall.resize(seeds.size());
     std::vector<Ball> balls(seeds.size());
-    // Each ball on its own, with visits of its own: what they add up to does not depend on the threads, nor does a refusal.
+    // Each ball is independent, with its own visits: neither their sum nor a refusal depends on the threads.
     const double most_visits = work_limit(2.4e8, 2e4, mesh.vertices.size());  // patients: up to 1e8
     std::atomic<std::uint64_t> visits = 0;
     for_each_piece(static_cast<int>(seeds.size()), 256, [&](int begin, int end) {

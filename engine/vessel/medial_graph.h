@@ -7,8 +7,8 @@
 
 namespace seldinger {
 
-/// Wall samples, each with the ball that stands for its own medial ball, and the balls that are left when each that a larger one
-/// makes superfluous is taken away. Balls that overlap are linked: the line between their centres lies inside the lumen. Balls of
+/// Wall samples, each with the ball that represents its own medial ball, and the balls that remain when those made superfluous by a
+/// larger one are removed. Balls that overlap are linked: the line between their centres lies inside the lumen. Balls of
 /// neighbouring samples are linked too, so that the graph hangs together as the wall does; paths use such a link only where
 /// nothing else leads on. Links in compressed rows: ball i links to link_to[row[i] .. row[i + 1]).
 struct MedialGraph {
@@ -22,7 +22,7 @@ struct MedialGraph {
     [[nodiscard]] std::size_t ball_count() const { return centre.size(); }
 };
 
-/// At most about `sample_limit` samples: in finer meshes one stands for a patch of neighbouring vertices.
+/// At most about `sample_limit` samples: in finer meshes one represents a patch of neighbouring vertices.
 [[nodiscard]] MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings,
                                              const LumenQuery& lumen, std::size_t sample_limit = 50000);
 

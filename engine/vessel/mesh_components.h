@@ -1,5 +1,5 @@
 #pragma once
-// Parts of a mesh that hang together by edges, and the volume each encloses once its openings are capped.
+// Parts of a mesh connected by edges, and the volume of each with capped openings.
 
 #include "vessel/mesh_edges.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// How far a wall may reach, and how far apart its corners may lie for what they are.
+// Limits for the extent of a wall, and for the distance of its corners relative to its size.
 
 #include "vessel/wall_mesh.h"
 
@@ -13,8 +13,8 @@ constexpr double kMostCoordinate = 1e6;
 [[nodiscard]] std::int64_t first_unusable_vertex(const WallMesh& mesh);
 
 /// Refuses walls with stray vertices: one corner far away makes a spike, which would be reported, and entered, as a vessel of
-/// that length. Strays are fewer than one in two hundred vertices that make the box twenty times as wide, or any that make
-/// float32 numbers coarser than a hundredth of the edges.
+/// that length. Strays are fewer than 0.5 % of the vertices and make the box twenty times as wide, or any number of vertices that
+/// make float32 numbers coarser than 1 % of the edges.
 /// @param median_edge  half of the edges are shorter [m]     @throws Error BadFile, naming the vertex that lies farthest off
 void require_no_strays(const WallMesh& mesh, double median_edge);
 

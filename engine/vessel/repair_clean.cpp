@@ -1,4 +1,4 @@
-// Repair, first half: what is not finite, not welded, degenerate or there twice.
+// Repair, first half: removes non-finite, degenerate and double triangles, and welds vertices.
 #include "core/check.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/repair_steps.h"
@@ -45,7 +45,7 @@ TriangleKey key_of(const WallMesh& mesh, std::size_t t)
     return {v, odd, static_cast<std::int32_t>(t)};
 }
 
-/// Counting sort by the first corner, then the few keys of each corner: a third of the time of sorting them all.
+/// Counting sort by the first corner, then the few keys of each corner: 1/3 of the time of sorting them all.
 std::vector<TriangleKey> sorted_keys(const WallMesh& mesh)
 {
     std::vector<std::size_t> start(mesh.vertices.size() + 1, 0);
@@ -83,8 +83,8 @@ std::vector<std::int32_t> opposite_twins(const std::vector<TriangleKey>& keys)
     return twin;
 }
 
-/// Which twins are folds, and which are one wall written twice. Without both twins of a patch, its rim is left to an even number
-/// of other triangles round a fold (the wall goes on without it), and to an odd number round a doubled wall (a hole).
+/// Which twins are folds, and which are one wall written twice. Without both twins of a patch, an even number of other triangles
+/// meets its rim round a fold (the wall continues without the patch), and an odd number round a doubled wall (a hole).
 std::vector<bool> folded_twins(const WallMesh& mesh, const std::vector<std::int32_t>& twin)
 {
     std::vector<std::int32_t> group(twin.size());
@@ -137,7 +137,8 @@ double median_edge(const WallMesh& mesh)
 
 namespace {
 
-/// Hash grid of representatives, in a table of its own: a node of memory for each cell took most of the time. Cells are 4 tolerances wide, so most points look into one cell only.
+/// Hash grid of representatives in one table: a node of memory for each cell took most of the time. Cells are 4 tolerances wide, so
+/// most points look into one cell only.
 class WeldGrid {
 public:
     WeldGrid(const std::vector<Vec3>& vertices, double tolerance, const Vec3& low)
@@ -148,7 +149,7 @@ public:
         while (slots < vertices.size() / 2) slots *= 2;
         slots_.resize(slots);
     }
-    /// The earlier vertex that v is welded to, or v itself, which then stands for its place.
+    /// The earlier vertex that v is welded to, or v itself, which then represents its place.
     std::int32_t representative(std::int32_t v)
     {
         const Vec3& p = vertices_[static_cast<std::size_t>(v)];
@@ -168,7 +169,8 @@ public:
 private:
     static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z)
     {
-        // cells that share a key are told apart by distance; mixed by large odd numbers, so that far cells in a row do not share
+        // cells that share a key are distinguished by distance; mixed by large odd numbers, so that distant cells in a row do not
+        // share
         std::uint64_t mixed = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u;
         mixed = (mixed ^ (mixed >> 32) ^ static_cast<std::uint64_t>(y)) * 0xbf58476d1ce4e5b9u;
         mixed = (mixed ^ (mixed >> 29) ^ static_cast<std::uint64_t>(z)) * 0x94d049bb133111ebu;

@@ -68,7 +68,7 @@ private:
     void across(std::size_t edge)
     {
         const auto uses = edges_.uses(edge);
-        // what is settled stays so: an edge of thousands of triangles is gone through once and not once for each
+        // settled triangles stay settled: an edge of thousands of triangles is visited once and not once for each
         for (std::uint32_t& k = settled_[edge]; k < uses.size(); ++k) {
             const std::int32_t h = uses[k];
             if (flip_[static_cast<std::size_t>(h / 3)] != kUnknown) continue;
@@ -97,7 +97,7 @@ void turn(WallMesh& mesh, std::size_t t) { std::swap(mesh.triangles[t][1], mesh.
 bool encloses(const WallMesh& mesh, const MeshComponent& part, const Vec3& p, WorkBudget& work)
 {
     work.spend(1);
-    // one triangle fills at most half of what is seen
+    // one triangle fills at most half of the view
     if (part.triangles.size() < 2 || !part.box.contains(p)) return false;
     work.spend(20 * static_cast<double>(part.triangles.size()));
     double angle = 0;

@@ -10,11 +10,11 @@
 namespace seldinger {
 namespace {
 
-// Of the widest end, which an end must have to be a way in: a common femoral artery (radius 4 mm) has a quarter of an aortic
-// root's (16 mm), a coronary artery at its mouth (2 mm) an eighth.
+// Least width of an inlet, relative to the widest end: a common femoral artery (radius 4 mm) has 1/4 of an aortic root's (16 mm), a
+// coronary artery at its mouth (2 mm) 1/8.
 constexpr double least_width = 0.2;
 
-// Of a lumen's cross section, what a plane across its end must fill to be a cut. Of a hemisphere a tenth lies in the layer that
+// Part of a lumen's cross section that a plane across its end must fill to be a cut. In a hemisphere 10 % lie in the layer that
 // counts as the plane.
 constexpr double least_flat = 0.5;
 constexpr double flat_layer = 0.05;  // thickness of that layer in radii

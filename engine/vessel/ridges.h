@@ -5,11 +5,11 @@
 
 namespace seldinger {
 
-/// Mean angle between the facets at ridges, weighted by their length [rad]; 0 without any. Of a wall that is finely meshed it
-/// goes to 0 with the facets' size. O(T).
+/// Mean angle between the facets at ridges, weighted by their length [rad]; 0 without any. On a finely meshed wall it goes to 0
+/// with the facets' size. O(T).
 /// @param mesh  normals into the lumen
-/// @param least_facet  ridges of facets whose longest side is shorter are left out: what is smaller than the wire is not felt as
-///                     one ridge [m]
+/// @param least_facet  ridges of facets whose longest side is shorter are left out: the wire does not feel smaller ones as single
+///                     ridges [m]
 [[nodiscard]] double mean_ridge_angle(const WallMesh& mesh, double least_facet);
 
 }  // namespace seldinger

@@ -42,15 +42,15 @@ private:
     double fillet_;
 };
 
-/// A plane that ends the lumen: what lies beyond `point` along `outward`, within `reach` of it, is cut off.
+/// A plane that ends the lumen: it cuts off everything beyond `point` along `outward`, within `reach` of it.
 struct LumenEnd {
     Vec3 point, outward;
     double reach;  // [m]
 };
 
-/// About `triangles` even triangles on f = 0, open at the ends, normals into the lumen (towards f < 0). Surface nets
-/// [Gibson 1998, doi:10.1007/BFb0056277], cut flat at the ends, then relaxed: vertices move towards their neighbours' mean
-/// along the wall and back onto f = 0, rims stay in their planes, and edges flip while that helps the worse triangle.
+/// About `triangles` even triangles on f = 0, open at the ends, normals into the lumen (towards f < 0). Surface nets [Gibson 1998,
+/// doi:10.1007/BFb0056277], cut flat at the ends, then relaxed. Vertices move towards their neighbours' mean along the wall and
+/// back onto f = 0, rims stay in their planes, and edges flip while that helps the worse triangle.
 [[nodiscard]] WallMesh mesh_lumen(const SweptLumen& lumen, const std::vector<LumenEnd>& ends, int triangles);
 
 }  // namespace seldinger

@@ -276,7 +276,7 @@ void relax(WallMesh& mesh, const SweptLumen& lumen, const std::vector<LumenEnd>&
 WallMesh mesh_lumen(const SweptLumen& lumen, const std::vector<LumenEnd>& ends, int triangles)
 {
     // Surface nets make about 3 triangles per step^2 of wall (a cell's vertex per 1.5 squares, whatever the wall's slope), so the
-    // count goes with 1 / step^2; it is final before the relaxation, which costs the most.
+    // count goes with 1 / step^2. It is final before the relaxation, which costs the most.
     double area = 0;
     for (const SweptTube& tube : lumen.tubes())
         for (std::size_t i = 1; i < tube.points.size(); ++i)

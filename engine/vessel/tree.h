@@ -56,7 +56,8 @@ struct TreeHit {
 };
 
 /// Nearest point of the wall within `limit` [m] of the world point p; the lower leaf index wins a tie.
-/// @param visits  in and out, may be null: nodes and triangles looked at are added. Dozens on a vessel's wall, all of them where
+/// @param visits  in and out, may be null: the number of visited nodes and triangles is added. Dozens on a vessel's wall, all of
+/// them where
 ///                every box lies in every other
 /// @param guess   a triangle that may be near, leaf order; -1: none. It saves time and changes no answer
 [[nodiscard]] TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit = std::numeric_limits<double>::infinity(),

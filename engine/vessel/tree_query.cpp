@@ -18,7 +18,7 @@ double box_distance2(const TreeNode& node, const Vec3& p)
     return sum;
 }
 
-/// Squared distances to what lies below nodes, never more than they are. @param far  above this any answer above it will do
+/// Squared distances to the contents of nodes, or lower bounds. @param far  above this any answer above it will do
 double least_distance2(const WallTree& tree, const TreeSlab* slabs, std::uint32_t node, const Vec3& p, double far)
 {
     if (!slabs) return box_distance2(tree.nodes[node], p);

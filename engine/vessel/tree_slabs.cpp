@@ -9,8 +9,8 @@ namespace seldinger {
 namespace {
 
 constexpr std::uint32_t kMostBounded = 4096;  // triangles below a node; a larger piece of a vessel's wall is bent too far
-// A plane's normal is this much shorter than 1, and its offset this much of the tree's extent larger than the vertices need: the
-// distance to the plane, rounded, is then never more than the distance to a triangle, rounded.
+// A plane's normal is this much shorter than 1, and its offset this much of the tree's extent larger than the vertices need. The
+// rounded distance to the plane is then never more than the rounded distance to a triangle.
 constexpr double kShorter = 1e-6, kFarther = 1e-13;
 
 struct Below {  // of a node

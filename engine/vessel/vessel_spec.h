@@ -11,7 +11,7 @@ namespace seldinger {
 
 enum class VesselShape { None, Mesh, Tube, Arc, Plane, Arch };  // Arch: the project's own parametric aortic arch
 
-/// A load on a wall that yields, for as long as the run lasts.
+/// A load on an elastic wall, for as long as the run lasts.
 struct WallLoad {
     double pressure = 0;        // more than the mean one, over all of it, outward [Pa]
     Vec3 at = Vec3::Zero();     // the point of the wall nearest to here carries `force` [m]

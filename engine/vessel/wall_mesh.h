@@ -1,5 +1,5 @@
 #pragma once
-// The vessel's wall as a triangle soup with shared vertices, and what was done to it on import.
+// The vessel's wall as a triangle soup with shared vertices, and the changes made to it on import.
 
 #include "math/vec3.h"
 #include "vessel/vessel_spec.h"
@@ -25,7 +25,7 @@ struct BoundaryLoop {
     double radius = 0;  // [m]
 };
 
-/// What import found and mended. Counts are of triangles unless the name says otherwise.
+/// Findings and repairs of the import. Counts are of triangles unless the name says otherwise.
 struct RepairReport {
     long triangles_read = 0, triangles = 0, vertices = 0;
     long vertices_welded = 0, non_finite_dropped = 0, degenerate_dropped = 0, duplicates_dropped = 0, flipped = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Bounds the work that a mesh may ask for. Much of what finds a lumen in a mesh is quick on anything that looks like a vessel and
-// quadratic or worse on what was made to be slow; such a mesh is refused instead of waited for.
+// Bounds the work that a mesh may ask for. Several steps that find a lumen are quick on meshes that look like vessels, but
+// quadratic or worse on meshes made to be slow. Such a mesh is refused instead of waited for.
 
 #include "core/error.h"
 

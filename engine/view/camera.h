@@ -1,5 +1,5 @@
 #pragma once
-// The pinhole camera and how it is aimed at a vessel without being told.
+// The pinhole camera, and its default aim at a vessel.
 
 #include "math/vec3.h"
 #include "vessel/wall_mesh.h"

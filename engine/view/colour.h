@@ -24,13 +24,13 @@ struct Rgb {
 /// force look equal and the order survives greyscale print. Violet - blue - green - yellow: no hue of tissue or of the wire.
 [[nodiscard]] Rgb force_colour(double t);
 
-/// Share of a scale of force per length, 0 ... 1: the square root, so that low values are told apart too.
+/// Fraction of a scale of force per length, 0 ... 1: the square root, so that low values are distinguished too.
 [[nodiscard]] double load_share(double value, double top);
 /// Its colours: the wire's own where nothing touches, force_colour's above the lowest twentieth.
 [[nodiscard]] Rgb load_colour(double share);
 
 /// The scale of a wall that has moved, t in 0 ... 1 (clamped): pale where nothing happens, then orange, red, dark purple. Even
-/// steps in Oklab, to a seventh, and its lightness falls linearly: it reads the same in grey and to whoever confuses hues.
+/// steps in Oklab, to 1/7, and its lightness falls linearly: it reads the same in grey and with colour blindness.
 [[nodiscard]] Rgb wall_colour(double t);
 
 namespace palette {  // sRGB; used with rgb_from_hex

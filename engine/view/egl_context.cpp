@@ -97,7 +97,7 @@ const Display& shared_display()
 EglContext::EglContext()
 {
     context_ = create_context(shared_display());
-    if (context_ == EGL_NO_CONTEXT) throw Error(ExitCode::NoDevice, "EGL gave no OpenGL 4.5 context: out of memory?");
+    if (context_ == EGL_NO_CONTEXT) throw Error(ExitCode::NoDevice, "EGL gave no OpenGL 4.5 context; the memory may be exhausted");
     make_current();
 }
 
@@ -118,7 +118,7 @@ void EglContext::make_current()
     if (eglGetCurrentContext() == context_) return;
     // the API binding is per thread, and this may be a new one
     if (!eglBindAPI(EGL_OPENGL_API) || !eglMakeCurrent(shared_display().display, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
-        throw Error(ExitCode::NoDevice, "EGL cannot make its context current: is the renderer in use on another thread?");
+        throw Error(ExitCode::NoDevice, "EGL cannot make its context current; another thread may use the renderer");
     }
 }
 

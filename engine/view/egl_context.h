@@ -10,7 +10,7 @@ namespace seldinger {
 /// Every context of the process shares one EGL display, which lives until the process ends.
 class EglContext {
 public:
-    /// @throws Error NoDevice, saying what was tried and what to install
+    /// @throws Error NoDevice, with the failed attempts and the package to install
     EglContext();
     ~EglContext();
     EglContext(const EglContext&) = delete;

@@ -25,7 +25,7 @@ struct Place {
     double at, force;
 };
 
-/// Sum of f (1 - |s - at|/w)/w over what lies within w; `places` are sorted.
+/// Sum of f (1 - |s - at|/w)/w over the forces within w; `places` are sorted.
 double load_at(const std::vector<Place>& places, double s)
 {
     constexpr double w = load_window;

@@ -14,7 +14,7 @@ struct FrameLoads {
     double largest = 0;  // along the wire
 };
 
-/// Of a single wire; of several, whose colours tell them apart, and without contacts nothing.
+/// Loads of a single wire; empty for several wires, whose colours tell them apart, and without contacts.
 [[nodiscard]] FrameLoads loads_of(const WireFrame& frame);
 
 }  // namespace seldinger

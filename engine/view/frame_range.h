@@ -1,5 +1,5 @@
 #pragma once
-// Which frames of a run are drawn, what their pictures are called, and how fast a film of them runs.
+// Range of frames to draw, names of their pictures, and rate of a film.
 
 #include "view/run_folder.h"
 

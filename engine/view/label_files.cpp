@@ -1,4 +1,4 @@
-// Puts the truth about a picture into JSON, PNG and NPY.
+// Writes the ground truth of a picture as JSON, PNG and NPY.
 #include "view/label_files.h"
 
 #include "core/file_io.h"

@@ -1,4 +1,4 @@
-// Shrinks pictures to tiles and draws over each what its labels say.
+// Shrinks pictures to tiles and draws the labels over each.
 #include "view/label_sheet.h"
 
 #include "core/check.h"

@@ -1,4 +1,4 @@
-// Projects what a frame holds and lets the X-ray's tracer say which pixels it covers.
+// Projects the contents of a frame and asks the X-ray's tracer which pixels they cover.
 #include "view/labels.h"
 
 #include "core/error.h"

@@ -1,6 +1,6 @@
 #pragma once
-// What is true about a picture: which pixel shows which instrument, where centrelines, tips and contacts lie in the scene and in
-// the picture, and with what force. X-rays and ordinary views share it: both are pinhole pictures, and the mask comes from the
+// Ground truth of a picture: the instrument of each pixel, the places of centrelines, tips and contacts in the scene and in the
+// picture, and their forces. X-rays and ordinary views share it: both are pinhole pictures, and the mask comes from the
 // same tapered cylinders that the X-ray's path lengths come from. Pixel centres are integers, columns right, rows down (c_arm.h).
 
 #include "view/renderer.h"

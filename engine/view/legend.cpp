@@ -18,7 +18,7 @@ std::string force_text(double newton)
     return std::abs(newton) < 0.9995 ? fmt::format("{:.3g} mN", 1e3 * newton) : fmt::format("{:.3g} N", newton);
 }
 
-/// A force per length of wire, likewise.
+/// A force per length of wire, with its unit.
 std::string load_text(double newton_per_metre)
 {
     return newton_per_metre < 0.9995 ? fmt::format("{:.3g} mN/m", 1e3 * newton_per_metre)

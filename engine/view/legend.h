@@ -1,5 +1,5 @@
 #pragma once
-// What is written around the picture: readings, scale bars, the force scale; and where each part lies.
+// Text around the picture: readings, scale bars, the force scale; and the place of each part.
 
 #include "view/camera.h"
 #include "view/canvas.h"

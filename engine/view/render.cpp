@@ -91,7 +91,7 @@ public:
         return cut_out(white, renderer_.pixels());
     }
 
-    /// Of the picture that was drawn last.
+    /// Ground truth of the last picture.
     [[nodiscard]] PictureTruth truth() const
     {
         const std::vector<std::vector<TubeStation>> lines = renderer_.drawn_lines(frame_);

@@ -20,7 +20,7 @@ struct RenderOptions : FrameChoice {
     bool legend = true;
     double load_max = 0;  // at the top of the scale of contact force per length, which colours the wire [N/m]; 0: as force_max
     int width = 1280, height = 720;    // [pixels]
-    std::optional<WallQuantity> wall;  // of a wall that yields: drawn where it has moved to, coloured by this
+    std::optional<WallQuantity> wall;  // of an elastic wall: drawn where it has moved to, coloured by this
     double wall_max = 0;               // at the top of its scale [m] or [Pa]; 0: a round number above the run's largest
     double force_max = 0;              // at the top of the scale of contact force [N]; > 0: contacts are coloured, not the wire
 };

@@ -78,7 +78,7 @@ double strongest(const WireFrame& frame)
     return force;
 }
 
-/// Of several; 0: there is one.
+/// Smallest radius of several wires; 0: there is one.
 double thinnest_radius(const WireFrame& frame)
 {
     if (frame.wires.size() < 2) return 0;
@@ -262,7 +262,7 @@ std::optional<View> Renderer::Impl::inset_view(const WireFrame& frame) const
     if (!(radius > 0) || !(tip.depth > 0) || 2 * radius * main_scale > 4 * layout.unit) return std::nullopt;
 
     const double side = std::min(2 * radius * layout.inset.height / wide, 0.5 * layout.main.height / main_scale);
-    // centred between the tip and the point a third of the view behind it, so that the shaft is seen too
+    // centred between the tip and the point 1/3 of the view behind it, so that the shaft is seen too
     Vec3 behind = wire.nodes[0];
     double walked = 0;
     for (std::size_t i = 1; i < wire.nodes.size() && walked < side / 3; ++i) {
@@ -307,7 +307,7 @@ std::vector<TubeStation> Renderer::Impl::drawn_line(const WireFrame& frame, std:
     const double thinnest = thinnest_radius(frame);
     std::vector<TubeStation> line = smooth_line(wire.nodes, wire.radius);
     for (TubeStation& s : line) {
-        // what is drawn wider than it is keeps what is inside it inside
+        // a wire that is drawn wider still encloses its contents
         const double px = pixel_at(view, s.position), share = thinnest > 0 ? std::min(s.radius / thinnest, 3.0) : 1.0;
         const double least = 0.5 * look.least_pixels * px * share;
         widened = widened || s.radius < least;
@@ -452,7 +452,7 @@ bool Renderer::Impl::draw_opaque(const WireFrame& frame, const std::vector<View>
     return widened;
 }
 
-/// Near walls, tested against the depth of what is opaque but hiding nothing of each other.
+/// Near walls, tested against the depth of opaque objects but hiding nothing of each other.
 void Renderer::Impl::draw_glass(const std::vector<View>& views)
 {
     const float nothing[] = {0, 0, 0, 0}, all[] = {1, 1, 1, 1};

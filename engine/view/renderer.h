@@ -63,7 +63,7 @@ struct WireFrame {
     double per_length = std::numeric_limits<double>::quiet_NaN();  // largest load on the wire; else the contacts' largest [N/m]
 };
 
-/// What does not.
+/// Constant data.
 struct Look {
     bool legend = true;       // text, scale bars, force scale; needs a font (canvas.h); left out below about 290 rows
     bool inset = true;        // magnified view of the tip where the whole view shows the wire under 4 pixels wide
@@ -89,7 +89,7 @@ public:
     /// @param mesh  normals into the lumen; copied. Empty: no vessel
     void set_wall(const WallMesh& mesh);
     void set_camera(const Camera& camera);
-    /// Aims by itself, so that the vessel and these points are in view; draw() does so with the wire if nobody has.
+    /// Aims the camera so that the vessel and these points are in view; draw() does so with the wire if nobody has.
     void aim(const std::vector<Vec3>& points);
     [[nodiscard]] const Camera& camera() const;
     /// Where in the picture the camera's view lies: all of it without a legend.

@@ -1,5 +1,5 @@
 #pragma once
-// Reads what `seldinger run` leaves in a folder, as far as a picture needs it.
+// Reads the folder of `seldinger run`, as far as a picture needs it.
 
 #include "core/folder.h"
 #include "view/renderer.h"
@@ -36,14 +36,14 @@ struct RunFolder {
 /// @throws Error BadFile: no such folder, no wire.pvd, no frame in it, a damaged file
 [[nodiscard]] RunFolder read_run_folder(const std::filesystem::path& dir);
 
-/// Of a frame's files, the contacts and the wall, which may be absent.
+/// Whether a file of a frame exists: contacts and wall may be absent.
 [[nodiscard]] bool is_there(const RunFolder& run, const std::filesystem::path& file);
 
 /// The wall where it had moved to in a frame. @throws Error BadFile: nothing recorded beside that frame, or damaged
 [[nodiscard]] MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity quantity);
 
 /// The largest value in any wall_*.vtp of the run, whichever frames are drawn: reads them all.
-/// @throws Error BadFile: the run recorded no wall that yields, or a damaged file
+/// @throws Error BadFile: the run recorded no elastic wall, or a damaged file
 [[nodiscard]] double largest_on_wall(const RunFolder& run, const std::filesystem::path& dir, WallQuantity quantity);
 
 /// What the pictures of a run share, so that a frame looks the same alone and in a series.

@@ -153,8 +153,8 @@ void main()
 }
 )";
 
-// Glass over the solid picture, then sRGB, sample by sample: averaged last, so that a dark edge on a light ground is as smooth
-// as the reverse. (Averaged in linear light, the light side eats the dark one and thin dark lines look jagged.)
+// Glass over the solid picture, then sRGB, sample by sample. Averaging comes last, so that a dark edge on a light ground is as
+// smooth as the reverse. (Averaged in linear light, the light side eats the dark one and thin dark lines look jagged.)
 inline constexpr const char* compose_fragment = R"(#version 450 core
 layout(binding = 0) uniform sampler2DMS solid;
 layout(binding = 1) uniform sampler2DMS glass_sum;

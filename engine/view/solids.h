@@ -1,5 +1,5 @@
 #pragma once
-// Triangles for what is drawn solid: the wire as a tube, contacts as balls and force pins. Built on the host for each view,
+// Triangles of solid objects: the wire as a tube, contacts as balls and force pins. Built on the host for each view,
 // because the least width on paper depends on the camera.
 
 #include "math/vec3.h"

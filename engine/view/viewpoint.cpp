@@ -65,7 +65,7 @@ Camera from_direction(const Scenery& s, ViewFrom from, double aspect)
 Camera from_tip(const Scenery& s, const WireFrame& frame)
 {
     if (frame.wires.empty() || frame.wires[0].nodes.size() < 2)
-        throw Error(ExitCode::BadScene, "--view endoscopic: the frame has no wire whose tip could look; choose another view");
+        throw Error(ExitCode::BadScene, "--view endoscopic: the frame has no wire with a tip to look from; choose another view");
     const std::vector<Vec3>& nodes = frame.wires[0].nodes;
     std::size_t i = 1;
     while (i + 1 < nodes.size() && (nodes[i] - nodes[0]).norm() < 5e-3) ++i;

@@ -1,5 +1,5 @@
 #pragma once
-// From where a run is looked at: named directions of the patient, the tip's own view, and cameras that move with time. A frame's
+// Views of a run: named directions of the patient, the tip's own view, and cameras that move with time. A frame's
 // camera depends on that frame, its time and the whole run's extent, never on which frames are drawn with it.
 
 #include "view/renderer.h"
@@ -35,7 +35,7 @@ struct CameraMotion {
 /// @throws Error BadScene
 [[nodiscard]] CameraMotion parse_motion(const std::string& text);
 
-/// What is looked at, and over which times.
+/// The objects in view, and the times covered.
 struct Scenery {
     const WallMesh* wall = nullptr;
     std::vector<Vec3> nodes;  // of every frame

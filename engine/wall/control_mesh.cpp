@@ -1,4 +1,4 @@
-// Checks what a control mesh is made of and measures what came out.
+// Checks the parts of a control mesh and measures the result.
 #include "wall/control_mesh.h"
 
 #include "core/error.h"
@@ -21,7 +21,7 @@ constexpr double flat_angle = 1e-3;  // [rad] of a triangle; its stiffness goes 
 
 [[noreturn]] void refuse(const std::string& what)
 {
-    throw Error(ExitCode::BadFile, fmt::format("the wall {}; mend the mesh, or set vessel.wall = \"rigid\"", what));
+    throw Error(ExitCode::BadFile, fmt::format("the wall {}; repair the mesh, or set vessel.wall = \"rigid\"", what));
 }
 
 std::string in_words(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
@@ -42,15 +42,15 @@ void check_edges(const WallMesh& wall, const MeshEdges& edges)
     }
     if (shared > 0)
         refuse(
-            fmt::format("is to yield and so has to be one sheet, but {} of its edges belong to three triangles or more, the "
+            fmt::format("is elastic and must be one sheet, but {} of its edges belong to three triangles or more, the "
                         "first at {}",
                         shared, in_words(shared_at)));
     if (against > 0)
-        refuse(fmt::format("is to yield and so has to have two sides, but at {} its triangles do not agree which is inside",
+        refuse(fmt::format("is elastic and must have two sides, but at {} its triangles disagree on the inside",
                            in_words(against_at)));
 }
 
-/// Pieces would each need tissue or rims of their own to hold them, and what is there in two pieces by mistake is debris.
+/// Each piece would need its own tissue or rims to hold it, and a piece that is there by mistake is debris.
 void check_one_piece(const WallMesh& wall, const EditMesh& sheet)
 {
     std::vector<std::int32_t> first;  // triangle of each piece
@@ -75,17 +75,17 @@ void check_one_piece(const WallMesh& wall, const EditMesh& sheet)
     }
     if (size.size() < 2) return;
     const auto least = std::min_element(size.begin(), size.end()) - size.begin();
-    refuse(fmt::format("is to yield and so has to be one sheet, but it is in {} pieces, the smallest of {} triangles at {}",
+    refuse(fmt::format("is elastic and must be one sheet, but it is in {} pieces, the smallest of {} triangles at {}",
                        size.size(), size[least], in_words(triangle_of(wall, first[least]).a)));
 }
 
-/// What lies folded flat upon itself has triangles without area, whatever is done.
+/// A surface folded flat upon itself has triangles without area in any case.
 void check_angles(const WallMesh& mesh)
 {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle3 tri = triangle_of(mesh, t);
         if (least_angle(tri.a, tri.b, tri.c) < flat_angle)
-            refuse(fmt::format("is to yield, but at {} it is folded flat or pinched, and no control mesh fits there",
+            refuse(fmt::format("is elastic, but at {} it is folded flat or pinched, and no control mesh fits there",
                                in_words(tri.a)));
     }
 }

@@ -30,8 +30,8 @@ struct ControlMeshReport {
 /// rims and orientation are kept, and so are corners of a rim that turn by more than 60 degrees. Same input, same bits.
 /// @param wall    repaired (vessel/repair.h): welded, normals into the lumen
 /// @param report  out, may be null
-/// @throws Error BadFile where the wall is no sheet: edges of more than two triangles, sides that cannot be told apart, more than
-///         one piece; or where memory would not do (check_control_edge)
+/// @throws Error BadFile if the wall is no sheet: edges of more than two triangles, inconsistent sides, more than one piece; or if
+///         memory does not suffice (check_control_edge)
 [[nodiscard]] WallMesh make_control_mesh(const WallMesh& wall, const ControlMeshSpec& spec, ControlMeshReport* report = nullptr);
 
 /// Bytes of the factor of a shell's matrix, three unknowns a vertex coupled over two rings of neighbours.

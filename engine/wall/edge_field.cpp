@@ -10,9 +10,9 @@ namespace seldinger {
 
 namespace {
 
-// growth of edges with the distance from a narrow place [-]: neighbours differ by less than a third
+// growth of edges with the distance from a narrow place [-]: neighbours differ by less than 1/3
 constexpr double grade = 0.25;
-// Shortest edge, of what is wanted. Where a centreline touches the wall of a folded branch its radius is nothing.
+// Shortest edge, relative to the requested one. Where a centreline touches the wall of a folded branch its radius is nothing.
 constexpr double floor_part = 1.0 / 15;
 // spheres nearer to each other than this part of their radius say the same
 constexpr double apart = 0.2;
@@ -21,7 +21,7 @@ constexpr double apart = 0.2;
 
 EdgeField::EdgeField(double edge, double share, const Centreline& centreline) : edge_(edge), share_(share)
 {
-    std::vector<double> since(centreline.points.size(), -1);  // way from the last point that was taken [m]
+    std::vector<double> since(centreline.points.size(), -1);  // path from the last point that was taken [m]
     for (std::size_t i = 0; i < centreline.points.size(); ++i) {
         const int up = centreline.parent[i];
         const double radius = centreline.radius[i];

@@ -1,5 +1,5 @@
 #pragma once
-// How long the edges of a control mesh are to be, place by place: as wanted, but short where the lumen is narrow.
+// Length of the edges of a control mesh, place by place: as requested, but short in a narrow lumen.
 
 #include "vessel/centreline.h"
 #include "vessel/wall_mesh.h"
@@ -8,8 +8,8 @@
 
 namespace seldinger {
 
-/// target(p) = min(edge, min over spheres of max(share * radius, edge / 15) + grade * distance of p from the sphere): spheres are
-/// the largest ones inside the lumen and the rims' own circles, so a narrow branch makes edges short on itself, and neighbouring
+/// target(p) = min(edge, min over spheres of max(share * radius, edge / 15) + grade * distance of p from the sphere). Spheres are
+/// the largest ones inside the lumen and the rims' own circles. So a narrow branch makes edges short on itself, and neighbouring
 /// edges differ by about the grade.
 class EdgeField {
 public:
@@ -30,7 +30,7 @@ private:
     std::vector<Ball> balls_;  // only those that ask for less than edge_
 };
 
-/// Points of a wall, each of which stands for the same area.
+/// Points of a wall, each of which represents the same area.
 struct WallSamples {
     std::vector<Vec3> points;  // centroids [m]
     double area = 0;           // of the whole wall [m^2]

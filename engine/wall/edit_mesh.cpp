@@ -1,4 +1,4 @@
-// The three changes of a surface, collapse, split and flip, and the bookkeeping of who lies across which edge.
+// The three changes of a surface, collapse, split and flip, with the neighbours of edges.
 #include "wall/edit_mesh.h"
 
 #include "core/check.h"
@@ -81,7 +81,7 @@ void EditMesh::collapse(std::int32_t h)
     const std::int32_t a = from(h), b = to(h), c = apex(h), g = across_[h];
     const std::int32_t d = g >= 0 ? apex(g) : -1;
     for_triangles(b, [&](std::int32_t k) { from_[k] = a; });
-    // at c: neighbours over b-c and c-a meet; at d likewise
+    // at c: neighbours over b-c and c-a meet; at d in the same way
     const std::int32_t over_bc = across_[next(h)], over_ca = across_[previous(h)];
     link(over_bc, over_ca);
     std::int32_t leaves_a = over_ca >= 0 ? over_ca : next(over_bc);

@@ -1,7 +1,7 @@
 #pragma once
 // A triangle surface that can be changed edge by edge, and stays a surface: each change keeps its topology, rims and orientation.
 //
-// Half-edge h = 3 t + e runs from corner e of triangle t to corner e + 1 (vessel/mesh_edges.h). What is removed leaves a hole in
+// Half-edge h = 3 t + e runs from corner e of triangle t to corner e + 1 (vessel/mesh_edges.h). A removed element leaves a hole in
 // the arrays that compact() closes. No operation allocates but split().
 
 #include "vessel/mesh_edges.h"
@@ -77,7 +77,7 @@ public:
 
 private:
     void link(std::int32_t g, std::int32_t h);
-    /// Makes h, or what lies before it on the rim, the half-edge that leaves v.
+    /// Makes h, or the half-edge before it on the rim, the half-edge that leaves v.
     void settle(std::int32_t v, std::int32_t h);
 
     std::vector<std::int32_t> from_, across_;  // [3 T]

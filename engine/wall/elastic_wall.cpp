@@ -1,4 +1,4 @@
-// The wall as a body, made from the vessel's mesh; what is read off it.
+// The wall as a body, made from the vessel's mesh, and its readings.
 
 #include "wall/elastic_wall.h"
 #include "wall/wall_compliance.h"
@@ -93,8 +93,8 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
     return to;
 }
 
-/// Of the lumen at a place of its wall: of the widest inscribed sphere that all but touches it, as no sphere of a branch beside
-/// it does. A plane is as wide as it is long; where no sphere is known there is no limit.
+/// Radius of the lumen at a point of its wall: of the widest inscribed sphere that all but touches it, as no sphere of a branch
+/// beside it does. A plane is as wide as it is long; where no sphere is known there is no limit.
 double lumen_radius(const WallModel& wall, const Vec3& place)
 {
     constexpr double touching = 0.1;  // of a sphere's radius: facets, and points that stand apart along the axis
@@ -191,7 +191,7 @@ void put_place(const ElasticWall& wall, const LoopStencil& at, double (&to)[3])
     for (int c = 0; c < 3; ++c) to[c] = place[c];
 }
 
-/// Of control vertices' limits, and of places between them about the one that has gone farthest.
+/// Largest move: limit positions of control vertices, and points between them about the largest one.
 /// @param now  of which move_max, its place and move_share are set
 void read_move(const ElasticWall& wall, std::span<const double> w, WallReadings& now)
 {

@@ -1,6 +1,6 @@
 #pragma once
-// A wall that yields, as a body: a thin shell on a control mesh of its own in the tissue round it (D11; wall/shell.h), and where
-// it is. Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
+// An elastic wall as a body: a thin shell on its own control mesh in the surrounding tissue (D11; wall/shell.h), and its position.
+// Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
 //
 //     C w' + K w = f          w: displacement of the control vertices [3V] [m], f: force on them [N]
 //
@@ -21,7 +21,7 @@ namespace seldinger {
 class Shell;
 class WallCompliance;
 
-/// What is constant; all systems of a world share it.
+/// Constant part; all systems of a world share it.
 class ElasticWall {
 public:
     /// @throws Error BadFile: no shell can be made of the mesh; BadScene: the wall could fly away, or is too fine for the memory
@@ -40,7 +40,8 @@ public:
     [[nodiscard]] double off() const { return off_; }
     /// Why it is that long, in words.
     [[nodiscard]] const std::string& edge_reason() const { return edge_reason_; }
-    /// How far a place of the wall may go, by control vertices: linear theory is good to a fifth of the lumen's radius there [m].
+    /// Limit of displacement at a place of the wall, by control vertices: linear theory is good to 20 % of the lumen's radius there
+    /// [m].
     [[nodiscard]] double largest_move(const LoopStencil& place) const;
     /// Limit of the surface at a control vertex.
     [[nodiscard]] const LoopStencil& limit(std::int32_t vertex) const { return limits_[static_cast<std::size_t>(vertex)]; }

@@ -1,5 +1,5 @@
 #pragma once
-// The fine wall as a control mesh sees it: a surface to lie on, and its rims as curves with an arc length.
+// The fine wall for a control mesh: a surface to lie on, and its rims as curves with an arc length.
 
 #include "vessel/tree.h"
 #include "vessel/wall_mesh.h"
@@ -37,7 +37,7 @@ public:
     [[nodiscard]] const Vec3& centre() const { return centre_; }
     [[nodiscard]] double arc_length_of(std::size_t point) const { return arc_[point]; }
     [[nodiscard]] Vec3 at(double s) const;  // any s, modulo length()
-    /// The way from s0 forward to s1, in [0, length()).
+    /// The path from s0 forward to s1, in [0, length()).
     [[nodiscard]] double way(double s0, double s1) const;
     /// Points at which the curve turns by more than 60 degrees within a window [m] either side, and nowhere near by more.
     [[nodiscard]] std::vector<std::size_t> corners(double window) const;

@@ -65,7 +65,7 @@ constexpr Quartic derivative(const Quartic& f, int degree, int variable)
     return g;
 }
 
-/// Of all twelve functions, monomial by monomial so that the sum runs over twelve neighbours in memory.
+/// All twelve functions, monomial by monomial so that the sum runs over twelve neighbours in memory.
 template <int degree>
 struct Table {
     static constexpr int monomials = (degree + 1) * (degree + 2) / 2;

@@ -9,7 +9,7 @@
 
 namespace seldinger {
 
-/// Of the triangle between neighbours `place` and `place` + 1 of a vertex.
+/// Corner of the triangle between neighbours `place` and `place` + 1 of a vertex.
 struct LoopCorner {
     static constexpr int depth = 16;  // what is left, 2^-16 of a triangle, is taken for flat
     LoopVertex kind;

@@ -1,4 +1,4 @@
-// Weights at a point of the limit surface: which regular patch it falls into, and what that patch's points are made of.
+// Weights at a point of the limit surface: its regular patch, and the points of that patch.
 #include "wall/loop_surface.h"
 
 #include "core/check.h"
@@ -206,7 +206,7 @@ std::int32_t LoopSurface::corner_index(LoopVertex kind, int triangles, int place
     return static_cast<std::int32_t>(corners_.size()) - 1;
 }
 
-/// A row: the point's weights on control vertices, directly or by way of one round of subdivision.
+/// A row: the point's weights on control vertices, directly or through one round of subdivision.
 void LoopSurface::add_point(Patch& patch, const LoopPoint& point, const LoopRefinement* fine)
 {
     const auto begin = static_cast<std::int32_t>(slots_.size());

@@ -12,8 +12,8 @@
 
 namespace seldinger {
 
-/// Control vertices that matter at a point and what each weighs: place = sum n[k] x[vertex[k]], and so for derivatives by
-/// (u, v), the weights of corners 1 and 2 of a triangle (corner 0: 1 - u - v).
+/// Control vertices of a point with their weights: place = sum n[k] x[vertex[k]]. Derivatives are by (u, v), the weights of corners
+/// 1 and 2 of a triangle (corner 0: 1 - u - v).
 struct LoopStencil {
     static constexpr int capacity = 3 * LoopTopology::max_valence;
     int size = 0;
@@ -26,7 +26,7 @@ struct LoopCurvedStencil : LoopStencil {
     std::array<double, capacity> n_uu, n_uv, n_vv;  // [size]
 };
 
-/// A point of the surface and what is known there.
+/// A point of the surface and its data.
 struct LoopFoot {
     std::int32_t triangle = -1;  // -1: none yet
     double u = 0, v = 0;
@@ -48,7 +48,7 @@ public:
 
     [[nodiscard]] const WallMesh& control() const { return control_; }
     [[nodiscard]] const LoopTopology& topology() const { return topology_; }
-    /// Of the control mesh as it was given [m].
+    /// Mean edge of the control mesh as given [m].
     [[nodiscard]] double mean_edge() const { return edge_; }
 
     /// Weights at (u, v) of a triangle; u, v >= 0, u + v <= 1. No allocation.
@@ -66,7 +66,7 @@ public:
     /// Where vertex v of the control mesh ends up. @return weights; n_u, n_v of one of the triangles about it
     void limit_of_vertex(std::int32_t vertex, LoopStencil& stencil) const;
     /// Moves control vertices until the surface passes through `points` at their limits, rims included.
-    /// @param points  [V] [m]   @return what is left of the greatest distance [m]
+    /// @param points  [V] [m]   @return the remaining largest distance [m]
     double interpolate(std::span<const Vec3> points, int sweeps = 60);
 
 private:

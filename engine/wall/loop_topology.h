@@ -1,5 +1,5 @@
 #pragma once
-// Who is next to whom in a control mesh of Loop subdivision, and one round of it as weights.
+// Neighbours in a control mesh of Loop subdivision, and one round of it as weights.
 
 #include "vessel/wall_mesh.h"
 
@@ -28,7 +28,7 @@ public:
     /// triangle or of more than max_valence, a triangle of no area. Corners: rim vertices of one triangle and those where the rim
     /// turns by more than 75 degrees (so that a five-cornered opening is round and a rectangle's corner is not).
     explicit LoopTopology(const WallMesh& mesh);
-    /// Of known corners; every other vertex of one triangle is on the rim.
+    /// From known corners; every other vertex of one triangle is on the rim.
     LoopTopology(std::vector<std::array<std::int32_t, 3>> triangles, std::span<const unsigned char> corner);
 
     std::vector<std::array<std::int32_t, 3>> triangles;  // [T]
@@ -64,7 +64,8 @@ public:
     [[nodiscard]] std::array<LoopPoint, 6> ring(std::int32_t v, std::int32_t towards_half_edge) const;
     /// The twelve of a triangle of three regular corners, in the order of loop_basis.h.
     [[nodiscard]] std::array<LoopPoint, 12> patch(std::int32_t triangle) const;
-    /// Those of a triangle whose corner 0 alone is irregular: corner 0, its fan, then what is real of the rings of corners 1, 2.
+    /// Those of a triangle whose corner 0 alone is irregular: corner 0, its fan, then the existing parts of the rings of corners 1,
+    /// 2.
     /// @param place  place of corner 1 in the fan
     [[nodiscard]] std::vector<std::int32_t> corner_patch(std::int32_t triangle, int& place) const;
 

@@ -175,7 +175,7 @@ void Remesher::thin_out()
     double sum = 0;
     for (std::int32_t h = 0; h < mesh_.half_edge_count(); ++h) sum += length(h);
     const double mean = sum / mesh_.half_edge_count();
-    // targets are dear: until there are few vertices the least one stands for all
+    // targets are expensive: while there are few vertices the smallest one serves for all
     const double least = field_.least();
     for (Vertex& v : vertex_) v.target = least;
     for (const bool uniform : {true, false}) {
@@ -192,7 +192,7 @@ void Remesher::thin_out()
 
 void Remesher::split_long()
 {
-    // new edges are looked at in the next round
+    // new edges are examined in the next round
     for (std::int32_t h = 0, end = mesh_.half_edge_count(); h < end; ++h) {
         if (!mesh_.has_triangle_of(h) || (mesh_.across(h) >= 0 && mesh_.across(h) < h)) continue;
         if (length(h) <= long_edge * target(h)) continue;

@@ -19,17 +19,18 @@
 // Moireau12 for the tissue]
 //
 // Where this departs from Cirak. Loop's functions do not hold quadratic displacements about vertices of other than six triangles,
-// nor beside rims, where phantoms bind twist to curvature: as they are, a plate whose mesh is irregular throughout is a quarter
+// nor beside rims, where phantoms bind twist to curvature. Without correction a plate whose mesh is irregular throughout is 25 %
 // too stiff however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are therefore
-// mended: what Loop's weights miss of quadratics, fitted to the patch's control vertices, is added (Shell::mend). It changes
-// nothing on a flat lattice and nothing for rigid motion, and makes bending about irregular vertices exact for constant moments.
+// corrected: Loop's weights miss part of quadratics, which is fitted to the patch's control vertices and added (Shell::mend). It
+// changes nothing on a flat lattice and nothing for rigid motion, and makes bending about irregular vertices exact for constant
+// moments.
 // Bending is summed over the barycentres of a triangle's four parts.
 //
 // The membrane has one strain per triangle, or thin shells would lock: eps = a mean + (1 - a) tied. `mean` is that over the four
 // points; `tied` is the constant strain that stretches the three edges as they are stretched on average, t . eps . t = t . u_,s
-// [Lee04]. A mean is the better strain where there is one, but bending without strain leaves it some part that grows
-// with l^2/(R h): at l^2 = 2.5 R h it stiffened a hemisphere by 3 %, at 10 R h by half. Tied strains are as many as unknowns (three
-// per vertex) and leave such bending free; where the membrane is what is bent, in its plane, they are too stiff. So
+// [Lee04]. If a mean exists it is the better strain, but it leaves bending without strain some part that grows with l^2/(R h): at
+// l^2 = 2.5 R h it stiffened a hemisphere by 3 %, at 10 R h by half. Tied strains are as many as unknowns (three
+// per vertex) and leave such bending free; for membrane bending in its plane they are too stiff. So
 //   a = 1 / (1 + (bow / 2h)^2),  bow = l^2/R, eight times the sagitta of the edge that bows most
 // which ends in the mean as the mesh is refined, and on a plane [as Arnold97 take a share of the membrane that grows so]. Either
 // strain is exact for rigid motion and for constant strain, so is the sum.
@@ -89,7 +90,7 @@ struct ShellStress {
     std::vector<double> mises_inner, mises_outer;  // [V] area-weighted about each control vertex [Pa]
 };
 
-/// Of the mid-surface at a point, in its frame.
+/// Strain of the mid-surface at a point, in its frame.
 struct ShellStrain {
     Vec3 membrane;  // 11, 22, 2 12
     Vec3 bending;   // change of curvature: 11, 22, 2 12 [1/m]
@@ -116,7 +117,7 @@ public:
     [[nodiscard]] Energy energy(std::span<const double> displacement) const;
 
 private:
-    /// Of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].
+    /// Weight of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].
     struct Weight {
         std::int32_t vertex;
         double n;
@@ -132,7 +133,7 @@ private:
         return {weights_.data() + q.first_vertex, static_cast<std::size_t>(q.vertex_count)};
     }
     [[nodiscard]] ShellStrain strain(const ShellPoint& q, std::span<const double> displacement) const;
-    /// Of a triangle's stencil, whose points begin with `first`.
+    /// Weights of a triangle's stencil, whose points begin with `first`.
     [[nodiscard]] std::span<const Mat3> membrane(std::size_t first) const;
     /// Strains at the four points of a triangle, of which `first` is the first.
     /// @return the triangle's membrane strain, in the frame of the last one

@@ -13,7 +13,7 @@ using namespace shell_detail;
 
 namespace {
 
-/// Of a triangle's stencil: strain (11, 22, 2 12) per displacement of a control vertex [1/m].
+/// Weights of a triangle's stencil: strain (11, 22, 2 12) per displacement of a control vertex [1/m].
 using MembraneWeights = std::vector<Mat3>;
 
 /// Where an edge runs over a triangle, as (u, v), and where its two Gauss points lie, in parts of it.
@@ -79,7 +79,7 @@ std::span<const Mat3> Shell::membrane(std::size_t first) const
             static_cast<std::size_t>(points_[first].vertex_count)};
 }
 
-/// Of the triangle whose points begin with `first`, in the frame of its last one.
+/// Membrane of the triangle whose points begin with `first`, in the frame of its last one.
 void Shell::add_membrane(std::size_t first)
 {
     const ShellPoint& last = points_[first + per_triangle - 1];

@@ -1,5 +1,5 @@
 #pragma once
-// What an elastic wall gives way under forces: factors of K + C/h, one per step length, and columns of their inverses. Constant
+// Compliance of an elastic wall under forces: factors of K + C/h, one per step length, and columns of their inverses. Constant
 // matrices of one wall, shared by all systems.
 
 #include "math/block_cholesky.h"
@@ -20,7 +20,7 @@ struct WallSolveWork {
 /// K + C/h, factored. const and safe to share between threads; the bits of every answer depend on the matrix alone.
 class WallFactor {
 public:
-    /// In place: force [N] in, displacement [m] out, [3V]. What is asked of held vertices is ignored, and they get 0.
+    /// In place: force [N] in, displacement [m] out, [3V]. Loads on held vertices are ignored, and they get 0.
     void solve(std::span<double> rhs, WallSolveWork& work) const;
     /// Two at once, in one and a half times the time of one.
     void solve(std::span<double> rhs_a, std::span<double> rhs_b, WallSolveWork& work) const;
@@ -31,7 +31,7 @@ public:
     [[nodiscard]] double step() const { return h_; }
     [[nodiscard]] double factor_seconds() const { return seconds_; }
     [[nodiscard]] std::size_t entries() const { return cholesky_.entries(); }
-    /// Columns of the inverse that are known, and what they and the factor take.
+    /// Known columns of the inverse, and the memory of columns and factor.
     [[nodiscard]] long solved_columns() const;
     [[nodiscard]] std::size_t bytes() const;
 

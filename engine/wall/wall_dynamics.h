@@ -1,5 +1,5 @@
 #pragma once
-// The wall's motion from step to step, of one system, at the cost of what is touched.
+// The wall's motion from step to step, of one system, at the cost of the touched part.
 //
 // Backward Euler of C w' + K w = f with K = K_e + K_p + k_s A and C = tau K_e + c_s A is, with M = K + C/h,
 //
@@ -7,8 +7,8 @@
 //     w1 = s w0 + M^-1 B w0 + M^-1 f
 //
 // What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that
-// change slowly. It is solved for once in a block of `block_steps` steps, and taken on linearly in between from the last two
-// blocks' (an error of the order of the scheme's own); wherever it is more than a tenth of w0, in every step. Forces of a block
+// change slowly. It is solved for once in a block of `block_steps` steps, and extrapolated linearly in between from the last two
+// blocks (an error of the order of the scheme's own). If it exceeds 10 % of w0, it is solved for in every step. Forces of a block
 // are summed up, F = sum s^k f, and in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had
 // solved for anyway. So a full solve is needed twice in a block, not twice in a step, and whoever asks only for a few vertices
 // pays for these.
@@ -31,7 +31,7 @@ public:
 
     /// The step to come is of h [s]; 0: an equilibrium, whatever the wall was like before.
     void begin_step(double h);
-    /// How it gives way where it is touched, in this step.
+    /// Its compliance where it is touched, in this step.
     [[nodiscard]] WallPatch& patch() const { return patch_; }
     /// Displacement of a control vertex at the start of the step [m].
     [[nodiscard]] Vec3 now(std::int32_t vertex) const;

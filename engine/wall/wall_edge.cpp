@@ -1,4 +1,4 @@
-// Which edge a control mesh gets when the scene gives none, and what memory an edge takes.
+// The default control edge, and the memory that an edge needs.
 #include "core/error.h"
 #include "wall/control_mesh.h"
 #include "wall/edge_field.h"
@@ -24,7 +24,7 @@ double vertices_at(const WallSamples& wall, const Centreline& centreline, double
     return expected_vertices(wall, EdgeField(edge, share, centreline));
 }
 
-/// Where the falling f(x) comes down to `goal`, between low and high, to a thousandth.
+/// Where the falling f(x) comes down to `goal`, between low and high, to 0.1 %.
 template <class F>
 double solve_falling(double low, double high, double goal, F f)
 {
@@ -84,7 +84,7 @@ WallEdge choose_wall_edge(const WallModel& wall)
 double factor_bytes(double vertices)
 {
     // Blocks of 3 x 3 per vertex in the factor after approximate minimum degree: 29 to 38 at 600 to 1,200 vertices of a tube, a
-    // plane and an aortic arch, 61 at 2,500, 95 at 7,000, 104 at 14,000; growing like log V as nested dissection says [George
+    // plane and an aortic arch, 61 at 2,500, 95 at 7,000, 104 at 14,000. They grow like log V, as nested dissection says [George
     // 1973, doi:10.1137/0710032]. Each entry has 8 bytes and its row's index 4.
     const double blocks = std::max(30.0, 16 * std::log2(std::max(vertices, 2.0)) - 110);
     return 9 * 12 * vertices * blocks;
@@ -97,7 +97,7 @@ void check_control_edge(double area, double edge)
     if (bytes <= most) return;
     throw Error(
         ExitCode::BadScene,
-        fmt::format("vessel.wall_edge_m: {:.3g} m makes about {:.2g} vertices, whose factor takes {:.3g} GB, more than half "
+        fmt::format("vessel.wall_edge_m: {:.3g} m makes about {:.2g} vertices, whose matrix factor takes {:.3g} GB, more than half "
                     "of this machine's memory; make it longer, or take it out to have it chosen",
                     edge, vertices, 1e-9 * bytes));
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The vessel's wall where it has not moved, and what follows from its shape.
+// The vessel's undeformed wall, and constants that follow from its shape.
 
 #include "vessel/centreline.h"
 #include "vessel/vessel_spec.h"
@@ -14,9 +14,9 @@ struct WallModel {
     const VesselSpec& spec;        // of what the wall is made
     const WallMesh& mesh;          // the shape that contact sees where the wall has not moved [m]
     const Centreline& centreline;  // may be empty
-    /// Half of the lumen is wider than this [m]; infinite without a centreline. The effective radius of (D6b) needs one number
-    /// for the law to be a function of depth alone; a quarter more or less of it changes the stiffness of a 0.035 inch wire in a
-    /// 10 mm lumen by half a percent.
+    /// Half of the lumen is wider than this [m]; infinite without a centreline. The effective radius of (D6b) needs one number for
+    /// the law to be a function of depth alone. A change of 25 % in it changes the stiffness of a 0.035 inch wire in a 10 mm lumen
+    /// by 0.5 %.
     double typical_lumen_radius;
 };
 

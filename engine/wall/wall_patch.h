@@ -1,6 +1,6 @@
 #pragma once
-// Where one system touches the wall, (K + C/h)^-1 between the control vertices there, in one piece: what columns of the inverse
-// say of them, gathered so that it fits the cache.
+// The compliance (K + C/h)^-1 between the control vertices that one system touches, in one piece: gathered from columns of the
+// inverse so that it fits the cache.
 
 #include <cstdint>
 #include <memory>
@@ -14,7 +14,7 @@ class WallPatch {
 public:
     explicit WallPatch(int vertices) : slots_(static_cast<std::size_t>(vertices), -1) {}
 
-    /// Of this factor from now on; what is known of another one is forgotten.
+    /// Uses this factor from now on and forgets the columns of another one.
     void use(std::shared_ptr<const WallFactor> factor);
     [[nodiscard]] const WallFactor& factor() const { return *factor_; }
     /// Place of a vertex among those that have been asked for.

@@ -1,11 +1,11 @@
 #pragma once
-// Readings of a wall that yields (wall/elastic_wall.h); all zero for a rigid one.
+// Readings of an elastic wall (wall/elastic_wall.h); all zero for a rigid one.
 
 #include <cstddef>
 
 namespace seldinger {
 
-/// What a wall that yields is made of.
+/// What an elastic wall is made of.
 struct WallMechanics {
     int vertices = 0;       // of its control mesh; 0: the wall is rigid
     double edge = 0;        // mean [m]

@@ -1,5 +1,5 @@
 #pragma once
-// How long the edges of an elastic wall's control mesh are beside the length over which a dent decays.
+// Edges of an elastic wall's control mesh relative to the decay length of a dent.
 
 #include "vessel/centreline.h"
 #include "vessel/vessel_spec.h"

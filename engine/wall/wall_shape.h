@@ -1,5 +1,5 @@
 #pragma once
-// The vessel's mesh as a wall that yields carries it along: vertices follow the nearest point of the wall's smooth surface.
+// The vessel's mesh as an elastic wall carries it along: vertices follow the nearest point of the wall's smooth surface.
 
 #include "math/vec3.h"
 #include "vessel/wall_mesh.h"

@@ -1,4 +1,4 @@
-// Where a step with the barrier law starts from, and how far a trial may go.
+// Start of a step with the barrier law, and the largest feasible step of a trial.
 //   launch  engine/contact/barrier_path.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/barrier_path.h"
 #include "shared/sweep.h"

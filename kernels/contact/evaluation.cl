@@ -6,8 +6,8 @@
 #endif
 #define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
-// A hint where one item is a work-group, that is on a CPU: the records of a thousand wires do not fit its caches, and which come
-// next only the list knows. (PoCL's own prefetch() does nothing.)
+// A hint if one item is a work-group, that is on a CPU. The records of a thousand wires do not fit its caches, and only the list
+// knows the next ones. (PoCL's own prefetch() does nothing.)
 #if SEL_WORKGROUP == 1 && defined(__clang__)
     #define SEL_AHEAD 4  // items: a third of a microsecond each
 static inline void ahead(const __global void* at, uint bytes)

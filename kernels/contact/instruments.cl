@@ -1,4 +1,4 @@
-// Contact between instruments: what cells are near to, and what they exert.
+// Contact between instruments: the neighbours of cells, and their forces.
 //   launch  engine/contact/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
 #include "shared/instrument_block.h"
 #ifndef SEL_WORKGROUP

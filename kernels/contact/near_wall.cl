@@ -1,4 +1,4 @@
-// What the wall is like near quadrature points: which nodes of the tree are near (walk.h), how far the wall is.
+// The wall near quadrature points: near nodes of the tree (walk.h), distance of the wall.
 //   launch  engine/contact/near_wall.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/clearance.h"
 #include "shared/wall_distance.h"

@@ -1,4 +1,4 @@
-// Where a step with the barrier law starts from: the gap of a quadrature point, and how one that overlaps is freed.
+// Start of a step with the barrier law: the gap of a quadrature point, and the release of one in overlap.
 #ifndef SEL_SHARED_BARRIER_PATH_H
 #define SEL_SHARED_BARRIER_PATH_H
 #include "shared/contact_point.h"
@@ -19,9 +19,8 @@ SEL_FN real gap_of_point(PointView point, ContactParams par, NodeView nodes, SEL
 }
 
 // A barrier has no force to push out what overlaps, and a wire may be placed, fed or remeshed into the wall. Such a quadrature
-// point is taken to be thinner by as much as leaves it a thousandth of the activation distance; that `radius_reduction` then is
-// given back, half of the gap it makes in each step, and never grows while the law holds: what overlaps is pushed out and does
-// not sink deeper.
+// point is made thinner until its gap is 0.1 % of the activation distance. Half of the gap made in each step is then taken off this
+// `radius_reduction`, which never grows while the law holds: overlaps are pushed out and do not deepen.
 SEL_FN real barrier_start(real gap, real radius_reduction_t0, QuadratureModel m)
 {
     const real left = gap + radius_reduction_t0;

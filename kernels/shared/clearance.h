@@ -1,7 +1,7 @@
-// Where a quadrature point is known to touch nothing. Of the quadrature points with a list of BVH nodes, those along which a wire
-// merely runs near the wall, four in five touch nothing. Each of these keeps a clearance sphere, within which it cannot touch
-// anything: that costs one distance now and then in place of an evaluation every time. Knowledge of the wall only, never of the wire: what is evaluated is the same with it
-// and without.
+// Clearance of quadrature points that touch nothing. Along a wire that merely runs near the wall, 80 % of the quadrature points
+// with a list of BVH nodes touch nothing. Each of these keeps a clearance sphere, within which it cannot touch anything: that
+// costs one distance now and then in place of an evaluation every time. Holds knowledge of the wall only, never of
+// the wire: results are the same with it and without.
 #ifndef SEL_SHARED_CLEARANCE_H
 #define SEL_SHARED_CLEARANCE_H
 #include "shared/contact_types.h"
@@ -17,7 +17,7 @@ typedef struct Clearance {
     real clear;       // its radius: within it, no wall is within radius + reach [m]
 } Clearance;
 
-// Of lengths near the wire's radius, positions relative to the mesh centre being rounded (to 30 nm in float).
+// Margin for lengths near the wire's radius, positions relative to the mesh centre being rounded (to 30 nm in float).
 #define SEL_CLEARANCE_MARGIN ((real)1e-3)
 
 SEL_FN real distance_from(vec3 p, const real* at)

@@ -85,7 +85,7 @@ SEL_FN CarriedState held_by_multiplier(CarriedState carried, MultiplierState mul
     return carried;
 }
 
-// What is known of a contact point before its force.
+// Data of a contact point before its force.
 // @param axis  the point of the axis, relative to the mesh centre
 SEL_FN void write_contact(ContactPoint contact, vec3 n, vec3 axis, Closing closing, uint epoch, ContactState* now)
 {

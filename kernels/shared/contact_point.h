@@ -1,4 +1,4 @@
-// Contact of one quadrature point: its contact points with the wall near it, and what the laws make of them. The kernel of
+// Contact of one quadrature point: its contact points with the wall near it, and the forces of the laws. The kernel of
 // evaluation.cl calls contact_force once per work-item, the host reference in a loop.
 #ifndef SEL_SHARED_CONTACT_POINT_H
 #define SEL_SHARED_CONTACT_POINT_H
@@ -11,13 +11,13 @@
 
 SEL_BEGIN
 
-// The two records of a quadrature point, and which of them speak of the last step.
+// The two records of a quadrature point, and which of them belong to the last step.
 typedef struct StatePair {
     ContactState a, b;
     int a_lives, b_lives;
 } StatePair;
 
-// Did this record speak of the wall that has this normal?
+// Whether this record belongs to the wall with this normal.
 SEL_FN int same_side(ContactState state, vec3 normal)
 {
     return state.normal[0] * normal.x + state.normal[1] * normal.y + state.normal[2] * normal.z > 0;
@@ -31,7 +31,7 @@ typedef struct ContactPointPair {
 SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, const StatePair* was)
 {
     ContactPointPair out;
-    // the triangles that were touched last are near: nothing farther away needs to be looked at
+    // the last touched triangles are near: nothing farther away needs a test
     real near2 = (real)1e30;
     if (was->a_lives) near2 = triangle_distance2(ball.p, ball.origin, was->a.triangle, near.wall.vertices);
     if (was->b_lives) near2 = min_r(near2, triangle_distance2(ball.p, ball.origin, was->b.triangle, near.wall.vertices));
@@ -58,7 +58,7 @@ SEL_FN real fit(ContactState state, MultiplierState multiplier, int lives, vec3 
     return normal.x * state.normal[0] + normal.y * state.normal[1] + normal.z * state.normal[2];
 }
 
-// What is known of a quadrature point when contact is evaluated.
+// Data of a quadrature point when contact is evaluated.
 typedef struct PointView {
     uint index;
     QuadratureModel model;
@@ -155,7 +155,7 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
     if (touching.first.found) {
         if (c.m.ridges > 0) add_ridge(&touching.first, ball, point.near);
         if (c.m.ridges > 0 && touching.second.found) add_ridge(&touching.second, ball, point.near);
-        // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
+        // the record that belongs to this side of the lumen: the one whose last normal is nearer
         const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
         const MultiplierState ma = plain ? no_multiplier() : view.multipliers[2 * s],
                               mb = plain ? no_multiplier() : view.multipliers[2 * s + 1];

@@ -9,7 +9,7 @@ SEL_BEGIN
 typedef struct LawSide {
     real
         curvature;  // across the wire's direction, towards the other side [1/m]; > 0: a rod; < 0: a lumen from inside; 0: a plane
-    real modulus;   // k_f, pressure per depth of the surface that gives way [N/m^3]; 0: it does not
+    real modulus;   // k_f, pressure per depth of the soft surface [N/m^3]; 0: rigid
 } LawSide;
 
 SEL_FN LawSide rod_side(real radius, real modulus)

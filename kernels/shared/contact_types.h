@@ -1,9 +1,8 @@
 // Layouts of the contact stage, shared by kernels, their host references and the code that fills the buffers.
 //
-// Quadrature points of the wire are fixed in the material; what they carry from step to step (anchors,
-// approach speed, rolling angle) therefore survives splits, merges and changes of triangle. Records are structs, not split
-// arrays: every kernel that touches a quadrature point reads its whole record, so one cache line serves it; nodes and triangles
-// are split arrays.
+// Quadrature points of the wire are fixed in the material. Their state from step to step (anchors, approach speed, rolling angle)
+// therefore survives splits, merges and changes of triangle. Records are structs, not split arrays: every kernel that touches a
+// quadrature point reads its whole record, so one cache line serves it; nodes and triangles are split arrays.
 #ifndef SEL_SHARED_CONTACT_TYPES_H
 #define SEL_SHARED_CONTACT_TYPES_H
 #include "shared/portable.h"
@@ -29,7 +28,7 @@ SEL_BEGIN
 #define SEL_CONTACT_OUTSIDE 4u  // the quadrature point is beyond the wall
 #define SEL_CONTACT_WHOLE 8u    // of a cell of an instrument: it touches all along (instrument_cell.h)
 
-// Constant while the wire's sections stand. A quadrature point stands for `weight` metres of wire; the tip's own point law (D6c)
+// Constant while the wire's sections stand. A quadrature point represents `weight` metres of wire; the tip's own point law (D6c)
 // has weight 1 and stiffness in N/m^n.
 typedef struct QuadratureModel {
     real weight;              // [m]; 1 for the tip's point law
@@ -69,7 +68,7 @@ typedef struct QuadraturePlace {
 } QuadraturePlace;
 #define SEL_NO_EDGE 0xffffffffu
 
-// What one contact point (a quadrature point against one side of the lumen) carries from step to step, and what it last exerted.
+// State of one contact point (a quadrature point against one side of the lumen) from step to step, with its last force.
 typedef struct ContactState {
     real slip[3];       // elastic part of the tangential displacement (D9) [m]
     real normal[3];     // unit, into the lumen
@@ -98,10 +97,10 @@ typedef struct MultiplierState {
     uint pad;
 } MultiplierState;
 
-// What one quadrature point exerts, to be reduced to its edge. F, and -dF/dq split so that the host may leave out what sliding
-// friction makes unsymmetric. q = (x, y, z, theta), and the edge's vector w = x_b - x_a, which the section turns with: what
-// friction does at the surface is, seen from the nodes, a force on the axis point, a torque, and a couple. `contacts` 0: only
-// depth and flags are written; without SEL_FORCE_COUPLE what stands in the second block is 0.
+// Forces of one quadrature point, to be reduced to its edge. F, and -dF/dq split so that the host may leave out the unsymmetric
+// part of sliding friction. q = (x, y, z, theta), and the edge's vector w = x_b - x_a, which the section turns with. Seen from the
+// nodes, friction at the surface is a force on the axis point, a torque, and a couple. `contacts` 0: only depth and flags are
+// written; without SEL_FORCE_COUPLE what stands in the second block is 0.
 typedef struct ContactForce {
     real force[4];  // on the axis point [N], about the tangent [N m]
     real sym[10];   // symmetric part: xx xy xz xt yy yz yt zz zt tt

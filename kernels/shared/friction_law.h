@@ -7,11 +7,11 @@
 //   du = dx + omega x (-r n) = dx - r dtheta (t x n) + r (t (n . dt) - (t . n) dt),     dt = (1 - t t^T) dw / l
 //      = dx - r dtheta (t x n) + (r / l) (t (n . dw) - (t . n) dw)
 //
-// of which only what lies in the wall's plane counts: the slip. Virtual work f . du makes of friction f on the surface a force f
-// on the axis point, a torque -r f . (t x n) about the tangent, and a couple C = (r / l) ((f . t) n - (t . n) f), on node b and
-// its negative on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
-// bending: Kirchhoff's M' + t x N = r n x f_t t, which is why a rope slides round a drum with the exponent
-// mu (1 - r/R) (1 - mu^2 r/R ...) of the axis' radius R instead of mu. The work is the same on both sides: friction takes
+// of which only the part in the wall's plane counts: the slip. By virtual work f . du, friction f on the surface is a force f on
+// the axis point, a torque -r f . (t x n) about the tangent, and a couple C = (r / l) ((f . t) n - (t . n) f), on node b and its
+// negative on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
+// bending: Kirchhoff's M' + t x N = r n x f_t t. So a rope slides round a drum with the exponent mu (1 - r/R) (1 - mu^2 r/R ...) of
+// the axis' radius R instead of mu. The work is the same on both sides: friction takes
 // -f . slip, no more and no less. The normal force points at the axis and has no moment.
 //
 // A linearised step (D5) takes the law at the start, x_0, with the velocity v_0 known there, and must get it as a linear function
@@ -60,7 +60,7 @@ SEL_FN void add_slip(ContactForce* out, real s, SlipRow row)
     out->sym_ww[5] += s * w[2] * w[2];
 }
 
-// adds s * row g^T to what is unsymmetric
+// adds s * row g^T to the unsymmetric part
 SEL_FN void add_skew(ContactForce* out, real s, SlipRow row, vec3 g)
 {
     const real force[4] = {row.x.x, row.x.y, row.x.z, row.theta}, w[3] = {row.w.x, row.w.y, row.w.z};
@@ -169,7 +169,7 @@ SEL_FN void exert(ContactForce* out, vec3 f, SlipRow row)
     out->flags |= SEL_FORCE_COUPLE;
 }
 
-// Writes the contact's state, adds force and tangent. See the top for the slip, and for what is taken from the start of the step
+// Writes the contact's state, adds force and tangent. See the top for the slip, and for values from the start of the step
 // (par.known).
 // @param n  unit normal     g  gradient of the gap     load  what friction goes by
 SEL_FN void add_friction(vec3 n, vec3 g, NormalLoad load, CarriedState carried, const LawContext* c, ContactState* now,
@@ -198,8 +198,8 @@ SEL_FN void add_friction(vec3 n, vec3 g, NormalLoad load, CarriedState carried, 
         if (!law.stuck && size > 0 && load.slope > 0) {
             // -df/dx = mu d (dfn/dx) = -mu dfn d n^T
             add_skew(out, -(law.cone > 0 ? law.force / load.force : 0) * load.slope, row, g);
-            // How the normal turns between two facets is left out: it holds over the smooth maximum's micron, and taken for more
-            // it keeps Newton from ending in a neck as narrow as the wire (F12), for a tenth fewer iterations round a drum
+            // The rotation of the normal between two facets is neglected. It holds over the smooth maximum's micron only. Taken for
+            // more, it keeps Newton from ending in a neck as narrow as the wire (F12), for 10 % fewer iterations round a drum
             out->flags |= SEL_FORCE_SLIDING;
         }
     }

@@ -1,7 +1,8 @@
-// Evaluation of slots as kernels and their twin run it: with other instruments four at a time, with the same one each by itself.
+// Evaluation of slots in kernels and their twin: with other instruments four at a time, with the same one each alone.
 //
-// Most of what is near does not touch, and in a lumen the gaps at both ends of a cell tell (least_room()). These ends, two of each
-// of four cells, go in eight lanes; so does what is remembered of cells that touch nothing, at the trial and at the start of the step.
+// Most neighbours do not touch, and in a lumen the gaps at both ends of a cell show it (least_room()). These ends, two of each
+// of four cells, go in eight SIMD lanes, and so do the clearances of cells that touch nothing, at the trial and at the start of the
+// step.
 #ifndef SEL_SHARED_INSTRUMENT_BLOCK_H
 #define SEL_SHARED_INSTRUMENT_BLOCK_H
 #include "shared/instrument_near.h"
@@ -98,7 +99,7 @@ SEL_FN SlotCell slot_cell(uint cell, InstrumentSlot slot, InstrumentBodies bodie
     return its;
 }
 
-// Of four cells, each in two lanes, k and 4 + k.
+// Gaps of four cells, each in two lanes, k and 4 + k.
 SEL_LANES_FN real8 gap_in_lanes(const SlotCell* cells, LaneNearest near, real8* inwards)
 {
     real reach[4], sign[4];
@@ -165,7 +166,8 @@ SEL_FN void ends_in_lanes(const SlotCell* cells, CellEnds* ends, int* known)
     }
 }
 
-// What is remembered of cells that touch nothing, at their nearest end: as follow_cell(). @param due  [4] which; 0 is written where it is done
+// Clearances of cells that touch nothing, at their nearest end: as follow_cell(). @param due  [4] which; 0 is written where it is
+// done
 SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real inv_dt, int* due, InstrumentState* now)
 {
     real s[4], at[4], then[4], at_then[4], low[8], high[8];

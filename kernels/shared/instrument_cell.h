@@ -1,16 +1,16 @@
 // Contact of one cell of rod a with a stretch of rod b: force along the part that touches (instrument_pieces.h), friction in the middle
 // of it.
 //
-// Over each piece the force per metre is integrated by Gauss between the zeros of the gap. So a line contact has its force per metre, a
-// crossing one its lens, wherever they lie on the cells: what one piece loses its neighbour gains, and nothing jumps. The integrand
-// vanishes at zeros, whose motion therefore does not count in the tangent; that the Gauss points move with them is left out of it
-// (they stay on material where the cell touches as a whole).
+// Over each piece the force per metre is integrated by Gauss between the zeros of the gap. So a line contact has its force per
+// metre, a crossing one its lens, wherever they lie on the cells: one piece gains exactly the force that its neighbour loses, and
+// nothing jumps. The integrand vanishes at zeros, so their motion does not count in the tangent. The motion of the Gauss points
+// with them is neglected (in full contact they stay on material).
 //
 // Three cells in four that touch do so all along, and did in the last step: such a cell is not cut, and no zeros are looked for. Its
-// force is taken by Gauss at four points fixed in its material, which is smooth in the nodes whatever lies between. Which way it is
-// does not change within a step, and it is this one only where the cell was at least a fourth as deep all along as it was deepest
-// (SEL_WHOLE): a force of depth^(3/2) is then right to 5e-7 where the depth goes linearly with s, to 2e-4 where it is a parabola of
-// that height, and where curvatures jump by [kappa] at a knot in it, to a depth of [kappa] l^2/2700 in the mean.
+// force is taken by Gauss at four points fixed in its material, which is smooth in the nodes whatever lies between. The rule does
+// not change within a step. This one is used only if the cell was everywhere at least 1/4 as deep as at its deepest point
+// (SEL_WHOLE). A force of depth^(3/2) is then right to 5e-7 if the depth is linear in s, and to 2e-4 if it is a parabola of that
+// height. If curvatures jump by [kappa] at a knot in it, it is right to a depth of [kappa] l^2/2700 in the mean.
 #ifndef SEL_SHARED_INSTRUMENT_CELL_H
 #define SEL_SHARED_INSTRUMENT_CELL_H
 #include "shared/instrument_friction.h"
@@ -133,7 +133,7 @@ SEL_FN Pushed push_points(const InstrumentScene* scene, const GaussPoints* along
     return pushed;
 }
 
-// The normal force between two ends of what touches of a piece. @return its moment: sum of force times s
+// The normal force between two ends of the touching part of a piece. @return its moment: sum of force times s
 SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
                        InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
@@ -168,7 +168,7 @@ SEL_FN InstrumentForce no_instrument_force(void)
     return none;
 }
 
-// What is known of a contact before its force: see closing_of() of contact_law.h.
+// Data of a contact before its force: see closing_of() of contact_law.h.
 SEL_FN Closing cell_closing(const InstrumentScene* scene, CellPoint deepest, ContactState old, int fresh, const LawContext* c)
 {
     Closing closing;
@@ -215,14 +215,15 @@ SEL_CALL void follow_cell(const InstrumentScene* scene, const CellPieces* cell, 
                   epoch, now);
 }
 
-// Of a cell's contact: sum of force times s, metres that touch, where on b about.
+// A cell's contact: sum of force times s, metres that touch, middle of the contact on b.
 typedef struct CellTouch {
     real moment, length, at;
 } CellTouch;
 
 #define SEL_WHOLE ((real)0.25)  // of the deepest: a cell that is as deep all along is taken as a whole
 
-// Whether a cell that was looked through is to be taken as a whole in the next step. Not at a mouth, whose rim is sharply curved.
+// Whether an evaluated cell is to be integrated as a cell in full contact in the next step. Not at a mouth, whose rim is sharply
+// curved.
 SEL_FN int touches_whole(const InstrumentScene* scene, const CellPieces* cell)
 {
     const real deepest = -cell->least[cell->deepest].gap,
@@ -264,7 +265,7 @@ SEL_FN real at_end(const real* of, uint k0, uint k1, uint k2, uint k3)
            (real)0.11391719628198993 * of[k3];
 }
 
-// Where on b a cell lies that is taken as a whole, about.
+// Approximate place on b of a cell in full contact.
 typedef struct CellBeside {
     real at;       // of its middle
     real onwards;  // of `at`, with s [1/m]

@@ -87,7 +87,7 @@ SEL_FN void set_mouth_gap(SplineView rod, vec3 x, GapPart part, InstrumentGap* g
     add_square(g->m, -inward / (distance * out), cross3(t, e));
 }
 
-// Of the place on b that is known to be nearest. (Through a pointer: it is long, and copies of it were a tenth of an evaluation.)
+// Gap at the nearest point of b. (Through a pointer: the struct is long, and copies of it took 10 % of an evaluation.)
 SEL_FN void set_gap(SplineView rod, vec3 x, Closest near, GapPart part, InstrumentGap* g)
 {
     *g = no_gap(near.at);

@@ -1,9 +1,9 @@
 // The nearest places of eight points side by side: four of a cell, at the trial and at the start of the step; or both ends of four cells
 // (instrument_block.h). What most of an evaluation is.
 //
-// Between knots a curve is c_0 + c_1 t + c_2 t^2, the place on b that is nearest a root of a cubic (spline.h, SeenPiece), and Newton's
-// method goes for all eight at once, each on its piece of a's curve and beside one of b's. Where a lane leaves its piece, comes to the
-// mouth or to an end, or does not converge, nothing is known of it, and the caller looks for it by itself.
+// Between knots a curve is c_0 + c_1 t + c_2 t^2, and the nearest place on b is a root of a cubic (spline.h, SeenPiece). Newton's
+// method runs for all eight at once, each on its piece of a's curve and beside one of b's. If a lane leaves its piece, comes to the
+// mouth or to an end, or does not converge, its result is unknown, and the caller searches for it alone.
 #ifndef SEL_SHARED_INSTRUMENT_LANES_H
 #define SEL_SHARED_INSTRUMENT_LANES_H
 #include "shared/instrument_pieces.h"
@@ -103,7 +103,7 @@ SEL_LANES_FN LanePieces on_own_pieces(const CurvePiece* of)
     return p;
 }
 
-// Of four points now and at the start of the step. @param at_now, at_then  [4] about where on the curves
+// Pieces of four points now and at the start of the step. @param at_now, at_then  [4] about where on the curves
 SEL_LANES_FN LanePieces on_pieces_at(SplineView rod_now, SplineView rod_then, const real* at_now, const real* at_then)
 {
     if (on_same_piece(rod_now, at_now) && on_same_piece(rod_then, at_then))
@@ -122,13 +122,13 @@ SEL_LANES_FN Lanes3 at_pieces(const LanePieces* p, real8 t)
     return add_lanes(p->c0, scale_lanes(t, add_lanes(p->c1, scale_lanes(t, p->c2))));
 }
 
-// Whether t is beyond its piece. @param margin  what is allowed
+// Whether t is beyond its piece. @param margin  tolerance
 SEL_LANES_FN mask8 off_pieces(const LanePieces* p, real8 t, real margin)
 {
     return (t < p->low - p->origin - margin) | (t > p->high - p->origin + margin);
 }
 
-// Of eight points of a at once.
+// Nearest points of eight points of a at once.
 typedef struct LaneNearest {
     real8 u, t;      // where on their pieces of a, of b
     Lanes3 x, away;  // the points; from the nearest on b
@@ -204,7 +204,7 @@ SEL_FN LanePlaces no_places(void)
     return out;
 }
 
-// Of four points on one piece of a, beside one of b.
+// Positions of four points on one piece of a, beside one of b.
 // @param s, start  [4] material coordinates on a, where on b to look     of_a  where on a, near
 SEL_FN LanePlaces places_in_lanes(const InstrumentScene* scene, const real* s, const real* start, real of_a)
 {
@@ -216,7 +216,7 @@ SEL_FN LanePlaces places_in_lanes(const InstrumentScene* scene, const real* s, c
     return places_on(scene, s, start, &on_a, &on_b);
 }
 
-// Of four points anywhere.
+// Positions of four points anywhere.
 SEL_FN LanePlaces own_places_in_lanes(const InstrumentScene* scene, const real* s, const real* start)
 {
     if (scene->part.touch == SEL_TOUCH_SELF) return no_places();

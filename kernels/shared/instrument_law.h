@@ -1,9 +1,9 @@
-// The law of contact between two instruments, per metre of a, from their surfaces: the wall's damped law (D6b, D7) with two rods,
-// or a rod and a lumen, as its sides; sticking and sliding friction (D9) of the surfaces.
+// The law of contact between two instruments, per metre of a, from their surfaces. It is the wall's damped law (D6b, D7) with two
+// rods, or a rod and a lumen, as its sides, and sticking and sliding friction (D9) of the surfaces.
 //
 // Which laws: hunt-crossley and lankarani-nikravesh, whatever the wall's contact follows: a world whose wall is hard by
 // multipliers or a barrier has its instruments touch by the damped law all the same. No rolling resistance (D10) between
-// instruments, and no law of its own for a tip that is pushed into a wire head on (D6c).
+// instruments, and no separate law for a tip that is pushed into a wire head on (D6c).
 //
 // A line law f = k depth^n makes of two crossing wires a contact of force ~ depth^(n + 1/2): depth^2 for beds (n = 3/2), Hertz's
 // depth^(3/2) for n = 1.

@@ -1,7 +1,7 @@
-// Which stretches of another rod, or of its own, a cell is near to; and the cell's evaluation as kernels and their twin run it.
+// The stretches of another rod, or of the same one, near a cell; and the cell's evaluation in kernels and their twin.
 //
-// A cell's middle is held against the middles of the edges of b: where the slope of the distance along b changes sign from one to
-// the next, there is one nearest point between them, and a slot where it is within reach. Far stretches are passed over in leaps
+// A cell's middle is compared with the middles of the edges of b. If the slope of the distance along b changes sign from one to the
+// next, there is one nearest point between them, and a slot if it is within reach. Far stretches are passed over in leaps
 // that their distance allows.
 #ifndef SEL_SHARED_INSTRUMENT_NEAR_H
 #define SEL_SHARED_INSTRUMENT_NEAR_H
@@ -16,7 +16,7 @@ typedef struct InstrumentNodes {
     SEL_GLOBAL const real* theta;
 } InstrumentNodes;
 
-// What does not change in a launch.
+// Constants of a launch.
 typedef struct InstrumentBodies {
     SEL_GLOBAL const InstrumentRod* rods;
     SEL_GLOBAL const InstrumentPair* pairs;
@@ -149,9 +149,9 @@ SEL_FN real skeletons_apart(CellSkeleton a, CellSkeleton b)
 
 #define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/rod/no_state.h)
 
-// Stretches of cells of the same rod, hubwards of s by more than `apart`, whose axes come nearer than `limit` to the cell in whose middle s is. Known by
-// three points of each: the nearest pair of these is farther than the axes are by a fourth of a cell's length along both, which is
-// (l/4)^2 / (2 D) each where they run across their distance D, and l/16 is taken for both.
+// Stretches of cells of the same rod, hubwards of s by more than `apart`, whose axes come nearer than `limit` to the cell in whose
+// middle s is. Three points of each are compared. Their nearest pair is farther apart than the axes by 1/4 of a cell's length along
+// both. That is (l/4)^2 / (2 D) each if they run across their distance D, and l/16 is taken for both.
 SEL_FN void search_cells(InstrumentRod a, SplineView view, real s, real apart, real limit, uint pair, SlotList* list)
 {
     const real half_length = (real)0.5 * a.spacing, near = limit + a.spacing / 16;

@@ -1,10 +1,10 @@
-// Which part of a cell of rod a touches a stretch of rod b.
+// The part of a cell of rod a that touches a stretch of rod b.
 //
 // The gap is taken as a function of the material coordinate s along the cell. Its second derivative jumps where the cell passes a
-// knot of either spline or the plane of the mouth, and between these it may change its sign once, as nodes are not evenly spaced:
-// there the cell is cut into pieces, so that a piece has one least value, if any. (A search over the whole cell saw an overlap
-// between two maxima of the gap when an end of the cell touched, too, and not when it did not: a force that jumps, and no
-// equilibrium to be found.) The least value is found, and the zeros on both sides of it, or the ends of the piece.
+// knot of either spline or the plane of the mouth. Between these it may change its sign once, as nodes are not evenly spaced. There
+// the cell is cut into pieces, so that a piece has at most one least value. (A search over the whole cell saw an overlap between
+// two maxima of the gap only when an end of the cell touched too. Its force jumped, and there was no equilibrium.) The least value
+// is found, and the zeros on both sides of it, or the ends of the piece.
 #ifndef SEL_SHARED_INSTRUMENT_PIECES_H
 #define SEL_SHARED_INSTRUMENT_PIECES_H
 #include "shared/contact_records.h"
@@ -76,7 +76,7 @@ SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
     return point;
 }
 
-// What is kept of a point of the cell while the cell is looked through.
+// Data of a point of the cell during the search of the cell.
 typedef struct CellMark {
     real s, gap, slope, at;  // at: of b
 } CellMark;
@@ -99,7 +99,7 @@ SEL_CALL CellMark cell_mark(const InstrumentScene* scene, real s, real start)
     return mark_of(&point);
 }
 
-// A mark between two others, a share of the way from the first to the second: looked for where these say that it is.
+// A mark between two others, a share of the path from the first to the second: looked for where these say that it is.
 SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)
 {
     return cell_mark(scene, left.s + share * (right.s - left.s), left.at + share * (right.at - left.at));
@@ -135,8 +135,8 @@ SEL_FN real next_knot(SplineView rod, real from, real until)
     return knot;
 }
 
-// Where a goes through the plane across b at `knot`, as a share of the way between two points of a that are on one piece of its
-// curve: a quadratic equation of the coordinate along it. < 0: there is no one place.
+// Intersection of a with the plane across b at `knot`, as a fraction of the path between two points of a on one piece of its curve:
+// a quadratic equation of the coordinate along it. < 0: there is no single place.
 SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
 {
     const SplinePlace b = spline_place(knot, scene->b.count);
@@ -190,7 +190,7 @@ SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until,
     add_cut(mark_between(scene, left, right, (real)0.5 + (real)0.5 * turns / bulge), until, cuts);
 }
 
-// Cuts what lies between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
+// Cuts the part between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
 SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
 {
     CellMark left = cuts->at[cuts->pieces];
@@ -226,8 +226,8 @@ SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right
     cuts->at[++cuts->pieces] = right;
 }
 
-// The largest curvature of a rod's curve between two places [1/m]: c' x c'' of a piece is e x f of its two edges, and |c'| not less
-// than cos(30 degrees) of the shorter one where they turn by 60 degrees at most.
+// The largest curvature of a rod's curve between two places [1/m]. c' x c'' of a piece is e x f of its two edges. |c'| is not less
+// than cos(30 degrees) of the shorter edge if they turn by 60 degrees at most.
 SEL_FN real most_curved(SplineView rod, real from, real until)
 {
     real most = 0;
@@ -243,8 +243,8 @@ SEL_FN real most_curved(SplineView rod, real from, real until)
 }
 
 // By how much the gap between two points is positive at least, by what their gaps and curvatures leave room for: with g'' <= k,
-// g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves, and inside
-// a lumen, where the gap falls with D, the last term is none. 0: nothing can be told.
+// g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves. Inside a
+// lumen, where the gap falls with D, there is no last term. 0: unknown.
 // @param from, until  where on a's curve both are
 SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark right, real from, real until)
 {
@@ -279,7 +279,7 @@ SEL_FN real clear_move(const InstrumentScene* scene, CellMark left, CellMark rig
 #define SEL_LEVEL ((real)1e-6)  // slope that counts as none: misses the least gap by 1e-12 of the radii
 #define SEL_ZERO ((real)1e-6)   // of the deepest: a gap that counts as none
 
-// The cubic that has the gaps and slopes of two points, by its coefficients with the share of the way between them.
+// The cubic that has the gaps and slopes of two points, by its coefficients with the share of the path between them.
 typedef struct GapCubic {
     real c[4];
 } GapCubic;

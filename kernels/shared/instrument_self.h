@@ -1,7 +1,7 @@
 // Contact of a rod with itself: one cell of its material and a stretch of others (D13).
 //
-// In a knot that is drawn tight a strand is bent about as sharply as it is thick, and then the other strand has no one nearest
-// place on it: where kappa D = 1 (D: distance of the axes) the nearest place splits into two, and a force that acts there doubles.
+// In a tight knot a strand is bent about as sharply as it is thick. The other strand then has no single nearest place on it. At
+// kappa D = 1 (D: distance of the axes) the nearest place splits into two, and a force that acts there doubles.
 // So here every point of the cell pushes every point of the stretch that is nearer than both radii,
 //
 //     E = int int psi(delta) ds dt,     delta = r_a + r_b - |x(s) - x(t)|,     q = psi' = C delta^(n - 1/2) h(delta),
@@ -10,9 +10,9 @@
 //
 //     int q dt = C sqrt(2 D) B(1/2, n + 1/2) d^n = k d^n,     C = k / (sqrt(2 (r_a + r_b)) B(1/2, n + 1/2)),
 //
-// the line law of instrument_law.h; strands that cross at an angle a have what it gives there, which grows as 1/sin a. The hardening h
-// acts on delta as it does on the depth: the pole lies at the same depth, and the force short of it is less by up to what a lens loses
-// at its rims.
+// the line law of instrument_law.h; strands that cross at an angle a have its force there, which grows as 1/sin a. The hardening h
+// acts on delta as it does on the depth. The pole lies at the same depth, and the force short of it is less by up to the loss of a
+// lens at its rims.
 //
 // s and t are material coordinates; t > s + pi r. Over s the force is integrated between the zeros of the least gap, over t between
 // those of the distance, whose square is a quartic on each piece of the curve. Damping goes by how fast the least gap at s closes, not by
@@ -136,7 +136,7 @@ SEL_FN real lobe_bottom(SeenPiece piece, real falls, real rises)
     return (real)0.5 * (falls + rises);
 }
 
-// Adds what is nearer between two places of a piece; `open`: the last lobe goes on at the first of them.
+// Adds nearer points between two places of a piece; `open`: the last lobe continues at the first of them.
 SEL_FN void add_lobes(SeenPiece piece, real left, real right, real reach, int* open, SelfLobes* lobes)
 {
     const real reach2 = reach * reach;
@@ -248,7 +248,7 @@ SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
     return touch;
 }
 
-// ---- what it exerts -------------------------------------------------------------------------------------------------------------
+// ---- forces ---------------------------------------------------------------------------------------------------------------------
 
 // The line law's force between two points, per metre of both: q above.
 SEL_FN LawContext pair_law(const LawContext* c, real reach, real spread)
@@ -259,7 +259,7 @@ SEL_FN LawContext pair_law(const LawContext* c, real reach, real spread)
     return pair;
 }
 
-// Of all pairs of points, weighted with their forces.
+// Sums over all pairs of points, weighted with their forces.
 typedef struct SelfSums {
     real along_a, along_b;  // material coordinates [N m]
     vec3 n;                 // [N]
@@ -292,8 +292,8 @@ SEL_FN SelfDamping damping_at(real rate, Closing closing, const LawContext* c)
     return damping;
 }
 
-// The speed v- at which the damping of a strand of mass m per metre is critical at a depth: f beta/v- = 2 sqrt(m df/d(depth)), and
-// f = k depth^n, so that v- = (beta/2) sqrt(k depth^(n + 1)/(n m)). An impact never comes to it: at its deepest it is 0.46 beta of the
+// The speed v- at which the damping of a strand of mass m per metre is critical at a depth: f beta/v- = 2 sqrt(m df/d(depth)). f =
+// k depth^n, so v- = (beta/2) sqrt(k depth^(n + 1)/(n m)). An impact never comes to it: at its deepest it is 0.46 beta of the
 // speed of the impact (n = 3/2). At the depth under the own weight it is the floor of instrument_law.h; a knot's contacts carry a
 // hundred thousand times that, and with that floor they would be damped over many steps.
 SEL_FN real critical_speed(real depth, real line_mass, QuadratureModel m)
@@ -326,10 +326,10 @@ SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, r
 
 // ---- quadrature ------------------------------------------------------------------------------------------------------------------
 //
-// The slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. Where that is whole, four
-// points of Gauss-Legendre take it exactly; a half power is smoothed by u = (3 v - v^3)/2: over v six points take its second moment
-// to 6e-5, four over u to 3 %. A percent of the slope is as much as all that keeps two strands from sliding along each other, and what the
-// rule misses there is missed by the tangent, so that Newton's method would go on for tens of iterations.
+// The slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. If that is whole,
+// four points of Gauss-Legendre take it exactly. A half power is smoothed by u = (3 v - v^3)/2: over v six points take its second
+// moment to 6e-5, four over u to 3 %. All that keeps two strands from sliding along each other is about 1 % of the slope. The
+// tangent misses the rule's error there, so Newton's method would take tens of iterations.
 
 typedef struct RulePoint {
     real u, weight;  // in [-1, 1]

@@ -1,8 +1,8 @@
 // Layouts of contact between instruments (D13), shared by kernels, their host twin and the code that fills the buffers.
 //
 // A rod is divided into cells of about two radii, fixed in its material, so that what a contact carries from step to step
-// (elastic slip, approach speed) lives on material. Contact is looked for from the cells of one rod, a, to the curve of another,
-// b, or to a far part of its own; one cell may touch several stretches of b, each in a slot.
+// (elastic slip, approach speed) lives on material. Contact is searched for from the cells of one rod, a, to the curve of another,
+// b, or to a distant part of its own. One cell may touch several stretches of b, each in a slot.
 #ifndef SEL_SHARED_INSTRUMENT_TYPES_H
 #define SEL_SHARED_INSTRUMENT_TYPES_H
 #include "shared/contact_types.h"
@@ -34,14 +34,14 @@ typedef struct InstrumentRod {
 // What a cell's surface is.
 typedef struct InstrumentSurface {
     real radius, lumen;  // [m]; lumen 0: solid
-    real modulus;        // k_f of the outer surface, pressure per depth [N/m^3]; 0: it does not give way
+    real modulus;        // k_f of the outer surface, pressure per depth [N/m^3]; 0: rigid
     real lumen_modulus;  // of the inner one
     real mu_static, mu_sliding;
     real load;  // own weight [N/m], by which the law's constants are reckoned
 } InstrumentSurface;
 
-// Two rods that may touch, or one with itself. Which cells of a: those whose way from the hub, which instruments inside each
-// other share, is at least `from` and less than `until`, either counted from the length of a rod that is inside if that is named.
+// Two rods that may touch, or one with itself. Selects cells of a: those whose arc length from the hub, which instruments inside
+// each other share, is at least `from` and less than `until`. If a rod inside is named, either counts from its length.
 typedef struct InstrumentPair {
     uint a, b;                   // rods
     uint touch;                  // SEL_TOUCH_*
@@ -62,7 +62,7 @@ typedef struct InstrumentSlot {
     uint cells, pad;   // of one with itself: how many
 } InstrumentSlot;
 
-// What one slot of a cell carries from step to step, and what it last exerted. In `contact`: slip and friction are those on a,
+// State of one slot of a cell from step to step, with its last force. In `contact`: slip and friction are those on a,
 // `normal` points from b to a's side that is pushed, `triangle` is the edge of b, `point` is on b's surface.
 typedef struct InstrumentState {
     ContactState contact;
@@ -87,9 +87,9 @@ typedef struct InstrumentRow {
     real v[3], turn_a[3], turn_b[3], spin_a, spin_b;
 } InstrumentRow;
 
-// What one slot exerts, beside its points.
+// Force of one slot, beside its points.
 typedef struct InstrumentForce {
-    // friction, at the middle of what touches
+    // friction, at the middle of the contact
     real wa[3], da[3], wb[3], db[3];
     real n[3], turn[3];
     InstrumentRow force, along, across;  // what it exerts on a; directions of the slip and across it

@@ -1,5 +1,5 @@
-// Eight numbers side by side, for loops that a device does not turn into vectors by itself: OpenCL's vector types on one side,
-// the compiler's on the other. The same operators do the same operations on both, and a comparison gives a mask for `m ? a : b`.
+// Eight numbers side by side, for loops that a device does not vectorise: OpenCL's vector types on one side, the compiler's on
+// the other. The same operators do the same operations on both, and a comparison gives a mask for `m ? a : b`.
 // Eight lanes suit processors of 256 and 512 bits; a graphics card takes them one after another.
 #ifndef SEL_SHARED_LANES_H
 #define SEL_SHARED_LANES_H

@@ -1,4 +1,4 @@
-// What the laws of one contact point read: constants and motion of its quadrature point, and the launch.
+// Input of the laws of one contact point: constants and motion of its quadrature point, and the launch.
 #ifndef SEL_SHARED_LAW_CONTEXT_H
 #define SEL_SHARED_LAW_CONTEXT_H
 #include "shared/contact_types.h"

@@ -1,7 +1,7 @@
 // The published detection, per edge of wire between two control nodes: spheres at the nodes, three cases, dichotomy for the
-// touching length L', oriented layer L' x w x h on the wall side, layer against tree, and a ray from each candidate's centre
-// along its normal against the wire's cylinder (design section 3, steps 1-5). Kept faithful, with its own mesh dependence: it is
-// what is measured.
+// touching length L', oriented layer L' x w x h on the wall side. Then the layer is tested against the tree, and a ray from each
+// candidate's centre along its normal against the wire's cylinder. Kept faithful, with its own mesh dependence: this is
+// the measured method.
 //
 // Choices that the source leaves open, the same for every scene unless the user sets them:
 //   sphere     radius r + H: a contact whose overlap is a micrometre would be lost with r alone

@@ -1,21 +1,20 @@
-// Normal laws that do not let the wire sink in as the wall's own law does. All are per metre of wire, of depth = -gap.
+// Normal laws with little or no overlap, unlike the wall's own law. All are per metre of wire, of depth = -gap.
 //
 // Multipliers (augmented, constraint, impulse):
 //     f = max(0, lambda + k depth)                                                                                        (D8)
 // with lambda fixed while Newton solves; between two solves lambda <- f, until no lambda changes by more than k times the length
-// allowed (method of multipliers [Hestenes69; Powell69; Alart91; Simo92]). Where lambda has settled, either f > 0 and |depth| is
-// within that length, or f = 0 and the gap is open: complementarity. k sets how fast that comes about, not where:
-//     k >= the wall's own tangent stiffness a hundredth of the radius deep,
-//     k >= 10 rho A / h^2: in a step h the inertia of a free wire gives way less than the wall does. An overlap that is left to
-//     the next
+// allowed (method of multipliers [Hestenes69; Powell69; Alart91; Simo92]). Once lambda has settled, either f > 0 and |depth| is
+// within that length, or f = 0 and the gap is open: complementarity. k sets the speed of convergence, not the result:
+//     k >= the wall's own tangent stiffness at a depth of 0.01 radii,
+//     k >= 10 rho A / h^2: in a step h the inertia of a free wire is stiffer than the wall. An overlap that is left to the next
 //          step then shrinks by ten; with k h^2 / (rho A) < 1 a lambda carried from step to step would feed the bounce,
-//     k >= 2 lambda / reach: the force has faded before the wall is out of sight,
-// and a contact point whose miss has not shrunk to a quarter in a round gets four times its k. lambda starts at the force of the
-// last step: it lives on the wire's material quadrature point. Neither it nor f exceeds f_most, what the wall's law carries at
-// 0.95 of its pole, but for the wall's own stiffness times the depth, which keeps a wire in the middle: where there is no
-// solution without overlap (a lumen narrower than the wire) force stays bounded, and the overlap is what it is. The force of an
-// impact is no force to start the next step with. A miss of m leaves a free wire a speed of m / h, so that misses are held to 1
-// mm/s times h as well, or the wire would bounce off a lambda that has outlived its impact.
+//     k >= 2 lambda / reach: the force has faded before the wall is out of sight.
+// A contact point whose miss has not shrunk to 1/4 in a round gets four times its k. lambda starts at the force of the last step:
+// it lives on the wire's material quadrature point. Neither lambda nor f exceeds f_most, the force of the wall's law at 0.95 of its
+// pole, plus the wall's own stiffness times the depth, which keeps a wire in the middle. Without a solution free of overlap (a
+// lumen narrower than the wire) the force stays bounded, and the overlap remains. The force of an impact does not start the next
+// step. A miss of m leaves a free wire a speed of m / h, so misses are held to 1 mm/s times h as well; else the wire would bounce
+// off a lambda that has outlived its impact.
 //
 // `constraint` adds the tangential multiplier of sticking friction, -(2/3) k times the slip of this step, returned to the cone:
 // stuck is no slip at all, and no elastic slip is carried.

@@ -25,7 +25,7 @@ SEL_FN real least_stiffness(QuadratureModel m, ContactParams par, real force)
     return max_r(max_r(m.penalty_stiffness, 10 * m.line_mass * par.inv_dt * par.inv_dt), fades);
 }
 
-// State of a contact point at the start of a step, from what it exerted at the end of the last one.
+// State of a contact point at the start of a step, from its force at the end of the last one.
 SEL_FN MultiplierState multiplier_start(ContactState state, uint epoch, QuadratureModel m, ContactParams par)
 {
     MultiplierState multiplier = no_multiplier();

@@ -1,21 +1,21 @@
 // Normal law (D6b, D6c, D7) and its tangent.
 //
-// Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) h(depth), clamped at 0, where the rate over the step is
-// (depth - depth_t0) / dt: f is then a growing function of depth alone, so a step minimises a convex energy. The hardening
+// Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) h(depth), clamped at 0. The rate over the step is
+// (depth - depth_t0) / dt, so f is a growing function of depth alone, and a step minimises a convex energy. The hardening
 //     h = 1 / (1 - depth/depth_max)                              wall's own law: it stiffens from the surface on
-//     h = 1                                                      to depth_exact: a law given by the user is what was given,
+//     h = 1                                                      to depth_exact: a law from the user holds exactly,
 //       = 1 + depth_max/(depth_max - depth_exact) x^2/(1 - x),   x = (depth - depth_exact)/(depth_max - depth_exact), beyond
 // makes the law a barrier: whatever pushes, there is an equilibrium short of depth_max. Both have the same pole,
-// depth_max/(depth_max - depth) to first order; f and its slope are continuous. From 0.999 depth_max f goes on as its tangent, so
-// that a start in overlap can be solved; `BLOCKED` says that a trial went beyond that and deeper than it was: with moves shorter
-// than the lumen is wide no wall is ever passed.
+// depth_max/(depth_max - depth) to first order; f and its slope are continuous. From 0.999 depth_max f continues as its tangent, so
+// that a start in overlap can be solved; `BLOCKED` marks a trial that went beyond that and deeper than before. With moves
+// shorter than the lumen's width no wall is ever passed.
 #ifndef SEL_SHARED_NORMAL_LAW_H
 #define SEL_SHARED_NORMAL_LAW_H
 #include "shared/contact_types.h"
 
 SEL_BEGIN
 
-#define SEL_HARDENING_END ((real)0.999)  // fraction of depth_max from which the law goes on as its tangent
+#define SEL_HARDENING_END ((real)0.999)  // fraction of depth_max from which the law continues as its tangent
 #define SEL_BLOCKED_AT ((real)0.9995)    // fraction of depth_max beyond which a deepening trial is refused
 
 SEL_FN real depth_power(real depth, real exponent)

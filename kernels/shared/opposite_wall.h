@@ -1,9 +1,9 @@
 // The opposite wall of a narrow lumen, and the planes that the nearest facet of the own side is joined with (smooth_maximum.h).
 //
-// Which facets are of the one side and which of the other is told by an axis: a facet whose normal looks against it, by more than
-// a fifth, is of the other side. The axis is the normal of contact point 0 when contact begins, and its last normal from then on:
-// it stands still during a step, so that the forces of both sides are continuous even where the lumen is as narrow as the wire
-// and walls all round push at once. A fifth: the walls of a box, at right angles, are of one side whatever rounding says.
+// An axis distinguishes the facets of both sides: a facet whose normal points against it, by more than 0.2, is of the other side.
+// The axis is the normal of contact point 0 when contact begins, and its last normal from then on. It is constant during a step, so
+// that the forces of both sides are continuous even in a lumen as narrow as the wire, where walls all round push at once. A fifth:
+// the walls of a box, at right angles, are of one side whatever rounding says.
 #ifndef SEL_SHARED_OPPOSITE_WALL_H
 #define SEL_SHARED_OPPOSITE_WALL_H
 #include "shared/smooth_maximum.h"
@@ -47,8 +47,8 @@ SEL_FN void take_opposite(ContactPoint* second, ContactBall ball, uint t, Facing
     second->to_wall = -facing.v;
 }
 
-// Of the other side is only what lies beyond this along `side`: a triangle so far on the own side, all of it, is within the limit
-// as far as it is reached [m].
+// The other side is everything beyond this along `side`: a triangle so far on the own side, all of it, is within the limit as far
+// as it is reached [m].
 SEL_FN real surely_own_height(const ContactPoint* first, ContactBall ball)
 {
     return max_r(first->limit, 0) * (1 + SEL_TIE) * (ball.radius + ball.reach);

@@ -1,8 +1,8 @@
-// What OpenCL C 1.2 and C++20 agree on, so that one header serves kernels and their host references.
+// The common part of OpenCL C 1.2 and C++20, so that one header serves kernels and their host references.
 //
 // `real` is the arithmetic of the kernels: double where the device has fp64 (default), float with SEL_FLOAT32.
-// Gaps must be right to 0.01 um in vessels of 0.3 m, so wire points come as hi (float) + lo (real) and everything is computed
-// relative to a float origin near the segment: a difference of two floats is rounded once, to 6e-8 of its own (millimetre) size.
+// Gaps must be right to 0.01 um in vessels of 0.3 m. So wire points come as hi (float) + lo (real), and everything is computed
+// relative to a float origin near the segment. A difference of two floats is rounded once, to 6e-8 of its own (millimetre) size.
 #ifndef SEL_SHARED_PORTABLE_H
 #define SEL_SHARED_PORTABLE_H
 

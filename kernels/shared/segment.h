@@ -1,4 +1,4 @@
-// Is a triangle within a distance of a segment? And the boxes that can be left out.
+// Tests whether a triangle is within a distance of a segment, and which boxes can be skipped. And the boxes that can be left out.
 #ifndef SEL_SHARED_SEGMENT_H
 #define SEL_SHARED_SEGMENT_H
 #include "shared/tree_types.h"

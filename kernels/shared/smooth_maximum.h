@@ -1,9 +1,9 @@
 // Depth where facets meet in a valley. There the nearest point jumps from one facet to another; the depth is a smooth maximum
 // over facets of different normals,
 //     depth = depth_0 + sum_j max(0, eps_j - (depth_0 - depth_j))^2 / (4 eps_j),   eps_j = smoothing r |n_j - n_0|,
-// whose width vanishes with the angle between them. Bias at most eps/4 for each plane that is within eps. A plane counts once,
-// with the nearest of its triangles (else a valley would push with as many as it is cut into), and that of the nearest point
-// never: there n_j would be tilted by nothing but the edge's offset.
+// whose width vanishes with the angle between them. Bias at most eps/4 for each plane that is within eps. A plane counts once, with
+// the nearest of its triangles (else a valley would push as often as it is cut into triangles). The plane of the nearest point
+// never counts: there only the edge's offset would tilt n_j.
 #ifndef SEL_SHARED_SMOOTH_MAXIMUM_H
 #define SEL_SHARED_SMOOTH_MAXIMUM_H
 #include "shared/contact_gap.h"

@@ -7,7 +7,7 @@
 //
 // and from the ends of the rod to the first and last middle it is straight. One coordinate, `at`, runs along it: at = i at node
 // i, i + 1/2 at the middle of edge i, t = at - i + 1/2. Material coordinates of the curve are the same spline of those of the
-// nodes, so that a point of the curve is a point of the material, with weights that do not change while the nodes stand.
+// nodes. So a point of the curve is a point of the material, with constant weights while the nodes do not change.
 #ifndef SEL_SHARED_SPLINE_H
 #define SEL_SHARED_SPLINE_H
 #include "shared/portable.h"
@@ -65,7 +65,7 @@ SEL_FN vec3 node_at(SplineView rod, uint i)
     return make_vec3(rod.position[3 * i], rod.position[3 * i + 1], rod.position[3 * i + 2]);
 }
 
-// sum of weight times node. Nodes without weight are not looked at.
+// sum of weight times node. Nodes without weight are skipped.
 SEL_FN vec3 spline_sum(SplineView rod, uint node, const real* weight)
 {
     vec3 sum = make_vec3(0, 0, 0);
@@ -83,8 +83,9 @@ SEL_FN real spline_material(SplineView rod, real at)
     return s;
 }
 
-// Spins of the first two of a place's nodes, those of the two edges whose middles it lies between: their shares by the way between these,
-// which are in the derivative's weights. (The spin of the edge that a point lies on would jump as the point slides from one to the next.)
+// Spins of the first two of a place's nodes, those of the two edges whose middles it lies between. Their weights, by the position
+// between these, are the derivative's. (The spin of the edge that a point lies on would jump as the point slides from one to the
+// next.)
 SEL_FN real first_spin(const real* d) { return -d[0]; }
 SEL_FN real second_spin(const real* d) { return d[2]; }
 
@@ -204,8 +205,8 @@ SEL_FN int closest_on_piece(SeenPiece piece, real low, real high, real* place)
     return 0;
 }
 
-// Newton's method on -(x - c) . c' = 0, downhill from `start`, no farther than an edge at once; what it has seen of the sign
-// holds it, so that it cannot go round in circles where the curvature jumps. @param low, high  of what is allowed
+// Newton's method on -(x - c) . c' = 0, downhill from `start`, by at most an edge at once. Known signs bracket the solution, so it
+// cannot run in circles where the curvature jumps. @param low, high  of the permitted range
 SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real high)
 {
     Closest found;

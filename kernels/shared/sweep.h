@@ -1,5 +1,5 @@
-// Continuous detection: how far a ball goes along a straight line before it meets a triangle. Closed forms for face, edges and
-// vertices [Ericson05, sec. 5.5.6]; a ball that moves apart from what it touches already is free.
+// Continuous detection: the free path of a ball along a straight line before it meets a triangle. Closed forms for face, edges and
+// vertices [Ericson05, sec. 5.5.6]; a ball that moves away from a feature in contact is free.
 #ifndef SEL_SHARED_SWEEP_H
 #define SEL_SHARED_SWEEP_H
 #include "shared/contact_gap.h"
@@ -16,8 +16,8 @@ SEL_FN real first_root(real A, real B, real C, real most)
     return min_r(C / (sqrt(root) - B), most);
 }
 
-// p: the ball's centre, move: its way; relative to the same origin as tri. boundary features: see contact_gap.h. What lies behind
-// a facet is not held up by it, but by its boundary feature.
+// p: the ball's centre, move: its path; relative to the same origin as tri. boundary features: see contact_gap.h. A facet does not
+// stop a point behind it; its boundary feature does.
 SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint boundary)
 {
     real most = 1;
@@ -49,13 +49,13 @@ SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint bo
     return most;
 }
 
-// Fraction of the straight way of a quadrature point from `base` to `trial` that is free of the wall near it (1: all).
+// Fraction of the straight path of a quadrature point from `base` to `trial` that is free of the wall near it (1: all).
 SEL_FN real sweep_point(AxisPoint base, AxisPoint trial, real radius, NearWallView near)
 {
     const vec3 move = (trial.origin - base.origin) + (trial.offset - base.offset);
     real free_way = 1;
     if (!(dot3(move, move) > 0)) return free_way;
-    // all that the ball can meet is within its radius and half the way of the way's middle
+    // all that the ball can meet is within its radius and half the path of the path's middle
     const vec3 middle = base.offset + (real)0.5 * move;
     const real range = (1 + SEL_WALK_MARGIN) * (radius + (real)0.5 * sqrt(dot3(move, move)));
     Walk walk;

@@ -1,4 +1,4 @@
-// Closest point of a triangle to a point, and what feature it lies on.
+// Closest point of a triangle to a point, and its feature.
 #ifndef SEL_SHARED_TRIANGLE_H
 #define SEL_SHARED_TRIANGLE_H
 #include "shared/portable.h"
@@ -33,7 +33,7 @@ SEL_FN Triangle load_triangle(SEL_GLOBAL const float* vertices, uint t, vec3 ori
     #define SEL_FLAT 1e-12
 #endif
 
-// Nearest point of the three edges, for triangles that have no face to speak of.
+// Nearest point of the three edges, for degenerate triangles without a face.
 SEL_FN vec3 closest_on_edges(vec3 p, Triangle tri, int* feature)
 {
     vec3 best = tri.a;
@@ -99,7 +99,7 @@ SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
     return tri.a + (vb * inv) * ab + (vc * inv) * ac;
 }
 
-// Squared distance from p to the triangle's box: no more than that to the triangle, at a third of the work.
+// Squared distance from p to the triangle's box: no more than that to the triangle, at 1/3 of the work.
 SEL_FN real triangle_box_distance2(vec3 p, Triangle tri)
 {
     const real x = max_r(max_r(min_r(min_r(tri.a.x, tri.b.x), tri.c.x) - p.x, p.x - max_r(max_r(tri.a.x, tri.b.x), tri.c.x)), 0);

@@ -1,8 +1,8 @@
 // Walks through small subtrees of the wall's tree (below nodes not much larger than the wire is thick), leaf by leaf, in the
-// tree's own order. A quadrature point keeps a list of the tree's nodes near it; what is asked of the wall at every evaluation
-// walks through these alone, and leaves out what is too far. So the lists are as long, and an evaluation as many box tests deep,
-// for three million triangles as for thirty thousand (a few more levels), and what is found is the same as if every triangle
-// below the listed nodes had been looked at, in the same order.
+// tree's own order. A quadrature point keeps a list of the tree's nodes near it. Every evaluation walks through these alone, and
+// leaves out distant ones. So the lists are as long for three million triangles as for thirty thousand, and an evaluation as many
+// box tests deep (a few more levels). Results are the same as if every triangle below the listed nodes had been tested, in the
+// same order.
 #ifndef SEL_SHARED_WALK_H
 #define SEL_SHARED_WALK_H
 #include "shared/triangle.h"
@@ -65,7 +65,7 @@ SEL_FN int slab_beyond(vec3 p, TreeNode leaf, vec3 origin, real range)
     return aside2 > 0 && aside2 * aside2 > 4 * rho2 * left2;
 }
 
-// What is looked for: all within `range` of p that, unless it is within `shell`, reaches beyond p along `side`.
+// Target of the search: all within `range` of p that, unless it is within `shell`, reaches beyond p along `side`.
 typedef struct WallQuery {
     vec3 p, origin;  // p relative to origin
     real range, shell;
@@ -108,7 +108,7 @@ SEL_FN int next_leaf(Walk* walk, NearWallView near, WallQuery query, TreeNode* l
     }
 }
 
-// The next triangle of the leaves that the query asks for, which may become narrower as the walk goes on. @return found one
+// The next triangle of the leaves that the query needs, whose range may become narrower during the walk. @return found one
 SEL_FN int next_triangle(Walk* walk, NearWallView near, WallQuery query, uint* t)
 {
     if (walk->triangle == walk->end) {

@@ -1,8 +1,8 @@
-// Whether a point of the axis has gone through the wall since the step began.
+// Tests whether a point of the axis has gone through the wall since the step began.
 //
-// A sharp fold of a mesh, narrower than a quadrature point moves in a step, may be entered without a trial that touches it from the
-// front: the nearest facet is then seen from behind, pushes nobody, and the point would stay inside. Its way since the start of the
-// step tells it from one that left through an opening or never was in this lumen: that way crosses the wall from front to back, net.
+// A quadrature point may enter a sharp fold of a mesh, narrower than its move in a step, without a trial that touches it from the
+// front. The nearest facet is then seen from behind, pushes nobody, and the point would stay inside. Its path since the start of the
+// step tells it from one that left through an opening or never was in this lumen: that path crosses the wall from front to back, net.
 #ifndef SEL_SHARED_WALL_CROSSING_H
 #define SEL_SHARED_WALL_CROSSING_H
 #include "shared/walk.h"

@@ -6,13 +6,13 @@ _NAMES = {2: "bad scene", 3: "bad file", 4: "stopped", 5: "no device", 6: "not f
 
 
 class Error(RuntimeError):
-    """What the command would print in one line: where, what was expected, what to do.
+    """The command's error in one line: place, expected value, fix.
 
     Attributes
     ----------
     code : int
-        The command's exit code (docs/command-line.md): 2 the scene or what was asked is wrong, 3 a file is missing or
-        unusable, 4 the simulation stopped, 5 no usable OpenCL device, 6 nothing meets what `plan` was asked for.
+        The command's exit code (docs/command-line.md): 2 the scene or the request is wrong, 3 a file is missing or unusable, 4
+        the simulation stopped, 5 no usable OpenCL device, 6 no model meets the request of `plan`.
 
     Examples
     --------

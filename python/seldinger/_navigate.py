@@ -1,4 +1,4 @@
-"""The task of seldinger/Navigate-v0: its settings, its targets, and the systems of a world that its environments are made of."""
+"""The task of seldinger/Navigate-v0: its settings, its targets, and the worlds behind its environments."""
 
 from __future__ import annotations
 
@@ -26,43 +26,43 @@ class Navigate:
     Attributes
     ----------
     scene, overrides
-        What is simulated: see `seldinger.World`; `overrides` as a dict.
+        The scene: see `seldinger.World`; `overrides` as a dict.
     target
         A branch of the arch, "left-subclavian", "left-carotid" or "brachiocephalic"; "branch:k", the k-th from the root of any
         centreline; or a point [3] [m].
     target_depth, target_radius : float
-        How far along the branch from where it leaves the target lies, and how near the tip must come to it [m].
+        Distance of the target along the branch from its origin, and the distance at which the tip has arrived [m].
     rate : float
         Controls a second [1/s]. A control takes round(1 / (rate dt)) steps of the scene's dt.
     advance_rate, turn_rate : float
-        Of an action of 1 [m/s], [rad/s].
+        Speeds of an action of 1 [m/s], [rad/s].
     least_advance, start_advance : float, (float, float)
-        The hub goes no farther back than the first [m]; an episode starts somewhere between the other two, turned by any angle.
+        The first is the smallest advance of the hub [m]. An episode starts between the other two, turned by any angle.
     starts, start_seed : int
-        How many starts there are, and what they are drawn with: episodes to evaluate on have another seed than those to learn from.
+        Number of starts, and their seed. Use different seeds for training and for evaluation.
     max_steps : int
         Controls after which an episode is truncated.
     observation : tuple of str
-        Parts that are seen, of "tip", "ahead", "shape", "hand", "wall", "hub" (see `NavigateEnv`).
+        Parts of the observation, from "tip", "ahead", "shape", "hand", "wall", "hub" (see `NavigateEnv`).
     flat : bool
         A Box of all parts instead of a Dict.
     shape_points, shape_spacing, ahead_points, ahead_spacing
-        How many points of the wire behind its tip and of the way before it are seen, and how far apart [m].
+        Number and spacing [m] of observed points: on the wire behind its tip, and on the path ahead.
     progress, success, time, force : float
-        Reward: per metre of the way covered; for arriving; per control; per newton of wall force above `wall_force_limit`.
+        Reward: per metre of path covered; for arrival; per control; per newton of wall force above `wall_force_limit`.
     wall_force_limit : float
         [N].
     hand_force_stop : float or None
-        An episode ends (terminated) when the hand feels more [N].
+        An episode ends (terminated) at a larger hand force [N].
     vary
-        Domain randomisation in the sweep's syntax (`seldinger.sweep`), of keys that systems of one world may differ in: the wire,
-        friction, the feed; and of the vessel, each of which is a world of its own. Environment i of the vector form has variant i
-        modulo their number; alone it is `variant`, or drawn anew at each reset where that is None.
+        Domain randomisation in the sweep's syntax (`seldinger.sweep`), of keys that may differ between systems of one world:
+        the wire, friction, the feed. The vessel may vary too; each has its own world. Environment i of the vector form has
+        variant i modulo their number. A single environment has `variant`; if that is None, it draws one at each reset.
     image : "fluoroscopy", callable or None
-        A picture for the policy, added to the Dict as "image": what an X-ray shows, 8 bits of `World.fluoroscopy` (its quantum noise
-        drawn by the start and the control: the same seed, the same bits); or image(world, system) -> uint8 array of `image_shape`.
+        A picture for the policy, added to the Dict as "image": 8 bits of `World.fluoroscopy` (its quantum noise is seeded by
+        the start and the control: the same seed gives the same bits); or image(world, system) -> uint8 array of `image_shape`.
     image_shape, image_c_arm, image_field
-        (rows, columns); where the C-arm stands, "LAO 30, CRA 15" (None: as the scene says); width of its detector [m].
+        (rows, columns); position of the C-arm, "LAO 30, CRA 15" (None: the scene's); width of its detector [m].
     """
 
     scene: SceneLike = "navigate"
@@ -151,7 +151,7 @@ _ARCH = ("left-subclavian", "left-carotid", "brachiocephalic")  # from the diaph
 
 
 def target_point(world: World, target: Union[str, Sequence[float]], depth: float) -> np.ndarray:
-    """Where a target lies [3] [m]."""
+    """Position of a target [3] [m]."""
     if not isinstance(target, str):
         point = np.asarray(target, float)
         if point.shape != (3,) or not np.isfinite(point).all():
@@ -168,12 +168,12 @@ def target_point(world: World, target: Union[str, Sequence[float]], depth: float
 
 
 def vessel_of(overrides: Sequence[str]) -> tuple[str, ...]:
-    """Those of a variant's overrides that all systems of a world share."""
+    """The overrides of a variant that all systems of a world share."""
     return tuple(o for o in overrides if o.startswith("vessel."))
 
 
 class Fleet:
-    """Systems of one world with their hubs: what the environments, alone and vector, are made of. Their vessel is one."""
+    """Systems of one world with their hubs, behind single and vector environments. They share a vessel."""
 
     def __init__(self, task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> None:
         self.task, self.count = task, len(variants)
@@ -239,7 +239,7 @@ class Fleet:
         return kept
 
     def begin(self, s: int, start: int) -> None:
-        """System s goes to a start."""
+        """Puts system s to a start."""
         state, hubs, seen, measured = self.kept[s][start]
         self.world._world.restore(state, s)
         self.hubs[s * self.wires:(s + 1) * self.wires] = hubs
@@ -299,7 +299,7 @@ class Fleet:
         return seen, spaces.Box(-1.0, 1.0, (2 * self.wires,), np.float32)
 
     def images(self) -> np.ndarray:
-        """Of every system, [systems, *image_shape] uint8."""
+        """Pictures of every system, [systems, *image_shape] uint8."""
         task = self.task
         if task.image == "fluoroscopy":
             frames = (self.started << 32) + self.elapsed
@@ -321,7 +321,7 @@ class Fleet:
 
 
 class Fleets:
-    """Environments whose vessels differ: a fleet for each vessel, and the same face as of one."""
+    """Environments with different vessels: a fleet for each vessel, with the interface of one fleet."""
 
     def __init__(self, task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> None:
         groups: dict[tuple[str, ...], list[int]] = {}
@@ -392,12 +392,12 @@ class Fleets:
 
 
 def fleet_of(task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> Union[Fleet, Fleets]:
-    """One world where the vessel is one."""
+    """A fleet for one vessel, or fleets for several."""
     return (Fleet if len({vessel_of(v) for v in variants}) == 1 else Fleets)(task, variants, device)
 
 
 def task_seed(task: Navigate) -> list[int]:
-    """What the starts are drawn with."""
+    """Seed of the starts."""
     return [0x5E1D, task.start_seed]
 
 
@@ -405,7 +405,7 @@ _STARTS: dict[str, list[tuple[Any, ...]]] = {}  # of the last few tasks, by what
 
 
 def starts_of(task: Navigate, overrides: Sequence[str]) -> list[tuple[Any, ...]]:
-    """Starts of one variant, made in a world of its own, so that alone and in a vector they are the same bits."""
+    """Starts of one variant. A separate world makes them, so a single and a vector environment have the same bits."""
     key = repr((task.scene, sorted(task.overrides.items()), task.target, task.target_depth, task.rate, task.advance_rate,
                 task.start_advance, task.starts, task.start_seed, task.shape_points, task.shape_spacing, task.ahead_points,
                 task.ahead_spacing, list(overrides)))

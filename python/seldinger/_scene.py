@@ -24,17 +24,16 @@ def assets() -> Path:
 
 
 class Scene:
-    """A scene as text, with the place that its relative paths start from.
+    """A scene as text, with the folder for its relative paths.
 
     Parameters
     ----------
     scene : str, path, dict or Scene
-        The name of one that comes with the package ("aortic-arch"), a file, TOML text (with a line break in it), or the same as a
-        dict.
+        A name of the package ("aortic-arch"), a file, TOML text (with a line break), or the same as a dict.
     set : list of str
-        Overrides as of the command's --set, "table.key=value".
+        Overrides as in the command's --set, "table.key=value".
     **overrides
-        The same as keywords: `contact__mu_sliding=0.1` or `**{"contact.mu_sliding": 0.1}`; values are Python's.
+        The same as keywords: `contact__mu_sliding=0.1` or `**{"contact.mu_sliding": 0.1}`; with Python values.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Many runs, the planner and the chart, by the same library as the command's."""
+"""Batches, the planner and the chart, by the library of the command."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ def sweep(vary: Any, seed: int = 0) -> list[list[str]]:
 
 
 def batch(scene: SceneLike, vary: Any, *, set: Sequence[str] = (), device: int = -1, **overrides: Any) -> dict[str, np.ndarray]:
-    """Runs a scene many times with keys varied, as systems of shared worlds; each run has the bits that it has alone.
+    """Runs a scene many times with varied keys, as systems of shared worlds. Each run has the bits of a single run.
 
     Returns
     -------
     dict of arrays [runs]
         The columns of the command's results.csv: `run`, the varied keys, `status`, numbers in SI, `state_hash`.
-        `pandas.DataFrame(table)` takes it as it is.
+        `pandas.DataFrame(table)` accepts it.
 
     Examples
     --------
@@ -69,28 +69,28 @@ def plan(scene: SceneLike, tolerance: float, *, force_tolerance: float = 0.0, fo
          peak_force_tolerance: float = 0.0, peak_force_is_relative: bool = True, rate: float = 0.0, budget: float = 120.0,
          out: str | os.PathLike[str] = "planned.toml", set: Sequence[str] = (), device: int = -1,
          **overrides: Any) -> dict[str, Any]:
-    """The cheapest model that is good enough for a scene, as the command's `plan --json` says it.
+    """The cheapest model that meets a tolerance for a scene, as the output of `plan --json`.
 
     Parameters
     ----------
     tolerance : float
-        How far the wire may be off, root mean square over the run [m].
+        Largest error of the wire, root mean square over the run [m].
     force_tolerance : float
-        How far the hand force may be off: a share, or [N] with `force_is_relative=False`; 0: not asked.
+        Largest error of the hand force: a fraction, or [N] with `force_is_relative=False`; 0: no limit.
     peak_force_tolerance : float
-        How far the largest hand force, friction and force per length (20 ms means) may be off: a share of each, or [N] with
-        `peak_force_is_relative=False` (of a force per length on one diameter of the wire); 0: not asked.
+        Largest error of the peaks of hand force, friction and force per length (20 ms means): a fraction of each, or [N] with
+        `peak_force_is_relative=False` (for force per length: on one diameter of the wire); 0: no limit.
     rate : float
-        Steps a second that must keep up with real time; 0: not asked.
+        Steps per second, each computed in real time; 0: no limit.
     budget : float
         Wall time [s].
     out : path
-        The scene file that is written.
+        The scene file to write.
 
     Raises
     ------
     Error
-        Code 6: nothing meets what was asked; the message says what comes nearest.
+        Code 6: no model meets the request; the message has the nearest one.
     """
     given = Scene(scene, set=set, **overrides)
     return json.loads(_engine.plan(given.text, given.file, given.overrides, float(tolerance), float(force_tolerance),
@@ -107,7 +107,7 @@ def chart(scenes: Sequence[str] = (), *, quick: bool = True, dir: str | os.PathL
     scenes : list of str
         Names of built-in benchmarks or scene files; none: all.
     dir : path
-        Where runs are kept, so that a chart that was interrupted goes on; without it they are not kept.
+        Folder for finished runs, from which an interrupted chart continues; without it nothing is kept.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Worlds, controls and what is read of them."""
+"""Worlds, controls and readings."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from ._scene import Scene, SceneLike
 
 _FLAGS = {"halved": 1, "not_converged": 2, "wall_far": 4, "wall_penetration": 8, "non_finite": 16, "best_effort": 32, "energy": 64}
 _ADVICE = {
-    64: "energy comes from nowhere; make scene.dt_s smaller, or leave integrator.beta and gamma out",
-    16: "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller",
+    64: "the simulation gained energy; make scene.dt_s smaller, or leave integrator.beta and gamma out",
+    16: "a value is not finite; check the wire's stiffness and density, make scene.dt_s smaller",
     2: "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower",
 }
 
 
 class StepReport(NamedTuple):
-    """How the steps of one call went; the worst of all.
+    """Report on the steps of one call; the worst of all.
 
-    Fields: `flags` (bits, see `names`), `newton_iterations` and `sub_steps` (of the worst step), `steps` (taken: fewer than asked
-    for where one failed).
+    Fields: `flags` (bits, see `names`), `newton_iterations` and `sub_steps` (of the worst step), `steps` (taken: fewer than
+    requested if one failed).
     """
 
     flags: int
@@ -34,7 +34,7 @@ class StepReport(NamedTuple):
 
     @property
     def failed(self) -> bool:
-        """Whether a step could not be made; the state before it was kept."""
+        """Whether a step failed; the state before it was kept."""
         return bool(self.flags & (2 | 16 | 64))
 
     @property
@@ -44,12 +44,12 @@ class StepReport(NamedTuple):
 
     @property
     def message(self) -> str:
-        """What to do about a failure; empty where there is none."""
+        """The fix for a failure; empty if there is none."""
         return next((text for bit, text in _ADVICE.items() if self.flags & bit), "")
 
 
 class Control:
-    """What is asked of the hubs in one call of `World.step`. An instrument that nothing is asked of stays.
+    """Input of the hubs in one call of `World.step`. An instrument without input stays.
 
     Examples
     --------
@@ -64,7 +64,7 @@ class Control:
 
     def move_to(self, instrument: Union[int, str] = 0, advance: float = 0.0, turn: float = 0.0) -> "Control":
         """At the end of the call the hub of `instrument` (an index or a name) has `advance` [m] of wire pushed in and is turned by
-        `turn` [rad], right-handed about the direction of insertion. It goes there steadily."""
+        `turn` [rad], right-handed about the direction of insertion. The speed is constant."""
         self.targets[instrument] = (float(advance), float(turn))
         return self
 
@@ -73,7 +73,7 @@ _MOST_COPIES = 65536
 
 
 def _overrides_of(copies: Any) -> list[list[str]]:
-    """What `copies` asks for, a list for each system."""
+    """The overrides of `copies`, a list for each system."""
     wanted = "expected a list of overrides for each system, as [[], []] or [[]] * 8"
     if isinstance(copies, (str, bytes, Mapping)) or not isinstance(copies, Iterable):
         raise TypeError(f"copies: got {copies!r:.60}; {wanted}")
@@ -100,12 +100,12 @@ class World:
     scene : str, path, dict or Scene
         See `Scene`.
     set : list of str
-        Overrides as of the command's --set.
+        Overrides as in the command's --set.
     device : int
         OpenCL device as `seldinger.devices()` lists them; -1: the default.
     copies : list of list of str
-        Several systems in one world, stepped by one launch for all: a list of overrides of each. They may differ in their
-        instruments, feeds and coefficients of contact. Each has the bits that it would have alone.
+        Several systems in one world, stepped by one launch for all: a list of overrides for each. They may differ in their
+        instruments, feeds and coefficients of contact. Each has the bits of a single world.
     **overrides
         Keys of the scene, `wire__nodes=41` or `**{"wire.nodes": 41}`.
 
@@ -120,7 +120,7 @@ class World:
     (3, 0.005)
     >>> world.close()
 
-    Threads may share a world: calls wait for each other, and let other Python threads run meanwhile. A world does not survive a
+    Threads may share a world: calls wait for each other, and other Python threads run during a call. A world does not survive a
     fork; use multiprocessing's "spawn".
     """
 
@@ -137,7 +137,7 @@ class World:
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
         self._settled = False
 
-    # -- what it is ---------------------------------------------------------------------------------------------------
+    # -- description ---------------------------------------------------------------------------------------------------
 
     @property
     def dt(self) -> float:
@@ -146,7 +146,7 @@ class World:
 
     @property
     def duration(self) -> float:
-        """How long the scene goes on [s]."""
+        """Duration of the scene [s]."""
         return self._duration
 
     @property
@@ -161,12 +161,12 @@ class World:
 
     @property
     def systems(self) -> int:
-        """How many systems there are: 1, or the number of `copies`."""
+        """Number of systems: 1, or the number of `copies`."""
         return self._systems
 
     @property
     def model(self) -> dict[str, str]:
-        """What was on and why, "name": "value (reason)", as in summary.json."""
+        """The model and the reasons for it, "name": "value (reason)", as in summary.json."""
         return dict(self._world.model())
 
     @property
@@ -176,7 +176,7 @@ class World:
 
     @property
     def scene(self) -> str:
-        """The scene as TOML with every default written out; paths relative to the present folder."""
+        """The scene as TOML with every default; paths are relative to the current folder."""
         return self._world.scene_text(os.getcwd())
 
     @property
@@ -198,24 +198,24 @@ class World:
         ----------
         control
             None: the hubs follow the scene's key frames, as the command's `run` does. A `Control`; an array [2] (advance [m], turn
-            [rad]) of the first instrument, or [instruments, 2]; a dict {index or name: (advance, turn)}. The hubs go there
-            steadily over the n steps; those that are not named stay.
+            [rad]) of the first instrument, or [instruments, 2]; a dict {index or name: (advance, turn)}. The hubs move there at
+            constant speed over the n steps; hubs without input stay.
         n : int
-            How many steps. One that fails ends the call (in a world of several systems only its own system stops).
+            Number of steps. A failed one ends the call (in a world of several systems only its own system stops).
         dt : float
-            Length of a step [s]; the scene's where it is not given.
+            Length of a step [s]; default: the scene's.
 
         Returns
         -------
         StepReport
-            Numerical trouble is told here, never raised.
+            It reports numerical trouble, which is never raised.
 
         Raises
         ------
         Error
-            An instrument that is not there or is not fed, a value that is not finite or not on the wire; a world that is closed.
+            An instrument that does not exist or is not fed, a value that is not finite or not on the wire; a closed world.
         TypeError, ValueError
-            A control of another type or shape. The world is unchanged then.
+            A control of a wrong type or shape. The world is unchanged.
 
         Examples
         --------
@@ -242,7 +242,7 @@ class World:
         Raises
         ------
         Error
-            Code 4, where a step fails.
+            Code 4, if a step fails.
 
         Examples
         --------
@@ -279,8 +279,8 @@ class World:
 
     @property
     def output(self) -> "_engine.Output":
-        """What can be read of the present state; its arrays are read-only views without a copy, and stay as they are when the
-        world goes on or is gone.
+        """Readings of the present state. Its arrays are read-only views without a copy. They keep their values when the world
+        continues or is deleted.
 
         >>> import seldinger
         >>> nodes = seldinger.World("swing").output.nodes    # the world is gone already
@@ -295,11 +295,11 @@ class World:
         return self._world.time()
 
     def state_hash(self, system: int = -1) -> str:
-        """64-bit FNV-1a over every byte of the state as 16 hex digits, as `summary.json` has it; of one system, or of all."""
+        """64-bit FNV-1a over every byte of the state as 16 hex digits, as in `summary.json`; of one system, or of all."""
         return self._world.state_hash(int(system))
 
     def save(self, system: int = -1) -> "_engine.State":
-        """The state, every changing byte, of one system or of all. It can be pickled.
+        """The whole changing state, of one system or of all. It can be pickled.
 
         >>> import seldinger
         >>> world = seldinger.World("swing")
@@ -314,12 +314,12 @@ class World:
         return self._world.save(int(system))
 
     def restore(self, state: "_engine.State") -> None:
-        """Goes back to a saved state; what comes then has the same bits as after it was saved.
+        """Returns to a saved state. Later steps have the same bits as after the save.
 
         Raises
         ------
         Error
-            Code 3: not the state of such a world, which is unchanged then.
+            Code 3: not a state of such a world. The world is unchanged.
         """
         if not isinstance(state, _engine.State):
             raise TypeError(f"state: {type(state).__name__} given; what save() returned expected")
@@ -336,7 +336,7 @@ class World:
         legend : bool
             Text, scale bars and the magnified view of the tip.
         force_scale : float
-            Contact force at the top of the scale [N]; 0: round, above the strongest.
+            Contact force at the top of the scale [N]; 0: a round number above the largest force.
         camera : (eye, target, up)
             Points and a direction [m]; without it the camera shows the whole vessel.
 
@@ -353,26 +353,26 @@ class World:
     def fluoroscopy(self, width: int = 512, height: int = 512, *, system: int | Sequence[int] = 0, c_arm: str | None = None,
                     field: float | None = None, noise: bool = True, frame: int | Sequence[int] | None = None,
                     labels: bool = False, lumen: bool = False) -> Any:
-        """What an X-ray shows of the present state, [height, width] uint16 of 12 bits (docs/fluoroscopy.md), without a display.
+        """An X-ray picture of the present state, [height, width] uint16 of 12 bits (docs/fluoroscopy.md), without a display.
 
         Parameters
         ----------
         width, height : int
             In pixels.
         system : int or sequence of int
-            Of which system of several. Of a sequence the pictures are made in parallel: [systems, height, width].
+            The system, or several: their pictures are made in parallel, [systems, height, width].
         c_arm : str
             "LAO 30, CRA 15"; without it the scene's [carm] at the present time, LAO 0 by default. Tube, body, bones and contrast are
             the scene's.
         field : float
             Width of the detector [m].
         noise, frame
-            Quantum noise, drawn with the scene's seed and this number (one for each of a sequence of systems): the same picture for
-            the same; without it the step's.
+            Quantum noise, seeded by the scene's seed and `frame` (one for each of a sequence of systems); default: the step's
+            number. The same number gives the same picture.
         labels : bool
-            Return (picture, labels): what is true about the picture (docs/labels.md), a dict with the keys of a label file and arrays
-            in place of lists: `image`, `camera` (`projection` [3, 4] from scene metres to pixels), `instruments`, and `mask`
-            [height, width] uint8 (0 background, k instrument k). Of a sequence of systems a list of dicts.
+            Return (picture, labels): the ground truth of the picture (docs/labels.md), a dict with the keys of a label file and
+            arrays instead of lists: `image`, `camera` (`projection` [3, 4] from scene metres to pixels), `instruments`, and
+            `mask` [height, width] uint8 (0 background, k instrument k). For a sequence of systems, a list of dicts.
         lumen : bool
             With labels: `lumen_m` [height, width] float32 too, the vessel's thickness along each ray [m].
 
@@ -407,7 +407,7 @@ class World:
     # -- life ---------------------------------------------------------------------------------------------------------
 
     def close(self) -> None:
-        """Gives its memory back. Views of its output stay; anything else that is asked of it raises Error."""
+        """Frees its memory. Views of its output stay valid; any other use raises Error."""
         self._world.close()
 
     def __enter__(self) -> "World":

@@ -27,28 +27,29 @@ __all__ = ["Navigate", "NavigateEnv", "NavigateVectorEnv", "branches", "target_p
 
 
 class NavigateEnv(gymnasium.Env):
-    """Steer a wire to a target inside a vessel.
+    """Steers a wire to a target inside a vessel.
 
     Actions
-        Box(-1, 1, [2 instruments]): advance and turn of each hub, of `advance_rate` and `turn_rate`.
+        Box(-1, 1, [2 instruments]): advance and turn of each hub, as fractions of `advance_rate` and `turn_rate`.
 
     Observations (float32, within -10 ... 10), of the first instrument
-        tip [8]: way left / 0.1 m; off the centreline in radii of the lumen, along its normals n and b; the tip's direction along
-        (u, n, b), u the direction of the way; the side that the tip bends to, along n and b.
-        ahead [3 each]: points of the way before the tip, from the tip / 0.1 m, along its direction, its side, and across both.
-        shape [3 each]: points of the wire behind the tip: way from the tip's / 0.1 m, off the centreline in radii.
+        tip [8]: remaining path / 0.1 m; offset from the centreline in radii of the lumen, along its normals n and b; the tip's
+        direction along (u, n, b), u the direction of the path; the side to which the tip bends, along n and b.
+        ahead [3 each]: points of the path ahead, from the tip / 0.1 m, along its direction, its side, and across both.
+        shape [3 each]: points of the wire behind the tip: path from the tip / 0.1 m, offset from the centreline in radii.
         hand [2]: force / 0.5 N, torque / 1 N mm.   wall [2]: sum of normal forces / 0.5 N, contacts / 10.
         hub [3]: advance / 0.1 m, sine and cosine of the turn.
 
     Reward, termination, truncation
-        See `Navigate`: progress along the way, arrival, time, wall force. Terminated: arrived, or `hand_force_stop`. Truncated:
+        See `Navigate`: progress along the path, arrival, time, wall force. Terminated: arrived, or `hand_force_stop`.
+        Truncated:
         `max_steps`, or a step of the engine that failed (info["failed"]).
 
     info
         way, distance [m], hand_force, wall_force [N], hand_torque [N m], advance [m], turn [rad], time [s], failed, success.
 
     reset(seed=s)
-        The start is drawn by the seeded generator alone: the same seed, the same episode, bit for bit.
+        Only the seeded generator draws the start: the same seed gives the same episode, bit for bit.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 60}
@@ -74,7 +75,7 @@ class NavigateEnv(gymnasium.Env):
 
     @property
     def world(self) -> World:
-        """The world, to look at; stepping it changes the episode."""
+        """The world, for inspection; stepping it changes the episode."""
         return self._fleet.world
 
     def _observation(self) -> Any:
@@ -115,12 +116,12 @@ class NavigateEnv(gymnasium.Env):
 
 
 class NavigateVectorEnv(VectorEnv):
-    """`num_envs` environments as systems of one world (one for each vessel, where `vary` has several), one launch of each stage for all
-    of it; each has the bits that it has alone
-    (environment i: `NavigateEnv(variant=i % variants)`), resets included.
+    """`num_envs` environments as systems of one world (one for each vessel, where `vary` has several), with one launch of each
+    stage for all. Each has the bits of a single environment (environment i: `NavigateEnv(variant=i % variants)`), resets
+    included.
 
-    Autoreset: as `autoreset_mode` says, NEXT_STEP by default; DISABLED goes on with an
-    episode that has ended until reset(options={"reset_mask": [num_envs] bool}).
+    Autoreset: `autoreset_mode`, NEXT_STEP by default. DISABLED continues an ended episode until reset(options={"reset_mask":
+    [num_envs] bool}).
     """
 
     def __init__(self, num_envs: int = 1, autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
@@ -142,12 +143,12 @@ class NavigateVectorEnv(VectorEnv):
 
     @property
     def world(self) -> World:
-        """The world of all; where vessels differ (`vary`), that of the first."""
+        """The world of all environments; with several vessels (`vary`), that of the first."""
         return self._fleet.world
 
     @property
     def worlds(self) -> list[World]:
-        """One for each vessel."""
+        """Worlds, one for each vessel."""
         return self._fleet.worlds
 
     def _observation(self) -> Any:
@@ -172,7 +173,7 @@ class NavigateVectorEnv(VectorEnv):
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
               options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's own vectors."""
+        """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's vector environments."""
         seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed or [None] * self.num_envs
         if len(seeds) != self.num_envs:
             raise ValueError(f"seed: {len(seeds)} given, one or {self.num_envs} expected")
@@ -186,7 +187,8 @@ class NavigateVectorEnv(VectorEnv):
         return self._observation(), self._info()
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One control of all. With NEXT_STEP, the step after an episode's end begins the next one and ignores its action."""
+        """One control of all environments. With NEXT_STEP, the step after an episode's end begins the next one and ignores its
+        action."""
         ended = self._ended.copy()
         reward, terminated, truncated = self._fleet.act(self._fleet.check(actions, self.action_space.shape))
         final: dict[str, Any] = {}

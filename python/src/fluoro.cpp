@@ -43,7 +43,7 @@ struct Shot {
 
 #ifdef SEL_WITH_VIEW
 
-/// A picture, and what is true about it where that was asked for.
+/// A picture, with its ground truth on request.
 struct Taken {
     std::vector<std::uint16_t> grey;
     std::optional<PictureTruth> truth;

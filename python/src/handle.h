@@ -1,6 +1,6 @@
 #pragma once
-// A World as Python holds it: with its scenes, its key frames, a copy of what was last read, and a lock, so that threads may
-// share it.
+// A World as Python holds it: with its scenes, its key frames, a copy of the last readings, and a lock, so that threads may share
+// it.
 
 #include "scene/key_frames.h"
 #include "scene/scene.h"
@@ -13,7 +13,7 @@
 
 namespace seldinger::python {
 
-/// What is asked of one hub in a call of step().
+/// Input of one hub in a call of step().
 struct HubTarget {
     bool moves = false;            // else it stays
     double advance = 0, turn = 0;  // at the end of the call [m], [rad]
@@ -59,7 +59,7 @@ public:
     /// Per instrument: whether a step of the last call failed.
     [[nodiscard]] const std::vector<std::uint8_t>& failed() const { return failed_; }
     StepReport settle();
-    /// Of the present state; the same object until something changes.
+    /// Output of the present state; the same object until something changes.
     std::shared_ptr<const Output> output();
     SavedState save(int system);
     [[nodiscard]] std::string state_hash(int system) const;

@@ -11,7 +11,7 @@ namespace seldinger::python {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-// without NumPy's conversions: what has another type is refused by the package before it comes here
+// without NumPy's conversions: the package refuses other types before they come here
 using Reals = py::array_t<double, py::array::c_style>;
 
 /// seldinger.Error, set by the package; lives as long as the process.

@@ -1,4 +1,4 @@
-// Lays the ways to a target over a centreline and reads wires off against them.
+// Lays the paths to a target over a centreline and measures wires against them.
 #include "navigate.h"
 
 #include "core/parallel.h"

@@ -71,7 +71,7 @@ std::vector<Texts> sweep(const std::string& text, std::int64_t seed)
     return runs;
 }
 
-/// What both studies are told from time to time; the last signal's exception goes up when they have stopped.
+/// Progress reports to both studies; the last signal's exception is raised when they have stopped.
 struct Watch {
     bool interrupted = false;
     bool stop()
@@ -121,7 +121,7 @@ std::pair<std::string, std::string> chart(const Texts& scenes, const std::string
 
 #ifdef SEL_WITH_VIEW
 
-/// A renderer and what it was made for.
+/// A renderer and its settings.
 struct Picture {
     Renderer renderer;
     int width, height;

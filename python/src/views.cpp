@@ -1,4 +1,4 @@
-// Names, shapes and units of what can be read of a world.
+// Names, shapes and units of the readings of a world.
 #include "views.h"
 
 
@@ -114,7 +114,7 @@ void add_wire(py::class_<View>& c, Get get)
         "base_force", [get](const View& v) { return vector(get(v).readings.base_force); }, "[3] float64, N.");
     number("inserted", &WireReadings::inserted, "float, m: advance since the start.");
     number("turned", &WireReadings::turned, "float, rad: by the hub, right-handed about the direction of insertion.");
-    number("hand_force", &WireReadings::hand_force, "float, N: against the hand, + resists insertion.");
+    number("hand_force", &WireReadings::hand_force, "float, N: on the hand, + resists insertion.");
     number("hand_torque", &WireReadings::hand_torque, "float, N m.");
     number("wall_force", &WireReadings::normal, "float, N: sum of the normal contact forces' magnitudes.");
     number("friction_force", &WireReadings::friction, "float, N: sum of the friction forces' magnitudes.");
@@ -124,7 +124,7 @@ void add_wire(py::class_<View>& c, Get get)
     number("kinetic", &WireReadings::kinetic, "float, J.");
     number("elastic", &WireReadings::elastic, "float, J.");
     number("gravitational", &WireReadings::gravitational, "float, J.");
-    number("force_residual", &WireReadings::force_residual, "float, N: largest left on a free node.");
+    number("force_residual", &WireReadings::force_residual, "float, N: largest residual on a free node.");
     c.def_property_readonly(
         "contact_count", [get](const View& v) { return get(v).readings.contacts; }, "int.");
     const auto along = [&](const char* name, double ContactAlong::*value, const char* doc) {
@@ -132,16 +132,16 @@ void add_wire(py::class_<View>& c, Get get)
     };
     along("force_per_length", &ContactAlong::per_length_max,
           "float, N/m: largest load of the wall per length of wire, over `force_window` (docs/readings.md).");
-    along("force_window", &ContactAlong::window, "float, m: that force_per_length is taken over.");
+    along("force_window", &ContactAlong::window, "float, m: window of force_per_length.");
     along("patch_force", &ContactAlong::patch_force, "float, N: largest load of the wall on one patch of `force_patch`.");
     along("force_patch", &ContactAlong::patch, "float, m: length of the patch.");
-    along("contact_extent", &ContactAlong::extent, "float, m: lengths of the places with contact, gaps up to one window closed.");
+    along("contact_extent", &ContactAlong::extent, "float, m: total length of the regions in contact, gaps up to one window closed.");
     c.def_property_readonly(
         "contact_regions", [get](const View& v) { return get(v).on_wall.regions; },
-        "int: places in contact with the wall, apart by more than one window.");
+        "int: regions in contact with the wall, more than one window apart.");
     c.def_property_readonly(
         "energy", [get](const View& v) { return ledger(get(v).readings.energy); },
-        "dict of float, J: where energy came from and went.");
+        "dict of float, J: the energy balance.");
     c.def_property_readonly(
         "at_rest", [get](const View& v) { return get(v).at_rest; }, "bool.");
     c.def_property_readonly(
@@ -168,13 +168,13 @@ void bind_output(py::module_& module)
     py::class_<WireView> wire(module, "InstrumentOutput", "One instrument of an Output.");
     add_wire(wire, [](const WireView& v) -> const WireOutput& { return v.wire(); });
     wire.def_property_readonly(
-        "time", [](const WireView& v) { return v.wire().time; }, "float, s: where it stands.");
+        "time", [](const WireView& v) { return v.wire().time; }, "float, s: simulated time.");
     made_here_only(wire);
 
     py::class_<OutputView> output(
         module, "Output",
-        "What can be read of a world. Numbers and arrays without an instrument are the first one's. It stays "
-        "as it is when the world steps on or is gone.");
+        "Readings of a world. Numbers and arrays without an instrument are the first one's. They keep "
+        "their values when the world continues or is deleted.");
     add_wire(output, [](const OutputView& v) -> const WireOutput& { return v.data->wires.front(); });
     output.def_property_readonly(
         "time", [](const OutputView& v) { return v.data->time; }, "float, s.");
@@ -183,7 +183,7 @@ void bind_output(py::module_& module)
     output.def_property_readonly(
         "contacts", [](const OutputView& v) { return contacts(v.data); },
         "[c] structured: all contacts, sorted by (instrument, edge, element). A read-only view.");
-    output.def_property_readonly("walls", &walls, "list of dict, one per system whose wall yields.");
+    output.def_property_readonly("walls", &walls, "list of dict, one per system with an elastic wall.");
     output.def_property_readonly(
         "instruments",
         [](const OutputView& v) {

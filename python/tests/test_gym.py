@@ -71,7 +71,7 @@ def test_a_vector_is_its_environments(mode, vary):
 
 
 def test_steps_that_fail_are_told_alike():
-    # explicit steps of 4 ms are far beyond what is stable
+    # explicit steps of 4 ms are far above the stable length
     settings = {"starts": 2, "max_steps": 60, "flat": True, "start_advance": (0.002, 0.003), "least_advance": 0.0,
                 "overrides": {"integrator.scheme": "explicit"}}
     vector = seldinger.gym.NavigateVectorEnv(2, **settings)

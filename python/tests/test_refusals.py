@@ -170,7 +170,7 @@ def test_damaged_pickles_are_refused():
 
 
 def test_objects_without_contents_are_refused():
-    # each of these was a crash: in a process of its own
+    # each of these crashed once, so each runs in a separate process
     code = """
 import copy, pickle, seldinger
 from seldinger import _engine

@@ -12,7 +12,7 @@ TEST_SUITE("apps/chart")
         const AppResult unknown = run_app(folder, "chart --quick --scenes experiment3");
         CHECK(unknown.code == 2);
         CHECK(unknown.error_lines() == 1);
-        CHECK(unknown.err.find("did you mean \"experiment1\"?") != std::string::npos);
+        CHECK(unknown.err.find("the nearest is \"experiment1\"") != std::string::npos);
         CHECK(run_app(folder, "chart --scenes none.toml").code == 3);
         CHECK(run_app(folder, "chart --qick").code == 2);
         CHECK_FALSE(fs::exists(folder.path / "chart"));
@@ -26,7 +26,7 @@ TEST_SUITE("apps/chart")
                                              folder.path / "D" / "runs.csv", 2, SIGINT);
         CHECK(cut.code == 130);
         CHECK(cut.error_lines() == 1);
-        CHECK(cut.err.find("the same command goes on") != std::string::npos);
+        CHECK(cut.err.find("the same command continues") != std::string::npos);
         CHECK(cut.out.empty());
     }
 

@@ -302,7 +302,7 @@ TEST_SUITE("apps/farm")
         const FarmFolder folder;
         check_refused(folder, "farm s.toml --vary v.toml -o f --backend slurm --submit", 3, "no sbatch here", "PATH=/nowhere");
         CHECK_FALSE(fs::exists(folder.path / "f"));
-        check_refused(folder, "farm", 2, "of what?");
+        check_refused(folder, "farm", 2, "got no work");
         check_refused(folder, "farm s.toml -o f", 2, "--vary SWEEP.toml");
         check_refused(folder, "farm s.toml --vary v.toml", 2, "-o DIR");
         check_refused(folder, "farm s.toml --vary v.toml -o f --tasks 13", 2, "only 12 runs");

@@ -51,7 +51,7 @@ TEST_SUITE("apps/live")
         refuses(folder, "run t.toml --set wire.radius_m=0.0005 --replay s.record -o E", 2, "another scene");
         refuses(folder, "run t.toml --replay t.toml -o E", 3, "is no record");
         refuses(folder, "run t.toml --replay none.record -o E", 3, "none.record");
-        refuses(folder, "live t.toml --port 0 --udp 0 --duration 0.1 --record t.toml", 2, "is no record");
+        refuses(folder, "live t.toml --port 0 --udp 0 --duration 0.1 --record t.toml", 2, "is not a record");
         std::string other = slurp(folder.path / "s.record");
         const std::size_t at = other.find("\"version\":\"0");
         REQUIRE(at != std::string::npos);

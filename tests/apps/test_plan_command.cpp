@@ -13,7 +13,7 @@ namespace {
 /// A short tube scene whose wire is on the wall within its two samples.
 std::string touching_scene() { return tube_scene(0.07); }
 
-/// The same with a wall that yields.
+/// The same with an elastic wall.
 std::string soft_scene(double youngs, double support)
 {
     std::string text = touching_scene();
@@ -249,7 +249,7 @@ TEST_SUITE("apps/plan")
         text.replace(text.find("position = true"), 15, "position = true\nvelocity_m_s = [0.0, 0.0, 1e160]");
         folder.write("t.toml", text);
         const AppResult result = run_plan(folder, "t.toml --tolerance 1mm");
-        one_line(result, 4, "no model gets through this scene: 17 nodes");
+        one_line(result, 4, "no model completes this scene: 17 nodes");
         CHECK(result.err.find("blow-up") != std::string::npos);
         CHECK(result.err.find("411 nodes") != std::string::npos);
         CHECK_FALSE(fs::exists(folder.path / "planned.toml"));

@@ -68,7 +68,7 @@ TEST_SUITE("apps/render_command")
         check_refused(folder, "render run --view sideways", 2, "--view");
         check_refused(folder, "render run --view endoscopic --camera orbit", 2, "leave one of the two out");
         check_refused(folder, "render run --camera spin", 2, "orbit [DEGREES]");
-        check_refused(folder, "render run --view fluoro --camera orbit", 2, "not of an X-ray");
+        check_refused(folder, "render run --view fluoro --camera orbit", 2, "not for an X-ray picture");
         check_refused(folder, "render run --force-max 20", 2, "no unit");
         check_refused(folder, "render run --fps 10", 2, "--video");
         check_refused(folder, "render run -o folder.png", 3, "is a folder");

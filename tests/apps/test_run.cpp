@@ -222,7 +222,7 @@ force_n = [0.0, 0.0, 1.0]
             const auto summary = summary_of(folder.path / "D");
             CHECK((summary["wall_move_max_m"].get<double>() > 0.2 * 0.012) == far);
             CHECK(summary["wall_far_steps"] == (far ? 1 : 0));
-            CHECK((summary["warnings"].dump().find("a fifth of the lumen's radius") != std::string::npos) == far);
+            CHECK((summary["warnings"].dump().find("20 % of the lumen's radius") != std::string::npos) == far);
             const auto rows = csv_rows(folder.path / "D" / "trace.csv");
             const auto column = std::find(rows[0].begin(), rows[0].end(), "flags") - rows[0].begin();
             CHECK(rows.at(1).at(column) == (far ? "4" : "0"));

@@ -1,4 +1,4 @@
-// A wire that is drawn and turned fast along the dent that it makes in a wall that yields.
+// A wire that is drawn and turned fast along the dent that it makes in an elastic wall.
 
 #include "apps/app_fixture.h"
 

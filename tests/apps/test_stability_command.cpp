@@ -110,7 +110,7 @@ TEST_SUITE("apps/stability")
             run_and_signal(folder.path, {"stability", "--row", "F3", "-o", "D"}, folder.path / "D" / "stability.csv", 1, SIGINT);
         CHECK(cut.code == 130);
         CHECK(cut.error_lines() == 1);
-        CHECK(cut.err.find("the same command goes on") != std::string::npos);
+        CHECK(cut.err.find("the same command continues") != std::string::npos);
         CHECK(rows_of(folder) >= 1);
         CHECK(fs::exists(folder.path / "D" / "maps.json"));
     }

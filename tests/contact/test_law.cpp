@@ -127,7 +127,7 @@ TEST_SUITE("contact/law")
         const double k = line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, kf));
         CHECK(k == about(4.0 / 3 * kf * std::sqrt(2 * r)).epsilon(1e-12));
         const double weight = 7900 * pi * r * r * 9.81;
-        CHECK(std::abs(depth_under(weight, k, 1.5) - 0.5e-6) <= 0.05e-6);  // "0.5 um", design section 2
+        CHECK(std::abs(depth_under(weight, k, 1.5) - 0.5e-6) <= 0.05e-6);  // 0.5 um: docs/validation.md
         CHECK(std::abs(depth_under(1.0, k, 1.5) - 3.5e-6) <= 0.05e-6);     // "3.5 um"
         CHECK(line_stiffness(rod_side(r, 0), wall_side(2 * r, r, kf)) ==
               about(k * std::sqrt(2.0)).epsilon(1e-12));  // 1/r* = 1/r - 1/R
@@ -164,7 +164,7 @@ TEST_SUITE("contact/law")
         }
     }
 
-    // design section 9: force per metre = stiffness |depth|^n. The pole behind it lies at half the radius, as the wall's own
+    // force per metre = stiffness |depth|^n. The pole behind it lies at half the radius, as the wall's own
     // does.
     TEST_CASE("analytic: a stiffness given by the user is k depth^n to 0.4 radii, and a barrier at half the radius")
     {

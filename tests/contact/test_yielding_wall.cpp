@@ -1,4 +1,4 @@
-// A wire and a wall that yields, solved together: known solutions, limits, conservation, bits.
+// A wire and an elastic wall, solved together: known solutions, limits, conservation, bits.
 
 #include "core/parallel.h"
 #include "support/fed_world.h"

@@ -1,4 +1,4 @@
-// The rows of the other files again beside a wall that yields, of 0.1 and 1 MPa, and wires fed at 0.1 to 100 cm/s: inside the
+// The rows of the other files again beside an elastic wall, of 0.1 and 1 MPa, and wires fed at 0.1 to 100 cm/s: inside the
 // lumen where the wall has moved to, and no step without a solution. A few of them for every run of the tests; all of them, which
 // bench/wall_hard.py makes a table of, on demand.
 

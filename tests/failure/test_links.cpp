@@ -86,7 +86,7 @@ TEST_SUITE("failure/links")
         fs::rename(shared.path / "theirs", shared.path / "f/tasks/000000");
         const AppResult result = run_app(shared, "farm task f 0");
         CHECK(result.code == 3);
-        CHECK(result.err.find("holds what this farm did not put there") != std::string::npos);
+        CHECK(result.err.find("holds files of others") != std::string::npos);
         CHECK(slurp(shared.path / "f/tasks/000000/results.csv") == secret);
         CHECK(run_app(shared, "farm task f 1").code == 0);
         CHECK_FALSE(fs::exists(shared.path / "f/tasks/000001"));  // its own goes
@@ -149,7 +149,7 @@ TEST_SUITE("failure/links")
         folder.write("theirs", "");
         fs::create_directories(folder.path / "d");
         const auto refused = [&] {
-            return refusal([&] { (void)FileLock::of_folder(folder.path / "d"); }).find("is needed as a lock and is something else") != std::string::npos;
+            return refusal([&] { (void)FileLock::of_folder(folder.path / "d"); }).find("is not a lock file") != std::string::npos;
         };
         fs::create_hard_link(folder.path / "theirs", folder.path / "d/.lock");
         CHECK(refused());

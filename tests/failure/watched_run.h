@@ -1,5 +1,5 @@
 #pragma once
-// What the failure suite (design section 5, F1 ... F17) has in common: the two methods that are compared, and a run that is
+// What the failure suite (docs/failures.md, F1 ... F17) has in common: the two methods that are compared, and a run that is
 // watched step by step with the criteria of study/classify.h and, beside the engine's own readings, with the exact distance of
 // the axis to the wall.
 
@@ -44,7 +44,7 @@ struct Outcomes {
     double friction = 0;   // largest sum [N]
     double normal = 0;     // largest sum [N]
     long halved = 0;       // steps that were
-    long far = 0;          // steps in which a wall that yields has gone farther than its theory is good for
+    long far = 0;          // steps in which an elastic wall has gone farther than its theory is good for
     double wall_move = 0;  // farthest that it was found to have gone [m]
     int contacts = 0;      // most
     WireReadings end;      // of wire 0
@@ -85,7 +85,7 @@ private:
 /// One line: outcome, first steps of each failure, measured numbers.
 [[nodiscard]] std::string tell(const Outcomes& outcomes);
 
-/// Runs, a linearised method until it jams, and says what came of it, for docs/failures.md. @param row  of design section 5, "F1"
+/// Runs, a linearised method until it jams, and says what came of it, for docs/failures.md. @param row  of docs/failures.md, "F1"
 [[nodiscard]] Outcomes watch_row(const char* row, const TestSetup& setup, const Method& method, double dt, int steps);
 
 /// Makes the run count the work of a base that is turned, `angle` rad in each of the first `steps` steps, by the trapezoid as

@@ -230,7 +230,7 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({fed, {"feed.inlet=auto"}, "feed.point: contradicts inlet"});
         check_mistake(
             {good + "[feed]\ninlet = \"auto\"\nkeys = [{t_s = 0, advance_m = 0}]\n", {}, "feed.inlet: needs a [vessel]"});
-        check_mistake({good + "[[hold]]\nat = \"base\"\n", {}, "hold.0.position: this hold holds nothing"});
+        check_mistake({good + "[[hold]]\nat = \"base\"\n", {}, "hold.0.position: fixes nothing"});
         check_mistake({held, {"hold.0.turn=[[0, 0]]"}, "hold.0.turn: needs spin = true"});
         check_mistake(
             {good + "[[hold]]\nat = \"tip\"\nspin = true\nmove = [[0, 0, 0, 0]]\n", {}, "hold.0.move: needs position = true"});
@@ -286,7 +286,7 @@ TEST_SUITE("scene/scene_errors")
     {
         for (const std::string law : {"augmented", "constraint", "impulse", "barrier"}) {
             const std::string asked = "contact.normal=" + law, key = "contact.normal: \"" + law + "\"";
-            check_mistake({good, {asked, "contact.detection=layer"}, key + " lives on material samples"});
+            check_mistake({good, {asked, "contact.detection=layer"}, key + " needs material samples"});
             for (const std::string scheme : {"linearised", "explicit"})
                 check_mistake({good, {asked, "integrator.scheme=" + scheme}, key + " is solved by Newton's method"});
         }

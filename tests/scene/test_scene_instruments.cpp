@@ -165,7 +165,7 @@ TEST_SUITE("scene/scene_instruments")
             {"instrument.1.radius_m=6e-4", "instrument.1.radius_m: 0.0006 m is not below the lumen of \"catheter\", 0.0005 m"},
             {"instrument.0.lumen_radius_m=0.0", "instrument.1.radius_m: is to go into \"catheter\", which has no lumen"},
             {"instrument.1.name=catheter", "instrument.1.name: \"catheter\" is instrument 0 already"},
-            {"instrument.1.name=contacts", "instrument.1.name: \"contacts\" is what a run calls a file of its own"},
+            {"instrument.1.name=contacts", "instrument.1.name: \"contacts\" is the name of a run's own file"},
             {"instrument.1.name=\"a b\"", "instrument.1.name: expected 1 to 40 letters"},
             {"instrument.1.name=trace_catheter", "instrument.1.name: \"trace_catheter\" beside instrument 0, \"catheter\""},
             {"coaxial.order=[\"catheter\", \"wier\"]", "coaxial.order: no instrument is called \"wier\""},
@@ -211,11 +211,11 @@ TEST_SUITE("scene/scene_instruments")
             instrument("b", "length_m = 0.1\nradius_m = 5e-4\nplace = {base = [0.05, -0.05, Z], direction = [0.0, 1.0, 0.0]}\n") +
             beside;
         const auto at = [&](const std::string& z) { return std::string(crossing).replace(crossing.find('Z'), 1, z); };
-        CHECK(says(error_of(at("0.0")), "instrument.1.place: is where \"a\" is"));
+        CHECK(says(error_of(at("0.0")), "instrument.1.place: coincides with \"a\""));
         CHECK(error_of(at("0.001")).empty());
         const std::string fed =
             head + instrument("a", "length_m = 0.1\nradius_m = 5e-4\n") + feed(inlet, "{t_s = 0.0, advance_m = 0.05}") +
             instrument("b", "length_m = 0.1\nradius_m = 5e-4\n") + feed(inlet, "{t_s = 0.0, advance_m = 0.05}");
-        CHECK(says(error_of(fed), "instrument.1.feed: is where \"a\" is"));
+        CHECK(says(error_of(fed), "instrument.1.feed: coincides with \"a\""));
     }
 }

@@ -88,7 +88,7 @@ TEST_SUITE("step/feed")
             ++splits;
             const double before = mean_force(trace, k - 20, k), after = mean_force(trace, k, k + 20);
             CAPTURE(k);
-            CHECK(std::abs(after - before) <= std::max(0.01 * std::abs(before), 1e-3));  // design section 1
+            CHECK(std::abs(after - before) <= std::max(0.01 * std::abs(before), 1e-3));  // 1 % of the force, at least 1 mN
             largest = std::max(largest, std::abs(before));
             // momentum: mass of 0.05 mm of wire times the feed's speed comes with every step; a split adds none
             const double mass_rate = 7900 * std::numbers::pi * 0.4445e-3 * 0.4445e-3;

@@ -122,11 +122,11 @@ TEST_SUITE("step/requests")
         refuses(Control().move_to(0, -1e-3, 0), 1e-3, "advance is -0.001 m");
         refuses(Control().move_to(0, 0.01, not_a_number), 1e-3, "turn is nan rad");
         refuses(Control().move_to(1, 0.01, 0), 1e-3, "control: instrument 1: is not fed");
-        refuses(Control().move_to(2, 0.01, 0), 1e-3, "control: instrument 2: is not there, expected an index below 2");
+        refuses(Control().move_to(2, 0.01, 0), 1e-3, "control: instrument 2: index out of range; expected below 2");
         refuses(Control().follow(0, backwards), 1e-3, "key 1 is at 1 s, expected times that increase");
         refuses(Control().follow(0, lost), 1e-3, "advance is nan m");
         CHECK(message_of([] { Control().move_to(-1, 0, 0); }).find("instrument -1") != std::string::npos);
-        CHECK(message_of([] { Control().follow(0, {}); }).find("a way without keys") != std::string::npos);
+        CHECK(message_of([] { Control().follow(0, {}); }).find("a path without keys") != std::string::npos);
         REQUIRE_FALSE(step(world, 1e-3).failed());  // and goes on
         CHECK(world.state_hash() != before);
     }

@@ -115,7 +115,7 @@ TEST_SUITE("study/chart")
     TEST_CASE_FIXTURE(ChartFixture, "property: a wrong name is refused before anything runs, and the nearest is named")
     {
         options.scenes = {"elastika"};
-        CHECK_THROWS_WITH_AS((void)make_chart(options), doctest::Contains("did you mean \"elastica\"?"), Error);
+        CHECK_THROWS_WITH_AS((void)make_chart(options), doctest::Contains("the nearest is \"elastica\""), Error);
         options.scenes = {"none.toml"};
         CHECK_THROWS_WITH_AS((void)make_chart(options), doctest::Contains("none.toml"), Error);
         CHECK_FALSE(std::filesystem::exists(options.dir));

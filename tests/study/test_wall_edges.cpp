@@ -1,4 +1,4 @@
-// Which control edges a study tries on a wall that yields.
+// Which control edges a study tries on an elastic wall.
 
 #include "study/simulation.h"
 #include "study/wall_edges.h"

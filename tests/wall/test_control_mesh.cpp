@@ -351,7 +351,7 @@ TEST_SUITE("wall/control_mesh")
         refused(winged, "but 1 of its edges belong to three triangles or more, the first at (");
         WallMesh mixed = tube;
         flip(mixed, 500);
-        refused(mixed, "has to have two sides, but at (");
+        refused(mixed, "must have two sides, but at (");
         WallMesh two = tube;
         append(two, sphere(0.002, Vec3(0.02, 0, 0), 1));
         (void)repair(two);  // the sphere's triangles have their own corners
@@ -365,7 +365,7 @@ TEST_SUITE("wall/control_mesh")
     {
         CHECK_NOTHROW(check_control_edge(0.02, 0.003));
         const std::string message = message_of([] { check_control_edge(0.02, 1e-5); }, ExitCode::BadScene);
-        CHECK(message.find("vessel.wall_edge_m: 1e-05 m makes about 2.3e+08 vertices, whose factor takes ") == 0);
+        CHECK(message.find("vessel.wall_edge_m: 1e-05 m makes about 2.3e+08 vertices, whose matrix factor takes ") == 0);
         const WallMesh tube = make_tube(tube_spec(0.01, 0.05, 2000)).mesh;
         ControlMeshSpec spec;
         spec.edge = 1e-6;

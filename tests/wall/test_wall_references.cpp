@@ -1,4 +1,4 @@
-// A wall that yields against independent solutions, from scene text to what a run reads: the cases of bench/validate_wall.py that
+// An elastic wall against independent solutions, from scene text to what a run reads: the cases of bench/validate_wall.py that
 // are small. Expected numbers are of the shared reference case 14_elastic_wall: E = 1 MPa, nu = 0.45, h = 1.5 mm, R = 12 mm, k_s
 // = 1e6 Pa/m [Hetenyi 1946; Timoshenko & Woinowsky-Krieger, sec. 57, 114; Koiter-Sanders shell]. Tolerances are that case's, 2 %
 // and 3 % under pressure, with control edges of a third to half of the decay length.

@@ -1,5 +1,5 @@
 #pragma once
-// The C-arm: where source and detector are, and where a point lands.
+// The C-arm: places of source and detector, and the projection of a point.
 //
 // Patient axes (L, P, H) = left, back, head, origin at the isocentre. p primary angle (LAO +), s secondary (CRA +), both of the
 // detector's position [DICOM PS3.3 C.8.7.5.1.2]:

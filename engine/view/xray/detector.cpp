@@ -12,7 +12,7 @@
 namespace seldinger {
 namespace {
 
-/// Of a Gaussian cut off at four standard deviations, from its middle outwards; both sides sum to 1.
+/// Weights of a Gaussian cut off at four standard deviations, from its middle outwards; both sides sum to 1.
 std::vector<float> gaussian(double pixels)
 {
     if (pixels < 0.05) return {1.0f};

@@ -1,5 +1,5 @@
 #pragma once
-// From what arrives to a 12-bit picture: quantum noise, blur, grey levels.
+// From the arriving energy to a 12-bit picture: quantum noise, blur, grey levels.
 
 #include "view/xray/exposure.h"
 

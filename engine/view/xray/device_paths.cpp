@@ -80,7 +80,7 @@ struct Turning {
     [[nodiscard]] double at(int k, double u, double v) const { return c[k] + u * du[k] + v * dv[k]; }
 };
 
-/// What does not change from ray to ray of a piece.
+/// Constants of a piece for all rays.
 struct PieceRays {
     Turning ray;  // per metre of depth
     Turning from;  // from the piece's beginning to the ray at the piece's mean depth, so that no digits are lost over the source's distance
@@ -198,7 +198,7 @@ bool columns_in(const Piece& p, int row, int count, int& first, int& last)
     return true;
 }
 
-/// Whether the pixel is near enough to the shadow's axis to be looked at.
+/// Whether the pixel is near enough to the shadow's axis to be computed.
 bool near_axis(const Piece& p, int row, int column)
 {
     const double ex = p.at[1].column - p.at[0].column, ey = p.at[1].row - p.at[0].row;
@@ -212,7 +212,7 @@ bool near_axis(const Piece& p, int row, int column)
 // grid would take an edge along the rows for covered from 7/16 on.
 constexpr int cover_side = 7;
 
-/// What one row of pixels is covered by of one device.
+/// Coverage of one row of pixels by one device.
 struct RowCover {
     std::vector<std::uint64_t> rays;  // [columns] bits of those that meet it
     std::vector<float> nearest;       // [columns] depth of its nearest surface [m]

@@ -1,10 +1,10 @@
 #pragma once
-// How far each pixel's ray runs inside wires and catheters, as the mean over the pixel's area.
+// Length of each pixel's ray inside wires and catheters, as the mean over the pixel's area.
 //
-// An instrument is a chain of tapered cylinders cut at the planes that halve its kinks. A ray's chord of a cylinder of radius r
-// at the distance d, at the angle psi, is L = 2 sqrt(r^2 - d^2)/sin psi; of a taper it is the root of the cone's quadratic. A
-// pixel is an n x n grid of rays, n so that 24 rays at least cross the thickness (the midpoint rule misses a half circle by under
-// 0.3 % then): a wire thinner than a pixel has the right sum wherever it lies.
+// An instrument is a chain of tapered cylinders cut at the planes that halve its kinks. A ray's chord of a cylinder of radius r at
+// the distance d, at the angle psi, is L = 2 sqrt(r^2 - d^2)/sin psi. For a taper it is the root of the cone's quadratic. A pixel
+// is an n x n grid of rays, with n so that at least 24 rays cross the thickness (the midpoint rule then misses a half circle by
+// under 0.3 %). So a wire thinner than a pixel has the right sum wherever it lies.
 
 #include "view/xray/c_arm.h"
 

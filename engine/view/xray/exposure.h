@@ -1,5 +1,5 @@
 #pragma once
-// What arrives at the detector before it is read.
+// Energy at the detector before it is read.
 
 #include <cstddef>
 #include <vector>

@@ -73,13 +73,13 @@ struct FluoroFiles {
 /// The arm's angles at a time. No keys: as they are
 void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time);
 
-/// What is injected, in the vessel with this centreline.
+/// The bolus, in the vessel with this centreline.
 [[nodiscard]] Bolus make_bolus(const Centreline& centreline, const FluoroOptions::Injection& injection);
 
-/// The bones' mesh, mended. @throws Error BadFile
+/// The bones' mesh, repaired. @throws Error BadFile
 [[nodiscard]] WallMesh load_bone(const FluoroOptions& options);
 
-/// Draws the frames asked for and writes what was asked for, view after view: of several, NAME_v1, NAME_v2 ... in place of NAME.
+/// Draws the chosen frames and writes the chosen files, view after view: with several views, NAME_v1, NAME_v2 ... in place of NAME.
 /// Each picture depends on its own files, its view's options and the seed alone. With a preview only that is written.
 /// @param views  at least one; frames and files are those of the first
 /// @throws Error BadFile, BadScene

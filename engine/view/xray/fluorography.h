@@ -1,5 +1,5 @@
 #pragma once
-// One run as a fluoroscope looks at it, frame by frame.
+// One run for a fluoroscope, frame by frame.
 
 #include "view/labels.h"
 #include "view/xray/detector.h"
@@ -10,7 +10,7 @@ namespace seldinger {
 
 class Fluorography {
 public:
-    /// @param options  must outlive it. @param contrast  whether what they inject is there. @throws Error BadFile, BadScene
+    /// @param options  must outlive it. @param contrast  whether their contrast medium is there. @throws Error BadFile, BadScene
     Fluorography(const std::filesystem::path& dir, const FluoroOptions& options, bool contrast);
 
     [[nodiscard]] const RunFolder& run() const { return run_; }
@@ -20,12 +20,12 @@ public:
     /// Looks at a frame as the C-arm stands at `time`.
     void look(std::size_t index, double time);
 
-    /// Where everything of the frame that was looked at is, without a mask.
+    /// Places of everything in the current frame, without a mask.
     [[nodiscard]] PictureTruth located() const;
     /// With the mask. @param vessel  whether the lumen's thickness too
     [[nodiscard]] PictureTruth truth(bool vessel) const;
 
-    /// The picture of the frame that was looked at; it stands until the next. @param stream  that its noise is drawn with
+    /// The picture of the current frame; valid until the next. @param stream  that its noise is drawn with
     const std::vector<float>& picture(std::uint64_t stream)
     {
         return detector_.read(scope_.exposure(), options_.noise ? std::optional(stream) : std::nullopt);

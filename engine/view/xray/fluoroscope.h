@@ -5,7 +5,7 @@
 // a scene without a vessel, the body). Iodine adds c (mu/rho)_I to the blood. Scatter is not modelled: the contrast of a perfect
 // grid.
 // Body, bones and vessel are traced and their energies summed once for a view; a picture sums again only the rays that an
-// instrument or iodine is in. It is the same picture whatever was looked at before.
+// instrument or iodine is in. The picture does not depend on earlier pictures.
 
 #include "view/xray/beam.h"
 #include "view/xray/bolus.h"
@@ -21,7 +21,7 @@ class Fluoroscope {
 public:
     explicit Fluoroscope(std::vector<SpectrumLine> beam);
 
-    // What stays: each forgets what was traced of it before.
+    // Constant parts; each call discards the traces of the part before.
     void set_view(const CArm& arm);
     /// @param wall  normals into the lumen; openings are closed. Empty: no vessel
     void set_wall(const WallMesh& wall);
@@ -38,7 +38,7 @@ public:
     [[nodiscard]] const Exposure& exposure();
     /// -ln(I/I_0) of that.
     [[nodiscard]] std::vector<float> line_integrals();
-    /// Of the vessel, along each pixel's ray [rows x columns] [m]; zero without one.
+    /// Thickness of the vessel along each pixel's ray [rows x columns] [m]; zero without one.
     [[nodiscard]] std::vector<float> lumen_thickness() const;
     /// Median of I/I_0 over the middle quarter of the detector without instruments and contrast: what an exposure is set by.
     [[nodiscard]] double reference();

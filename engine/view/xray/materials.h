@@ -1,7 +1,7 @@
 #pragma once
-// How strongly matter attenuates X-rays: mu(E) = rho sum_i w_i (mu/rho)_i(E), of elements by xraylib [Schoonjans11,
-// doi:10.1016/j.sab.2011.09.011], whose total cross-sections are NIST's (XCOM) with every edge where it is: never interpolated
-// across one.
+// Attenuation of X-rays by matter: mu(E) = rho sum_i w_i (mu/rho)_i(E), of elements by xraylib [Schoonjans11,
+// doi:10.1016/j.sab.2011.09.011]. Its total cross-sections are NIST's (XCOM) with every edge in place: never interpolated across
+// one.
 
 #include <string>
 #include <utility>
@@ -35,9 +35,9 @@ namespace materials {
 [[nodiscard]] const Material& tungsten_polymer();  // of jackets: polyurethane with 50 % of its mass tungsten
 }  // namespace materials
 
-/// What a section of an instrument is made of, judged by its density, which is kept: from 15000 kg/m^3 on platinum alloy, from
-/// 7000 stainless steel, from 5500 nitinol; below that a catheter (with a lumen) is polymer with barium sulphate, a wire polymer
-/// with tungsten around a nitinol core, of which the shares of nitinol and polymer are those that give the density.
+/// Material of a section of an instrument, judged by its density, which is kept: from 15000 kg/m^3 on platinum alloy, from 7000
+/// stainless steel, from 5500 nitinol. Below that a catheter (with a lumen) is polymer with barium sulphate. A wire is polymer with
+/// tungsten around a nitinol core, in the proportions that give the density.
 [[nodiscard]] Material instrument_material(double density, bool has_lumen);
 
 /// `first` and `second` by share of the volume of the second.

@@ -104,7 +104,7 @@ Bands deal_faces(const WallMesh& mesh, const std::vector<Corners::Place>& places
     return bands;
 }
 
-/// a x + b y + c >= 0 on the inner side of an edge; what lies on it is inside where it is a top or a left one.
+/// a x + b y + c >= 0 on the inner side of an edge; a point on a top or a left edge is inside.
 struct Edge {
     std::int64_t a, b, c;
     Edge(const Corner& p, const Corner& q) : a(p.y - q.y), b(q.x - p.x), c(-a * p.x - b * p.y)
@@ -148,7 +148,7 @@ Rows columns_of(const Edge (&edges)[3], int row, Rows box)
     return box;
 }
 
-/// What one band of rows writes into.
+/// Output of one band of rows.
 struct Band {
     int first, last;  // rows
     std::vector<std::int16_t> crossings;
@@ -244,7 +244,7 @@ std::vector<Hit> sorted_hits(const Band& band, int columns)
     return sorted;
 }
 
-/// Pairs what was met along each ray. Where lumens overlap a stretch counts as often as it is inside.
+/// Pairs the hits along each ray. Where lumens overlap a stretch counts as often as it is inside.
 std::vector<PathInterval> pair_hits(const CArmView& view, const Band& band)
 {
     const std::vector<Hit> hits = sorted_hits(band, view.columns);
