@@ -89,7 +89,7 @@ ExitCode export_model(const Options& options, RenderOptions& what)
         write(file, model);
         written.emplace_back(file);
     }
-    if (!options.frames.quiet) print_paths(written);
+    if (!options.frames.quiet) print_files({written, {}});
     return ExitCode::Done;
 }
 #endif
@@ -116,9 +116,9 @@ ExitCode render(const Options& options)
     set_look(options, what);
     if (!options.gltf.empty() || !options.usd.empty()) return export_model(options, what);
     FrameWatch watch;
-    const auto paths = render_run(options.dir, what, watch.progress());
+    const PictureFiles files = render_run(options.dir, what, watch.progress());
     if (options.frames.quiet) return ExitCode::Done;
-    print_paths(paths);
+    print_files(files);
     if (what.legend && what.labels.empty() && what.preview.empty() && !legend_fits(width, height))
         note(fmt::format("seldinger: note: {}x{} has no room for scale and legend (400x288 has, or 288x360)\n", width, height));
     return ExitCode::Done;

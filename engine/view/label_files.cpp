@@ -109,10 +109,11 @@ std::string label_json(const PictureTruth& truth, const std::string& picture)
     return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-bool labels_exist(const FrameChoice& choice, const fs::path& picture)
+bool labels_exist(const FrameChoice& choice, const fs::path& picture, bool depth)
 {
     return choice.labels.empty() ||
            (is_there(choice, name_of(picture, ".json")) && is_there(choice, name_of(picture, "_mask.png")) &&
+            (!depth || is_there(choice, name_of(picture, "_depth.npy"))) &&
             (!choice.label_vessel || is_there(choice, name_of(picture, "_lumen.png"))));
 }
 
