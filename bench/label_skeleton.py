@@ -4,14 +4,14 @@
     python3 bench/label_skeleton.py LABELS [--instrument K]
 
 LABELS is a folder of `render --labels`; K the number of the instrument in the masks (default: the last, which is the innermost). Needs
-numpy, scikit-image and Pillow. Three measures, each as mean, 95 % and worst:
+numpy, scikit-image (with scipy) and Pillow. Three measures, each as mean, 95 % and worst:
 
 - thinned: each pixel of skimage.morphology.skeletonize to the nearest point of the centreline. It has whole pixels only.
 - middle: the same from the middles of the mask's runs of pixels across the instrument (along rows where it is steep, else columns).
 - reached: each point of the centreline to the nearest pixel of the thinned skeleton; half the step between two pixels is in it.
 
-Left out: a width and a pixel around both ends and around the border (a flat end's corners make spurs), and places where the line comes
-within two widths of another part of itself: there the masks of the two run together.
+Left out: a width and a pixel around both ends and around the border (a flat end's corners make spurs), and places where another part
+of the line, in a loop or a sharp bend, is so near that their masks run together.
 """
 
 import argparse
@@ -20,6 +20,7 @@ import pathlib
 
 import numpy as np
 from PIL import Image
+from scipy.spatial import KDTree
 from skimage.morphology import skeletonize
 
 
@@ -30,29 +31,23 @@ def resample(line, step=0.1):
 
 
 def nearest(points, others):
-    """Index and distance of the nearest of `others`, by blocks."""
-    index, distance = [], []
-    for block in np.array_split(points, max(1, len(points) // 500)):
-        square = ((block[:, None] - others[None]) ** 2).sum(2)
-        index.append(square.argmin(1))
-        distance.append(np.sqrt(square.min(1)))
-    return np.concatenate(index), np.concatenate(distance)
+    """Index and distance of the nearest of `others`."""
+    distance, index = KDTree(others).query(points)
+    return index, distance
 
 
-def run_middles(on):
-    """[n, 2] column, row of the middles of runs along the rows of `on`."""
+def run_middles(on, longest):
+    """[n, 2] column, row of the middles of runs along the rows of `on`, without those of more pixels: they cross two parts of a bend."""
     edge = np.diff(np.pad(on.astype(int), ((0, 0), (1, 1))), axis=1)
     (row, first), (_, after) = np.nonzero(edge == 1), np.nonzero(edge == -1)
-    return np.c_[(first + after - 1) / 2, row]
+    return np.c_[(first + after - 1) / 2, row][after - first <= longest]
 
 
 def lonely(line, at, reach):
-    """Whether each point of the line is away from all parts of it that are not beside it."""
-    alone = np.ones(len(line), bool)
-    for k in range(0, len(line), 5):
-        near = np.hypot(*(line - line[k]).T) < reach
-        alone[k:k + 5] = not np.any(near & (np.abs(at - at[k]) > 2 * reach))
-    return alone
+    """Whether no other part of the line, which comes back in a bend or a crossing, is within reach of each point."""
+    some, along = line[::5], at[::5]
+    near = KDTree(some).query_ball_point(line, reach)
+    return np.array([np.all(np.abs(along[k] - at[i]) <= 1.5 * np.maximum(1, np.hypot(*(some[k] - line[i]).T))) for i, k in enumerate(near)])
 
 
 def measure(file, number):
@@ -66,7 +61,7 @@ def measure(file, number):
     width = 2 * instrument["radius_m"] * np.linalg.norm(p[0, :3]) / (p[2] @ middle)
     away = width + 1
     inside = np.all((line > away) & (line < np.array(mask.shape[::-1]) - 1 - away), axis=1)
-    use = inside & (at > away) & (at < at[-1] - away) & lonely(line, at, 2 * width + 2)
+    use = inside & (at > away) & (at < at[-1] - away) & lonely(line, at, width + 1.5)
 
     def kept(points):
         index, distance = nearest(points, line)
@@ -78,7 +73,8 @@ def measure(file, number):
         return None
     middles = []
     direction = np.abs(np.gradient(line, axis=0))
-    for points, steep in ((run_middles(mask), 1), (run_middles(mask.T)[:, ::-1], 0)):
+    longest = np.sqrt(2) * width + 1  # at 45 degrees
+    for points, steep in ((run_middles(mask, longest), 1), (run_middles(mask.T, longest)[:, ::-1], 0)):
         index, distance = kept(points)
         middles.append(distance[direction[index, steep] >= direction[index, 1 - steep]])
     return width, kept(skeleton)[1], np.concatenate(middles), nearest(line[use], skeleton)[1]
