@@ -53,31 +53,31 @@ def test_the_commands_picture(command, tmp_path):
 def test_labels_are_those_of_the_command(command, tmp_path):
     run, labels = tmp_path / "run", tmp_path / "labels"
     scene = seldinger.assets() / "scenes" / "aortic-arch.toml"
-    subprocess.run([command, "run", str(scene), "-o", str(run), "--quiet", "--set", "scene.duration_s=0.5", "--set", "output.contacts_every=500",
+    subprocess.run([command, "run", str(scene), "-o", str(run), "--quiet", "--set", "scene.duration_s=2", "--set", "output.contacts_every=500",
                     "--set", "output.wire_every=500", "--set", "scene.record_every=500"], check=True)
-    subprocess.run([command, "render", str(run), "--view", "fluoro", "--c-arm", "LAO 30", "--size", "96x96", "--labels", str(labels),
+    subprocess.run([command, "render", str(run), "--view", "fluoro", "--c-arm", "LAO 30", "--size", "512x512", "--field", "0.5", "--labels", str(labels),
                     "--label-vessel", "--quiet"], check=True)
     theirs = json.loads((labels / "fluoro.json").read_text())
-    world = seldinger.World(scene, scene__duration_s=0.5)
+    world = seldinger.World(scene, scene__duration_s=2)
     world.run()
-    picture, ours = world.fluoroscopy(96, 96, c_arm="LAO 30", labels=True, lumen=True)
-    assert picture.shape == (96, 96) and ours["step"] == theirs["step"] and ours["time_s"] == pytest.approx(theirs["time_s"])
+    picture, ours = world.fluoroscopy(512, 512, c_arm="LAO 30", field=0.5, labels=True, lumen=True)
+    assert picture.shape == (512, 512) and ours["step"] == theirs["step"] and ours["time_s"] == pytest.approx(theirs["time_s"])
     assert ours["image"] == {key: value for key, value in theirs["image"].items() if key != "file"}
     for key, value in theirs["camera"].items():
         assert ours["camera"][key] == pytest.approx(np.array(value), rel=1e-9, abs=1e-12), key
     (wire,), (file,) = ours["instruments"], theirs["instruments"]
     assert wire["name"] == file["name"] and wire["in_field"].tolist() == file["in_field"]
-    # the run's files are in single precision: 1e-7 of places, and 1e-3 pixel where a pixel is 3 mm
+    # the run's files are in single precision: 1e-7 of places, and 1e-3 pixel where a pixel is 0.7 mm
     for key, near in (("radius_m", 1e-7), ("tip_m", 1e-6), ("centreline_m", 1e-6), ("tip_px", 1e-3), ("centreline_px", 1e-3)):
         assert wire[key] == pytest.approx(np.array(file[key]), abs=near), key
     for key in ("hand_force_n", "hand_torque_nm"):
         assert wire[key] == pytest.approx(file[key], rel=1e-5, abs=1e-9), key
-    assert len(file["contacts"]) == len(wire["contacts"]["force_n"])
+    assert 0 < len(file["contacts"]) == len(wire["contacts"]["force_n"])
     for key in ("position_m", "position_px", "force_n"):
         assert wire["contacts"][key] == pytest.approx(np.array([c[key] for c in file["contacts"]]).reshape(-1, 2 if key == "position_px" else 3), abs=1e-3)
     point = ours["camera"]["projection"] @ [*wire["tip_m"], 1.0]
     assert abs(point[:2] / point[2] - wire["tip_px"]).max() < 1e-6
-    assert ours["mask"].max() == 1 and np.mean(ours["mask"] != png(labels / "fluoro_mask.png")) < 1e-3
+    assert np.sum(ours["mask"]) > 50 and np.sum(ours["mask"] != png(labels / "fluoro_mask.png")) <= 2  # edges within 1e-3 of half a pixel
     thickness = png(labels / "fluoro_lumen.png")
     assert thickness.max() > 10000  # an aorta
     assert np.percentile(abs(np.minimum(1e6 * ours["lumen_m"], 65535) - thickness), 99) < 2

@@ -140,10 +140,10 @@ TEST_SUITE("apps/labels")
     {
         const LabelRun folder;
         const std::string words = "render run --view fluoro --size 64x64 --frames 4:4 --no-noise ";
-        REQUIRE(run_app(folder, words + "-o plain.png --c-arm \"LAO 30\"").code == 0);
+        REQUIRE(run_app(folder, words + "-o made/here/plain.png --c-arm \"LAO 30\"").code == 0);
         REQUIRE(run_app(folder, words + "-o two.png --c-arm \"LAO 30\" --c-arm \"RAO 60, CRA 10\" --labels truth").code == 0);
-        CHECK(slurp(folder.path / "two_v1.png") == slurp(folder.path / "plain.png"));
-        CHECK(slurp(folder.path / "two_v2.png") != slurp(folder.path / "plain.png"));
+        CHECK(slurp(folder.path / "two_v1.png") == slurp(folder.path / "made/here/plain.png"));
+        CHECK(slurp(folder.path / "two_v2.png") != slurp(folder.path / "made/here/plain.png"));
         CHECK(folder.read("truth/two_v1.json")["camera"]["primary_deg"].get<double>() == doctest::Approx(30));
         CHECK(folder.read("truth/two_v2.json")["camera"]["primary_deg"].get<double>() == doctest::Approx(-60));
         CHECK(folder.read("truth/two_v2.json")["instruments"][1]["tip_m"] == folder.read("truth/two_v1.json")["instruments"][1]["tip_m"]);
@@ -281,6 +281,12 @@ TEST_SUITE("apps/labels")
         REQUIRE(run_app(folder, "farm run -o killed --tasks 2 --quiet" + words).code == 0);
         CHECK(pictures_of(folder.path / "killed") == one);
         check_refused(folder, "farm run --frames all -o g --preview s.png", 2, "leave it out");
+        const std::string front = " --view front --size 80x60 --frames 2:6 --labels truth";
+        if (run_app(folder, "render run -o front.png" + std::string(" --view front --size 80x60")).code == 5) return;
+        REQUIRE(run_app(folder, "farm run -o front1 --tasks 1 --quiet" + front).code == 0);
+        REQUIRE(run_app(folder, "farm run -o front3 --tasks 3 --jobs 2 --quiet" + front).code == 0);
+        CHECK(pictures_of(folder.path / "front1").size() == 5 * 4);
+        CHECK(pictures_of(folder.path / "front1") == pictures_of(folder.path / "front3"));
     }
 
     TEST_CASE("property: COCO annotations hold the masks, their boxes, tips and bases")
