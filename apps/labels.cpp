@@ -60,9 +60,10 @@ void warn_of(const std::vector<CutOff>& all)
 {
     for (const CutOff& one : all)
         if (one.cut > 0)
-            note(fmt::format("seldinger: warning: the field cuts off {}: in {} of {} pictures; its tip is outside in {}. Fix: render with a "
-                             "larger --field or other views\n",
-                             one.name, one.cut, one.pictures, one.tip_outside));
+            note(fmt::format(
+                "seldinger: warning: the field cuts off {}: in {} of {} pictures; its tip is outside in {}. Fix: render with a "
+                "larger --field or other views\n",
+                one.name, one.cut, one.pictures, one.tip_outside));
 }
 
 CocoPoint point_of(const Json& instrument, std::size_t index)

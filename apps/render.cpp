@@ -79,7 +79,8 @@ void set_look(const Options& options, RenderOptions& what)
 ExitCode export_model(const Options& options, RenderOptions& what)
 {
     if (!what.labels.empty() || !what.preview.empty())
-        throw Error(ExitCode::BadScene, "--labels, --preview: of a picture; --gltf and --usd write none. Fix: run render once for each");
+        throw Error(ExitCode::BadScene,
+                    "--labels, --preview: of a picture; --gltf and --usd write none. Fix: run render once for each");
     const RunFolder run = read_run_folder(options.dir);
     if (what.first < 0) what.first = 0, what.last = static_cast<int>(run.frames.size()) - 1;
     const AnimatedModel model = animated_model(run, frames_asked(what, run.frames.size()), what.patient);

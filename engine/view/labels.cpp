@@ -137,12 +137,14 @@ std::vector<std::string> LabelWarnings::lines(bool masks) const
     std::vector<std::string> all;
     for (const Tally& t : tallies_) {
         if (t.cut > 0)
-            all.push_back(fmt::format("the field cuts off {}: in {} of {} pictures, up to {:.0f} % of its length; its tip is outside in {}. Fix: {}",
-                                      t.name, t.cut, t.pictures, std::ceil(100 * t.most), t.tip_outside,
-                                      x_ray_ ? "a larger --field or another --c-arm" : "another --view or --camera"));
+            all.push_back(fmt::format(
+                "the field cuts off {}: in {} of {} pictures, up to {:.0f} % of its length; its tip is outside in {}. Fix: {}",
+                t.name, t.cut, t.pictures, std::ceil(100 * t.most), t.tip_outside,
+                x_ray_ ? "a larger --field or another --c-arm" : "another --view or --camera"));
         if (masks && t.narrowest < 1)
-            all.push_back(fmt::format("the mask of {} may have gaps: it is {:.2f} pixels wide where it is narrowest. Fix: a larger --size{}",
-                                      t.name, t.narrowest, x_ray_ ? " or a smaller --field" : ""));
+            all.push_back(fmt::format(
+                "the mask of {} may have gaps: it is {:.2f} pixels wide where it is narrowest. Fix: a larger --size{}", t.name,
+                t.narrowest, x_ray_ ? " or a smaller --field" : ""));
     }
     return all;
 }

@@ -186,7 +186,8 @@ TEST_SUITE("apps/labels")
         // where they are looked at first, and where a farm's labels come together
         const AppResult sheet = run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --preview sheet.png");
         CHECK_MESSAGE(sheet.err.find("warning: the field cuts off wire") != std::string::npos, sheet.err);
-        REQUIRE(run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --frames 4:6 -o b.png --labels cut --quiet").code == 0);
+        REQUIRE(run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --frames 4:6 -o b.png --labels cut --quiet")
+                    .code == 0);
         const AppResult coco = run_app(folder, "labels cut --coco coco.json");
         CHECK(coco.code == 0);
         CHECK_MESSAGE(coco.err.find("warning: the field cuts off wire: in 3 of 3 pictures") != std::string::npos, coco.err);
@@ -222,7 +223,8 @@ TEST_SUITE("apps/labels")
         REQUIRE(run_app(folder, "render run --view front --size 400x300 -o a.png --labels truth --resume").code == 0);
         CHECK(slurp(folder.path / "truth/a_depth.npy") == depth);
         CHECK(drawn.err.find("cuts off") == std::string::npos);
-        const AppResult close = run_app(folder, "render run --view front --size 400x300 -o c.png --labels near --camera \"0s 0 0 8\"");
+        const AppResult close =
+            run_app(folder, "render run --view front --size 400x300 -o c.png --labels near --camera \"0s 0 0 8\"");
         CHECK(close.code == 0);
         CHECK_MESSAGE(close.err.find("Fix: another --view or --camera") != std::string::npos, close.err);
         check_refused(folder, "render run --view endoscopic --labels truth", 2, "out of an instrument");

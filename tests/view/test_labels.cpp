@@ -1,7 +1,7 @@
 // What labels say about a picture, against the geometry that the picture is drawn with.
-#include "view/labels.h"
 #include "support/shared_folder.h"
 #include "view/label_sheet.h"
+#include "view/labels.h"
 #include "view/view_fixtures.h"
 #include "view/xray/device_paths.h"
 #include "view/xray/mesh_paths.h"
@@ -74,7 +74,8 @@ Foot nearest_on(const std::vector<PixelPoint>& line, double column, double row)
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
         const double ex = line[i + 1].column - line[i].column, ey = line[i + 1].row - line[i].row, length = std::hypot(ex, ey);
         if (length == 0) continue;
-        const double x = column - line[i].column, y = row - line[i].row, t = std::clamp((x * ex + y * ey) / (length * length), 0.0, 1.0);
+        const double x = column - line[i].column, y = row - line[i].row,
+                     t = std::clamp((x * ex + y * ey) / (length * length), 0.0, 1.0);
         const double distance = std::hypot(x - t * ex, y - t * ey);
         if (distance >= best.distance) continue;
         best = {distance, ex / length, ey / length, 1e9};
@@ -98,13 +99,16 @@ std::vector<RunMiddle> run_middles(const std::vector<std::uint8_t>& mask, int co
     for (const bool by_rows : {true, false})
         for (int line = 0; line < (by_rows ? rows : columns); ++line) {
             const int count = by_rows ? columns : rows;
-            const auto on = [&](int k) { return k < count && mask[static_cast<std::size_t>(by_rows ? line * columns + k : k * columns + line)] != 0; };
+            const auto on = [&](int k) {
+                return k < count && mask[static_cast<std::size_t>(by_rows ? line * columns + k : k * columns + line)] != 0;
+            };
             for (int k = 0; k < count; ++k) {
                 if (!on(k)) continue;
                 const int first = k;
                 while (on(k + 1)) ++k;
                 const double middle = 0.5 * (first + k);
-                all.push_back(by_rows ? RunMiddle{middle, static_cast<double>(line), true} : RunMiddle{static_cast<double>(line), middle, false});
+                all.push_back(by_rows ? RunMiddle{middle, static_cast<double>(line), true}
+                                      : RunMiddle{static_cast<double>(line), middle, false});
             }
         }
     return all;
@@ -239,7 +243,9 @@ TEST_SUITE("view/labels")
         CHECK(worst < 0.03);
     }
 
-    TEST_CASE("analytic: the middles of the mask across the wire lie within half a pixel of the centreline, thinned whole pixels within one")
+    TEST_CASE(
+        "analytic: the middles of the mask across the wire lie within half a pixel of the centreline, thinned whole pixels "
+        "within one")
     {
         // An edge falls between two pixels' centres: each end of a run of pixels across the wire is off by at most half a pixel, and so
         // is their middle, along the run; at right angles to the wire, times the sine between both. A bent wire's run has its middle
@@ -258,9 +264,11 @@ TEST_SUITE("view/labels")
                 };
                 for (const auto& [column, row, by_rows] : run_middles(truth.mask, bent_side, bent_side)) {
                     const Foot foot = nearest_on(line, column, row);
-                    const double across = by_rows ? std::abs(foot.ey) : std::abs(foot.ex), along = by_rows ? std::abs(foot.ex) : std::abs(foot.ey);
+                    const double across = by_rows ? std::abs(foot.ey) : std::abs(foot.ex),
+                                 along = by_rows ? std::abs(foot.ex) : std::abs(foot.ey);
                     if (near_end(column, row) || across < along) continue;  // the other direction cuts this place more squarely
-                    const double bound = 0.5 * across + pixels * pixels / (8 * foot.bend) * along * along / (across * across) + 0.02;
+                    const double bound =
+                        0.5 * across + pixels * pixels / (8 * foot.bend) * along * along / (across * across) + 0.02;
                     worst = std::max(worst, foot.distance), worst_of_bound = std::max(worst_of_bound, foot.distance / bound);
                     ++sections;
                 }
@@ -273,8 +281,9 @@ TEST_SUITE("view/labels")
         REQUIRE(sections > 7000);
         REQUIRE(thinned.size() > 7000);
         std::sort(thinned.begin(), thinned.end());
-        MESSAGE(sections << " middles: " << worst << " pixels at most, " << worst_of_bound << " of the bound; thinned: " << sum / static_cast<double>(thinned.size())
-                         << " in the mean, 95 % " << thinned[thinned.size() * 95 / 100] << ", at most " << farthest);
+        MESSAGE(sections << " middles: " << worst << " pixels at most, " << worst_of_bound
+                         << " of the bound; thinned: " << sum / static_cast<double>(thinned.size()) << " in the mean, 95 % "
+                         << thinned[thinned.size() * 95 / 100] << ", at most " << farthest);
         CHECK(worst <= 0.5);
         CHECK(worst_of_bound <= 1);
         CHECK(sum / static_cast<double>(thinned.size()) < 0.5);
@@ -358,7 +367,8 @@ TEST_SUITE("view/labels")
 
     TEST_CASE("property: a sheet shows frames and views evenly, none twice")
     {
-        for (const auto& [frames, views] : {std::pair{171u, 2u}, {61u, 1u}, {1u, 40u}, {2u, 9u}, {3u, 3u}, {4u, 8u}, {1u, 1u}, {16u, 1u}, {5u, 100u}}) {
+        for (const auto& [frames, views] :
+             {std::pair{171u, 2u}, {61u, 1u}, {1u, 40u}, {2u, 9u}, {3u, 3u}, {4u, 8u}, {1u, 1u}, {16u, 1u}, {5u, 100u}}) {
             const std::size_t count = std::min<std::size_t>(16, frames * views);
             std::set<std::pair<std::size_t, std::size_t>> shown;
             std::map<std::size_t, int> of_view;

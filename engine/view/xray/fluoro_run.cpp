@@ -234,7 +234,8 @@ FluoroOptions own_files(const fs::path& dir, FluoroOptions view, const FrameChoi
 }
 
 /// Pictures spread evenly over all views of all frames.
-void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, LabelWarnings& warnings, const std::function<void(std::size_t)>& drawn)
+void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, LabelWarnings& warnings,
+                const std::function<void(std::size_t)>& drawn)
 {
     std::map<std::size_t, Session> sessions;  // only of views that are on the sheet
     const auto session = [&](std::size_t view) -> Session& { return sessions.try_emplace(view, dir, views[view]).first->second; };

@@ -158,7 +158,10 @@ struct Band {
 class Raster {
 public:
     Raster(const CArmView& view, const WallMesh& mesh, std::span<const float> value)
-        : view_(view), mesh_(mesh), value_(value), corners_(project_corners(view, mesh)),
+        : view_(view),
+          mesh_(mesh),
+          value_(value),
+          corners_(project_corners(view, mesh)),
           facing_(view.right.cross(view.up).dot(view.direction) > 0 ? 1 : -1)
     {
     }
