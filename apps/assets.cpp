@@ -22,10 +22,10 @@ std::string python()
 
 }  // namespace
 
-bool draw_with(const std::string& script, const std::vector<std::string>& arguments)
+bool draw_with(const std::string& script, const std::vector<std::string>& paths)
 {
     std::vector<std::string> words = {python(), (assets_folder() / script).string()};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    for (const std::string& path : paths) words.push_back(path.starts_with('-') ? "./" + path : path);  // no option of the script
     const pid_t script_run = start_program(words);
     if (script_run > 0 && wait_for_program(script_run) == 0) return true;
     if (script_run < 0) {
