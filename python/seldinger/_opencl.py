@@ -38,12 +38,18 @@ def has_system_opencl(vendors: str = "/etc/OpenCL/vendors") -> bool:
     return any(Path(vendors).glob("*.icd"))
 
 
-def find_opencl() -> None:
-    """Before the engine is loaded. What the environment names goes first, then what the system has, then packages."""
+def name_opencl() -> Path | None:
+    """Sets OCL_ICD_VENDORS where it is needed: what the environment names goes first, then what the system has, then packages.
+
+    Intel's runtime wants symbols that the engine's libtbb does not have yet. A newer one serves both, if it is loaded first: returned.
+    """
     named = os.environ.get("OCL_ICD_VENDORS") or os.environ.get("OPENCL_VENDOR_PATH")
     if not named and not has_system_opencl() and (found := packaged_library()):
         named = os.environ["OCL_ICD_VENDORS"] = str(found)
-    if named and "libintelocl" in named and (threads := _library("tbb", r"libtbb\.so\.12")):
-        # Intel's runtime wants symbols that the libtbb of Debian, which the engine is linked with, does not have yet; a newer one
-        # serves both, if it is the first that is loaded
+    return _library("tbb", r"libtbb\.so\.12") if named and "libintelocl" in named else None
+
+
+def find_opencl() -> None:
+    """Before the engine is loaded."""
+    if threads := name_opencl():
         ctypes.CDLL(str(threads), mode=ctypes.RTLD_GLOBAL)
