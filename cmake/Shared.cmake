@@ -5,6 +5,10 @@ if(TARGET seldinger_view)
 endif()
 list(TRANSFORM parts REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE part_objects)
 add_library(seldinger_shared SHARED ${part_objects})
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  target_sources(seldinger_shared PRIVATE cmake/hypot.cpp)
+  target_link_options(seldinger_shared PRIVATE -Wl,--wrap=hypot)
+endif()
 # the whole version in the file's name, which is its soname too: a wheel has no links
 set_target_properties(seldinger_shared PROPERTIES OUTPUT_NAME seldinger EXPORT_NAME seldinger LINKER_LANGUAGE CXX
   VERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})

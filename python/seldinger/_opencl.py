@@ -9,11 +9,14 @@ from __future__ import annotations
 import ctypes
 import os
 import re
+import shutil
+import warnings
 from importlib import metadata
 from pathlib import Path
 
 # by preference: PoCL is what the engine is tested on; the second has the same bits
-_PACKAGES = (("pocl-binary-distribution", r"libpocl.*\.so"), ("intel-opencl-rt", r"libintelocl\.so"))
+_POCL = "pocl-binary-distribution"
+_PACKAGES = ((_POCL, r"libpocl.*\.so"), ("intel-opencl-rt", r"libintelocl\.so"))
 
 
 def _library(package: str, name: str) -> Path | None:
@@ -31,7 +34,12 @@ def _library(package: str, name: str) -> Path | None:
 
 def packaged_library() -> Path | None:
     """The OpenCL library of a package from PyPI that is installed beside this one, if any."""
-    return next((found for package, name in _PACKAGES if (found := _library(package, name))), None)
+    found = {package: library for package, name in _PACKAGES if (library := _library(package, name))}
+    if _POCL in found and not shutil.which("ld"):  # as it makes the first kernel it would end the process
+        del found[_POCL]
+        if not found:
+            warnings.warn("PoCL of PyPI needs the linker ld, which is not in PATH. Fix: install binutils, or pip install 'seldinger[cpu]'")
+    return next(iter(found.values()), None)
 
 
 def has_system_opencl(vendors: str = "/etc/OpenCL/vendors") -> bool:
