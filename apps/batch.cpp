@@ -52,7 +52,7 @@ void add_batch(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CommandLine* command = app.add_subcommand("batch", "run a scene many times with keys varied, many wires at once");
-    command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    command->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     command->add_option("--vary", options->sweep, "sweep file: [vary] with lists (grid) and {min, max, n} (draws)")
         ->type_name("SWEEP.toml")
         ->required();

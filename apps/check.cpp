@@ -48,7 +48,7 @@ void add_check(CommandLine& app, Command& chosen)
     };
     auto options = std::make_shared<Options>();
     CommandLine* check = app.add_subcommand("check", "say whether a scene can be run");
-    check->add_option("SCENE", options->file, "scene file (TOML)")->required();
+    check->add_option("SCENE", options->file, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     check->add_option("--set", options->overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")
         ->allow_extra_args(false);

@@ -115,7 +115,11 @@ ExitCode live(Options& options)
 
 void add_what(CommandLine& command, Options& options)
 {
-    command.add_option("SCENE", options.scene, "scene file (TOML); its key frames give way to the hand")->required();
+    command
+        .add_option("SCENE", options.scene,
+                    "scene file (TOML), or the name of a scene of the program; its key frames give way to the hand")
+        ->scene()
+        ->required();
     command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");

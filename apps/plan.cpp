@@ -86,7 +86,7 @@ void add_plan(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CommandLine* command = app.add_subcommand("plan", "the cheapest model that is good enough for a scene");
-    command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    command->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     command->add_option("--tolerance", options->tolerance, "how far the wire may be off, root mean square over the run: 0.2mm")
         ->required()
         ->type_name("LENGTH");

@@ -34,7 +34,7 @@ void add_run(CommandLine& app, Command& chosen)
     };
     auto options = std::make_shared<Options>();
     CommandLine* run = app.add_subcommand("run", "run a scene and record it");
-    run->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    run->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     run->add_option("-o", options->run.dir, "folder for the results (default: <scene>-run here)")->type_name("DIR");
     run->add_option("--set", options->run.overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")

@@ -67,7 +67,9 @@ nlohmann::json score_object(const ScoreNumbers& s)
 
 std::string three_js()
 {
-    for (const char* file : {"/usr/share/javascript/three/three.min.js", "/usr/share/nodejs/three/build/three.min.js"})
+    const fs::path packaged = assets_folder() / "web" / "three.min.js";  // the wheel brings it
+    for (const fs::path& file :
+         {fs::path("/usr/share/javascript/three/three.min.js"), fs::path("/usr/share/nodejs/three/build/three.min.js"), packaged})
         if (fs::exists(file)) return read_file(file);
     throw Error(ExitCode::BadFile, "three.js is not installed; as root: apt-get install libjs-three");
 }
