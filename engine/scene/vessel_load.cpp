@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "engine.h"
+#include "io/centreline_file.h"
 #include "io/mesh_file.h"
 #include "scene/vessel_cache.h"
 #include "vessel/aortic_arch.h"
@@ -70,7 +71,7 @@ LoadedVessel from_file(const VesselSpec& spec)
         keep_prepared(key, *vessel);
     }
     // a file's centreline is in the mesh's unit: the two come from one pipeline
-    if (!spec.centreline.empty()) vessel->centreline = read_centreline_vtp(spec.centreline, spec.units);
+    if (!spec.centreline.empty()) vessel->centreline = read_centreline(spec.centreline, spec.units);
     return std::move(*vessel);
 }
 

@@ -2,6 +2,7 @@
 #include "fuzz_support.h"
 #include "fuzz_targets.h"
 
+#include "io/centreline_file.h"
 #include "io/mesh_file.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
@@ -43,7 +44,7 @@ void vtk(Bytes bytes) { read_as(bytes, "x.vtk"); }
 void centreline(Bytes bytes)
 {
     answer([&] {
-        const Centreline line = parse_centreline_vtp(text_of(bytes), "x.vtp", "mm");
+        const Centreline line = parse_centreline(text_of(bytes), "x.vtp", "mm");
         require(std::isfinite(line.total_length()));
         require(!line.main_path().empty());
     });
