@@ -24,7 +24,7 @@ void append(std::string& bytes, const T& value)
 
 std::string stl_bytes(const WallMesh& mesh, double scale, const std::string& units)
 {
-    std::string bytes = "Seldinger vessel wall, normals into the lumen, in " + units;
+    std::string bytes = "Seldinger vessel wall, normals into the lumen. UNITS=" + units;
     bytes.resize(80, ' ');
     append(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -41,7 +41,7 @@ std::string obj_text(const WallMesh& mesh, double scale, const std::string& unit
 {
     fmt::memory_buffer out;
     auto it = fmt::appender(out);
-    fmt::format_to(it, "# Seldinger vessel wall, normals into the lumen, in {}\n", units);
+    fmt::format_to(it, "# Seldinger vessel wall, normals into the lumen. UNITS={}\n", units);
     for (const Vec3& v : mesh.vertices) fmt::format_to(it, "v {} {} {}\n", v.x() * scale, v.y() * scale, v.z() * scale);
     for (const auto& t : mesh.triangles) fmt::format_to(it, "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
     return fmt::to_string(out);
@@ -50,7 +50,7 @@ std::string obj_text(const WallMesh& mesh, double scale, const std::string& unit
 std::string ply_bytes(const WallMesh& mesh, double scale, const std::string& units)
 {
     std::string bytes = fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen, in {}\n"
+        "ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen. UNITS={}\n"
         "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         units, mesh.vertices.size(), mesh.triangles.size());
