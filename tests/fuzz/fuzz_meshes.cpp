@@ -3,6 +3,7 @@
 #include "fuzz_targets.h"
 
 #include "io/centreline_file.h"
+#include "io/file_remarks.h"
 #include "io/mesh_file.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
@@ -17,6 +18,7 @@ namespace {
 void read_as(Bytes bytes, const char* name)
 {
     answer([&] { (void)parse_mesh(text_of(bytes), name, "mm"); });
+    (void)remarks_in(text_of(bytes), name);  // refuses nothing
 }
 
 /// As vessel_load.cpp and the `vessel` command do. What is said of a mesh that is taken has to be a number.
