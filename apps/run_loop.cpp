@@ -106,7 +106,18 @@ private:
     bool settle_first()
     {
         const NoPolling settling;
+        const bool may_move = scene_.integrator.scheme != Scheme::Static;
+        const std::vector<std::uint8_t> placed = may_move ? world_.save_state() : std::vector<std::uint8_t>{};
         const StepReport report = settle(world_);
+        if (report.failed() && may_move) {
+            world_.restore_state(placed);
+            recorder_.warn(fmt::format("scene.start: got \"settled\", but {}. The run starts from the wire as it was placed. Fix: let the wire move "
+                                       "for a while before what is measured, or place it nearer to rest",
+                                       "no equilibrium was found"));
+            world_.read(output_);
+            recorder_.placed(output_);
+            return true;
+        }
         if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
         else {
             world_.read(output_);

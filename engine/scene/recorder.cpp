@@ -123,11 +123,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
     const Output now = world.output(frame_parts());
     readings_ = joint_readings(now.wires);
-    if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) {
-        if (scene_.wire_every > 0) write_wire_frame(now);
-        if (scene_.contacts_every > 0) write_contact_frame(now);
-        write_collections();
-    }
+    if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) placed(now);
     checkpoint(world, RunStatus::Running, 0);
 }
 
@@ -218,6 +214,11 @@ void Recorder::settled(const Output& now, const StepReport& report)
     take_in(now, report);
     take_greatest(now);
     write_row(now);
+    placed(now);
+}
+
+void Recorder::placed(const Output& now)
+{
     if (scene_.wire_every > 0) write_wire_frame(now);
     if (scene_.contacts_every > 0) write_contact_frame(now);
     write_collections();

@@ -2,6 +2,8 @@
 #include "scene/toml_parse.h"
 #include "scene/scene_read.h"
 
+#include "io/file_remarks.h"
+
 #include "core/error.h"
 #include "core/file_io.h"
 #include "scene/scene_layers.h"
@@ -183,6 +185,26 @@ void read_output(const toml::table& table, Scene& scene)
     t.number("force_patch_m", scene.force_patch, positive);
 }
 
+/// What the mesh's own header says of its axes and its unit, where the scene says nothing.
+void take_remarks_of_mesh(const toml::table& root, Scene& scene)
+{
+    if (scene.vessel.shape != VesselShape::Mesh) return;
+    const FileRemarks remarks = remarks_of_file(scene.vessel.mesh);
+    if (remarks.axes == PatientAxes::Ras && !root.at_path("carm.head") && !root.at_path("carm.back")) {
+        scene.carm.on = true;
+        scene.carm.back = -Vec3::UnitY();
+        scene.notes.emplace_back("axes", "the mesh's header says SPACE=RAS: carm.back = [0, -1, 0] (docs/axes.md)");
+    }
+    if (remarks.units.empty() || remarks.units == scene.vessel.units) return;
+    if (!root.at_path("vessel.units")) {
+        scene.vessel.units = remarks.units;
+        scene.notes.emplace_back("units", fmt::format("the mesh's header says {}: vessel.units = \"{}\"", remarks.units, remarks.units));
+    } else {
+        scene.warnings.push_back(fmt::format("vessel.units: got \"{}\"; the mesh's header says \"{}\". Fix: check which of the two is right",
+                                             scene.vessel.units, remarks.units));
+    }
+}
+
 Scene read_root(const toml::table& root, const std::filesystem::path& file)
 {
     Scene scene;
@@ -217,6 +239,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     if (const toml::table* arm = find_table(root, "carm")) read_carm_table(*arm, scene);
     if (const toml::table* contrast = find_table(root, "contrast")) read_contrast_table(*contrast, scene);
     read_output(table("output"), scene);
+    take_remarks_of_mesh(root, scene);
     return scene;
 }
 

@@ -29,9 +29,6 @@ private:
     double mark_radius_ = 0;
 };
 
-/// Leaves of the centreline in the order in which their branches leave the way from the root; the trunk's own end last.
-[[nodiscard]] std::vector<int> branch_leaves(const Centreline& centreline);
-
 class Scorer {
 public:
     Scorer(const TaskSpec& task, TaskTarget target) : task_(task), target_(std::move(target)) {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Union
 
@@ -254,7 +255,13 @@ class World:
         """
         steps = self._steps if until is None else min(self._steps, round(float(until) / self._dt))
         if not self._settled and self.output.step == 0 and (self._settles or self._static):
-            self._check(self.settle(), "settling")
+            placed = None if self._static else self.save()
+            report = self.settle()
+            if report.failed and placed is not None:
+                self.restore(placed)
+                warnings.warn("scene.start: got \"settled\", but no equilibrium was found; the run starts from the wire as it was placed", stacklevel=2)
+            else:
+                self._check(report, "settling")
         if self._static:
             return self.output
         # a duration that is not a whole number of steps ends with a shorter one
