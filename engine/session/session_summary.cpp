@@ -27,7 +27,7 @@ nlohmann::json score_object(const Scene& scene, const ScoreNumbers& s)
     if (task.fluoroscopy > 0) limits["fluoroscopy_s"] = task.fluoroscopy;
     return {{"task", task.text},
             {"verdict", verdict_of(task, s)},
-            {"reached", s.reached},
+            {"reached", s.reached != 0},
             {"limits", limits},
             {"time_s", s.time},
             {"path_length_m", s.path_length},
@@ -67,6 +67,15 @@ std::string limit(double value, const char* form)
 }
 
 }  // namespace
+
+std::vector<int> live_instruments(const WorldSetup& setup)
+{
+    const int of_first = setup.systems.empty() ? 1 : setup.systems.front();
+    std::vector<int> fed;
+    for (int w = 0; w < of_first && static_cast<int>(fed.size()) < most_instruments; ++w)
+        if (setup.wires[static_cast<std::size_t>(w)].feed.on) fed.push_back(w);
+    return fed;
+}
 
 std::string score_json(const Scene& scene, const ScoreNumbers& score) { return score_object(scene, score).dump(2) + "\n"; }
 
@@ -127,7 +136,7 @@ std::string Session::summary() const
                           {"resets", resets_},
                           {"record", options_.record.string()},
                           {"failure", failure_},
-                          {"score", score_object(scene_, scorer().now())},
+                          {"score", score_object(scene_, score_)},
                           {"state_hash", world_->state_hash()}}
                .dump(2) + "\n";
 }
