@@ -26,7 +26,7 @@ std::string for_people(const std::string& json, const std::filesystem::path& dir
     const nlohmann::json s = nlohmann::json::parse(json);
     std::string text = fmt::format(
         "{}: {}, {} runs in {} worlds, {} stopped\n  {} wire-steps in {:.3g} s ({:.0f} per second) on {}, {} threads\n"
-        "  {}: results.csv, results-units.csv, results.npz, summary.json, scene.toml, sweep.toml\n",
+        "  {}: results.csv, results-units.csv, results.npz, shapes.csv, summary.json, scene.toml, sweep.toml\n",
         s.at("name").get<std::string>(), s.at("status").get<std::string>(), s.at("runs").get<long>(), s.at("worlds").get<long>(),
         s.at("stopped").get<long>(), s.at("wire_steps").get<long>(), s.at("wall_s").get<double>(),
         s.at("wire_steps_per_s").get<double>(), s.at("device").get<std::string>(), s.at("threads").get<int>(), dir.string());

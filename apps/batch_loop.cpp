@@ -8,6 +8,7 @@
 #include "core/sealed_file.h"
 #include "elapsed.h"
 #include "progress.h"
+#include "scene/frames.h"
 #include "scene/scene_difference.h"
 #include "scene/toml_parse.h"
 #include "study/batch_answer.h"
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
 constexpr std::string_view magic = "SELBATC5";
-constexpr const char* batch_files[] = {"results.csv", "results-units.csv", "results.npz", "sweep.toml"};
+constexpr const char* batch_files[] = {"results.csv", "results-units.csv", "results.npz", "shapes.csv", "sweep.toml"};
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
 struct Totals {
@@ -124,6 +125,9 @@ private:
         if (key != vessel_key_) vessel_ = load_vessel(scene.vessel);
         vessel_key_ = std::move(key);
         world_.emplace(source_, worlds_[at_], vessel_, options_.device);
+        // of the first world: what is varied is seldom the vessel. A task of a farm leaves it to the merge
+        const bool whole = begin_ == 0 && end_ == source_.item_count();
+        if (whole && at_ == 0 && !vessel_.mesh.triangles.empty()) write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
         device_ = world_->world().device_name();
     }
 
@@ -258,6 +262,7 @@ private:
     {
         const BatchLayout layout = source_.layout();
         write_file(folder_ / "results-units.csv", batch_units_csv(source_.sweep, layout));
+        write_file(folder_ / "shapes.csv", batch_shapes_csv(layout, rows_));
         write_file(folder_ / "results.npz", batch_npz(source_.sweep, layout, rows_));
         write_file(folder_ / "results.csv", batch_csv(source_.sweep, layout, rows_));
     }

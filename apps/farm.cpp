@@ -12,6 +12,7 @@
 #include "farm_task.h"
 #include "io/film_write.h"
 #include "render_frames.h"
+#include "scene/frames.h"
 
 #include <fmt/format.h>
 
@@ -255,12 +256,14 @@ ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
     write_file(dir / "scene.toml", resolved_scene(source, dir.path()));
     write_file(dir / "sweep.toml", sweep_text);
     write_file(dir / "results-units.csv", batch_units_csv(source.sweep, layout));
+    if (const LoadedVessel vessel = load_vessel(first.vessel); !vessel.mesh.triangles.empty()) write_file(dir / "vessel.vtp", wall_vtp(vessel.mesh));
+    write_file(dir / "shapes.csv", batch_shapes_csv(layout, rows));
     write_file(dir / "results.npz", batch_npz(source.sweep, layout, rows));
     write_file(dir / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     write_file(dir / "results.csv", batch_csv(source.sweep, layout, rows));
     const auto stopped = summary["stopped"].get<long>();
     const std::string answer = summary["answer"].get<std::string>();
-    print(fmt::format("{}: {} runs, {} stopped: results.csv, results-units.csv, results.npz, summary.json\n{}", dir.path().string(),
+    print(fmt::format("{}: {} runs, {} stopped: results.csv, results-units.csv, results.npz, shapes.csv, summary.json\n{}", dir.path().string(),
                       source.sweep.run_count(), stopped, answer.empty() ? "" : answer + "\n"));
     return stopped > 0 ? ExitCode::Stopped : ExitCode::Done;
 }

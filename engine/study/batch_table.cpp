@@ -51,6 +51,23 @@ BatchRow::OfInstrument read_instrument(const World& world, int wire)
     return {r.inserted, r.turned, static_cast<double>(r.nodes), r.hand_force, r.hand_torque, tip.x(), tip.y(), tip.z()};
 }
 
+/// Points at even arc lengths along a wire, tip first.
+void put_shape(const ConstRodView& rod, std::vector<float>& to)
+{
+    double length = 0;
+    for (int i = 0; i + 1 < rod.n; ++i) length += (rod.pos(i + 1) - rod.pos(i)).norm();
+    double before = 0;  // of node `i`, from the tip
+    int i = 0;
+    for (std::size_t k = 0; k < BatchRow::stations; ++k) {
+        const double s = length * static_cast<double>(k) / static_cast<double>(BatchRow::stations - 1);
+        const auto edge = [&] { return (rod.pos(i + 1) - rod.pos(i)).norm(); };
+        while (i + 2 < rod.n && s > before + edge()) before += edge(), ++i;
+        const double share = rod.n > 1 && edge() > 0 ? std::clamp((s - before) / edge(), 0.0, 1.0) : 0;
+        const Vec3 at = rod.n > 1 ? rod.pos(i) + share * (rod.pos(i + 1) - rod.pos(i)) : rod.pos(0);
+        for (const double x : {at.x(), at.y(), at.z()}) to.push_back(static_cast<float>(x));
+    }
+}
+
 /// "_n_per_m", "_m2" and the like at a name's end.
 std::string unit_of(std::string_view name)
 {
@@ -166,7 +183,10 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
                    whole(tally.halved_steps)};
     const std::string hash = world.state_hash(system);
     std::copy_n(hash.begin(), row.state_hash.size(), row.state_hash.begin());
-    for (int w = first; w < end; ++w) row.instruments.push_back(read_instrument(world, w));
+    for (int w = first; w < end; ++w) {
+        row.instruments.push_back(read_instrument(world, w));
+        put_shape(world.rod(w), row.shape);
+    }
     return row;
 }
 
@@ -215,6 +235,20 @@ std::string batch_csv(const Sweep& sweep, const BatchLayout& layout, const std::
         text += fmt::format(",{}", status_word(of.row->status));
         for_each_number(layout, [&](const std::string&, ColumnKind, bool, auto&& value) { text += field(value(of)); });
         text += "," + text_of(of.row->state_hash) + "\n";
+    }
+    return text;
+}
+
+std::string batch_shapes_csv(const BatchLayout& layout, const std::vector<BatchRow>& rows)
+{
+    std::string text = "run,instrument,station,x_m,y_m,z_m\n";
+    for (const RunRows& of : rows_by_run(layout, rows)) {
+        const std::vector<float>& shape = of.row->shape;
+        for (std::size_t p = 0; 3 * p + 2 < shape.size(); ++p) {
+            const std::size_t k = p / BatchRow::stations;
+            text += fmt::format("{},{},{},{},{},{}\n", of.row->run, k < layout.instruments.size() ? layout.instruments[k] : "wire", p % BatchRow::stations,
+                                shape[3 * p], shape[3 * p + 1], shape[3 * p + 2]);
+        }
     }
     return text;
 }

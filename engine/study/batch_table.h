@@ -92,6 +92,9 @@ struct BatchRow {
     std::array<double, std::size(batch_columns)> numbers{};  // in the order of batch_columns
     std::array<char, 16> state_hash{};                       // as summary.json of the run alone
     std::vector<OfInstrument> instruments;                   // of the system's, in the order of instrument_columns
+    /// Final shape of each instrument: x, y, z of `stations` points at even arc lengths, tip first [m].
+    static constexpr std::size_t stations = 64;
+    std::vector<float> shape;
 };
 
 /// Rows to and from the bytes of a checkpoint or a farm's file. @throws Error BadFile: the bytes end before the rows do
@@ -134,6 +137,8 @@ struct RunRows {
 [[nodiscard]] std::string batch_npz(const Sweep& sweep, const BatchLayout& layout, const std::vector<BatchRow>& rows);
 /// One row per column of the table: its name, unit and group.
 [[nodiscard]] std::string batch_units_csv(const Sweep& sweep, const BatchLayout& layout);
+/// Final shapes: run, instrument, station from the tip, x, y, z.
+[[nodiscard]] std::string batch_shapes_csv(const BatchLayout& layout, const std::vector<BatchRow>& rows);
 /// "wire.preset=bentson-035, wire.mu_sliding=0.1"; of one key the value alone.
 [[nodiscard]] std::string label_of(const Sweep& sweep, std::size_t run);
 

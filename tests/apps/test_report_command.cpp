@@ -139,7 +139,7 @@ TEST_SUITE("apps/report")
                                   .c_str()) == 0);
             CHECK(scripts.find("'sha256-" + slurp(folder.path / "hash") + "'") != std::string::npos);
         }
-        CHECK(count == 4);
+        CHECK(count == 5);
     }
 
     TEST_CASE("property: a batch of several instruments is a table")

@@ -129,6 +129,12 @@ TEST_SUITE("apps/task")
         CHECK(answer.find(" ± ") != std::string::npos);
         CHECK(batch.out.ends_with(answer + "\n"));
 
+        const auto shapes = table(folder.path / "B/shapes.csv");
+        REQUIRE(shapes.size() == 4 * 64);
+        for (std::size_t k = 0; k < 4; ++k)  // the first station is the tip
+            for (const char* c : {"x", "y", "z"})
+                CHECK(std::stod(shapes[64 * k].at(fmt::format("{}_m", c))) == doctest::Approx(std::stod(rows[k].at(fmt::format("tip_{}_m", c)))).epsilon(1e-6));
+
         const std::string csv = slurp(folder.path / "B/results.csv"), npz = slurp(folder.path / "B/results.npz"), units = slurp(folder.path / "B/results-units.csv");
         AppResult part = run_app(folder, "batch t.toml --vary v.toml -o P --quiet --bands --time-limit 1e-6");
         int calls = 1;
@@ -136,6 +142,7 @@ TEST_SUITE("apps/task")
         CHECK(part.code == 0);
         CHECK(calls > 2);
         CHECK(slurp(folder.path / "P/results.csv") == csv);
+        CHECK(slurp(folder.path / "P/shapes.csv") == slurp(folder.path / "B/shapes.csv"));
         for (const int tasks : {1, 3, 8}) {  // eight: the runs and those with half the step apart
             CAPTURE(tasks);
             const std::string dir = fmt::format("F{}", tasks);
@@ -145,6 +152,7 @@ TEST_SUITE("apps/task")
             CHECK(slurp(folder.path / dir / "results.csv") == csv);
             CHECK(slurp(folder.path / dir / "results.npz") == npz);
             CHECK(slurp(folder.path / dir / "results-units.csv") == units);
+            CHECK(slurp(folder.path / dir / "shapes.csv") == slurp(folder.path / "B/shapes.csv"));
             CHECK(merged.out.ends_with(answer + "\n"));
         }
     }
