@@ -48,7 +48,7 @@ class Batch {
 
   colour(k) { const found = this.outcomes.find(([name]) => name === this.outcome(k)); return cssColour(found ? found[1] : '--faint'); }
 
-  label(k) { return this.keys.length === 1 ? String(this.table[this.keys[0]][k]) : this.keys.map((key) => `${key.split('.').pop()} ${this.table[key][k]}`).join(', '); }
+  label(k) { return this.keys.length === 1 && typeof this.table[this.keys[0]][k] === 'string' ? this.table[this.keys[0]][k] : this.keys.map((key) => `${key.split('.').pop()} ${this.table[key][k]}`).join(', '); }
 
   // Readings that a plot may show: the least force first that the task is judged by.
   responses() {

@@ -216,7 +216,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
                    [&](const toml::table& load, const std::string& path) { read_wall_load(load, path, scene); });
     if (const toml::table* task = find_table(root, "task")) read_task_table(*task, scene);
     if (scene.until == Until::Reached && scene.task.target == TaskSpec::Target::None)
-        TableReader(table("scene"), "scene", {}).fail("until", "got \"reached\", and there is no target; expected [task] target. Fix: add one, or until = \"time\"");
+        fail_at(table("scene").get("until")->source(), "scene.until", "got \"reached\" without a target; expected [task] target. Fix: add one, or until = \"time\"");
     if (const toml::table* arm = find_table(root, "carm")) read_carm_table(*arm, scene);
     if (const toml::table* contrast = find_table(root, "contrast")) read_contrast_table(*contrast, scene);
     read_output(table("output"), scene);

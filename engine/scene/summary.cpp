@@ -68,7 +68,7 @@ private:
     std::vector<std::string> lost_;
 };
 
-Json task_json(const Scene& scene, const ScoreNumbers& s)
+Json task_of(const Scene& scene, const ScoreNumbers& s)
 {
     Json task = {{"target", scene.task.target == TaskSpec::Target::None ? Json() : Json(target_name(scene.task))},
                  {"verdict", verdict_of(scene.task, s)},
@@ -264,6 +264,8 @@ std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
              {"energy_open_j", ledger.open()}}};
 }
 
+std::string task_json(const Scene& scene, const ScoreNumbers& score) { return task_of(scene, score).dump(); }
+
 void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_iterations)
 {
     contacts_max = std::max<std::int64_t>(contacts_max, readings.contacts);
@@ -351,7 +353,7 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
         number.set("branch_depth_m", notes.branch_depth);
         out["branches"] = notes.branches;
     }
-    if (notes.scene->task.on) out["task"] = task_json(*notes.scene, tally.score);
+    if (notes.scene->task.on) out["task"] = task_of(*notes.scene, tally.score);
     set_forces_and_energies(number, out, tally, r);
     set_wall(number, out, tally, world);
     if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, *notes.scene);

@@ -100,6 +100,9 @@ struct SummaryNotes {
 /// The JSON object, indented, with a line end. A number that is not finite is null, and `warnings` says so.
 [[nodiscard]] std::string summary_json(const World& world, const RunTally& tally, const SummaryNotes& notes);
 
+/// What became of [task], as `task` of summary.json.
+[[nodiscard]] std::string task_json(const Scene& scene, const ScoreNumbers& score);
+
 /// Five lines from the JSON of a run in `dir` and its warnings; the last line is the answer: where the tip is, or what became of the task.
 /// @param verbose  more lines: model, numerics, what the bands come from
 [[nodiscard]] std::string summary_for_people(const std::string& json, const std::filesystem::path& dir, bool verbose = false);

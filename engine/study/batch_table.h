@@ -139,7 +139,7 @@ struct RunRows {
 [[nodiscard]] std::string batch_units_csv(const Sweep& sweep, const BatchLayout& layout);
 /// Final shapes: run, instrument, station from the tip, x, y, z.
 [[nodiscard]] std::string batch_shapes_csv(const BatchLayout& layout, const std::vector<BatchRow>& rows);
-/// "wire.preset=bentson-035, wire.mu_sliding=0.1"; of one key the value alone.
+/// "wire.preset=bentson-035, wire.mu_sliding=0.1"; of one key whose value is a word, the word alone.
 [[nodiscard]] std::string label_of(const Sweep& sweep, std::size_t run);
 
 }  // namespace seldinger

@@ -20,12 +20,12 @@ int grow(Centreline& line, int from, const Vec3& start, const Vec3& direction, i
     return from;
 }
 
-/// A trunk along x of 60 mm and radius 5 mm; at 20 mm a branch of 30 mm along y, at 40 mm one along -y that forks 10 mm on.
+/// A trunk along x of 80 mm and radius 5 mm; at 20 mm a branch of 30 mm along y, at 40 mm one along -y that forks 10 mm on.
 struct Tree {
     Centreline line;
     Tree()
     {
-        grow(line, -1, Vec3::Zero(), Vec3::UnitX(), 60, 0.005);
+        grow(line, -1, Vec3::Zero(), Vec3::UnitX(), 80, 0.005);
         grow(line, 20, Vec3(0.02, 0, 0), Vec3::UnitY(), 30, 0.002);
         const int fork = grow(line, 40, Vec3(0.04, 0, 0), -Vec3::UnitY(), 10, 0.002);
         grow(line, fork, Vec3(0.04, -0.01, 0), Vec3::UnitZ(), 10, 0.001);
@@ -46,7 +46,7 @@ TEST_SUITE("vessel/branches")
         CHECK((end(1) - Vec3(0.02, 0.03, 0)).norm() < 1e-12);
         CHECK((end(2) - Vec3(0.04, -0.01, 0.01)).norm() < 1e-12);  // both leave 50 mm from the root: by the end's index
         CHECK((end(3) - Vec3(0.04, -0.025, 0)).norm() < 1e-12);
-        CHECK((end(4) - Vec3(0.06, 0, 0)).norm() < 1e-12);
+        CHECK((end(4) - Vec3(0.08, 0, 0)).norm() < 1e-12);
         CHECK(branches.from_root(branches.points(1).front()) == doctest::Approx(0.021));
         CHECK(branches.from_root(branches.points(3).back()) == doctest::Approx(0.065));
     }
