@@ -219,6 +219,7 @@ Json batch_data(const Folder& dir)
     data["shapes"] = table_in("shapes.csv");
     data["vessel"] = Json::array();
     data["head"] = {0, 0, 1};
+    data["front"] = {0, -1, 0};
     data["summary"] = dir.has("summary.json") ? summary_in(dir) : Json::object();
     data["settings"] = dir.has("scene.toml") ? read_file(dir / "scene.toml") : "";
     if (!dir.has("scene.toml")) return data;

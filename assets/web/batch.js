@@ -139,21 +139,21 @@ class KeyPlot {
 
 // ---- pictures ----
 
-// Along the direction in which the shapes and the vessel are thinnest, the patient's head up where that is across it.
-function viewOf(points, head) {
+// Along the direction in which the shapes and the vessel are thinnest: from the front, the head up, where that is across it.
+function viewOf(points, head, front) {
   const size = [0, 1, 2].map((c) => Math.max(...points.map((p) => p[c])) - Math.min(...points.map((p) => p[c])));
   const thin = size.indexOf(Math.min(...size)), others = [0, 1, 2].filter((c) => c !== thin);
   const up = Math.abs(head[others[0]]) > Math.abs(head[others[1]]) ? others[0] : others[1], across = others.find((c) => c !== up);
-  return { across, up, sign: head[up] < 0 ? -1 : 1 };
+  const right = (head[(across + 1) % 3] * front[(across + 2) % 3] - head[(across + 2) % 3] * front[(across + 1) % 3]) < 0 ? -1 : 1;  // head x front
+  return (p) => [right * p[across], (head[up] < 0 ? -1 : 1) * p[up]];
 }
 
 class ContactSheet {
-  constructor(batch, vessel, shapes, head) {
+  constructor(batch, vessel, shapes, head, front) {
     this.batch = batch, this.vessel = vessel, this.shapes = shapes;
     const points = vessel.length ? vessel : [...shapes.values()].flat(2);
-    this.view = viewOf(points, head);
-    const project = (p) => [p[this.view.across], this.view.sign * p[this.view.up]];
-    const flat = points.map(project);
+    this.project = viewOf(points, head, front);
+    const flat = points.map(this.project);
     this.low = [0, 1].map((c) => flat.reduce((least, p) => Math.min(least, p[c]), Infinity));
     this.high = [0, 1].map((c) => flat.reduce((most, p) => Math.max(most, p[c]), -Infinity));
   }
@@ -165,7 +165,7 @@ class ContactSheet {
     const g = canvas.getContext('2d'), scale = 0.94 * Math.min(w / (this.high[0] - this.low[0] || 1), h / (this.high[1] - this.low[1] || 1));
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     const middle = [0, 1].map((c) => (this.low[c] + this.high[c]) / 2);
-    const place = (p) => [w / 2 + scale * (p[this.view.across] - middle[0]), h / 2 - scale * (this.view.sign * p[this.view.up] - middle[1])];
+    const place = (p) => { const [x, y] = this.project(p); return [w / 2 + scale * (x - middle[0]), h / 2 - scale * (y - middle[1])]; };
     g.fillStyle = cssColour('--wall');
     g.globalAlpha = 0.13;
     for (const p of this.vessel) { const [px, py] = place(p); g.fillRect(px - 1, py - 1, 2, 2); }
@@ -212,7 +212,7 @@ function showBatch(batch, mostPictures = 60) {
   $('choose').hidden = !plots.length;
   showRanking($('ranking'), batch, responses[0]);
   $('ranks').hidden = !responses.length;
-  const shapes = shapesOf(data.shapes), sheet = shapes.size ? new ContactSheet(batch, data.vessel, shapes, data.head) : null;
+  const shapes = shapesOf(data.shapes), sheet = shapes.size ? new ContactSheet(batch, data.vessel, shapes, data.head, data.front) : null;
   const pictures = sheet ? showPictures($('sheet-of-runs'), batch, mostPictures) : [];
   $('pictures').hidden = !pictures.length;
   $('pictures-of').textContent = batch.count > pictures.length ? `the first ${pictures.length} of ${batch.count}` : '';
@@ -239,7 +239,7 @@ function showRanking(table, batch, response, most = 20) {
   if (!response) return;
   const ranked = batch.ranked(), [factor, unit] = scaleOf(batch.units[response] || '', ranked.map((k) => batch.number(response, k)));
   const head = table.insertRow();
-  for (const text of ['', 'run', ...batch.keys, 'outcome', `${response}${unit ? ` [${unit}]` : ''}`]) { const th = document.createElement('th'); th.textContent = text; head.append(th); }
+  for (const text of ['', 'run', ...batch.keys, 'outcome', `${response.replace(/_(n|m|s|j|nm|n_per_m)$/, '').replaceAll('_', ' ')}${unit ? ` [${unit}]` : ''}`]) { const th = document.createElement('th'); th.textContent = text; head.append(th); }
   ranked.slice(0, most).forEach((k, place) => {
     const tr = table.insertRow();
     tr.insertCell().textContent = place + 1;

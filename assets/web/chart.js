@@ -107,7 +107,8 @@ class Chart {
     const { ticks, step } = roundTicks(from, end, 5);
     g.fillStyle = this.colour('--faint');
     g.textAlign = 'center';
-    ticks.filter((t) => t >= from - 1e-9 * step && t <= end + 1e-9 * step).forEach((t) => g.fillText(`${tickText(t, step)}${t === ticks[0] ? ' s' : ''}`, x(t), h - 4));
+    const shown = ticks.filter((t) => t >= from - 1e-9 * step && t <= end + 1e-9 * step);
+    shown.forEach((t, k) => g.fillText(`${tickText(t, step)}${k === shown.length - 1 ? ' s' : ''}`, x(t), h - 4));
     g.textAlign = 'left';
   }
 
