@@ -48,8 +48,9 @@ std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline
 {
 #ifdef SEL_WITH_VIEW
     try {
+        const Branches numbered(line);
         std::vector<Vec3> branches;
-        for (const int leaf : branch_leaves(line)) branches.push_back(line.points[static_cast<std::size_t>(leaf)]);
+        for (int k = 1; k <= numbered.count(); ++k) branches.push_back(line.points[static_cast<std::size_t>(numbered.points(k).back())]);
         draw_ways_in(picture, mesh, first.inlets, branches, first.inlet);
         return fmt::format("  {}: the ways in and the branches, numbered\n", picture.string());
     } catch (const Error& error) {  // a scene is what was asked for: no display is no failure

@@ -338,7 +338,12 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
         write_contact_table(now);
     }
     tally_.wall = wall + std::chrono::duration<double>(Clock::now() - start).count();
-    const std::string summary = summary_json(world, tally_, {&scene_, &vessel_, status, readings_, warnings_, estimate_});
+    SummaryNotes notes{&scene_, &vessel_, status, readings_, warnings_, 0, 0, 0, estimate_};
+    const Centreline& line = world.setup().centreline;
+    const Branches branches(line);
+    const Branches::Place place = branches.locate(line, world.rod(leading_wire(world, 0)).pos(0));
+    notes.branch = place.branch, notes.branch_depth = place.depth, notes.branches = branches.count();
+    const std::string summary = summary_json(world, tally_, notes);
     write_file(dir_ / "summary.json", summary);
     if (status == RunStatus::Done) checkpoint(world, status, tally_.wall);
     return summary;

@@ -46,6 +46,9 @@ public:
     /// After an accepted step. @param now  of the parts that were wanted  @param seconds  that the step took
     void stepped(const Output& now, const StepReport& report, double seconds);
 
+    /// After a step, or where the task begins: what the task has come to.
+    void scored(const ScoreNumbers& score) { tally_.score = score; }
+
     /// Saves where the run stands. @param wall  of the loop so far [s]
     void checkpoint(const World& world, RunStatus status, double wall);
     /// Writes final tables, summary and, unless the simulation failed, the checkpoint. @return the summary

@@ -64,7 +64,7 @@ TEST_SUITE("apps/init_command")
             CHECK(checked.code == 0);
             CHECK(has(checked.out, "inlet 1 of 2: "));
             CHECK(has(checked.out, "] m = ["));
-            const AppResult ran = run_app(folder, fmt::format("run s-{}.toml -o r-{} --set scene.duration_s=0.3", unit, unit));
+            const AppResult ran = run_app(folder, fmt::format("run s-{}.toml -o r-{} --verbose --set scene.duration_s=0.3", unit, unit));
             CAPTURE(ran.err);
             CHECK(ran.code == 0);
             CHECK(has(ran.out, "entered at 1 of 2"));
