@@ -68,8 +68,9 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
     }
     if (static_cast<std::uint64_t>(status.st_size) > most) {
         ::close(fd);
-        throw Error(ExitCode::BadFile, fmt::format("{}: has {} bytes, at most {} are read here; is it the right file?",
-                                                   path, status.st_size, most));
+        throw Error(ExitCode::BadFile,
+                    fmt::format("{}: got {} bytes; expected at most {}. Fix: check that this is the right file", path,
+                                status.st_size, most));
     }
     std::string content;
     content.reserve(static_cast<std::size_t>(status.st_size));

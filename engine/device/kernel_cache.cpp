@@ -124,7 +124,7 @@ std::string fault_of_cache(const fs::path& dir)
         return fmt::format("the kernel cache {} cannot be written to: {}", shown, std::strerror(problem));
     const fs::path odd = clean_kernel_cache(dir);
     if (odd.empty()) return {};
-    return fmt::format("the kernel cache {} has something else in the place of a kernel: {}", shown,
+    return fmt::format("the kernel cache {} has something else in place of a kernel: {}", shown,
                        printable(odd.lexically_relative(dir).string()));
 }
 

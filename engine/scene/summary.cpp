@@ -224,12 +224,12 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                        " have contact samples that do not add up to the forces on the nodes: do not trust readings of contact in this "
                        "run, and report it with the scene");
     if (tally.far_steps > 0)
-        list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
+        list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("contact")) +
                        " moved the wall by more than 20 % of the lumen's radius: beyond its linear "
                        "theory (docs/wall.md)");
     if (tally.non_finite > 0)
         list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
-    for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");
+    for (const std::string& key : lost) list.push_back(key + " is not finite and written as null");
     return list;
 }
 
