@@ -25,14 +25,14 @@ def help_of(app, words):
 
 
 def parsed(text):
-    """(first line, {heading: [(names, meaning)]}). A long name has its meaning on the next line."""
+    """(first line, {heading: [(names, meaning)]}). Meanings begin in column 30; a longer name has its own on the next line."""
     lines = text.splitlines()
     parts, rows = {}, None
-    for line in lines[1:]:
+    for line, after in zip(lines[1:], [*lines[2:], ""]):
         if re.fullmatch(r"\w+:", line):
             rows = parts.setdefault(line[:-1], [])
         elif rows is not None and re.match(r"  \S", line):
-            names, _, meaning = line[2:].partition("  ")
+            names, meaning = (line, "") if after.startswith(" " * 30) else (line[:30], line[30:])
             rows.append([names.strip(), meaning.strip()])
         elif rows and line.strip():
             rows[-1][1] = f"{rows[-1][1]} {line.strip()}".strip()
