@@ -58,7 +58,7 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
     // without waiting: opening a pipe that no one writes to would never return
     const int fd = ::openat(place.start(), place.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | place.read_flags());
     if (fd < 0 && errno == ELOOP && place.read_flags() != 0)
-        throw Error(ExitCode::BadFile, path + ": is a link; what is read of this folder lies in it. Fix: put the file itself there");
+        throw Error(ExitCode::BadFile, path + ": is a link; expected a file in this folder. Fix: put the file itself there");
     if (fd < 0) fail(errno);
     struct stat status {};
     if (::fstat(fd, &status) == 0 && !S_ISREG(status.st_mode)) {

@@ -71,7 +71,7 @@ void check(cl_int status, const char* call)
 {
     if (status == CL_SUCCESS) return;
     const std::string name(call, std::strcspn(call, "("));
-    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists what is usable", name,
+    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists usable devices", name,
                                                 error_name(status), status));
 }
 

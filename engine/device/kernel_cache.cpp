@@ -213,9 +213,10 @@ fs::path kernel_cache_folder()
 
 std::string kernel_cache_advice()
 {
-    return fmt::format("if the disk is full, or what is in the kernel cache {} was damaged: delete that folder, or set "
-                       "POCL_CACHE_DIR to another one",
-                       printable(kernel_cache_folder().string()));
+    return fmt::format(
+        "if the disk is full or the kernel cache {} is damaged: delete that folder, or set "
+        "POCL_CACHE_DIR to another one",
+        printable(kernel_cache_folder().string()));
 }
 
 fs::path clean_kernel_cache(const fs::path& dir)
