@@ -154,7 +154,7 @@ void add_bench(CommandLine& app, Command& chosen)
     command->add_flag("--overwrite", options->overwrite, "replace the results in DIR");
     command->add_option("--device", options->device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
-        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+        ->check([](const std::string& text) { return text.starts_with('-') ? "got " + text + "; expected 0 or more" : ""; });
     command->add_flag("--quiet", options->quiet, "no progress, no tables");
     command->add_flag("--json", options->json, "print the results as one JSON object");
     command->callback([options, &chosen] { chosen = [options] { return bench(*options); }; });

@@ -97,7 +97,7 @@ void add_chart(CommandLine& app, Command& chosen)
     command->add_flag("--overwrite", options->overwrite, "run everything again");
     command->add_option("--device", options->chart.device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
-        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+        ->check([](const std::string& text) { return text.starts_with('-') ? "got " + text + "; expected 0 or more" : ""; });
     command->add_flag("--quiet", options->quiet, "no progress, no summary");
     command->callback([options, &chosen] {
         chosen = [options] {

@@ -98,7 +98,7 @@ Scene scene_of(const fs::path& dir, std::vector<std::string> overrides = {})
 double in_range(const char* option, double value, double low, double high, const char* what)
 {
     if (!(value >= low && value <= high))
-        throw Error(ExitCode::BadScene, fmt::format("{}: {} given, expected {} from {} to {}", option, value, what, low, high));
+        throw Error(ExitCode::BadScene, fmt::format("{}: got {}; expected {} from {} to {}", option, value, what, low, high));
     return value;
 }
 

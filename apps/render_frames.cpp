@@ -40,7 +40,7 @@ std::pair<int, int> two_numbers(const std::string& text, char between, const cha
         const auto second = std::from_chars(first.ptr + 1, end, b);
         if (second.ec == std::errc() && second.ptr == end && a >= 0 && b >= 0) return {a, b};
     }
-    throw Error(ExitCode::BadScene, fmt::format("{}: \"{}\" given, {} expected", option, text, form));
+    throw Error(ExitCode::BadScene, fmt::format("{}: got \"{}\"; expected {}", option, text, form));
 }
 
 #ifdef SEL_WITH_VIEW
@@ -53,7 +53,7 @@ FrameChoice FrameArguments::choice() const
     }
     if (fps && video.empty()) throw Error(ExitCode::BadScene, "--fps: got no --video; expected a film. Fix: give --video FILE.mp4");
     if (fps && !(*fps >= 0.1 && *fps <= 240))
-        throw Error(ExitCode::BadScene, fmt::format("--fps: {} given, expected frames per second from 0.1 to 240", *fps));
+        throw Error(ExitCode::BadScene, fmt::format("--fps: got {}; expected frames per second from 0.1 to 240", *fps));
     if (label_vessel && labels.empty()) throw Error(ExitCode::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
     if (!preview.empty() && !video.empty())
         throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --video");

@@ -16,11 +16,11 @@ void add_limits(CommandLine& command, double& time_limit, int& device)
     command.add_option("--time-limit", time_limit, "stop after this number of seconds with the state saved, exit 75")
         ->type_name("S")
         ->check([](const std::string& text) {
-            return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected";
+            return std::strtod(text.c_str(), nullptr) > 0 ? "" : "got " + text + "; expected seconds above 0";
         });
     command.add_option("--device", device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
-        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+        ->check([](const std::string& text) { return text.starts_with('-') ? "got " + text + "; expected 0 or more" : ""; });
 }
 
 void add_run(CommandLine& app, Command& chosen)
