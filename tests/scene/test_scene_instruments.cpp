@@ -169,7 +169,7 @@ TEST_SUITE("scene/scene_instruments")
             {"instrument.1.name=\"a b\"", "instrument.1.name: expected 1 to 40 letters"},
             {"instrument.1.name=trace_catheter", "instrument.1.name: \"trace_catheter\" beside instrument 0, \"catheter\""},
             {"coaxial.order=[\"catheter\", \"wier\"]", "coaxial.order: no instrument is called \"wier\""},
-            {"coaxial.order=[\"catheter\", \"catheter\"]", "coaxial.order: \"catheter\" is there twice"},
+            {"coaxial.order=[\"catheter\", \"catheter\"]", "coaxial.order: \"catheter\" is listed twice"},
             {"coaxial.order=[\"catheter\"]", "coaxial.order: expected two names"},
             {"coaxial.model=glued", "coaxial.model: expected one of"},
             {"instrument.1.feed.point=[0.0, 0.0, 0.0]", "instrument.1.feed.point: is that of the outer instrument"},
