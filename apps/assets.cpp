@@ -1,7 +1,8 @@
-// Runs plot scripts with Debian's python3.
+// Runs plot scripts with Debian's python3, and finds scenes.
 #include "assets.h"
 
 #include "core/child_process.h"
+#include "core/error.h"
 #include "core/note.h"
 
 #include <fmt/format.h>
@@ -22,10 +23,10 @@ std::string python()
 
 }  // namespace
 
-bool draw_with(const std::string& script, const std::vector<std::string>& arguments)
+bool draw_with(const std::string& script, const std::vector<std::string>& paths)
 {
     std::vector<std::string> words = {python(), (assets_folder() / script).string()};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    for (const std::string& path : paths) words.push_back(path.starts_with('-') ? "./" + path : path);  // no option of the script
     const pid_t script_run = start_program(words);
     if (script_run > 0 && wait_for_program(script_run) == 0) return true;
     if (script_run < 0) {
@@ -35,6 +36,21 @@ bool draw_with(const std::string& script, const std::vector<std::string>& argume
     note(fmt::format("seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,
                      fmt::join(words, " ")));
     return false;
+}
+
+std::string scene_file(const std::string& word)
+{
+    const fs::path path(word);
+    std::error_code unreadable;
+    if (path.empty() || path.has_parent_path() || path.has_extension() || fs::exists(path, unreadable)) return word;
+    try {
+        for (const char* folder : {"", "reference"})
+            if (const fs::path file = assets_folder() / "scenes" / folder / (word + ".toml");
+                fs::is_regular_file(file, unreadable))
+                return file.string();
+    } catch (const Error&) {  // no scenes come with this program
+    }
+    return word;
 }
 
 }  // namespace seldinger::apps

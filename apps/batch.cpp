@@ -1,4 +1,4 @@
-// seldinger batch SCENE.toml --vary SWEEP.toml [-o DIR] [--set ...] [--resume | --overwrite] [--time-limit S] [--device N]
+// seldinger batch SCENE.toml --vary SWEEP.toml [-o DIR] [--set ...] [--bands] [--resume | --overwrite] [--time-limit S] [--device N]
 //                 [--threads N] [--quiet] [--json]
 
 #include "batch_loop.h"
@@ -18,18 +18,20 @@ struct Options {
     std::filesystem::path scene, sweep;
     RunOptions run;
     int threads = 0;
-    bool resume = false, overwrite = false, json = false;
+    bool bands = false, resume = false, overwrite = false, json = false;
 };
 
 std::string for_people(const std::string& json, const std::filesystem::path& dir)
 {
     const nlohmann::json s = nlohmann::json::parse(json);
-    return fmt::format(
+    std::string text = fmt::format(
         "{}: {}, {} runs in {} worlds, {} stopped\n  {} wire-steps in {:.3g} s ({:.0f} per second) on {}, {} threads\n"
-        "  {}: results.csv, results.npz, summary.json, scene.toml, sweep.toml\n",
+        "  {}: results.csv, results-units.csv, results.npz, shapes.csv, summary.json, scene.toml, sweep.toml\n",
         s.at("name").get<std::string>(), s.at("status").get<std::string>(), s.at("runs").get<long>(), s.at("worlds").get<long>(),
         s.at("stopped").get<long>(), s.at("wire_steps").get<long>(), s.at("wall_s").get<double>(),
         s.at("wire_steps_per_s").get<double>(), s.at("device").get<std::string>(), s.at("threads").get<int>(), dir.string());
+    if (const std::string answer = s.at("answer").get<std::string>(); !answer.empty()) text += answer + "\n";
+    return text;
 }
 
 ExitCode batch(Options& options)
@@ -38,6 +40,7 @@ ExitCode batch(Options& options)
     if (options.resume) what.use = FolderUse::Resume;
     if (options.overwrite) what.use = FolderUse::Overwrite;
     if (what.dir.empty()) what.dir = options.scene.stem().string() + "-batch";
+    if (options.bands) what.overrides.push_back("output.bands=true");
     set_thread_count(options.threads);
     const RunOutcome outcome = run_batch(options.scene, options.sweep, what);
     if (options.json) print(outcome.summary);
@@ -52,7 +55,7 @@ void add_batch(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CommandLine* command = app.add_subcommand("batch", "run a scene many times with keys varied, many wires at once");
-    command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    command->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     command->add_option("--vary", options->sweep, "sweep file: [vary] with lists (grid) and {min, max, n} (draws)")
         ->type_name("SWEEP.toml")
         ->required();
@@ -60,6 +63,7 @@ void add_batch(CommandLine& app, Command& chosen)
     command->add_option("--set", options->run.overrides, "change a key of the scene for all runs; repeats")
         ->type_name("table.key=value")
         ->allow_extra_args(false);
+    command->add_flag("--bands", options->bands, "each run a second time with half the step: a band for each force, --set output.bands=true");
     auto* resume =
         command->add_flag("--resume", options->resume, "continue the batch in DIR (without one: from the start)");
     command->add_flag("--overwrite", options->overwrite, "replace what is in DIR")->excludes(resume);

@@ -9,25 +9,26 @@
 #include "elapsed.h"
 #include "io/json_text.h"
 #include "progress.h"
+#include "scene/frames.h"
 #include "scene/scene_difference.h"
 #include "scene/toml_parse.h"
+#include "study/batch_answer.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <cmath>
 #include <optional>
 
 namespace seldinger::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
-constexpr std::string_view magic = "SELBATC4";
-constexpr const char* batch_files[] = {"results.csv", "results.npz", "sweep.toml"};
+constexpr std::string_view magic = "SELBATC5";
+constexpr const char* batch_files[] = {"results.csv", "results-units.csv", "results.npz", "shapes.csv", "sweep.toml"};
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
 struct Totals {
@@ -125,6 +126,9 @@ private:
         if (key != vessel_key_) vessel_ = load_vessel(scene.vessel);
         vessel_key_ = std::move(key);
         world_.emplace(source_, worlds_[at_], vessel_, options_.device);
+        // of the first world: what is varied is seldom the vessel. A task of a farm leaves it to the merge
+        const bool whole = begin_ == 0 && end_ == source_.item_count();
+        if (whole && at_ == 0 && !vessel_.mesh.triangles.empty()) write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
         device_ = world_->world().device_name();
     }
 
@@ -257,33 +261,32 @@ private:
 
     void write_tables()
     {
-        write_file(folder_ / "results.csv", batch_csv(source_.sweep, source_.instruments(), rows_));
-        write_file(folder_ / "results.npz", batch_npz(source_.sweep, source_.instruments(), rows_));
+        const BatchLayout layout = source_.layout();
+        write_file(folder_ / "results-units.csv", batch_units_csv(source_.sweep, layout));
+        write_file(folder_ / "shapes.csv", batch_shapes_csv(layout, rows_));
+        write_file(folder_ / "results.npz", batch_npz(source_.sweep, layout, rows_));
+        write_file(folder_ / "results.csv", batch_csv(source_.sweep, layout, rows_));
     }
 
     std::string summary(RunStatus status) const
     {
-        const auto stopped =
-            std::count_if(rows_.begin(), rows_.end(), [](const BatchRow& row) { return row.status == RunStatus::Stopped; });
         const double to_ms = 1e3 / static_cast<double>(std::max<std::int64_t>(totals_.world_steps, 1));
         const StageTimes& s = totals_.stages;
         Json out;
         out["name"] = source_.scene(0).name;
         out["status"] = status_word(status);
-        out["runs"] = runs_;
-        out["done"] = rows_.size() - static_cast<std::size_t>(stopped);
-        out["stopped"] = stopped;
+        add_answer(out, source_, rows_);
+        out["results"] = "results.csv";
         out["worlds"] = worlds_.size();
         out["wire_steps"] = totals_.wire_steps;
+        out["version"] = version();
+        out["resumes"] = totals_.resumes;
+        out["threads"] = thread_count();
+        out["device"] = device_;
         out["wall_s"] = totals_.wall;
         out["wire_steps_per_s"] = static_cast<double>(totals_.wire_steps) / std::max(totals_.wall, 1e-9);
         out["stage_ms"] = {{"detect", s.detect * to_ms}, {"evaluate", s.evaluate * to_ms}, {"reduce", s.reduce * to_ms},
                            {"solve", s.solve * to_ms},   {"wall", 0.0},                    {"adapt", s.adapt * to_ms}};
-        out["threads"] = thread_count();
-        out["device"] = device_;
-        out["version"] = version();
-        out["resumes"] = totals_.resumes;
-        out["results"] = "results.csv";
         return json_text(out, 2) + "\n";
     }
 
@@ -300,15 +303,16 @@ private:
         if (status == RunStatus::Interrupted) outcome = {ExitCode::Interrupted, outcome.summary, "interrupted " + saved};
         if (status != RunStatus::Done) return outcome;
         std::int64_t stopped = 0, first = -1;
+        const auto runs = static_cast<std::int64_t>(source_.sweep.run_count());
         for (const BatchRow& row : rows_)
-            if (row.status == RunStatus::Stopped && (stopped++ == 0 || row.run < first)) first = row.run;
+            if (row.run < runs && row.status == RunStatus::Stopped && (stopped++ == 0 || row.run < first)) first = row.run;
         if (stopped > 0)
             outcome = {
                 ExitCode::Stopped, outcome.summary,
                 fmt::format(
                     "{} of {} runs stopped where no step converged, run {} first; see the column status of {}; make scene.dt_s "
                     "smaller or contact.stiffness lower there",
-                    stopped, rows_.size(), first, (folder_.path() / "results.csv").string())};
+                    stopped, std::min<std::size_t>(rows_.size(), source_.sweep.run_count()), first, (folder_.path() / "results.csv").string())};
         return outcome;
     }
 
@@ -335,6 +339,31 @@ private:
 
 }  // namespace
 
+void add_answer(Json& summary, const BatchSource& source, const std::vector<BatchRow>& rows)
+{
+    const BatchLayout layout = source.layout();
+    const std::vector<RunRows> runs = rows_by_run(layout, rows);
+    const auto stopped = static_cast<std::size_t>(
+        std::count_if(runs.begin(), runs.end(), [](const RunRows& of) { return of.row->status == RunStatus::Stopped; }));
+    const BatchAnswer answer = answer_of(layout, rows);
+    summary["runs"] = source.sweep.run_count();
+    summary["done"] = runs.size() - stopped;
+    summary["stopped"] = stopped;
+    Json branches = Json::object();
+    for (const auto& [branch, count] : answer.branches) branches[std::to_string(branch)] = count;
+    summary["branches"] = std::move(branches);
+    if (layout.task) {
+        Json ranking = Json::array();
+        for (const BatchAnswer::Ranked& one : answer.ranking)
+            ranking.push_back({{"run", one.run},
+                               {"label", label_of(source.sweep, one.run)},
+                               {"until_patch_force_max_n", one.value},
+                               {"band_n", std::isfinite(one.band) ? Json(one.band) : Json()}});
+        summary["task"] = {{"target", layout.target}, {"reached", answer.reached}, {"passed", answer.passed}, {"force_patch_m", layout.patch}, {"ranking", std::move(ranking)}};
+    }
+    summary["answer"] = answer_line(source.sweep, layout, answer);
+}
+
 std::string resolved_scene(const BatchSource& source, const fs::path& dir)
 {
     return write_scene(read_scene_text(source.scene_text, source.scene_file, source.overrides), dir);
@@ -344,13 +373,12 @@ RunOutcome run_batch(const fs::path& scene, const fs::path& sweep, const RunOpti
 {
     const auto called = Clock::now();
     const StopSignal listening;
-    BatchSource source{read_scene_file(scene), scene, options.overrides, {}};
     const std::string sweep_text = read_scene_file(sweep);
-    source.sweep = read_sweep_text(sweep_text, sweep, read_scene_text(source.scene_text, scene, options.overrides).seed);
+    const BatchSource source = make_source(read_scene_file(scene), scene, options.overrides, sweep_text, sweep);
     const FileLock lock = FileLock::of_folder(options.dir);
     const Folder folder(options.dir);
     check_batch_folder(folder, options.use, source, sweep_text);
-    return Batch(source, sweep_text, 0, source.sweep.run_count(), folder, options).go(called);
+    return Batch(source, sweep_text, 0, source.item_count(), folder, options).go(called);
 }
 
 BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_text, std::size_t begin, std::size_t end,

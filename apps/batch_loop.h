@@ -5,7 +5,11 @@
 #include "run_loop.h"
 #include "study/batch.h"
 
+#include <nlohmann/json.hpp>
+
 namespace seldinger::apps {
+
+using Json = nlohmann::ordered_json;
 
 /// @throws Error
 [[nodiscard]] RunOutcome run_batch(const std::filesystem::path& scene, const std::filesystem::path& sweep,
@@ -24,6 +28,9 @@ struct BatchPart {
 
 /// Takes a batch's own files out of a folder, by their names. @throws Error BadFile
 void remove_batch(const Folder& folder);
+
+/// Counts, outcomes, ranking and the answer in one line, as a batch's summary.json and a farm's have them.
+void add_answer(Json& summary, const BatchSource& source, const std::vector<BatchRow>& rows);
 
 /// The scene with every default filled in, as a batch in `dir` writes it.
 [[nodiscard]] std::string resolved_scene(const BatchSource& source, const std::filesystem::path& dir);

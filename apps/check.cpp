@@ -5,10 +5,13 @@
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "setup_check.h"
+#include "vessel/inlets.h"
+#include "vessel/parts.h"
 #include "wall/wall_resolution.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +19,25 @@
 
 namespace seldinger::apps {
 namespace {
+
+/// A point of one's own in mid-lumen is no way into a patient.
+std::string describe_entry(const Scene& scene, const RepairReport& vessel, const WorldSetup& setup)
+{
+    const std::vector<Inlet> inlets = find_inlets(vessel.loops, setup.centreline);
+    std::string text;
+    for (int k = 0; k < scene.instrument_count() && !inlets.empty(); ++k) {
+        const FeedSpec& feed = setup.wires[static_cast<std::size_t>(k)].feed;
+        if (!feed.on || scene.instrument(k).feed.inlet_auto) continue;
+        const auto distance = [&](const Inlet& i) { return (i.point - feed.point).norm(); };
+        const auto nearest = std::min_element(inlets.begin(), inlets.end(), [&](const Inlet& a, const Inlet& b) { return distance(a) < distance(b); });
+        if (distance(*nearest) <= 3 * nearest->radius) continue;
+        text += fmt::format("  note: feed.point lies {:.3g} mm from the nearest way in, number {}; a wire enters a vessel at an opening or an end. Fix: "
+                            "inlet = {}, unless it is meant to start there\n",
+                            1e3 * distance(*nearest), nearest - inlets.begin() + 1, nearest - inlets.begin() + 1);
+        break;  // instruments inside each other enter at one place
+    }
+    return text;
+}
 
 std::string describe(const Scene& scene, const RepairReport& vessel, const WorldSetup& setup)
 {
@@ -33,6 +55,14 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
     for (const WireSetup& wire : setup.wires)
         if (!wire.inlet.empty())
             text += fmt::format("  {}inlet {}\n", wire.name.empty() ? "" : wire.name + ": ", wire.inlet);
+    if (vessel.components > 1)
+        for (const WireSetup& wire : setup.wires)
+            if (wire.feed.on) {
+                const VesselParts parts(setup.mesh, vessel.loops);
+                for (const std::string& line : parts.describe_choice(parts.part_at(wire.feed.point))) text += "  note: " + line + "\n";
+                break;
+            }
+    if (setup.vessel.shape == VesselShape::Mesh) text += describe_entry(scene, vessel, setup);
     for (const auto& [name, value] : scene.notes) text += fmt::format("  {}: {}\n", name, value);
     return text;
 }
@@ -48,7 +78,7 @@ void add_check(CommandLine& app, Command& chosen)
     };
     auto options = std::make_shared<Options>();
     CommandLine* check = app.add_subcommand("check", "check a scene without running it");
-    check->add_option("SCENE", options->file, "scene file (TOML)")->required();
+    check->add_option("SCENE", options->file, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     check->add_option("--set", options->overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")
         ->allow_extra_args(false);

@@ -1,6 +1,8 @@
 // The one file that knows CLI11.
 #include "command_line.h"
 
+#include "assets.h"
+
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -33,6 +35,12 @@ Argument* Argument::type_name(const std::string& name)
     option_->type_name(name);
     return this;
 }
+Argument* Argument::scene()
+{
+    option_->transform([](const std::string& word) { return scene_file(word); });
+    return this;
+}
+
 Argument* Argument::required()
 {
     option_->required();

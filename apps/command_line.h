@@ -30,6 +30,8 @@ public:
     explicit Argument(CLI::Option* option) : option_(option) {}
     Argument* type_name(const std::string& name);
     Argument* required();
+    /// A scene's file, or the name of one that comes with the program.
+    Argument* scene();
     Argument* check(ArgumentCheck check);
     Argument* excludes(Argument* other);
     Argument* delimiter(char between);

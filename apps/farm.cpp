@@ -13,9 +13,9 @@
 #include "io/film_write.h"
 #include "io/json_text.h"
 #include "render_frames.h"
+#include "scene/frames.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -26,7 +26,6 @@ namespace seldinger::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t usual_tasks = 200;  // enough that a lost one is little work, few enough that starting them is
 
@@ -36,7 +35,7 @@ struct Options {
     std::string frames, backend = "local";
     std::optional<int> tasks;
     LocalBackend local;
-    bool submit = false, dry_run = false;
+    bool bands = false, submit = false, dry_run = false;
 };
 
 struct ViewOptions {
@@ -62,10 +61,9 @@ FarmPlan plan_sweep(const Options& options, std::string& scene_text, std::string
     plan.source = fs::absolute(options.source).lexically_normal();
     plan.sweep = options.sweep;
     plan.overrides = options.overrides;
-    BatchSource source{scene_text, plan.source, options.overrides, {}};
-    source.sweep = read_sweep_text(sweep_text, options.sweep, read_scene_text(scene_text, plan.source, options.overrides).seed);
+    const BatchSource source = make_source(scene_text, plan.source, options.overrides, sweep_text, options.sweep);
     (void)plan_worlds(source);
-    plan.items = source.sweep.run_count();
+    plan.items = source.item_count();
     plan.tasks = task_count(options, plan);
     plan.key = sweep_key(source, sweep_text);
     return plan;
@@ -189,6 +187,7 @@ Json status_json(const FarmPlan& plan, const FarmReport& r)
 ExitCode farm(Options& options)
 {
     check_words(options);
+    if (options.bands) options.overrides.push_back("output.bands=true");
     if (options.submit) need_slurm();
     options.dir = fs::absolute(options.dir).lexically_normal();
     if (options.backend == "slurm") check_job_scripts(options.dir, options.sbatch);
@@ -239,7 +238,7 @@ ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
     std::string sweep_text;
     const BatchSource source = farm_source(dir, plan, sweep_text);
     const Scene first = source.scene(0);
-    const std::vector<std::string> names = source.instruments();
+    const BatchLayout layout = source.layout();
     std::vector<BatchRow> rows;
     std::vector<std::size_t> missing;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
@@ -248,23 +247,25 @@ ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
         else missing.push_back(t);
     }
     if (!missing.empty()) say_missing(dir, plan, missing);
-    const auto stopped =
-        std::count_if(rows.begin(), rows.end(), [](const BatchRow& row) { return row.status == RunStatus::Stopped; });
     Json summary;
     summary["name"] = first.name;
     summary["status"] = "done";
-    summary["runs"] = rows.size();
-    summary["done"] = rows.size() - static_cast<std::size_t>(stopped);
-    summary["stopped"] = stopped;
-    summary["version"] = version();
+    add_answer(summary, source, rows);
     summary["results"] = "results.csv";
+    summary["version"] = version();
     summary["farm"] = status_json(plan, look_at_farm(dir, plan));
     write_file(dir / "scene.toml", resolved_scene(source, dir.path()));
     write_file(dir / "sweep.toml", sweep_text);
-    write_file(dir / "results.npz", batch_npz(source.sweep, names, rows));
+    write_file(dir / "results-units.csv", batch_units_csv(source.sweep, layout));
+    if (const LoadedVessel vessel = load_vessel(first.vessel); !vessel.mesh.triangles.empty()) write_file(dir / "vessel.vtp", wall_vtp(vessel.mesh));
+    write_file(dir / "shapes.csv", batch_shapes_csv(layout, rows));
+    write_file(dir / "results.npz", batch_npz(source.sweep, layout, rows));
     write_file(dir / "summary.json", json_text(summary, 2) + "\n");
-    write_file(dir / "results.csv", batch_csv(source.sweep, names, rows));
-    print(fmt::format("{}: {} runs, {} stopped: results.csv, results.npz, summary.json\n", dir.path().string(), rows.size(), stopped));
+    write_file(dir / "results.csv", batch_csv(source.sweep, layout, rows));
+    const auto stopped = summary["stopped"].get<long>();
+    const std::string answer = summary["answer"].get<std::string>();
+    print(fmt::format("{}: {} runs, {} stopped: results.csv, results-units.csv, results.npz, shapes.csv, summary.json\n{}", dir.path().string(),
+                      source.sweep.run_count(), stopped, answer.empty() ? "" : answer + "\n"));
     return stopped > 0 ? ExitCode::Stopped : ExitCode::Done;
 }
 
@@ -392,6 +393,7 @@ void add_farm(CommandLine& app, Command& chosen)
     command->add_option("--set", options->overrides, "change a key of the scene for all runs; repeats")
         ->type_name("table.key=value")
         ->allow_extra_args(false);
+    command->add_flag("--bands", options->bands, "each run a second time with half the step, as of batch");
     command->add_option("--tasks", options->tasks, "how many tasks (default: 200, or one for each run or frame)")
         ->type_name("N")
         ->check(in_range(1, 1000000));

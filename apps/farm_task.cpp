@@ -168,11 +168,8 @@ std::string frames_key(const fs::path& run, std::size_t first, std::size_t frame
 
 BatchSource farm_source(const Folder& dir, const FarmPlan& plan, std::string& sweep_text)
 {
-    BatchSource source{read_file(dir / "farm-scene.toml"), plan.source, plan.overrides, {}};
     sweep_text = read_file(dir / "farm-sweep.toml");
-    source.sweep =
-        read_sweep_text(sweep_text, plan.sweep, read_scene_text(source.scene_text, source.scene_file, source.overrides).seed);
-    return source;
+    return make_source(read_file(dir / "farm-scene.toml"), plan.source, plan.overrides, sweep_text, plan.sweep);
 }
 
 Command render_command(const FarmPlan& plan, FarmPlan::Part part, const fs::path& dir)

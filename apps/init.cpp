@@ -5,13 +5,18 @@
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/printable.h"
+#include "io/file_remarks.h"
+#include "scene/access.h"
 #include "scene/first_scene.h"
 #include "scene/scene.h"
+#include "vessel/branches.h"
+#include "vessel/parts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #ifdef SEL_WITH_VIEW
     #include "view/ways_in.h"
@@ -25,26 +30,9 @@ namespace fs = std::filesystem;
 struct Options {
     fs::path mesh, scene;
     std::string units, instrument;
-    int inlet = 1;
+    int inlet = 0;  // 0: chosen
     bool overwrite = false;
 };
-
-std::string sizes(const UnitGuess& guess)
-{
-    return fmt::format("a lumen of {:.3g} mm radius (half of it is wider) in {:.4g} mm from corner to corner", 1e3 * guess.lumen, 1e3 * guess.extent);
-}
-
-/// The unit and its reason, one line.
-std::string unit_reason(const std::vector<UnitGuess>& guesses, const UnitGuess& taken, bool given)
-{
-    std::string text = fmt::format("{}: {}", given ? "given" : "guessed from its size", sizes(taken));
-    if (!taken.plausible) text += "; no vessel in the body is like that";
-    std::string others;
-    for (const UnitGuess& other : guesses)
-        if (other.plausible && other.unit != taken.unit) others += (others.empty() ? "" : ", ") + other.unit;
-    if (!others.empty()) text += fmt::format("; {} would be possible too", others);
-    return text;
-}
 
 void refuse_to_overwrite(const Options& options, const fs::path& picture)
 {
@@ -56,19 +44,102 @@ void refuse_to_overwrite(const Options& options, const fs::path& picture)
 }
 
 /// @return a line about the picture
-std::string draw(const fs::path& picture, const WallMesh& mesh, const FirstScene& first)
+std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline& line, const FirstScene& first)
 {
 #ifdef SEL_WITH_VIEW
     try {
-        draw_ways_in(picture, mesh, first.inlets, first.inlet);
-        return fmt::format("  {}: the ways in, numbered\n", picture.string());
+        const Branches numbered(line);
+        std::vector<Vec3> branches;
+        for (int k = 1; k <= numbered.count(); ++k) branches.push_back(line.points[static_cast<std::size_t>(numbered.points(k).back())]);
+        draw_ways_in(picture, mesh, first.inlets, branches, first.inlet);
+        return fmt::format("  {}: the ways in and the branches, numbered\n", picture.string());
     } catch (const Error& error) {  // a scene is what was asked for: no display is no failure
         return fmt::format("  note: no picture of the ways in: {}\n", error.what());
     }
 #else
-    (void)picture, (void)mesh, (void)first;
+    (void)picture, (void)mesh, (void)line, (void)first;
     return "  note: no picture of the ways in: this build has no renderer (-DSELDINGER_VIEW=ON)\n";
 #endif
+}
+
+/// Its unit: given, else said by the file's header, else guessed.
+LoadedVessel load_in_its_unit(const Options& options, FirstScene& first)
+{
+    LoadedVessel vessel;
+    const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel);
+    const std::string said = remarks_of_file(options.mesh).units, asked = options.units.empty() ? said : options.units;
+    UnitGuess unit = guesses.front();
+    if (!asked.empty() && asked != unit.unit) {
+        unit = *std::find_if(guesses.begin(), guesses.end(), [&](const UnitGuess& g) { return g.unit == asked; });
+        VesselSpec spec;
+        spec.shape = VesselShape::Mesh;
+        spec.mesh = fs::absolute(options.mesh);
+        spec.units = unit.unit;
+        vessel = load_vessel(spec);
+    }
+    first.unit = unit.unit;
+    first.unit_why = describe_unit(guesses, unit, !options.units.empty() ? "given" : !said.empty() ? "said by the file's header" : "guessed from its size");
+    if (options.units.empty() && !unit.plausible)
+        throw Error(ExitCode::BadScene, fmt::format("{}: got units \"{}\", {}; expected a lumen of 0.3 to 20 mm radius along most of its axis. Fix: say "
+                                                    "with --units which unit it has",
+                                                    options.mesh.string(), unit.unit, first.unit_why));
+    if (const std::string why = describe_no_vessel(vessel); !why.empty() && options.units.empty())
+        throw Error(ExitCode::BadFile, fmt::format("{}: is no vessel: {}. Fix: give the surface of a lumen, cut where the vessel ends; --units takes "
+                                                   "it as it is",
+                                                   options.mesh.string(), why));
+    return vessel;
+}
+
+/// DICOM's axes unless the file's header says others.
+void find_axes(const Options& options, FirstScene& first)
+{
+    const PatientAxes axes = remarks_of_file(options.mesh).axes;
+    if (axes == PatientAxes::Ras) first.back = -Vec3::UnitY();
+    first.axes_why = axes == PatientAxes::Ras   ? "The file says SPACE=RAS: x to the right, y to the front, z to the head"
+                     : axes == PatientAxes::Lps ? "The file says SPACE=LPS: x to the left, y to the back, z to the head"
+                                                : "The file says nothing of its axes; LPS is taken, as in DICOM: x to the left, y to the back, z to the head";
+}
+
+/// @return why each way in was taken or left, and what part of the surface it leads into
+std::vector<std::string> choose_way_in(const Options& options, const LoadedVessel& vessel, FirstScene& first)
+{
+    first.inlets = find_inlets(vessel.report.loops, vessel.centreline);
+    if (first.inlets.empty())
+        throw Error(ExitCode::BadFile, fmt::format("{}: has no opening and no lumen with an axis; is it a vessel's wall?", options.mesh.string()));
+    if (static_cast<std::size_t>(std::max(0, options.inlet)) > first.inlets.size())
+        throw Error(ExitCode::BadScene, fmt::format("--inlet {}: the vessel has {} way{} in", options.inlet, first.inlets.size(),
+                                                    first.inlets.size() == 1 ? "" : "s"));
+    std::vector<int> part(first.inlets.size(), 0);
+    std::optional<VesselParts> parts;
+    if (vessel.report.components > 1) {
+        parts.emplace(vessel.mesh, vessel.report.loops);
+        for (std::size_t k = 0; k < part.size(); ++k) part[k] = parts->part_at(first.inlets[k].point);
+    }
+    const Access access = choose_access(first.inlets, part, vessel.centreline, first.head, first.back);
+    first.inlet = options.inlet > 0 ? options.inlet : access.inlet;
+    first.inlet_why = options.inlet > 0 ? "asked for" : access.reason[static_cast<std::size_t>(first.inlet) - 1];
+    std::vector<std::string> lines;
+    for (std::size_t k = 0; k < first.inlets.size(); ++k) {
+        const bool taken = static_cast<int>(k) + 1 == first.inlet;
+        lines.push_back(fmt::format("way in {}: {}{}{}", k + 1, describe(first.inlets[k]), taken ? "  <- taken, " : "; ",
+                                    taken ? first.inlet_why : access.reason[k]));
+    }
+    if (parts)
+        for (const std::string& line : parts->describe_choice(part[static_cast<std::size_t>(first.inlet) - 1])) lines.push_back(line);
+    return lines;
+}
+
+/// What is written runs: read and set up as `check` would. The scene is not there yet, so that no message may send anyone to it.
+void require_runnable(const Options& options, const std::string& text, const LoadedVessel& vessel)
+{
+    try {
+        const Scene scene = read_scene_text(text, options.scene);
+        (void)make_setup(std::span(&scene, 1), vessel, -1);
+    } catch (const Error& error) {
+        std::string what = error.what();
+        if (const std::string name = options.scene.string() + ": "; what.starts_with(name)) what = what.substr(name.size());
+        throw Error(error.code(), fmt::format("{}: no scene was written, as none would run: {}", options.mesh.string(), what));
+    }
 }
 
 ExitCode init(Options& options)
@@ -78,48 +149,24 @@ ExitCode init(Options& options)
     if (options.scene.empty()) options.scene = options.mesh.stem().string() + ".toml";
     const fs::path picture = options.scene.parent_path() / (options.scene.stem().string() + "-ways-in.png");
     refuse_to_overwrite(options, picture);
-    LoadedVessel vessel;
-    const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel);
-    UnitGuess unit = guesses.front();
-    if (!options.units.empty() && options.units != unit.unit) {
-        unit = *std::find_if(guesses.begin(), guesses.end(), [&](const UnitGuess& g) { return g.unit == options.units; });
-        VesselSpec spec;
-        spec.shape = VesselShape::Mesh;
-        spec.mesh = fs::absolute(options.mesh);
-        spec.units = unit.unit;
-        vessel = load_vessel(spec);
-    }
-    if (options.units.empty() && !unit.plausible)
-        throw Error(ExitCode::BadScene,
-                    fmt::format("{}: in no unit the size of a vessel (in {} it is {}); say with --units which one it has",
-                                options.mesh.string(), unit.unit, sizes(unit)));
     FirstScene first;
     first.mesh = options.mesh;
     first.file = options.scene;
-    first.unit = unit.unit;
-    first.unit_why = unit_reason(guesses, unit, !options.units.empty());
-    first.inlets = find_inlets(vessel.report.loops, vessel.centreline);
-    first.inlet = options.inlet;
-    if (first.inlets.empty())
-        throw Error(ExitCode::BadFile, fmt::format("{}: has no opening and no lumen with an axis; is it a vessel's wall?", options.mesh.string()));
-    if (static_cast<std::size_t>(options.inlet) > first.inlets.size())
-        throw Error(ExitCode::BadScene, fmt::format("--inlet {}: the vessel has {} way{} in", options.inlet, first.inlets.size(),
-                                                    first.inlets.size() == 1 ? "" : "s"));
-    const Inlet& inlet = first.inlets[static_cast<std::size_t>(options.inlet) - 1];
+    const LoadedVessel vessel = load_in_its_unit(options, first);
+    find_axes(options, first);
+    const std::vector<std::string> ways = choose_way_in(options, vessel, first);
+    const Inlet& inlet = first.inlets[static_cast<std::size_t>(first.inlet) - 1];
     first.way = way_through(vessel.centreline, inlet);
     first.wire = choose_wire(first.way, options.instrument);
     const std::string text = first_scene_text(first);
-    // what is written runs: read and set up as `check` would
-    const Scene scene = read_scene_text(text, options.scene);
-    (void)make_setup(std::span(&scene, 1), vessel, -1);
+    require_runnable(options, text, vessel);
     if (options.scene.has_parent_path()) make_folder(options.scene.parent_path());
     write_file(options.scene, text);
     std::string out = fmt::format("{}: units \"{}\", {}\n", printable(options.mesh.string()), first.unit, first.unit_why);
-    for (std::size_t k = 0; k < first.inlets.size(); ++k)
-        out += fmt::format("  way in {}: {}{}\n", k + 1, describe(first.inlets[k]),
-                           static_cast<int>(k) + 1 == first.inlet ? "  <- taken" : "");
+    out += fmt::format("  axes: {}\n", first.axes_why);
+    for (const std::string& line : ways) out += fmt::format("  {}\n", line);
     out += fmt::format("  wire: {}\n  {}: the scene; next: seldinger run {}\n", first.wire.why, options.scene.string(), options.scene.string());
-    print(out + draw(picture, vessel.mesh, first));
+    print(out + draw(picture, vessel.mesh, vessel.centreline, first));
     return ExitCode::Done;
 }
 
@@ -129,11 +176,11 @@ void add_init(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CommandLine* command = app.add_subcommand("init", "write a first scene for a mesh: its unit, way in and a wire that fits");
-    command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP)")->required();
+    command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP, VTK)")->required();
     command->add_option("-o", options->scene, "the scene to write (default: <mesh>.toml here)")->type_name("SCENE.toml");
     command->add_option("--units", options->units, "of the mesh: m, cm, mm, um, in (default: guessed from its size)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
-    command->add_option("--inlet", options->inlet, "another way in, as they are listed (default: 1)")
+    command->add_option("--inlet", options->inlet, "a way in, as they are listed (default: chosen, and said why)")
         ->type_name("N")
         ->check(in_range(1, 1000));
     command->add_option("--instrument", options->instrument, "of the catalogue (default: a guidewire that fits)")->type_name("NAME");

@@ -3,6 +3,7 @@
 #include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
+#include "core/note.h"
 #include "io/coco_write.h"
 #include "io/png_read.h"
 
@@ -41,13 +42,37 @@ std::vector<fs::path> label_files_in(const fs::path& dir)
     return files;
 }
 
+/// In how many pictures the field cuts an instrument off, and its tip.
+struct CutOff {
+    std::string name;
+    int pictures = 0, cut = 0, tip_outside = 0;
+
+    void take_in(const Json& in_field)
+    {
+        const auto outside = [](const Json& inside) { return !inside.get<bool>(); };
+        ++pictures;
+        cut += std::any_of(in_field.begin(), in_field.end(), outside);
+        tip_outside += outside(in_field.at(0));
+    }
+};
+
+void warn_of(const std::vector<CutOff>& all)
+{
+    for (const CutOff& one : all)
+        if (one.cut > 0)
+            note(fmt::format(
+                "seldinger: warning: the field cuts off {}: in {} of {} pictures; its tip is outside in {}. Fix: render with a "
+                "larger --field or other views\n",
+                one.name, one.cut, one.pictures, one.tip_outside));
+}
+
 CocoPoint point_of(const Json& instrument, std::size_t index)
 {
     const Json& px = instrument.at("centreline_px").at(index);
     return {px.at(0).get<double>(), px.at(1).get<double>(), instrument.at("in_field").at(index).get<bool>()};
 }
 
-void add_picture(const fs::path& file, CocoWriter& coco)
+void add_picture(const fs::path& file, CocoWriter& coco, std::vector<CutOff>& cut_off)
 {
     const LabelImage mask = read_label_png(mask_of(file));
     try {
@@ -60,9 +85,14 @@ void add_picture(const fs::path& file, CocoWriter& coco)
         std::uint8_t label = 0;
         for (const Json& instrument : labels.at("instruments")) {
             const std::size_t stations = instrument.at("centreline_px").size();
-            const int category = coco.category(instrument.at("name").get<std::string>());
+            const auto name = instrument.at("name").get<std::string>();
+            const int category = coco.category(name);
             if (++label == 0) throw Error(ExitCode::BadFile, file.string() + ": has more than 255 instruments");
-            if (stations > 0) coco.add(category, mask.labels, label, point_of(instrument, 0), point_of(instrument, stations - 1));
+            if (stations == 0) continue;
+            coco.add(category, mask.labels, label, point_of(instrument, 0), point_of(instrument, stations - 1));
+            cut_off.resize(std::max(cut_off.size(), static_cast<std::size_t>(category)));
+            cut_off[static_cast<std::size_t>(category) - 1].name = name;
+            cut_off[static_cast<std::size_t>(category) - 1].take_in(instrument.at("in_field"));
         }
     } catch (const nlohmann::json::exception& error) {
         throw Error(ExitCode::BadFile, fmt::format("{}: is damaged ({}); expected what `seldinger render --labels` writes. Fix: render it again",
@@ -75,10 +105,13 @@ ExitCode labels(const Options& options)
     if (fs::is_directory(options.coco))
         throw Error(ExitCode::BadFile, options.coco.string() + ": is a folder, expected the name of a file, e.g. coco.json");
     CocoWriter coco;
+    std::vector<CutOff> cut_off;  // by category
     const std::vector<fs::path> files = label_files_in(options.dir);
-    for (const fs::path& file : files) add_picture(file, coco);
+    for (const fs::path& file : files) add_picture(file, coco, cut_off);
     write_file(options.coco, coco.finish());
-    if (!options.quiet) print(fmt::format("{}: {} pictures, {} annotations\n", options.coco.string(), files.size(), coco.annotation_count()));
+    if (options.quiet) return ExitCode::Done;
+    print(fmt::format("{}: {} pictures, {} annotations\n", options.coco.string(), files.size(), coco.annotation_count()));
+    warn_of(cut_off);
     return ExitCode::Done;
 }
 

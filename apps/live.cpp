@@ -57,13 +57,13 @@ void wait_for_end(Session& session, double rate)
 
 std::string end_for_people(const Session& session, const std::filesystem::path& record)
 {
-    const ScoreNumbers& score = session.scorer().now();
+    const ScoreNumbers& score = session.score();
     const auto steps = std::max<std::uint64_t>(1, session.steps_so_far());
     return fmt::format("{} steps, {:.3g} % late; step p50 {:.2f} p99 {:.2f} p99.9 {:.2f} ms\n"
                        "task: {}\nrecord {}, score {}\nstate_hash {}\n",
                        session.steps_so_far(), 100.0 * static_cast<double>(session.late_so_far()) / static_cast<double>(steps),
                        1e3 * session.step_times.quantile(0.5), 1e3 * session.step_times.quantile(0.99),
-                       1e3 * session.step_times.quantile(0.999), verdict_of(session.scorer().task(), score), record.string(),
+                       1e3 * session.step_times.quantile(0.999), verdict_of(session.scene().task, score), record.string(),
                        beside(record, ".score.json").string(), session.world().state_hash());
 }
 
@@ -104,8 +104,8 @@ ExitCode live(Options& options)
     hand.stop();
     const std::string summary = session.summary();
     write_file(beside(what.record, ".summary.json"), summary);
-    write_file(beside(what.record, ".score.json"), score_json(scene, session.scorer().now()));
-    write_file(beside(what.record, ".score.html"), score_page(scene, session.scorer().now()));
+    write_file(beside(what.record, ".score.json"), score_json(scene, session.score()));
+    write_file(beside(what.record, ".score.html"), score_page(scene, session.score()));
     if (options.json) print(summary);
     else if (!options.quiet) print(end_for_people(session, what.record));
     if (!session.failure().empty()) throw Error(ExitCode::Stopped, fmt::format("{}; record in {}", session.failure(), what.record.string()));
@@ -115,7 +115,11 @@ ExitCode live(Options& options)
 
 void add_what(CommandLine& command, Options& options)
 {
-    command.add_option("SCENE", options.scene, "scene file (TOML); the device replaces its key frames")->required();
+    command
+        .add_option("SCENE", options.scene,
+                    "scene file (TOML), or the name of a scene of the program; the device replaces its key frames")
+        ->scene()
+        ->required();
     command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");

@@ -87,7 +87,7 @@ void add_plan(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CommandLine* command = app.add_subcommand("plan", "find the cheapest model that meets an accuracy");
-    command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    command->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     command
         ->add_option("--tolerance", options->tolerance,
                      "allowed error of the wire's shape, root mean square over the run, e.g. 0.2mm")

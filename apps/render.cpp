@@ -78,6 +78,9 @@ void set_look(const Options& options, RenderOptions& what)
 /// All frames unless some are asked for.
 ExitCode export_model(const Options& options, RenderOptions& what)
 {
+    if (!what.labels.empty() || !what.preview.empty())
+        throw Error(ExitCode::BadScene,
+                    "--labels, --preview: of a picture; --gltf and --usd write none. Fix: run render once for each");
     const RunFolder run = read_run_folder(options.dir);
     if (what.first < 0) what.first = 0, what.last = static_cast<int>(run.frames.size()) - 1;
     const AnimatedModel model = animated_model(run, frames_asked(what, run.frames.size()), what.patient);
@@ -89,7 +92,7 @@ ExitCode export_model(const Options& options, RenderOptions& what)
         write(file, model);
         written.emplace_back(file);
     }
-    if (!options.frames.quiet) print_paths(written);
+    if (!options.frames.quiet) print_files({written, {}});
     return ExitCode::Done;
 }
 #endif
@@ -116,9 +119,9 @@ ExitCode render(const Options& options)
     set_look(options, what);
     if (!options.gltf.empty() || !options.usd.empty()) return export_model(options, what);
     FrameWatch watch;
-    const auto paths = render_run(options.dir, what, watch.progress());
+    const PictureFiles files = render_run(options.dir, what, watch.progress());
     if (options.frames.quiet) return ExitCode::Done;
-    print_paths(paths);
+    print_files(files);
     if (what.legend && what.labels.empty() && what.preview.empty() && !legend_fits(width, height))
         note(fmt::format("seldinger: note: {}x{} is too small for scale and legend (from 400x288 or 288x360)\n", width, height));
     return ExitCode::Done;

@@ -174,10 +174,8 @@ ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArgume
         static_cast<FrameChoice&>(view) = frames.choice();
     }
     FrameWatch watch;
-    const FluoroFiles files = render_fluoro(dir, views, watch.progress());
-    if (frames.quiet) return ExitCode::Done;
-    print_paths(files.paths);
-    for (const std::string& warning : files.warnings) note("seldinger: warning: " + warning + "\n");
+    const PictureFiles files = render_fluoro(dir, views, watch.progress());
+    if (!frames.quiet) print_files(files);
     return ExitCode::Done;
 #else
     (void)dir, (void)arguments, (void)width, (void)height, (void)frames;

@@ -89,11 +89,12 @@ FrameProgress FrameWatch::progress() const
     };
 }
 
-void print_paths(const std::vector<std::filesystem::path>& paths)
+void print_files(const PictureFiles& files)
 {
     std::string text;
-    for (const auto& path : paths) text += path.string() + "\n";
+    for (const auto& path : files.paths) text += path.string() + "\n";
     print(text);
+    for (const std::string& warning : files.warnings) note("seldinger: warning: " + warning + "\n");
 }
 #endif
 

@@ -49,7 +49,7 @@ private:
     bool shows_;
 };
 
-void print_paths(const std::vector<std::filesystem::path>& paths);
+void print_files(const PictureFiles& files);
 #endif
 
 }  // namespace seldinger::apps

@@ -33,8 +33,8 @@ void Replay::check(const Scene& scene, const WorldSetup& setup) const
 void Replay::begin(const Scene& scene, const World& world)
 {
     initial_ = world.save_state();
-    score_.emplace(scene, world);
-    score_->begin(world);
+    watch_.emplace(scene, world, ScoreWatch::Patch::Always);
+    watch_->begin(world, 0, score_);
 }
 
 void Replay::take_resets(World& world)
@@ -42,20 +42,20 @@ void Replay::take_resets(World& world)
     for (; at_ < record_.entries.size() && record_.entries[at_].kind != RecordEntry::Kind::Step; ++at_) {
         if (record_.entries[at_].kind != RecordEntry::Kind::Reset) continue;
         world.restore_state(initial_);
-        score_->begin(world);
+        watch_->begin(world, 0, score_);
     }
 }
 
 void Replay::stepped(const World& world)
 {
     const std::uint8_t flags = record_.entries[at_ - 1].flags;
-    score_->stepped(world, record_.header.dt, flags & RecordEntry::fluoroscopy, flags & RecordEntry::contrast);
+    watch_->stepped(world, 0, record_.header.dt, flags & RecordEntry::fluoroscopy, flags & RecordEntry::contrast, score_);
 }
 
 void Replay::write_score(const Scene& scene, const std::filesystem::path& dir) const
 {
-    write_file(dir / "score.json", score_json(scene, score_->scorer().now()));
-    write_file(dir / "score.html", score_page(scene, score_->scorer().now()));
+    write_file(dir / "score.json", score_json(scene, score_));
+    write_file(dir / "score.html", score_page(scene, score_));
 }
 
 const Control& Replay::next(World& world)

@@ -1,7 +1,7 @@
 #pragma once
 // A recorded live session as the controller of a run: what every hub was asked, step by step, and where the session was reset.
 
-#include "session/score_watch.h"
+#include "session/score.h"
 #include "session/session_record.h"
 
 #include <filesystem>
@@ -20,7 +20,8 @@ public:
     void check(const Scene& scene, const WorldSetup& setup) const;
     /// Before the first step, of the world as it starts.
     void begin(const Scene& scene, const World& world);
-    [[nodiscard]] bool begun() const { return score_.has_value(); }
+    [[nodiscard]] bool begun() const { return watch_.has_value(); }
+    [[nodiscard]] const ScoreNumbers& score() const { return score_; }
     /// What is asked in the next step; takes the world back to its start where the session was reset.
     [[nodiscard]] const Control& next(World& world);
     /// The step that was asked has been taken.
@@ -37,7 +38,8 @@ private:
     std::size_t at_ = 0;
     std::vector<std::uint8_t> initial_;
     Control control_;
-    std::optional<ScoreWatch> score_;
+    std::optional<ScoreWatch> watch_;
+    ScoreNumbers score_;
 };
 
 }  // namespace seldinger::apps

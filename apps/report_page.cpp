@@ -6,12 +6,15 @@
 #include "core/file_io.h"
 #include "core/sha256.h"
 #include "io/json_text.h"
+#include "io/vtp_read.h"
 #include "scene/run_scene.h"
 #include "session/web_content.h"
+#include "study/result_table.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <span>
 #include <sstream>
 #include <vector>
@@ -24,6 +27,7 @@ namespace seldinger::apps {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;  // what the page shows is in the order of the files
 
 std::string base64(std::string_view bytes)
 {
@@ -44,27 +48,25 @@ std::string base64_of(const std::array<std::uint8_t, 32>& hash)
     return base64({reinterpret_cast<const char*>(hash.data()), hash.size()});
 }
 
-/// A CSV with numbers in it as {"column": [values]}; what is no number is text.
-nlohmann::json table_of(const std::string& text)
+/// A CSV with numbers in it as {"column": [values]}, in the file's order; what is no number is text.
+Json table_of(const std::string& text)
 {
     std::istringstream lines(text);
-    std::string line, cell;
-    std::vector<std::string> names;
-    std::vector<nlohmann::json> columns;
-    if (!std::getline(lines, line)) return nlohmann::json::object();
-    for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell), columns.push_back(nlohmann::json::array());
+    std::string line;
+    Json table = Json::object();
+    if (!std::getline(lines, line)) return table;
+    const ResultTable::Row names = csv_fields(line);
+    std::vector<Json> columns(names.size(), Json::array());
     while (std::getline(lines, line)) {
-        std::istringstream row(line);
+        ResultTable::Row row = csv_fields(line);
+        row.resize(names.size());
         for (std::size_t k = 0; k < names.size(); ++k) {
-            cell.clear();
-            std::getline(row, cell, ',');
             char* end = nullptr;
-            const double value = std::strtod(cell.c_str(), &end);
-            const bool is_number = !cell.empty() && *end == '\0';
-            columns[k].push_back(is_number ? nlohmann::json(value) : nlohmann::json(cell));
+            const double value = std::strtod(row[k].c_str(), &end);
+            const bool is_number = !row[k].empty() && *end == '\0' && std::isfinite(value);
+            columns[k].push_back(is_number ? Json(value) : Json(row[k]));
         }
     }
-    nlohmann::json table = nlohmann::json::object();
     for (std::size_t k = 0; k < names.size(); ++k) table[names[k]] = std::move(columns[k]);
     return table;
 }
@@ -75,15 +77,15 @@ constexpr const char* of_all[] = {"time_s", "inserted_m", "hand_force_n", "hand_
 constexpr const char* of_one[] = {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n"};
 
 /// Of a trace, what is plotted, and no more rows than a plot shows.
-nlohmann::json plotted(const nlohmann::json& trace, std::span<const char* const> columns)
+Json plotted(const Json& trace, std::span<const char* const> columns)
 {
     constexpr std::size_t most_rows = 4000;
-    nlohmann::json out = nlohmann::json::object();
+    Json out = Json::object();
     for (const char* name : columns) {
         if (!trace.contains(name)) continue;
-        const nlohmann::json& all = trace[name];
+        const Json& all = trace[name];
         const std::size_t every = all.size() / most_rows + 1;
-        nlohmann::json& column = out[name] = nlohmann::json::array();
+        Json& column = out[name] = Json::array();
         for (std::size_t k = 0; k < all.size(); k += every) column.push_back(all[k]);
     }
     return out;
@@ -108,18 +110,18 @@ std::string nodes_of(const WireLine& wire)
 }
 
 /// What the viewer is told of an instrument once; its nodes come with each frame, in the same order.
-nlohmann::json instrument_of(const WireLine& wire)
+Json instrument_of(const WireLine& wire)
 {
     return {{"name", wire.name}, {"radius", wire.radius.empty() ? 0.0 : wire.radius.back()}};
 }
 
-nlohmann::json playback_of(const fs::path& dir)
+Json playback_of(const fs::path& dir)
 {
     const RunFolder run = read_run_folder(dir);
-    nlohmann::json frames = nlohmann::json::array(), instruments = nlohmann::json::array();
+    Json frames = Json::array(), instruments = Json::array();
     for (std::size_t k = 0; k < run.frames.size(); ++k) {
         const WireFrame frame = read_frame(run, k);
-        nlohmann::json nodes = nlohmann::json::array();
+        Json nodes = Json::array();
         for (const WireLine& wire : frame.wires) {
             if (nodes.size() == instruments.size()) instruments.push_back(instrument_of(wire));
             nodes.push_back(base64(nodes_of(wire)));
@@ -129,27 +131,27 @@ nlohmann::json playback_of(const fs::path& dir)
     return {{"mesh", base64(mesh_bytes(run.wall))}, {"frames", frames}, {"instruments", instruments}};
 }
 #else
-nlohmann::json playback_of(const fs::path&)
+Json playback_of(const fs::path&)
 {
     throw Error(ExitCode::BadScene, "report: this build cannot read frames; configure with -DSELDINGER_VIEW=ON");
 }
 #endif
 
 /// Of several instruments, each one's trace, in their order; empty where they have none of their own.
-nlohmann::json traces_of(const Folder& dir, const nlohmann::json& instruments)
+Json traces_of(const Folder& dir, const Json& instruments)
 {
-    nlohmann::json traces = nlohmann::json::array();
+    Json traces = Json::array();
     if (instruments.size() < 2) return traces;
-    for (const nlohmann::json& instrument : instruments) {
+    for (const Json& instrument : instruments) {
         const std::string file = fmt::format("trace_{}.csv", instrument["name"].get<std::string>());
-        if (!dir.has(file)) return nlohmann::json::array();
+        if (!dir.has(file)) return Json::array();
         traces.push_back(plotted(table_of(read_file(dir / file)), of_one));
     }
     return traces;
 }
 
 /// Directions of the patient for the camera, as the live page has them.
-void add_directions(const Folder& dir, nlohmann::json& data)
+void add_directions(const Folder& dir, Json& data)
 {
     const Scene scene = read_run_scene(dir);
     const bool arch = scene.vessel.shape == VesselShape::Arch;
@@ -165,15 +167,15 @@ void add_directions(const Folder& dir, nlohmann::json& data)
 constexpr int deepest_summary = 32;  // a run's has four; what writes the page calls itself once for each
 
 /// @throws Error BadFile
-nlohmann::json summary_in(const Folder& dir)
+Json summary_in(const Folder& dir)
 {
     const fs::path file = dir.path() / "summary.json";
     bool deep = false;
-    const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    const auto shallow = [&](int depth, Json::parse_event_t, const Json&) {
         deep |= depth > deepest_summary;
         return !deep;
     };
-    nlohmann::json summary = nlohmann::json::parse(read_file(dir / "summary.json"), shallow, false);
+    Json summary = Json::parse(read_file(dir / "summary.json"), shallow, false);
     if (deep)
         throw Error(ExitCode::BadFile,
                     fmt::format("{}: is nested deeper than {} levels; no run's is", file.string(), deepest_summary));
@@ -182,9 +184,9 @@ nlohmann::json summary_in(const Folder& dir)
     return summary;
 }
 
-nlohmann::json run_data(const Folder& dir)
+Json run_data(const Folder& dir)
 {
-    nlohmann::json data{{"kind", "run"}, {"name", dir.path().filename().string()}};
+    Json data{{"kind", "run"}, {"name", dir.path().filename().string()}};
     data["summary"] = summary_in(dir);
     data["settings"] = read_file(dir / "scene.toml");
     data["trace"] = plotted(table_of(read_file(dir / "trace.csv")), of_all);
@@ -194,17 +196,43 @@ nlohmann::json run_data(const Folder& dir)
     return data;
 }
 
-nlohmann::json batch_data(const Folder& dir)
+/// Points of the folder's wall, as many as a small picture shows.
+Json wall_points(const Folder& dir)
 {
-    nlohmann::json data{{"kind", "batch"}, {"name", fs::absolute(dir.path()).lexically_normal().filename().string()}};
-    data["table"] = table_of(read_file(dir / "results.csv"));
-    data["summary"] = dir.has("summary.json") ? summary_in(dir) : nlohmann::json::object();
+    constexpr std::size_t most_points = 6000;
+    const PolyData wall = read_poly_data(dir / "vessel.vtp", PolyParts::Geometry);
+    const std::size_t every = wall.points.size() / most_points + 1;
+    const auto rounded = [](double x) { return std::round(1e5 * x) / 1e5; };
+    Json points = Json::array();
+    for (std::size_t k = 0; k < wall.points.size(); k += every)
+        points.push_back({rounded(wall.points[k][0]), rounded(wall.points[k][1]), rounded(wall.points[k][2])});
+    return points;
+}
+
+Json batch_data(const Folder& dir)
+{
+    const auto table_in = [&](const char* name) { return dir.has(name) ? table_of(read_file(dir / name)) : Json::object(); };
+    Json data{{"kind", "batch"}, {"name", fs::absolute(dir.path()).lexically_normal().filename().string()}};
+    data["table"] = table_in("results.csv");
+    data["columns"] = Json::array();
+    for (const auto& [name, values] : data["table"].items()) data["columns"].push_back(name);
+    data["units"] = table_in("results-units.csv");
+    data["shapes"] = table_in("shapes.csv");
+    data["vessel"] = Json::array();
+    data["head"] = {0, 0, 1};
+    data["front"] = {0, -1, 0};
+    data["summary"] = dir.has("summary.json") ? summary_in(dir) : Json::object();
     data["settings"] = dir.has("scene.toml") ? read_file(dir / "scene.toml") : "";
+    if (!dir.has("scene.toml")) return data;
+    const std::string name = data["name"];
+    add_directions(dir, data);
+    data["name"] = name;
+    if (!data["shapes"].empty() && dir.has("vessel.vtp")) data["vessel"] = wall_points(dir);
     return data;
 }
 
 /// JSON within a <script>: no end tag can stand in it.
-std::string inside_script(const nlohmann::json& data)
+std::string inside_script(const Json& data)
 {
     std::string out;
     for (const char c : json_text(data))
@@ -224,7 +252,7 @@ void fill_in(std::string& page, const std::string& mark, const std::string& text
 std::string report_page(const fs::path& path)
 {
     const Folder dir(path);  // the page is handed on: nothing is read that lies elsewhere
-    nlohmann::json data;
+    Json data;
     if (dir.has("results.csv")) data = batch_data(dir);
     else if (dir.has("trace.csv") && dir.has("summary.json")) data = run_data(dir);
     else
@@ -235,6 +263,7 @@ std::string report_page(const fs::path& path)
     const std::pair<const char*, std::string> scripts[] = {{"/*three*/", data["kind"] == "run" ? three_js() : ""},
                                                            {"/*chart*/", read_file(folder / "chart.js")},
                                                            {"/*viewer*/", read_file(folder / "viewer.js")},
+                                                           {"/*batch*/", read_file(folder / "batch.js")},
                                                            {"/*report*/", read_file(folder / "report.js")}};
     // the page runs these scripts and no others, and loads nothing: it is handed on with texts of others in it
     std::string allowed;

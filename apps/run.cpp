@@ -1,4 +1,4 @@
-// seldinger run SCENE.toml [-o DIR] [--set ...] [--wire NAME] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet] [--json]
+// seldinger run SCENE.toml [-o DIR] [--set ...] [--wire NAME] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet] [--verbose] [--json]
 
 #include "command_line.h"
 #include "commands.h"
@@ -30,11 +30,11 @@ void add_run(CommandLine& app, Command& chosen)
         RunOptions run;
         std::optional<std::string> wire;
         std::string estimate = "auto";
-        bool resume = false, overwrite = false, json = false;
+        bool resume = false, overwrite = false, json = false, verbose = false;
     };
     auto options = std::make_shared<Options>();
     CommandLine* run = app.add_subcommand("run", "run a scene and record it");
-    run->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    run->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     run->add_option("-o", options->run.dir, "folder for the results (default: <scene>-run here)")->type_name("DIR");
     run->add_option("--set", options->run.overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")
@@ -52,6 +52,7 @@ void add_run(CommandLine& app, Command& chosen)
         ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
+    run->add_flag("--verbose", options->verbose, "more closing lines: model, way in, bands, numerics, state hash");
     run->add_flag("--json", options->json, "print the summary as one JSON object");
     run->callback([options, &chosen] {
         chosen = [options] {
@@ -64,7 +65,7 @@ void add_run(CommandLine& app, Command& chosen)
             if (what.dir.empty()) what.dir = options->scene.stem().string() + "-run";
             const RunOutcome outcome = run_scene(read_scene(options->scene, what.overrides), what);
             if (options->json) print(outcome.summary);
-            else if (!what.quiet) print(summary_for_people(outcome.summary, what.dir));
+            else if (!what.quiet) print(summary_for_people(outcome.summary, what.dir, options->verbose));
             if (!outcome.message.empty()) throw Error(outcome.code, outcome.message);
             return outcome.code;
         };

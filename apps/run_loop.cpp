@@ -75,6 +75,7 @@ public:
         if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
         if (replay_) replay_->begin(scene_, world_);
+        else if (scene_.task.on) begin_task();
         if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
         const long steps = scene_.steps();
         const double moving_until = prescribed_until(scene_);
@@ -85,6 +86,7 @@ public:
             if (!take_step()) return stop(RunStatus::Stopped);
             if (scene_.until == Until::Rest && recorder_.tally().rest_steps >= steps_at_rest && world_.time() >= moving_until)
                 break;
+            if (scene_.until == Until::Reached && recorder_.tally().score.reached) break;
             save_now_and_then();
             progress.show(recorder_, wall());
         }
@@ -106,7 +108,18 @@ private:
     bool settle_first()
     {
         const NoPolling settling;
+        const bool may_move = scene_.integrator.scheme != Scheme::Static;
+        const std::vector<std::uint8_t> placed = may_move ? world_.save_state() : std::vector<std::uint8_t>{};
         const StepReport report = settle(world_);
+        if (report.failed() && may_move) {
+            world_.restore_state(placed);
+            recorder_.warn(fmt::format("scene.start: got \"settled\", but {}. The run starts from the wire as it was placed. Fix: let the wire move "
+                                       "for a while before what is measured, or place it nearer to rest",
+                                       "no equilibrium was found"));
+            world_.read(output_);
+            recorder_.placed(output_);
+            return true;
+        }
         if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
         else {
             world_.read(output_);
@@ -130,9 +143,27 @@ private:
             if (replay_) replay_->stepped(world_);
             world_.read(output_, recorder_.wants(world_));
             recorder_.stepped(output_, report, seconds);
+            follow_task(dt);
             if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps));
         }
         return !report.failed();
+    }
+
+    void begin_task()
+    {
+        score_.emplace(scene_, world_, ScoreWatch::Patch::WhereItCounts);
+        if (!fresh_) return;
+        ScoreNumbers score;
+        score_->begin(world_, 0, score);
+        recorder_.scored(score);
+    }
+
+    void follow_task(double dt)
+    {
+        ScoreNumbers score = recorder_.tally().score;
+        if (replay_) score = replay_->score();
+        else if (score_) score_->stepped(world_, 0, dt, false, false, score);
+        recorder_.scored(score);
     }
 
     void save_now_and_then()
@@ -175,6 +206,7 @@ private:
     KeyFrames key_frames_;
     Recorder recorder_;
     std::optional<StepTwin> twin_;
+    std::optional<ScoreWatch> score_;  // of [task], where no session is replayed
     Output output_;  // of the last step, as far as the recorder wants it
     double earlier_wall_;
     bool fresh_;

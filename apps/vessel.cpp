@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/printable.h"
+#include "io/file_remarks.h"
 #include "io/json_text.h"
 #include "io/mesh_file.h"
 #include "scene/scene.h"
@@ -43,6 +44,7 @@ VesselSpec spec_of(const Options& options)
     VesselSpec spec;
     spec.shape = VesselShape::Mesh;
     spec.mesh = std::filesystem::absolute(options.input);
+    if (const std::string said = remarks_of_file(options.input).units; !said.empty()) spec.units = said;
     if (!options.units.empty()) spec.units = options.units;
     return spec;
 }
@@ -172,10 +174,10 @@ void add_vessel(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CommandLine* vessel = app.add_subcommand("vessel", "inspect a vessel mesh, or the vessel of a scene");
-    vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP) or scene file (TOML)")
+    vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP, VTK) or scene file (TOML)")
         ->type_name("MESH|SCENE.toml")
         ->required();
-    vessel->add_option("--units", options->units, "unit of the mesh: m, cm, mm (default), um or in")
+    vessel->add_option("--units", options->units, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
     vessel->add_flag("--json", options->json, "print one JSON object");
     vessel->add_option("-o", options->dir, "folder for the cleaned mesh and the centreline")->type_name("DIR");

@@ -1,6 +1,22 @@
 // Lines over time on a canvas, in the page's colours.
 'use strict';
 
+// Round numbers (1, 2 or 5 times a power of ten) that take in low to high, about `most` intervals.
+function roundTicks(low, high, most) {
+  const span = high > low ? high - low : Math.abs(low) || 1, raw = span / most, power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * (1 - 1e-9));
+  const first = Math.floor(low / step + 1e-9), last = Math.max(first + 1, Math.ceil(high / step - 1e-9)), ticks = [];
+  for (let i = first; i <= last; ++i) ticks.push(i * step);
+  return { low: first * step, high: last * step, step, ticks };
+}
+
+// A tick as text, with the digits that its step has.
+function tickText(value, step) {
+  if (Math.abs(value) < 1e-9 * step) return '0';
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  return digits > 4 || Math.abs(value) >= 1e5 ? Number(value.toPrecision(6)).toExponential() : value.toFixed(digits);
+}
+
 class Chart {
   // series: [{label, colour: a CSS variable's name}]; least: range that is shown at least; span: of time, none: all
   constructor(canvas, title, unit, series, least, span) {
@@ -24,22 +40,25 @@ class Chart {
   colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
 
   draw() {
-    const { canvas } = this, scale = window.devicePixelRatio || 1;
+    const { canvas } = this, ratio = window.devicePixelRatio || 1;
     const w = canvas.clientWidth, h = canvas.clientHeight;
     if (!w || !h) return;
-    if (canvas.width !== Math.round(w * scale) || canvas.height !== Math.round(h * scale)) {
-      canvas.width = Math.round(w * scale);
-      canvas.height = Math.round(h * scale);
+    if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio)) {
+      canvas.width = Math.round(w * ratio);
+      canvas.height = Math.round(h * ratio);
     }
     const g = canvas.getContext('2d');
-    g.setTransform(scale, 0, 0, scale, 0, 0);
+    g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.clearRect(0, 0, w, h);
     const end = this.times.length ? this.times[this.times.length - 1] : 0;
     const from = this.span ? end - this.span : this.times[0] || 0;
     const begin = Math.max(0, this.times.findIndex((t) => t >= from));
-    const [low, high] = this.range(begin);
-    const x = (t) => 44 + (w - 50) * (t - from) / Math.max(1e-9, end - from), y = (v) => h - 6 - (h - 24) * (v - low) / (high - low);
-    this.axes(g, w, h, low, high, y);
+    const [least, most] = this.range(begin), scale = this.scaleOf(Math.max(Math.abs(least), Math.abs(most)));
+    const ticks = roundTicks(scale.factor * least, scale.factor * most, h < 110 ? 2 : 4), foot = this.span ? 6 : 20;
+    const x = (t) => 44 + (w - 54) * (t - from) / Math.max(1e-9, end - from);
+    const tall = (v) => h - foot - (h - 18 - foot) * (v - ticks.low) / (ticks.high - ticks.low), y = (v) => tall(scale.factor * v);
+    this.axes(g, w, ticks, tall, scale.unit);
+    if (!this.span) this.timeAxis(g, h, from, end, x);
     this.values.forEach((list, k) => this.line(g, list, begin, x, y, this.colour(this.series[k].colour)));
     if (this.mark !== null) {
       g.strokeStyle = this.colour('--accent');
@@ -51,23 +70,31 @@ class Chart {
     let low = 0, high = 0;
     for (const list of this.values) for (let i = begin; i < list.length; ++i) { low = Math.min(low, list[i]); high = Math.max(high, list[i]); }
     if (high - low < this.least) high = low + this.least;
-    return [low, high + 0.05 * (high - low)];
+    return [low, high];
   }
 
-  axes(g, w, h, low, high, y) {
+  // Small forces in mN rather than with exponents.
+  scaleOf(most) {
+    const smaller = { N: ['mN', 'µN'], 'N/m': ['mN/m', 'µN/m'], 'mN m': ['µN m', 'nN m'], mm: ['µm', 'nm'] }[this.unit];
+    if (!smaller || most >= 0.1) return { factor: 1, unit: this.unit };
+    return most >= 1e-4 ? { factor: 1e3, unit: smaller[0] } : { factor: 1e6, unit: smaller[1] };
+  }
+
+  axes(g, w, { ticks, step }, y, unit) {
     g.font = '11px system-ui, sans-serif';
     g.strokeStyle = this.colour('--line');
     g.fillStyle = this.colour('--faint');
     g.lineWidth = 1;
     g.textAlign = 'right';
-    for (const v of [low, (low + high) / 2, high]) {
+    for (const v of ticks) {
       g.beginPath(); g.moveTo(44, y(v)); g.lineTo(w - 6, y(v)); g.stroke();
-      g.fillText(this.label(v, high - low), 40, y(v) + 4);
+      g.fillText(tickText(v, step), 40, y(v) + 4);
     }
     g.textAlign = 'left';
     let at = 44;
-    g.fillText(`${this.title} [${this.unit}]`, at, 11);
-    at += g.measureText(`${this.title} [${this.unit}]`).width + 12;
+    const title = `${this.title}${unit && unit !== '1' ? ` [${unit}]` : ''}`;
+    g.fillText(title, at, 11);
+    at += g.measureText(title).width + 12;
     this.series.forEach((one) => {
       g.fillStyle = this.colour(one.colour);
       g.fillText(one.label, at, 11);
@@ -75,9 +102,14 @@ class Chart {
     });
   }
 
-  label(v, range) {
-    if (Math.abs(v) < 1e-3 * range) return '0';
-    return Math.abs(v) < 1e-2 || Math.abs(v) >= 1e4 ? v.toExponential(1) : Number(v.toPrecision(2)).toString();
+  timeAxis(g, h, from, end, x) {
+    if (!(end > from)) return;
+    const { ticks, step } = roundTicks(from, end, 5);
+    g.fillStyle = this.colour('--faint');
+    g.textAlign = 'center';
+    const shown = ticks.filter((t) => t >= from - 1e-9 * step && t <= end + 1e-9 * step);
+    shown.forEach((t, k) => g.fillText(`${tickText(t, step)}${k === shown.length - 1 ? ' s' : ''}`, x(t), h - 4));
+    g.textAlign = 'left';
   }
 
   line(g, list, begin, x, y, colour) {

@@ -19,16 +19,24 @@ function row(table, cells, tag = 'td') {
 
 const short = (value) => typeof value === 'number' ? (Number.isInteger(value) ? String(value) : value.toPrecision(5)) : Array.isArray(value) ? value.map(short).join(', ') : value === null ? '' : String(value);
 
+// Every value that is nested in others with its path: "task.ranking.0.label".
+function* leaves(value, path) {
+  const isNested = (one) => one !== null && typeof one === 'object';
+  if (isNested(value) && !(Array.isArray(value) && !value.some(isNested))) for (const [key, inner] of Object.entries(value)) yield* leaves(inner, path ? `${path}.${key}` : key);
+  else yield [path, value];
+}
+
+// What the machine did and how fast comes last: it is of no interest to the question.
+const ofMachine = ['wall_s', 'steps_per_s', 'realtime_factor', 'stage_ms', 'device', 'version', 'resumes', 'worlds', 'wire_steps', 'wire_steps_per_s', 'threads', 'results', 'state_hash', 'wall_made_s', 'wall_factor_s', 'wall_memory_mb'];
+
 function showSummary() {
   $('name').textContent = data.name;
   document.title = `${data.name}: report`;
   $('version').textContent = data.summary.version ? `version ${data.summary.version}` : data.kind;
   $('hash').textContent = data.summary.state_hash || '';
   $('hash').hidden = !data.summary.state_hash;
-  for (const [key, value] of Object.entries(data.summary)) {
-    if (value && typeof value === 'object' && !Array.isArray(value)) for (const [inner, one] of Object.entries(value)) row($('summary'), [`${key}.${inner}`, short(one)]);
-    else row($('summary'), [key, short(value)]);
-  }
+  const keys = Object.keys(data.summary), inOrder = [...keys.filter((key) => !ofMachine.includes(key)), ...keys.filter((key) => ofMachine.includes(key))];
+  for (const key of inOrder) for (const [path, value] of leaves(data.summary[key], key)) row($('summary'), [path, short(value)]);
   $('settings').textContent = data.settings;
 }
 
@@ -111,13 +119,16 @@ function addPlayer() {
   requestAnimationFrame(tick);
 }
 
-function addBatch() {
-  for (const id of ['scene', 'player', 'graphs']) $(id).hidden = true;
-  $('runs').hidden = false;
-  const names = Object.keys(data.table), count = names.length ? data.table[names[0]].length : 0;
-  row($('rows'), names, 'th');
-  for (let k = 0; k < count; ++k) row($('rows'), names.map((name) => short(data.table[name][k])));
+function addTable() {
+  const count = data.columns.length ? data.table[data.columns[0]].length : 0;
+  row($('rows'), data.columns, 'th');
+  for (let k = 0; k < count; ++k) row($('rows'), data.columns.map((name) => short(data.table[name][k])));
 }
 
 showSummary();
-if (data.kind === 'run') { addCharts(); addPlayer(); } else addBatch();
+if (data.kind === 'run') { addCharts(); addPlayer(); } else {
+  report.batch = new Batch(data);
+  Object.assign(report, showBatch(report.batch));
+  addTable();
+}
+$('graphs').hidden = !$('graphs').children.length;

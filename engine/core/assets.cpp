@@ -1,8 +1,10 @@
-// Looks for the assets folder: environment, beside the program, source tree, where it was installed.
+// Looks for the assets folder: environment, beside the program, beside the shared library or, of a static one, in the source tree and
+// where it was installed.
 #include "core/assets.h"
 
 #include "core/error.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -34,6 +36,28 @@ bool is_ours(const fs::path& place, const fs::path& program)
     }
 }
 
+/// Folders to look in for a program that is linked with the library.
+std::vector<fs::path> places_of_library()
+{
+#if defined(SEL_SOURCE_ASSETS)
+    return {SEL_SOURCE_ASSETS, SEL_INSTALLED_ASSETS};
+#else
+    Dl_info code{};
+    std::error_code unreadable;
+    if (::dladdr(reinterpret_cast<const void*>(&places_of_library), &code) == 0) return {};
+    const fs::path library = fs::canonical(code.dli_fname, unreadable);
+    std::vector<fs::path> places;
+    // PREFIX/lib/x86_64-linux-gnu/glibc-hwcaps/x86-64-v3/libseldinger.so at most
+    fs::path around = library;
+    for (int up = 0; up < 5 && around.has_relative_path(); ++up) {
+        around = around.parent_path();
+        for (const fs::path& beside : {around / "assets", around / "share" / "seldinger"})
+            if (is_ours(beside, library)) places.push_back(beside);
+    }
+    return places;
+#endif
+}
+
 }  // namespace
 
 fs::path assets_folder()
@@ -45,15 +69,13 @@ fs::path assets_folder()
     if (!program.empty())
         for (const fs::path& beside : {around / "assets", around / "share" / "seldinger"})
             if (is_ours(beside, program)) places.push_back(beside);
-    // of a program elsewhere that is linked with the library
-    places.emplace_back(SEL_SOURCE_ASSETS);
-    places.emplace_back(SEL_INSTALLED_ASSETS);
+    for (const fs::path& place : places_of_library()) places.push_back(place);
     for (const fs::path& place : places)
         if (fs::exists(place / "scenes", unreadable)) return place;
     throw Error(ExitCode::BadFile,
                 fmt::format("the program's scenes were not found beside it; set SELDINGER_ASSETS to the project's "
                             "folder \"assets\" (looked in {})",
-                            places.front().string()));
+                            places.empty() ? std::string("no folder: none lies beside it") : places.front().string()));
 }
 
 }  // namespace seldinger

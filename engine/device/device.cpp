@@ -129,8 +129,10 @@ Context::Context(int index, bool float32) : float32_(float32)
 {
     const auto all = all_devices();
     if (all.empty())
-        throw Error(ExitCode::NoDevice, "no OpenCL device was found; install one, for example `apt-get install pocl-opencl-icd`, or for Python alone "
-                                         "`pip install pocl-binary-distribution`");
+        throw Error(
+            ExitCode::NoDevice,
+            "no OpenCL device was found; install one, for example `apt-get install pocl-opencl-icd`, or in a Python environment "
+            "`pip install 'seldinger[cpu]'`");
     check_device_index(index);
     cl_device_id heavy = all[index < 0 ? default_device(all) : index];
     cl_device_id light = heavy;

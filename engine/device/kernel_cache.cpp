@@ -87,14 +87,17 @@ bool is_hash(const std::string& name, std::size_t least, std::size_t most)
 }
 
 constexpr int depth_of_hash = 2, depth_of_kernel = 4;  // HH/HASH, HH/HASH/KERNEL/SIZE
+constexpr const char* time_stamp = "last_accessed";    // in HH/HASH
 
 /// Whether the entry is what PoCL keeps under such a name at such a depth: a folder or a file, no link and no device, which end the process.
 bool is_of_pocl(const FilePlace& place, int depth)
 {
     const std::string& name = place.name();
-    const bool is_file = depth == depth_of_kernel || (depth >= depth_of_hash && (name.find('.') != std::string::npos || name == "last_accessed"));
+    const bool is_stamp = name == time_stamp;
+    const bool is_file = depth == depth_of_kernel || (depth >= depth_of_hash && (name.find('.') != std::string::npos || is_stamp));
     struct stat status {};
     if (::fstatat(place.start(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return true;  // another process has removed it
+    if (is_stamp && status.st_nlink > 1) return false;  // is written to where it lies, which another name of it would show
     return is_file ? S_ISREG(status.st_mode) : S_ISDIR(status.st_mode);
 }
 
@@ -107,7 +110,7 @@ fs::path clean(const Folder& folder, int depth)
         const FilePlace place = folder / name;
         if (!is_of_pocl(place, depth)) return place.path();
         if (depth >= depth_of_hash && is_cut(place)) (void)folder.remove(name);
-        if (depth == depth_of_kernel || name.find('.') != std::string::npos || name == "last_accessed") continue;
+        if (depth == depth_of_kernel || name.find('.') != std::string::npos || name == time_stamp) continue;
         try {
             if (fs::path odd = clean(folder.inner(name), depth + 1); !odd.empty()) return odd;
         } catch (const Error&) {  // gone, or not to be read

@@ -23,13 +23,6 @@ namespace {
     throw Error(ExitCode::BadFile, fmt::format("{}: {}", path.string(), message));
 }
 
-std::string lower_extension(const std::filesystem::path& path)
-{
-    std::string text = path.extension().string();
-    for (char& c : text) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
-    return text;
-}
-
 /// Cuts a polygon by ears, in order of appearance; fewer than three corners give nothing. Quadratic in the corners of a convex
 /// polygon, cubic in those of one that cuts itself.
 void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> polygon, WallMesh& mesh, WorkBudget& work)
@@ -150,7 +143,14 @@ void require_known(const std::filesystem::path& path)
     const std::string extension = lower_extension(path);
     for (const char* known : {".stl", ".obj", ".ply", ".vtp", ".vtk"})
         if (extension == known) return;
-    bad_file(path, fmt::format("unknown mesh format \"{}\"; .stl, .obj, .ply, .vtp or .vtk expected", extension));
+    std::string fix = "export the surface as one of these";
+    for (const char* image : {".nii", ".gz", ".nrrd", ".mha", ".mhd", ".dcm"})
+        if (extension == image) fix = "segment the lumen and export its surface (3D Slicer: Segmentations, Export to files; ITK-SNAP: Export as Surface Mesh)";
+    for (const char* cad : {".step", ".stp", ".iges", ".igs", ".sldprt", ".x_t", ".3mf", ".3dm", ".brep"})
+        if (extension == cad) fix = "export it from the CAD program as binary STL, in millimetres";
+    for (const char* grid : {".vtu", ".vtm", ".pvd", ".vts", ".msh", ".cas"})
+        if (extension == grid) fix = "extract its surface (ParaView: Extract Surface) and save that as .vtp";
+    bad_file(path, fmt::format("got format \"{}\"; .stl, .obj, .ply, .vtp or .vtk expected. Fix: {}", extension, fix));
 }
 
 void require_usable(const WallMesh& mesh, const std::filesystem::path& path, const std::string& units)
@@ -164,6 +164,13 @@ void require_usable(const WallMesh& mesh, const std::filesystem::path& path, con
 }
 
 }  // namespace
+
+std::string lower_extension(const std::filesystem::path& path)
+{
+    std::string text = path.extension().string();
+    for (char& c : text) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
+    return text;
+}
 
 double metres_per_unit(const std::string& units)
 {

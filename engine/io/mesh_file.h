@@ -9,6 +9,9 @@
 
 namespace seldinger {
 
+/// With its dot, in lower case.
+[[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
+
 /// Metres in one of the file's units: m, cm, mm, um, in. @throws Error BadScene for any other name
 [[nodiscard]] double metres_per_unit(const std::string& units);
 
@@ -31,12 +34,6 @@ namespace seldinger {
 /// Format by extension: .stl (binary), .obj, .ply (binary), .vtp. Written beside its place, then renamed, so that a reader
 /// never meets half a file. STL holds float32, the others doubles. @throws Error BadFile
 void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const std::string& units);
-
-/// Polylines of a .vtp with the point array MaximumInscribedSphereRadius, as VMTK writes them, as one tree: points of several
-/// lines that coincide become one. Roots are first points of lines that join no earlier line. @throws Error BadFile
-[[nodiscard]] Centreline read_centreline_vtp(const std::filesystem::path& path, const std::string& units);
-/// Same, from the bytes of a file. @param name  of it, for messages
-[[nodiscard]] Centreline parse_centreline_vtp(const std::string& bytes, const std::string& name, const std::string& units);
 
 /// One polyline per branch, from its branching point to the next one or its end; radius as MaximumInscribedSphereRadius.
 void write_centreline_vtp(const std::filesystem::path& path, const Centreline& centreline, const std::string& units);

@@ -1,18 +1,13 @@
-// Writing meshes and centrelines, and reading centrelines.
+// Writing meshes and centrelines.
 #include "core/error.h"
 #include "core/file_io.h"
 #include "io/mesh_file.h"
-#include "io/vtp_read.h"
-#include "vessel/mesh_limits.h"
 #include "vessel/triangle_geometry.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <map>
 #include <string_view>
 
 namespace seldinger {
@@ -29,7 +24,7 @@ void append(std::string& bytes, const T& value)
 
 std::string stl_bytes(const WallMesh& mesh, double scale, const std::string& units)
 {
-    std::string bytes = "Seldinger vessel wall, normals into the lumen, in " + units;
+    std::string bytes = "Seldinger vessel wall, normals into the lumen. UNITS=" + units;
     bytes.resize(80, ' ');
     append(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -46,7 +41,7 @@ std::string obj_text(const WallMesh& mesh, double scale, const std::string& unit
 {
     fmt::memory_buffer out;
     auto it = fmt::appender(out);
-    fmt::format_to(it, "# Seldinger vessel wall, normals into the lumen, in {}\n", units);
+    fmt::format_to(it, "# Seldinger vessel wall, normals into the lumen. UNITS={}\n", units);
     for (const Vec3& v : mesh.vertices) fmt::format_to(it, "v {} {} {}\n", v.x() * scale, v.y() * scale, v.z() * scale);
     for (const auto& t : mesh.triangles) fmt::format_to(it, "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
     return fmt::to_string(out);
@@ -55,7 +50,7 @@ std::string obj_text(const WallMesh& mesh, double scale, const std::string& unit
 std::string ply_bytes(const WallMesh& mesh, double scale, const std::string& units)
 {
     std::string bytes = fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen, in {}\n"
+        "ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen. UNITS={}\n"
         "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         units, mesh.vertices.size(), mesh.triangles.size());
@@ -127,44 +122,6 @@ void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const s
         offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
     }
     write_file(path, vtp_text(mesh.vertices, scale, "Polys", connectivity, offsets, ""));
-}
-
-Centreline read_centreline_vtp(const std::filesystem::path& path, const std::string& units)
-{
-    return parse_centreline_vtp(read_file(path), path.string(), units);
-}
-
-Centreline parse_centreline_vtp(const std::string& bytes, const std::string& name, const std::string& units)
-{
-    const double scale = metres_per_unit(units), most = kMostCoordinate / scale;
-    const auto fail = [&](const std::string& message) { throw Error(ExitCode::BadFile, name + ": " + message); };
-    const PolyData data = parse_poly_data(bytes, name);
-    const auto radius = data.point_data.find("MaximumInscribedSphereRadius");
-    if (radius == data.point_data.end() || radius->second.values.size() != data.points.size())
-        fail("has no point array MaximumInscribedSphereRadius with a value for each point");
-    if (data.lines.connectivity.empty()) fail("holds no line");  // lines of no points are none
-
-    Centreline result;
-    std::map<std::array<double, 3>, int> known;  // coordinates -> point of the tree
-    std::int64_t begin = 0;
-    for (const std::int64_t end : data.lines.offsets) {
-        int previous = -1;
-        for (; begin < end; ++begin) {
-            const auto i = static_cast<std::size_t>(data.lines.connectivity[static_cast<std::size_t>(begin)]);
-            const auto& at = data.points[i];
-            const double r = radius->second.values[i];
-            if (!(r > 0 && r <= most) || !std::all_of(at.begin(), at.end(), [&](double x) { return std::abs(x) <= most; }))
-                fail(fmt::format("point {}: a place within {:.0f} m and a radius above 0 are expected", i, kMostCoordinate));
-            const auto [it, fresh] = known.try_emplace(at, static_cast<int>(result.points.size()));
-            if (fresh) {
-                result.points.push_back(scale * Vec3(at[0], at[1], at[2]));
-                result.radius.push_back(scale * r);
-                result.parent.push_back(previous);
-            }
-            previous = it->second;
-        }
-    }
-    return result;
 }
 
 void write_centreline_vtp(const std::filesystem::path& path, const Centreline& centreline, const std::string& units)

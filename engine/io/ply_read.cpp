@@ -47,7 +47,7 @@ enum class Encoding { Ascii, Little, Big };
 
 class PlyReader {
 public:
-    PlyReader(const std::string& bytes, const std::string& name) : name_(name), words_(bytes) { read_header(); }
+    PlyReader(const std::string& bytes, const std::string& name) : name_(name), words_(without_mark(bytes)) { read_header(); }
 
     PolyData read()
     {
@@ -78,7 +78,7 @@ private:
 
     void read_header()
     {
-        if (words_.line() != "ply") fail("does not begin with \"ply\"");
+        if (TextWords(words_.line()).word() != "ply") fail("does not begin with \"ply\"");
         bool format = false, end = false;
         while (!end && !words_.at_end()) {
             const std::string_view line = words_.line();
@@ -101,7 +101,11 @@ private:
         if (!format) fail("the PLY header has no format");
         body_ = words_.rest();
         const auto faces = std::find_if(elements_.begin(), elements_.end(), [](const Element& e) { return e.name == "face"; });
-        if (faces == elements_.end() || faces->count == 0) fail("holds no faces");
+        if (faces != elements_.end() && faces->count > 0) return;
+        for (const Element& element : elements_)
+            if (element.name == "tristrips")
+                fail("holds triangle strips; expected faces. Fix: open it in MeshLab or Blender and export it again");
+        fail("holds no faces; expected a surface. Fix: a cloud of points has to be meshed first (MeshLab: Surface Reconstruction)");
     }
 
     void read_format(std::string_view word)

@@ -40,13 +40,15 @@ std::uint32_t announced_triangles(const std::string& bytes)
     return count;
 }
 
+/// ASCII begins with "solid" in any case, behind blanks and a byte-order mark. Binary headers may say "solid" too.
 bool is_binary_stl(const std::string& bytes, const std::string& name)
 {
     if (bytes.size() >= stl_header &&
         bytes.size() == stl_header + stl_record * static_cast<std::uint64_t>(announced_triangles(bytes)))
         return true;
-    const bool text = bytes.compare(0, 5, "solid") == 0 && bytes.find("facet") != std::string::npos;
-    if (text) return false;
+    if (same_word(TextWords(without_mark(bytes)).word().substr(0, 5), "solid") && has_word(bytes, "facet")) return false;
+    if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
+        fail(name, "is text in UTF-16; expected plain text or binary STL. Fix: save it as UTF-8 or ASCII");
     if (bytes.size() < stl_header) fail(name, fmt::format("{} bytes are too few for an STL file", bytes.size()));
     fail(name, fmt::format("the header announces {} triangles, the file has room for {}: truncated or damaged",
                            announced_triangles(bytes), (bytes.size() - stl_header) / stl_record));
@@ -78,9 +80,10 @@ PolyData parse_binary_stl(const std::string& bytes, const std::string& name)
 
 PolyData parse_ascii_stl(const std::string& bytes, const std::string& name)
 {
-    if (bytes.find("endsolid") == std::string::npos) fail(name, "ASCII STL without \"endsolid\": truncated");
+    // looked for from the end, where it is, before capitals are looked for everywhere
+    if (bytes.rfind("endsolid") == std::string::npos && !has_word(bytes, "endsolid")) fail(name, "ASCII STL without \"endsolid\": truncated");
     PolyData data;
-    TextWords words(bytes);
+    TextWords words(without_mark(bytes));
     for (std::string_view word = words.word(); !word.empty(); word = words.word()) {
         if (same_word(word, "solid") || same_word(word, "endsolid")) words.line();  // a name, of any words
         else if (same_word(word, "vertex"))
@@ -125,7 +128,7 @@ PolyData parse_obj(const std::string& bytes, const std::string& name)
 {
     PolyData data;
     std::string joined;
-    for (TextWords lines(bytes); !lines.at_end();) {
+    for (TextWords lines(without_mark(bytes)); !lines.at_end();) {
         TextWords words(obj_line(lines, joined));
         const std::string_view key = words.word();
         if (key == "v") {

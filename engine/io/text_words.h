@@ -40,6 +40,13 @@ private:
     std::size_t at_ = 0;
 };
 
+/// The text behind the byte-order mark that some editors and spreadsheets put before UTF-8.
+inline std::string_view without_mark(std::string_view text)
+{
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 /// The whole of `word` as a number; nothing where it is none. Beyond the range of a double: infinity, or what is nearest to 0.
 inline std::optional<double> number(std::string_view word)
 {
@@ -60,12 +67,21 @@ inline std::string excerpt(std::string_view text)
     return shown;
 }
 
+/// @param lower  in lower case
 inline bool same_word(std::string_view word, std::string_view lower)
 {
     if (word.size() != lower.size()) return false;
     for (std::size_t k = 0; k < word.size(); ++k)
         if ((word[k] >= 'A' && word[k] <= 'Z' ? word[k] + 32 : word[k]) != lower[k]) return false;
     return true;
+}
+
+/// `lower`, in any case, somewhere in the text.
+inline bool has_word(std::string_view text, std::string_view lower)
+{
+    for (std::size_t k = 0; k + lower.size() <= text.size(); ++k)
+        if ((text[k] | 32) == lower[0] && same_word(text.substr(k, lower.size()), lower)) return true;
+    return false;
 }
 
 }  // namespace seldinger

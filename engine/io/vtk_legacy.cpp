@@ -16,26 +16,20 @@ namespace {
 
 class LegacyReader {
 public:
-    LegacyReader(const std::string& bytes, const std::string& name) : name_(name), file_(bytes) {}
+    LegacyReader(const std::string& bytes, const std::string& name, PolyParts parts) : name_(name), file_(bytes), parts_(parts) {}
 
     PolyData read()
     {
-        read_header();
         PolyData data;
+        read_header(data);
         for (std::string key = lower(word()); !key.empty(); key = lower(word())) {
-            if (key == "points") {
-                const std::size_t point_count = count("POINTS");
-                const std::vector<double> xyz = values<double>(3 * point_count, lower(word()), "POINTS");
-                for (std::size_t i = 0; i < point_count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
-            } else if (key == "polygons") read_cells(data.polys, "POLYGONS");
-            else if (key == "triangle_strips") read_cells(data.strips, "TRIANGLE_STRIPS");
-            else if (key == "lines") read_cells(data.lines, "LINES");
-            else if (key == "vertices") read_cells(data.verts, "VERTICES");
-            else if (key == "metadata") skip_metadata();
-            else if (key == "cell_data" || key == "point_data" || key == "field") break;
-            else
-                fail(fmt::format("\"{}\" where a section of polydata is expected; the file may be truncated or damaged",
-                                 excerpt(key)));
+            if (parts_ == PolyParts::Remarks && key == "points") return data;
+            if (key == "point_data" || key == "cell_data") {
+                if (parts_ != PolyParts::All) break;
+                read_attributes(key == "point_data" ? data.point_data : data.cell_data, data);
+            } else if (!read_section(key, data)) {
+                refuse_section(key);
+            }
         }
         if (data.points.empty()) fail("no POINTS section");
         for (const PolyCells* cells : {&data.polys, &data.strips, &data.lines, &data.verts})
@@ -81,17 +75,47 @@ private:
         if (value > file_.size() / 2) fail(fmt::format("{} announces {} items, more than the file has bytes", section, value));
         return value;
     }
-    void read_header()
+    [[noreturn]] void refuse_section(const std::string& key) const
+    {
+        fail(fmt::format("got \"{}\"; expected a section of polydata (POINTS, POLYGONS, TRIANGLE_STRIPS, LINES, VERTICES, FIELD, "
+                         "METADATA, POINT_DATA, CELL_DATA): truncated or damaged. Fix: write the file again, for example from "
+                         "ParaView as .vtp",
+                         excerpt(key)));
+    }
+    /// @return false: not a section of the geometry
+    bool read_section(const std::string& key, PolyData& data)
+    {
+        if (key == "points") read_points(data);
+        else if (key == "polygons") read_cells(data.polys, "POLYGONS");
+        else if (key == "triangle_strips") read_cells(data.strips, "TRIANGLE_STRIPS");
+        else if (key == "lines") read_cells(data.lines, "LINES");
+        else if (key == "vertices") read_cells(data.verts, "VERTICES");
+        else if (key == "metadata") skip_metadata();
+        else if (key == "field") read_field(parts_ == PolyParts::All ? &data.field_data : nullptr, &data.remarks);
+        else return false;
+        return true;
+    }
+    void read_points(PolyData& data)
+    {
+        const std::size_t point_count = count("POINTS");
+        const std::vector<double> xyz = values<double>(3 * point_count, lower(word()), "POINTS");
+        for (std::size_t i = 0; i < point_count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
+    }
+
+    void read_header(PolyData& data)
     {
         if (line().rfind("# vtk DataFile", 0) != 0) fail("does not begin with \"# vtk DataFile\"");
-        line();  // title
+        data.remarks = line() + "\n";  // the title
         const std::string encoding = lower(word());
         if (encoding != "ascii" && encoding != "binary")
             fail(fmt::format("\"{}\" where ASCII or BINARY is expected", excerpt(encoding)));
         binary_ = encoding == "binary";
         if (lower(word()) != "dataset") fail("no DATASET line");
         const std::string kind = word();
-        if (lower(kind) != "polydata") fail(fmt::format("holds DATASET {}, POLYDATA is expected", excerpt(kind)));
+        if (lower(kind) != "polydata")
+            fail(fmt::format("holds DATASET {}; POLYDATA is expected. Fix: extract its surface (ParaView: Extract Surface, VTK: "
+                             "vtkGeometryFilter) and save that",
+                             excerpt(kind)));
     }
     void skip_metadata()
     {
@@ -132,12 +156,19 @@ private:
     std::vector<Target> values(std::size_t n, const std::string& type, const char* section)
     {
         if (binary_) {
-            if (type == "float") return binary_values<float, Target>(n, section);
-            if (type == "double") return binary_values<double, Target>(n, section);
-            if (type == "int" || type == "vtktypeint32") return binary_values<std::int32_t, Target>(n, section);
-            if (type == "vtktypeint64" || type == "long" || type == "vtkidtype")
-                return binary_values<std::int64_t, Target>(n, section);
-            fail(fmt::format("{} has type \"{}\"; float, double, int and vtktypeint64 are read", section, excerpt(type)));
+            switch (scalar(type, section)) {
+                case Scalar::Int8: return binary_values<std::int8_t, Target>(n, section);
+                case Scalar::Uint8: return binary_values<std::uint8_t, Target>(n, section);
+                case Scalar::Int16: return binary_values<std::int16_t, Target>(n, section);
+                case Scalar::Uint16: return binary_values<std::uint16_t, Target>(n, section);
+                case Scalar::Int32: return binary_values<std::int32_t, Target>(n, section);
+                case Scalar::Uint32: return binary_values<std::uint32_t, Target>(n, section);
+                case Scalar::Int64: return binary_values<std::int64_t, Target>(n, section);
+                case Scalar::Uint64: return binary_values<std::uint64_t, Target>(n, section);
+                case Scalar::Float32: return binary_values<float, Target>(n, section);
+                case Scalar::Float64: return binary_values<double, Target>(n, section);
+                case Scalar::Bit: skip_bytes((n + 7) / 8, section); return std::vector<Target>(n);  // flags are no quantity
+            }
         }
         std::vector<Target> result(n);
         for (std::size_t i = 0; i < n; ++i) {
@@ -146,6 +177,167 @@ private:
             if (!parse(text, result[i])) fail(fmt::format("{}: \"{}\" where a number is expected", section, excerpt(text)));
         }
         return result;
+    }
+
+    enum class Scalar { Bit, Int8, Uint8, Int16, Uint16, Int32, Uint32, Int64, Uint64, Float32, Float64 };
+
+    /// Type words of VTK's own writers, in lower case. "long" has eight bytes where these are written (Linux, macOS).
+    Scalar scalar(const std::string& type, const char* section) const
+    {
+        constexpr std::pair<std::string_view, Scalar> names[] = {
+            {"bit", Scalar::Bit},              {"char", Scalar::Int8},
+            {"signed_char", Scalar::Int8},     {"unsigned_char", Scalar::Uint8},
+            {"short", Scalar::Int16},          {"unsigned_short", Scalar::Uint16},
+            {"int", Scalar::Int32},            {"unsigned_int", Scalar::Uint32},
+            {"long", Scalar::Int64},           {"unsigned_long", Scalar::Uint64},
+            {"float", Scalar::Float32},        {"double", Scalar::Float64},
+            {"vtkidtype", id_type},            {"vtktypeint8", Scalar::Int8},
+            {"vtktypeuint8", Scalar::Uint8},   {"vtktypeint16", Scalar::Int16},
+            {"vtktypeuint16", Scalar::Uint16}, {"vtktypeint32", Scalar::Int32},
+            {"vtktypeuint32", Scalar::Uint32}, {"vtktypeint64", Scalar::Int64},
+            {"vtktypeuint64", Scalar::Uint64}, {"vtktypefloat32", Scalar::Float32},
+            {"vtktypefloat64", Scalar::Float64}};
+        for (const auto& [name, kind] : names)
+            if (type == name) return kind;
+        fail(fmt::format("{}: got type \"{}\"; expected one of VTK's (float, double, int, vtktypeint64, unsigned_char, ...)", section,
+                         excerpt(type)));
+    }
+    static constexpr Scalar id_type = Scalar::Int32;  // VTK writes its own indices as int, whatever their width in memory
+
+    static std::size_t bytes_of(Scalar type, std::size_t n)
+    {
+        constexpr std::size_t sizes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+        return type == Scalar::Bit ? (n + 7) / 8 : n * sizes[static_cast<int>(type)];
+    }
+    void skip_bytes(std::size_t n, const char* section)
+    {
+        line();  // data start behind the line's end
+        if (file_.size() - at_ < n) fail(fmt::format("{} is cut off: {} bytes announced, {} there", section, n, file_.size() - at_));
+        at_ += n;
+    }
+    /// As values(), for numbers that nobody asks for.
+    void skip_values(std::size_t n, const std::string& type)
+    {
+        if (binary_) return skip_bytes(bytes_of(scalar(type, "FIELD"), n), "FIELD");
+        for (std::size_t i = 0; i < n; ++i)
+            if (word().empty()) fail(fmt::format("FIELD is cut off: {} values announced, {} there", n, i));
+    }
+
+    /// Names and ASCII strings have blanks and control characters as %20.
+    static std::string decoded(std::string_view text)
+    {
+        std::string plain;
+        for (std::size_t i = 0; i < text.size(); ++i) {
+            unsigned value = 0;
+            if (text[i] == '%' && i + 2 < text.size() &&
+                std::from_chars(text.data() + i + 1, text.data() + i + 3, value, 16).ptr == text.data() + i + 3) {
+                plain.push_back(static_cast<char>(value));
+                i += 2;
+            } else {
+                plain.push_back(text[i]);
+            }
+        }
+        return plain;
+    }
+    /// One string of a string array. Binary ones follow their length, whose first two bits tell its width.
+    std::string string_value()
+    {
+        if (!binary_) return decoded(line());
+        if (at_ >= file_.size()) fail("FIELD is cut off in its strings");
+        const auto first = static_cast<unsigned char>(file_[at_]);
+        const std::size_t width = first >> 6 == 3 ? 1 : first >> 6 == 2 ? 2 : first >> 6 == 1 ? 4 : 8;
+        if (file_.size() - at_ < width) fail("FIELD is cut off in its strings");
+        std::uint64_t length = first & 0x3fu;
+        for (std::size_t k = 1; k < width; ++k) length = length << 8 | static_cast<unsigned char>(file_[at_ + k]);
+        at_ += width;
+        if (file_.size() - at_ < length) fail("FIELD is cut off in its strings");
+        at_ += length;
+        return file_.substr(at_ - length, std::min<std::size_t>(length, kMostRemarks));
+    }
+
+    /// FIELD name n, then n arrays: name, components, tuples, type, values; each may have a METADATA block behind it.
+    /// @param into     null: the numbers are skipped
+    /// @param remarks  strings are added to it as NAME=value, as headers of STL files have them; may be null
+    void read_field(std::map<std::string, PolyArray>* into, std::string* remarks)
+    {
+        word();  // the field's name
+        for (std::size_t left = count("FIELD"); left > 0; --left) {
+            std::string name = word();
+            for (; lower(name) == "metadata"; name = word()) skip_metadata();
+            name = decoded(name);
+            if (name.empty()) fail(fmt::format("FIELD is cut off: {} more arrays announced", left));
+            const std::size_t components = count("FIELD"), tuples = count("FIELD");
+            if (components > 0 && tuples > 8 * file_.size() / components)
+                fail(fmt::format("FIELD announces {} x {} items, more than the file has bytes", components, tuples));
+            const std::size_t n = components * tuples;
+            const std::string type = lower(word());
+            if (type == "string" || type == "vtkstdstring" || type == "utf8_string") {
+                line();
+                for (std::size_t k = 0; k < n; ++k) {
+                    if (at_ >= file_.size()) fail(fmt::format("FIELD is cut off: {} strings announced, {} there", n, k));
+                    const std::string text = string_value();
+                    if (remarks && remarks->size() < kMostRemarks) *remarks += name + "=" + text + "\n";
+                }
+            } else if (type == "variant") {  // text in both encodings: a type number and a value each
+                for (std::size_t k = 0; k < 2 * n; ++k)
+                    if (word().empty()) fail("FIELD is cut off in its variants");
+            } else if (into) {
+                (*into)[name] = {static_cast<int>(std::max<std::size_t>(1, components)), values<double>(n, type, "FIELD")};
+            } else {
+                skip_values(n, type);
+            }
+        }
+    }
+
+    /// POINT_DATA n or CELL_DATA n, up to the next section.
+    void read_attributes(std::map<std::string, PolyArray>& into, PolyData& data)
+    {
+        const std::size_t n = count("POINT_DATA");
+        while (true) {
+            const std::size_t back = at_;
+            const std::string key = lower(word());
+            if (key == "point_data" || key == "cell_data" || key.empty()) {
+                at_ = back;
+                return;
+            }
+            if (key == "field") read_field(&into, nullptr);
+            else if (!read_attribute(key, n, into) && !read_section(key, data)) refuse_section(key);
+        }
+    }
+    bool read_attribute(const std::string& key, std::size_t n, std::map<std::string, PolyArray>& into)
+    {
+        const auto take = [&](const std::string& name, const std::string& type, std::size_t components) {
+            if (components > 8 * file_.size() / std::max<std::size_t>(n, 1)) fail(fmt::format("{} has {} components", excerpt(name), components));
+            into[decoded(name)] = {static_cast<int>(components), values<double>(n * components, type, "POINT_DATA")};
+        };
+        if (key == "scalars") {
+            const std::string name = word(), type = lower(word());
+            TextWords rest(std::string_view(file_).substr(at_));
+            const std::string_view components = TextWords(rest.line()).word();  // left out: one
+            const std::size_t width = components.empty() ? 1 : count("SCALARS");
+            const std::size_t back = at_;
+            if (lower(word()) == "lookup_table") word();
+            else at_ = back;
+            take(name, type, width);
+        } else if (key == "color_scalars" || key == "lookup_table") {
+            const std::string name = word();
+            const std::size_t second = count("COLOR_SCALARS");
+            const bool table = key == "lookup_table";
+            if (!table && second > 8 * file_.size() / std::max<std::size_t>(n, 1)) fail("COLOR_SCALARS announces more than the file has bytes");
+            skip_values(table ? 4 * second : n * second, "unsigned_char");
+        } else if (key == "texture_coordinates") {
+            const std::string name = word();
+            const std::size_t dimension = count("TEXTURE_COORDINATES");
+            take(name, lower(word()), dimension);
+        } else {
+            constexpr std::pair<std::string_view, std::size_t> plain[] = {{"vectors", 3},    {"normals", 3},      {"tensors", 9}, {"tensors6", 6},
+                                                                          {"global_ids", 1}, {"pedigree_ids", 1}, {"edge_flags", 1}};
+            const auto* at = std::find_if(std::begin(plain), std::end(plain), [&](const auto& p) { return p.first == key; });
+            if (at == std::end(plain)) return false;
+            const std::string name = word();
+            take(name, lower(word()), at->second);
+        }
+        return true;
     }
 
     void check_cells(const PolyCells& cells, std::size_t point_count) const
@@ -188,12 +380,16 @@ private:
 
     const std::string& name_;
     const std::string& file_;
+    PolyParts parts_;
     std::size_t at_ = 0;
     bool binary_ = false;
 };
 
 }  // namespace
 
-PolyData parse_legacy_vtk(const std::string& bytes, const std::string& name) { return LegacyReader(bytes, name).read(); }
+PolyData parse_legacy_vtk(const std::string& bytes, const std::string& name, PolyParts parts)
+{
+    return LegacyReader(bytes, name, parts).read();
+}
 
 }  // namespace seldinger

@@ -194,10 +194,11 @@ void parse_ascii(const FileFacts& file, std::string_view text, std::vector<Wante
 }
 
 template <typename Wanted>
-std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& array)
+std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& array, std::string type = {})
 {
     std::vector<Wanted> values;
-    const std::string format = array.attribute("format").as_string("ascii"), type = array.attribute("type").as_string();
+    if (type.empty()) type = array.attribute("type").as_string();
+    const std::string format = array.attribute("format").as_string("ascii");
     const std::string_view text = array.text().get();
     if (type == "String") return values;
     if (format == "ascii") {
@@ -221,6 +222,20 @@ void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<st
         array.components = std::max(1, node.attribute("NumberOfComponents").as_int(1));
         const std::vector<double> values = read_values<double>(file, node);
         array.values.insert(array.values.end(), values.begin(), values.end());
+    }
+}
+
+/// Strings of the field data, as remarks. VTK stores their bytes, each string ended by 0.
+void read_strings(const FileFacts& file, const pugi::xml_node& parent, std::string& remarks)
+{
+    for (const pugi::xml_node& node : parent.children("Array")) {
+        if (node.attribute("type").as_string() != std::string_view("String") || remarks.size() >= kMostRemarks) continue;
+        std::string text;
+        for (const std::uint8_t c : read_values<std::uint8_t>(file, node, "UInt8")) {
+            if (text.size() == kMostRemarks) break;
+            text.push_back(c == 0 ? '\n' : static_cast<char>(c));
+        }
+        remarks += fmt::format("{}={}\n", node.attribute("Name").as_string(), text);
     }
 }
 
@@ -298,18 +313,23 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name, Poly
     const pugi::xml_parse_result parsed = document.load_buffer(xml.data(), xml.size());
     const pugi::xml_node root = document.child("VTKFile");
     if (!parsed || !root) fail(file, std::string("not a VTK XML file (") + parsed.description() + ")");
-    if (root.attribute("type").as_string() != std::string("PolyData")) fail(file, "not PolyData");
+    if (const std::string type = root.attribute("type").as_string(); type != "PolyData")
+        fail(file, fmt::format("holds \"{}\", not PolyData. Fix: extract its surface (ParaView: Extract Surface) and save that as .vtp",
+                               excerpt(type)));
     if (root.attribute("byte_order").as_string("LittleEndian") != std::string("LittleEndian"))
-        fail(file, "big-endian, which is not read");
+        fail(file, "is big-endian; expected little-endian. Fix: open it in ParaView and save it again with \"Byte Order\" little-endian");
     file.header_bytes = root.attribute("header_type").as_string() == std::string("UInt64") ? 8 : 4;
     const std::string compressor = root.attribute("compressor").as_string();
     file.compressed = !compressor.empty();
     if (file.compressed && compressor != "vtkZLibDataCompressor")
-        fail(file, fmt::format("compressed by {}, only zlib is read", excerpt(compressor)));
+        fail(file, fmt::format("is compressed by {}; only zlib is read. Fix: save it again with \"Compressor Type\" ZLib or None (ParaView)",
+                               excerpt(compressor)));
 
     PolyData data;
     const pugi::xml_node poly = root.child("PolyData");
     if (parts == PolyParts::All) read_named(file, poly.child("FieldData"), data.field_data);
+    read_strings(file, poly.child("FieldData"), data.remarks);
+    if (parts == PolyParts::Remarks) return data;
     for (const pugi::xml_node& piece : poly.children("Piece")) read_piece(file, piece, parts, data);
     return data;
 }

@@ -29,10 +29,14 @@ struct PolyData {
     std::vector<std::array<double, 3>> points;
     PolyCells verts, lines, strips, polys;
     std::map<std::string, PolyArray> point_data, cell_data, field_data;
+    std::string remarks;  // VTK: the legacy title, and strings of the field data as NAME=value
 };
 
-/// Geometry leaves point, cell and field data packed: nobody asks for them, and a constant array packs a thousandfold.
-enum class PolyParts { All, Geometry };
+constexpr std::size_t kMostRemarks = 4096;  // a file may be nothing but comments [bytes]
+
+/// Geometry leaves point, cell and field data packed: nobody asks for them, and a constant array packs a thousandfold. Remarks stops
+/// before the first point.
+enum class PolyParts { All, Geometry, Remarks };
 
 /// Times the file's size that its arrays may take in memory, every value as eight bytes, with what is read to find them. VTK's own
 /// writer at its best reaches 14 with regular tubes, planes and spheres of float32 and 32-bit indices, and 4 with patients'

@@ -16,7 +16,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::string_view magic = "SELCKPT2";
+constexpr std::string_view magic = "SELCKPT3";
 
 template <class T>
 void put_list(std::vector<std::uint8_t>& bytes, const T& list)
@@ -111,7 +111,7 @@ bool is_sound(const RunTally& t, std::int64_t most)
            std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; }) &&
            std::all_of(stages.begin(), stages.end(), is_time) && is_time(t.wall) && is_time(t.record) && is_time(t.row_time) &&
            is_set(t.wall_move) && is_set(t.wall_stress) && is_time(t.hand_force_time) && is_time(t.overlap_time) && std::all_of(std::begin(t.overlap_at), std::end(t.overlap_at), [](double x) { return std::isfinite(x); }) &&
-           is_sound(t.on_wall) && is_sound(t.on_instruments) && is_sound(t.exits) && t.steps <= most && t.rest_steps <= t.steps && t.row_steps <= t.steps;
+           is_sound(t.on_wall) && is_sound(t.on_instruments) && is_sound(t.exits) && is_sound(t.score) && t.steps <= most && t.rest_steps <= t.steps && t.row_steps <= t.steps;
 }
 
 namespace {

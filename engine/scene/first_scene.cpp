@@ -8,6 +8,7 @@
 #include "scene/scene_names.h"
 #include "scene/toml_table.h"
 #include "scene/toml_text.h"
+#include "vessel/inside.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -17,22 +18,41 @@
 namespace seldinger {
 namespace {
 
-constexpr double least_lumen = 0.3e-3, most_lumen = 20e-3, least_extent = 20e-3, most_extent = 1.0;  // [m]
-constexpr double usual_lumen = 3e-3, usual_extent = 0.25;                                           // [m]
+constexpr double least_lumen = 0.3e-3, most_lumen = 20e-3, least_extent = 5e-3, most_extent = 1.5;  // [m]
+// What costs nothing: from a cerebral artery to an aorta, from a piece of carotid artery to an aorta with its legs.
+constexpr double low_usual = 1.2e-3, high_usual = 13e-3, small_usual = 18e-3, large_usual = 0.5;  // median lumen radius, extent [m]
+constexpr double usual_ratio = 80;  // of a vessel's extent to its lumen radius, where nothing else is known
+constexpr double in_doubt = 2.5;    // difference of misfits below which the second unit is worth naming
 // A wire's diameter in lumen radii where it still turns and passes freely.
 constexpr double free_share = 0.7;
 constexpr double feed_speed = 0.02;  // [m/s], a steady hand's
 // What a hand has ready, thick before thin: a supple wire for any vessel, then for narrower ones.
 constexpr const char* usual_wires[] = {"terumo-angled-035", "control-018", "coronary-soft-014"};
 
-double median_lumen(const LoadedVessel& vessel)
+/// Radii along the axis in the file's unit, each with the length that it stands for, the smallest first.
+std::vector<std::pair<double, double>> lumen_sizes(const LoadedVessel& vessel, double metre)
 {
-    std::vector<double> radius = vessel.centreline.radius;
-    for (const BoundaryLoop& loop : vessel.report.loops)
-        if (vessel.centreline.empty()) radius.push_back(loop.radius);
-    if (radius.empty()) return 0;
-    std::nth_element(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2), radius.end());
-    return radius[radius.size() / 2];
+    std::vector<std::pair<double, double>> sizes;
+    const Centreline& line = vessel.centreline;
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
+        if (line.parent[i] < 0) continue;
+        const auto up = static_cast<std::size_t>(line.parent[i]);
+        sizes.emplace_back(0.5 * (line.radius[i] + line.radius[up]) / metre, (line.points[i] - line.points[up]).norm() / metre);
+    }
+    if (sizes.empty())
+        for (const BoundaryLoop& loop : vessel.report.loops) sizes.emplace_back(loop.radius / metre, 1.0);
+    std::sort(sizes.begin(), sizes.end());
+    return sizes;
+}
+
+/// The radius that this share of the axis stays below.
+double quantile(const std::vector<std::pair<double, double>>& sizes, double share)
+{
+    double all = 0, sum = 0;
+    for (const auto& [radius, length] : sizes) all += length;
+    for (const auto& [radius, length] : sizes)
+        if ((sum += length) >= share * all) return radius;
+    return sizes.empty() ? 0 : sizes.back().first;
 }
 
 double extent_of(const WallMesh& mesh)
@@ -42,25 +62,36 @@ double extent_of(const WallMesh& mesh)
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-/// How far from the usual, by ratio; a habit weighs like a ratio, too.
-double misfit(const UnitGuess& guess)
+double outside(double value, double least, double most)
 {
-    const double habit = guess.unit == "mm" ? 0 : guess.unit == "m" ? 1 : guess.unit == "cm" ? 2 : 3;
-    return std::abs(std::log(std::max(guess.lumen, 1e-12) / usual_lumen)) + std::abs(std::log(guess.extent / usual_extent)) + habit +
-           (guess.plausible ? 0 : 100);
+    return std::max({0.0, std::log(least / std::max(value, 1e-12)), std::log(std::max(value, 1e-12) / most)});
 }
 
-std::vector<UnitGuess> guesses_of(double lumen_in_file, double extent_in_file)
+double habit(std::string_view unit)
+{
+    return unit == "mm" ? 0 : unit == "cm" ? 1 : unit == "m" ? 1.5 : 3;
+}
+
+/// @param sizes  in the file's unit, as the extent
+std::vector<UnitGuess> guesses_of(const std::vector<std::pair<double, double>>& sizes, double extent_in_file)
 {
     std::vector<UnitGuess> all;
     for (const std::string_view word : unit_words) {
         const double metre = metres_per_unit(std::string(word));
-        UnitGuess guess{std::string(word), lumen_in_file * metre, extent_in_file * metre, false};
-        guess.plausible = guess.lumen >= least_lumen && guess.lumen <= most_lumen && guess.extent >= least_extent &&
-                          guess.extent <= most_extent;
+        UnitGuess guess{std::string(word), quantile(sizes, 0.5) * metre, extent_in_file * metre, quantile(sizes, 0.1) * metre,
+                        quantile(sizes, 0.9) * metre};
+        double length = 0, within = 0;
+        for (const auto& [radius, step] : sizes) {
+            length += step;
+            if (radius * metre >= least_lumen && radius * metre <= most_lumen) within += step;
+        }
+        guess.plausible = within > 0.5 * length && guess.extent >= least_extent && guess.extent <= most_extent;
+        guess.misfit = 2 * (outside(guess.low, least_lumen, most_lumen) + outside(guess.high, least_lumen, most_lumen) +
+                            outside(guess.lumen, low_usual, high_usual) + outside(guess.extent, small_usual, large_usual)) +
+                       habit(word) + (guess.plausible ? 0 : 100);
         all.push_back(guess);
     }
-    std::stable_sort(all.begin(), all.end(), [](const UnitGuess& a, const UnitGuess& b) { return misfit(a) < misfit(b); });
+    std::stable_sort(all.begin(), all.end(), [](const UnitGuess& a, const UnitGuess& b) { return a.misfit < b.misfit; });
     return all;
 }
 
@@ -75,15 +106,52 @@ std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVess
     VesselSpec spec;
     spec.shape = VesselShape::Mesh;
     spec.mesh = std::filesystem::absolute(mesh);
-    spec.units = guesses_of(box * usual_lumen / usual_extent, box).front().unit;
+    spec.units = guesses_of({{box / usual_ratio, 1.0}}, box).front().unit;
     vessel = load_vessel(spec);
     const double metre = metres_per_unit(spec.units);
-    std::vector<UnitGuess> all = guesses_of(median_lumen(vessel) / metre, extent_of(vessel.mesh) / metre);
+    std::vector<UnitGuess> all = guesses_of(lumen_sizes(vessel, metre), extent_of(vessel.mesh) / metre);
     if (all.front().unit != spec.units) {
         spec.units = all.front().unit;
         vessel = load_vessel(spec);
     }
     return all;
+}
+
+std::string describe_unit(const std::vector<UnitGuess>& guesses, const UnitGuess& taken, const std::string& source)
+{
+    const auto sizes = [](const UnitGuess& g) {
+        return fmt::format("a lumen of {:.3g} mm radius (half of it is wider; 10 to 90 %: {:.3g} to {:.3g} mm) in {:.4g} mm from corner to corner",
+                           1e3 * g.lumen, 1e3 * g.low, 1e3 * g.high, 1e3 * g.extent);
+    };
+    std::string text = fmt::format("{}: {}", source, sizes(taken));
+    if (!taken.plausible) text += "; no vessel in the body is like that";
+    std::string others;
+    for (const UnitGuess& other : guesses)
+        if (other.plausible && other.unit != taken.unit && other.misfit < taken.misfit + in_doubt)
+            others += fmt::format("{}in {} it would be {:.3g} mm in {:.4g} mm", others.empty() ? "" : ", ", other.unit, 1e3 * other.lumen, 1e3 * other.extent);
+    if (!others.empty()) text += fmt::format("; in doubt: {}; --units decides", others);
+    return text;
+}
+
+std::string describe_no_vessel(const LoadedVessel& vessel)
+{
+    // An opening is where a vessel was cut: three of its radii in, the lumen is about as wide as the opening. Behind a hole in the
+    // side of a body the nearest wall there is the hole's own rim, 3.2 radii away.
+    const std::vector<BoundaryLoop>& loops = vessel.report.loops;
+    std::size_t holes = 0;
+    if (loops.size() > 1) {
+        const LumenQuery lumen(vessel.mesh, loops);
+        for (const BoundaryLoop& loop : loops) holes += lumen.locate(loop.centre + 3 * loop.radius * loop.inward).signed_distance > 2.2 * loop.radius;
+    }
+    // nearly all: an aorta whose branches were cut off flush has such holes, too, but also ends
+    if (holes > 1 && 10 * holes >= 9 * loops.size())
+        return fmt::format("{} of its {} openings are holes in the side of something wide, not ends of a lumen", holes, loops.size());
+    std::vector<double> radius = vessel.centreline.radius;
+    if (radius.empty()) return {};
+    std::nth_element(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2), radius.end());
+    const double ratio = vessel.centreline.total_length() / radius[radius.size() / 2];
+    constexpr double least_ratio = 5;  // a ball has 2, a tube as long as it is thick 2 to 4
+    return ratio < least_ratio ? fmt::format("its axis is only {:.2g} times as long as its lumen is wide in radius", ratio) : "";
 }
 
 double WayThrough::reach(double diameter) const
@@ -230,19 +298,22 @@ std::string first_scene_text(const FirstScene& first)
     const std::string path = mesh.lexically_proximate(folder).generic_string();
     std::string text = fmt::format("# {}: a first scene, as `seldinger init` proposes it. Every key: docs/scene-file.md.\n\n",
                                    one_line(first.mesh.filename().string()));
-    text += fmt::format("[scene]\nname = {}\ngravity = [0.0, 0.0, -9.81]  # m/s^2: which way is down?\nduration_s = {:.2f}\ndt_s = 0.001\n\n",
-                        toml_quoted(one_line(first.mesh.stem().string())), duration);
+    const auto list = [](const Vec3& v) { return fmt::format("[{:.12g}, {:.12g}, {:.12g}]", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };
+    text += fmt::format("[scene]\nname = {}\ngravity = {}  # m/s^2: the patient lies on the back (docs/axes.md)\nduration_s = {:.2f}\n"
+                        "dt_s = 0.001\n\n",
+                        toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
     text += fmt::format("[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # \"elastic\": it yields (docs/wall.md)\n"
                         "youngs_pa = 1.0e6  # of the wall: how stiff its surface is\nthickness_m = 0.001\n\n",
                         toml_quoted(path), first.unit, first.unit_why);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
                         first.wire.why, first.wire.name, length);
-    text += fmt::format("# Ways in, numbered as `seldinger vessel` lists them:\n{}[feed]\ninlet = {}\n"
+    text += fmt::format("# Ways in, numbered as `seldinger vessel` lists them:\n{}# {}: {}.\n[feed]\ninlet = {}\n"
                         "# Pushed at {:.0f} mm/s without turning; the longest way from here is {:.0f} mm.\n"
                         "keys = [\n    {{ t_s = 0.0, advance_m = 0.0, turn_rad = 0.0 }},\n"
                         "    {{ t_s = {:.2f}, advance_m = {:.3f}, turn_rad = 0.0 }},\n]\n",
-                        ways_in_comment(first), first.inlet, 1e3 * feed_speed, 1e3 * first.way.length, duration, advance);
+                        ways_in_comment(first), first.inlet, first.inlet_why, first.inlet, 1e3 * feed_speed, 1e3 * first.way.length, duration, advance);
+    text += fmt::format("\n# {}.\n[carm]\nhead = {}\nback = {}\n", first.axes_why, list(first.head), list(first.back));
     return text;
 }
 

@@ -13,14 +13,23 @@ namespace seldinger {
 /// A unit that a mesh may be in, and the sizes that its vessel would have.
 struct UnitGuess {
     std::string unit;
-    double lumen = 0, extent = 0;  // median lumen radius; diagonal of the box [m]
-    bool plausible = false;        // a lumen radius of 0.3 ... 20 mm and 20 ... 1000 mm across
+    double lumen = 0, extent = 0;  // median lumen radius along the axis; diagonal of the box [m]
+    double low = 0, high = 0;      // lumen radius that 10 and 90 % of the axis stay below [m]
+    bool plausible = false;        // 0.3 to 20 mm along most of the axis, and 5 mm to 1.5 m across
+    double misfit = 0;             // how unusual, as a logarithm of a ratio
 };
 
-/// Every known unit, the most likely one first: among plausible ones that which is nearest, by ratio, to a lumen of 3 mm in 250 mm;
-/// millimetres are the habit, so that another unit has to be much nearer. @throws Error BadFile: no mesh, or no vessel
+/// Every known unit, the most likely one first: lumens of 0.3 to 20 mm with a median of 1.2 to 13 mm, in a box of 18 to 500 mm, cost
+/// nothing, and what lies outside the logarithm of its ratio; millimetres are the habit. @throws Error BadFile: no mesh, or no vessel
 /// @param vessel  out: loaded in the first of them
 [[nodiscard]] std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel);
+
+/// The unit, its sizes and the doubt, one line. @param source  "given", "guessed from its size", ...
+[[nodiscard]] std::string describe_unit(const std::vector<UnitGuess>& guesses, const UnitGuess& taken, const std::string& source);
+
+/// Why the mesh is the surface of no vessel: openings that are nearly all holes in a side, or an axis hardly longer than the lumen is wide.
+/// Empty: it may be one. A check of shape, without units.
+[[nodiscard]] std::string describe_no_vessel(const LoadedVessel& vessel);
 
 /// The longest way through the tree from a way in.
 struct WayThrough {
@@ -48,8 +57,11 @@ struct WireChoice {
 struct FirstScene {
     std::filesystem::path mesh, file;  // file: where the text is to be saved
     std::string unit, unit_why;
+    Vec3 head = Vec3::UnitZ(), back = Vec3::UnitY();  // the patient's directions
+    std::string axes_why;
     std::vector<Inlet> inlets;
     int inlet = 1;  // counted from 1
+    std::string inlet_why;
     WayThrough way;
     WireChoice wire;
 };

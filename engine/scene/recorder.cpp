@@ -123,11 +123,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
     const Output now = world.output(frame_parts());
     readings_ = joint_readings(now.wires);
-    if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) {
-        if (scene_.wire_every > 0) write_wire_frame(now);
-        if (scene_.contacts_every > 0) write_contact_frame(now);
-        write_collections();
-    }
+    if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) placed(now);
     checkpoint(world, RunStatus::Running, 0);
 }
 
@@ -218,6 +214,11 @@ void Recorder::settled(const Output& now, const StepReport& report)
     take_in(now, report);
     take_greatest(now);
     write_row(now);
+    placed(now);
+}
+
+void Recorder::placed(const Output& now)
+{
     if (scene_.wire_every > 0) write_wire_frame(now);
     if (scene_.contacts_every > 0) write_contact_frame(now);
     write_collections();
@@ -337,7 +338,12 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
         write_contact_table(now);
     }
     tally_.wall = wall + std::chrono::duration<double>(Clock::now() - start).count();
-    const std::string summary = summary_json(world, tally_, {&scene_, &vessel_, status, readings_, warnings_, estimate_});
+    SummaryNotes notes{&scene_, &vessel_, status, readings_, warnings_, 0, 0, 0, estimate_};
+    const Centreline& line = world.setup().centreline;
+    const Branches branches(line);
+    const Branches::Place place = branches.locate(line, world.rod(leading_wire(world, 0)).pos(0));
+    notes.branch = place.branch, notes.branch_depth = place.depth, notes.branches = branches.count();
+    const std::string summary = summary_json(world, tally_, notes);
     write_file(dir_ / "summary.json", summary);
     if (status == RunStatus::Done) checkpoint(world, status, tally_.wall);
     return summary;

@@ -39,10 +39,15 @@ public:
 
     /// After settle(): takes its readings in, and writes row 0. @param now  Output::Everything
     void settled(const Output& now, const StepReport& report);
+    /// Where settle() found nothing: the frame of the wires as they were placed. @param now  Output::Everything
+    void placed(const Output& now);
     /// What the record of the step that the world has just taken needs, of Output::Parts.
     [[nodiscard]] unsigned wants(const World& world) const;
     /// After an accepted step. @param now  of the parts that were wanted  @param seconds  that the step took
     void stepped(const Output& now, const StepReport& report, double seconds);
+
+    /// After a step, or where the task begins: what the task has come to.
+    void scored(const ScoreNumbers& score) { tally_.score = score; }
 
     /// Saves where the run stands. @param wall  of the loop so far [s]
     void checkpoint(const World& world, RunStatus status, double wall);

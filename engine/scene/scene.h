@@ -17,7 +17,7 @@ namespace seldinger {
 
 struct LoadedVessel;  // scene/vessel_load.h
 
-enum class Until { Time, Rest };
+enum class Until { Time, Rest, Reached };
 
 /// [contact] of a scene: friction is a property of the wire's sections (WireSection), these are what a section has that says
 /// nothing.
@@ -40,12 +40,13 @@ struct SceneFeed {
     [[nodiscard]] FeedKey at(double t) const;
 };
 
-/// [task] of a scene: what a trainee is to do in a live session, and within which limits.
+/// [task] of a scene: where the tip is to go, and within which limits.
 struct TaskSpec {
     enum class Target { None, Point, Branch };
     bool on = false;
     std::string text;  // what to do, in words
     Target target = Target::None;
+    std::string target_name;  // in answers; empty: "branch 2"
     Vec3 point = Vec3::Zero();  // Point: the tip comes within `radius` of it [m]
     double radius = 0.005;
     int branch = 0;        // Branch: of the centreline, counted from 1 in the order in which they leave on the way from the inlet
@@ -88,6 +89,7 @@ struct Scene : SceneInstrument {
     double force_window = 0, force_patch = 5e-3;             // WorldSetup's [m]
     SceneCArm carm;                                          // how it is looked at by X-ray
     SceneContrast contrast;
+    bool bands = false;  // in a batch: each run a second time with half the step
     std::vector<std::string> warnings;  // found on reading: sentences for every output
     std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
 

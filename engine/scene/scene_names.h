@@ -16,7 +16,7 @@ struct Choice {
     Enum value;
 };
 
-inline constexpr Choice<Until> until_words[] = {{"time", Until::Time}, {"rest", Until::Rest}};
+inline constexpr Choice<Until> until_words[] = {{"time", Until::Time}, {"rest", Until::Rest}, {"reached", Until::Reached}};
 inline constexpr Choice<bool> start_words[] = {{"placed", false}, {"settled", true}};
 inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", CurvatureMeasure::Angle},
                                                                {"tangent", CurvatureMeasure::Tangent}};

@@ -2,6 +2,8 @@
 #include "scene/toml_parse.h"
 #include "scene/scene_read.h"
 
+#include "io/file_remarks.h"
+
 #include "core/error.h"
 #include "core/file_io.h"
 #include "scene/scene_layers.h"
@@ -177,11 +179,32 @@ void read_output(const toml::table& table, Scene& scene)
     // a run writes about 100 frames unless told otherwise
     const int spread = static_cast<int>(std::max(1L, (scene.steps() + 99) / 100));
     scene.wire_every = scene.contacts_every = spread;
-    const TableReader t(table, "output", {"wire_every", "contacts_every", "force_window_m", "force_patch_m"});
+    const TableReader t(table, "output", {"wire_every", "contacts_every", "force_window_m", "force_patch_m", "bands"});
     t.count("wire_every", scene.wire_every, 0, static_cast<int>(most_steps));
     t.count("contacts_every", scene.contacts_every, 0, static_cast<int>(most_steps));
     t.number("force_window_m", scene.force_window, positive);
     t.number("force_patch_m", scene.force_patch, positive);
+    t.flag("bands", scene.bands);
+}
+
+/// What the mesh's own header says of its axes and its unit, where the scene says nothing.
+void take_remarks_of_mesh(const toml::table& root, Scene& scene)
+{
+    if (scene.vessel.shape != VesselShape::Mesh) return;
+    const FileRemarks remarks = remarks_of_file(scene.vessel.mesh);
+    if (remarks.axes == PatientAxes::Ras && !root.at_path("carm.head") && !root.at_path("carm.back")) {
+        scene.carm.on = true;
+        scene.carm.back = -Vec3::UnitY();
+        scene.notes.emplace_back("axes", "the mesh's header says SPACE=RAS: carm.back = [0, -1, 0] (docs/axes.md)");
+    }
+    if (remarks.units.empty() || remarks.units == scene.vessel.units) return;
+    if (!root.at_path("vessel.units")) {
+        scene.vessel.units = remarks.units;
+        scene.notes.emplace_back("units", fmt::format("the mesh's header says {}: vessel.units = \"{}\"", remarks.units, remarks.units));
+    } else {
+        scene.warnings.push_back(fmt::format("vessel.units: got \"{}\"; the mesh's header says \"{}\". Fix: check which of the two is right",
+                                             scene.vessel.units, remarks.units));
+    }
 }
 
 Scene read_root(const toml::table& root, const std::filesystem::path& file)
@@ -215,9 +238,12 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     for_each_table(root, "wall_load", "wall_load",
                    [&](const toml::table& load, const std::string& path) { read_wall_load(load, path, scene); });
     if (const toml::table* task = find_table(root, "task")) read_task_table(*task, scene);
+    if (scene.until == Until::Reached && scene.task.target == TaskSpec::Target::None)
+        fail_at(table("scene").get("until")->source(), "scene.until", "got \"reached\" without a target; expected [task] target. Fix: add one, or until = \"time\"");
     if (const toml::table* arm = find_table(root, "carm")) read_carm_table(*arm, scene);
     if (const toml::table* contrast = find_table(root, "contrast")) read_contrast_table(*contrast, scene);
     read_output(table("output"), scene);
+    take_remarks_of_mesh(root, scene);
     return scene;
 }
 

@@ -1,4 +1,4 @@
-// Reads [task]: what a trainee is to do in a live session.
+// Reads [task]: where the tip is to go, and within which limits.
 #include "scene/scene_read.h"
 
 namespace seldinger {
@@ -7,7 +7,8 @@ namespace {
 
 void read_target(const toml::table& table, TaskSpec& task)
 {
-    const TableReader t(table, "task.target", {"point", "radius_m", "branch", "beyond_m"});
+    const TableReader t(table, "task.target", {"name", "point", "radius_m", "branch", "beyond_m"});
+    t.text("name", task.target_name);
     if (t.has("branch")) {
         task.target = TaskSpec::Target::Branch;
         t.count("branch", task.branch, 1, 1000);

@@ -118,10 +118,10 @@ std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, Fe
 class StartPlaces {
 public:
     StartPlaces(const LoadedVessel& vessel, bool has_lumen) : vessel_(vessel), has_lumen_(has_lumen) {}
-    void check(const Scene& scene, int k, const FeedSpec& feed)
+    void check(const Scene& scene, int k, const FeedSpec& feed, double radius)
     {
         const LumenPlace place = lumen().locate(feed.point);
-        if (place.inside()) return;
+        if (place.inside()) return check_inside_at_start(scene, k, feed, radius);
         const Vec3& p = feed.point;
         const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim",
                                                                    place.opening, 1e3 * (place.nearest - p).norm())
@@ -140,6 +140,22 @@ public:
     }
 
 private:
+    /// What is inside at t = 0 lies straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back what lies behind a wall.
+    void check_inside_at_start(const Scene& scene, int k, const FeedSpec& feed, double radius)
+    {
+        const Vec3 along = feed.direction.normalized();
+        for (double s = 0; s < feed.advance;) {
+            const LumenPlace at = lumen().locate(feed.point + s * along);
+            if (at.opening >= 0) return;  // out through an opening: free
+            if (at.signed_distance < 0)
+                fail(scene, key_of(scene, k, "feed.keys.advance_m"),
+                     fmt::format("got {:.4g} mm at t = 0, which lie straight ahead of the inlet; expected them inside the lumen, whose wall is in "
+                                 "the way after {:.3g} mm. Fix: start with 0 (at most {:.4g} m) and feed the rest",
+                                 1e3 * feed.advance, 1e3 * s, 1e-3 * std::floor(1e3 * std::max(0.0, s - 2 * radius))));
+            s += std::max(at.signed_distance, 0.5 * radius);
+        }
+    }
+
     LumenQuery& lumen()
     {
         // a plane's border is no opening
@@ -151,6 +167,17 @@ private:
     bool has_lumen_;
     std::optional<LumenQuery> lumen_;
 };
+
+/// Lays a wire without a vessel once, for what place_wire refuses.
+void check_placement(const Scene& scene, int k, const WireSpec& wire)
+{
+    try {
+        RodArrays rods(std::vector<int>{uniform_node_count(wire)});
+        place_wire(rods, 0, wire, {});
+    } catch (const Error& error) {
+        fail(scene, key_of(scene, k, "place"), error.what(), error.code());
+    }
+}
 
 /// Whether one of the two is inside the other.
 bool coaxial(const Scene& scene, int a, int b)
@@ -209,9 +236,11 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
             if (has_lumen) check_size(scene, from.wire, vessel);
             if (wire.feed.on) {
                 wire.inlet = place_feed(scene, k, vessel, wire.feed);
-                if (has_lumen) places.check(scene, k, wire.feed);
+                if (has_lumen) places.check(scene, k, wire.feed, wire.wire.shaft.radius);
             } else if (first.vessel.shape != VesselShape::None) {
                 wire.start = places.check(scene, k, wire.wire);
+            } else {
+                check_placement(scene, k, wire.wire);
             }
             setup.wires.push_back(std::move(wire));
         }

@@ -246,10 +246,11 @@ void write_task(std::string& out, const TaskSpec& task)
     t.num_unless_zero("wall_force_n", task.wall_force).num_unless_zero("patch_force_n", task.patch_force);
     t.num_unless_zero("time_s", task.time);
     t.num_unless_zero("fluoroscopy_s", task.fluoroscopy);
+    const std::string name = task.target_name.empty() ? "" : fmt::format("name = {}, ", toml_quoted(task.target_name));
     if (task.target == TaskSpec::Target::Point)
-        t.raw("target", fmt::format("{{ point = {}, radius_m = {} }}", vec(task.point), real(task.radius)));
+        t.raw("target", fmt::format("{{ {}point = {}, radius_m = {} }}", name, vec(task.point), real(task.radius)));
     if (task.target == TaskSpec::Target::Branch)
-        t.raw("target", fmt::format("{{ branch = {}, beyond_m = {} }}", task.branch, real(task.beyond)));
+        t.raw("target", fmt::format("{{ {}branch = {}, beyond_m = {} }}", name, task.branch, real(task.beyond)));
 }
 
 void write_holds_and_loads(std::string& out, const SceneInstrument& instrument)
@@ -344,6 +345,7 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     TableText o(out, "[output]");
     o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
     o.num_unless_zero("force_window_m", scene.force_window).num("force_patch_m", scene.force_patch);
+    if (scene.bands) o.flag("bands", true);
     return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "io/json_text.h"
+#include "scene/force_text.h"
 #include "scene/frames.h"
 #include "scene/vessel_load.h"
 
@@ -69,6 +70,21 @@ private:
     Json& out_;
     std::vector<std::string> lost_;
 };
+
+Json task_of(const Scene& scene, const ScoreNumbers& s)
+{
+    Json task = {{"target", scene.task.target == TaskSpec::Target::None ? Json() : Json(target_name(scene.task))},
+                 {"verdict", verdict_of(scene.task, s)},
+                 {"reached", s.reached != 0},
+                 {"reached_at_m", s.reached ? Json(s.reached_at_m) : Json()},
+                 {"reached_at_s", s.reached ? Json(s.reached_at_s) : Json()},
+                 {"distance_m", s.distance >= 0 ? Json(s.distance) : Json()}};
+    task["until_patch_force_max_n"] = s.patch_force_max;
+    task["until_wall_force_max_n"] = s.wall_force_max;
+    task["until_hand_force_max_n"] = s.hand_force_max;
+    task["time_above_limit_s"] = s.time_above;
+    return task;
+}
 
 /// One name may have several entries: they are joined.
 Json model_of(const World& world, const Scene& scene)
@@ -253,6 +269,8 @@ std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
              {"energy_open_j", ledger.open()}}};
 }
 
+std::string task_json(const Scene& scene, const ScoreNumbers& score) { return json_text(task_of(scene, score)); }
+
 void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_iterations)
 {
     contacts_max = std::max<std::int64_t>(contacts_max, readings.contacts);
@@ -335,6 +353,12 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     number.set("inserted_m", r.inserted);
     number.set("turned_rad", r.turned);
     out["nodes"] = r.nodes;
+    if (notes.branches > 0) {
+        out["branch"] = notes.branch;
+        number.set("branch_depth_m", notes.branch_depth);
+        out["branches"] = notes.branches;
+    }
+    if (notes.scene->task.on) out["task"] = task_of(*notes.scene, tally.score);
     set_forces_and_energies(number, out, tally, r);
     set_wall(number, out, tally, world);
     if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, *notes.scene);
@@ -358,30 +382,61 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
 
 namespace {
 
-std::string lines_of(const std::string& json, const std::filesystem::path& dir);
+std::string lines_of(const std::string& json, const std::filesystem::path& dir, bool verbose);
 
 /// The bands, against the same windows with shorter steps.
 std::string estimate_for_people(const Json& e)
 {
     if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again with shorter ones\n";
-    const auto band = [&](const char* key) {
-        return fmt::format("{:.3g} +- {:.2g} N", e.at(key).at("value").get<double>(), e.at(key).at("band").get<double>());
-    };
     const double shortest = e.at("shortest_step_s").get<double>();
     const char* more = shortest > 1e-3 ? "; --error-estimate on takes the largest again with steps of 1 ms or less" : "";
-    return fmt::format("  error of the step, from {} windows of {} steps taken again with steps down to {:.3g} ms: hand {} (largest 20 ms "
-                       "mean {}), friction {} (largest {}), tip +- {:.2g} mm{}\n",
-                       e.at("windows").get<long>(), e.at("window_steps").get<int>(), 1e3 * shortest,
-                       band("hand_force_n"), band("hand_force_peak_n"), band("friction_n"), band("friction_peak_n"),
-                       1e3 * e.at("tip_band_m").get<double>(), more);
+    return fmt::format("  error of the step: {} windows of {} steps taken again with steps down to {:.3g} ms; tip ± {:.2g} mm{}\n", e.at("windows").get<long>(),
+                       e.at("window_steps").get<int>(), 1e3 * shortest, 1e3 * e.at("tip_band_m").get<double>(), more);
+}
+
+/// Hand and friction, with their bands where the run has any.
+std::string forces_for_people(const Json& s)
+{
+    const bool has_bands = s.contains("error_estimate") && s.at("error_estimate").at("windows").get<long>() > 0;
+    const auto force = [&](const char* banded, const char* plain) {
+        if (!has_bands) return s.at(plain).is_number() ? newtons(s.at(plain).get<double>(), std::nan("")) : std::string("not finite");
+        const Json& e = s.at("error_estimate").at(banded);
+        return newtons(e.at("value").get<double>(), e.at("band").get<double>());
+    };
+    return fmt::format("  hand force {} at the end, largest {}; friction largest {}{}\n", force("hand_force_n", "hand_force_n"),
+                       force("hand_force_peak_n", "hand_force_max_n"), force("friction_peak_n", "friction_max_n"),
+                       has_bands ? " (means of 20 ms; ± error of the step)" : "");
+}
+
+/// What became of the task, or where the tip is.
+std::string answer_for_people(const Json& s)
+{
+    std::string text;
+    if (s.contains("task") && s.at("task").at("target").is_string()) {
+        const Json& task = s.at("task");
+        const std::string target = task.at("target").get<std::string>();
+        if (task.at("reached").get<bool>())
+            text = fmt::format("reached {} at {:.4g} mm, {:.4g} s; until then at most {} on {:.3g} mm of wall", target,
+                               1e3 * task.at("reached_at_m").get<double>(), task.at("reached_at_s").get<double>(),
+                               newtons(task.at("until_patch_force_max_n").get<double>(), std::nan("")), 1e3 * s.at("force_patch_m").get<double>());
+        else text = fmt::format("did not reach {}: {:.3g} mm away", target, 1e3 * task.at("distance_m").get<double>());
+        if (task.at("verdict").get<std::string>() == "failed") text += "; a limit was exceeded";
+    }
+    if (s.contains("branch") && (text.empty() || !s.at("task").at("reached").get<bool>())) {
+        const int branch = s.at("branch").get<int>(), count = s.at("branches").get<int>();
+        text += text.empty() ? "" : "; ";
+        text += branch == 0 ? fmt::format("tip before any of {} branches", count)
+                            : fmt::format("tip in branch {} of {}, {:.3g} mm behind its mouth", branch, count, 1e3 * s.at("branch_depth_m").get<double>());
+    }
+    return text.empty() ? "" : text + "\n";
 }
 
 }  // namespace
 
-std::string summary_for_people(const std::string& json, const std::filesystem::path& dir)
+std::string summary_for_people(const std::string& json, const std::filesystem::path& dir, bool verbose)
 {
     try {
-        return lines_of(json, dir);
+        return lines_of(json, dir, verbose);
     } catch (const Json::exception&) {  // of a run that was done before, whose file somebody has changed
         throw Error(ExitCode::BadFile, (dir / "summary.json").string() + ": is damaged; run again with --overwrite");
     }
@@ -389,35 +444,38 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
 
 namespace {
 
-std::string lines_of(const std::string& json, const std::filesystem::path& dir)
+/// What `--verbose` adds: the model's size, the way in, the bands' origin, numerics and hash.
+std::string more_lines_of(const Json& s)
 {
-    const Json s = Json::parse(json);
     const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
-    std::string text = fmt::format("{}: {}\n", s.at("name").get<std::string>(), s.at("status").get<std::string>());
-    text += fmt::format("  {} steps, {:.4g} s simulated in {:.3g} s ({:.3g} x real time, {:.0f} steps/s)\n",
-                        s.at("steps").get<long>(), number("simulated_s"), number("wall_s"), number("realtime_factor"),
-                        number("steps_per_s"));
-    text += fmt::format("  inserted {:.4g} cm, {} nodes, at most {} contacts\n", 1e2 * number("inserted_m"),
-                        s.at("nodes").get<int>(), s.at("contacts_max").get<long>());
-    text += fmt::format("  hand force {:.4g} N, at most {:.4g} N, torque {:.4g} N m; friction at most {:.4g} N\n",
-                        number("hand_force_n"), number("hand_force_max_n"), number("hand_torque_nm"), number("friction_max_n"));
+    std::string text = fmt::format("  {} steps ({:.0f} a second); inserted {:.4g} cm, {} nodes, at most {} contacts; hand torque {:.4g} N m\n", s.at("steps").get<long>(),
+                                   number("steps_per_s"), 1e2 * number("inserted_m"), s.at("nodes").get<int>(), s.at("contacts_max").get<long>(),
+                                   number("hand_torque_nm"));
     if (s.contains("model") && s.at("model").contains("inlet"))
         text += "  entered at " + s.at("model").at("inlet").get<std::string>() + "\n";
     if (s.contains("error_estimate")) text += estimate_for_people(s.at("error_estimate"));
-    if (number("patch_force_max_n") > 0)
-        text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {:.4g} N on {:.3g} mm of wire; {:.4g} mm in contact "
-                            "at most, in {} places at most\n",
-                            number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), number("patch_force_max_n"),
-                            1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"),
-                            s.at("contact_regions_max").get<long>());
     text += fmt::format("  overlap at most {:.3g} um, beyond the wall {:.3g} um; Newton at most {} iterations\n",
                         1e6 * number("overlap_max_m"), 1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
-    text += fmt::format("  state {} on {}\n", s.at("state_hash").get<std::string>(), s.at("device").get<std::string>());
+    return text + fmt::format("  state {} on {}\n", s.at("state_hash").get<std::string>(), s.at("device").get<std::string>());
+}
+
+std::string lines_of(const std::string& json, const std::filesystem::path& dir, bool verbose)
+{
+    const Json s = Json::parse(json);
+    const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
+    std::string text = fmt::format("{}: {}, {:.4g} s simulated in {:.3g} s ({:.3g} x real time)\n", s.at("name").get<std::string>(),
+                                   s.at("status").get<std::string>(), number("simulated_s"), number("wall_s"), number("realtime_factor"));
+    if (verbose) text += more_lines_of(s);
+    text += forces_for_people(s);
+    if (number("patch_force_max_n") > 0)
+        text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {} on {:.3g} mm of wire; {:.4g} mm in contact at most\n",
+                            number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), newtons(number("patch_force_max_n"), std::nan("")),
+                            1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"));
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
     std::string files;
     for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "vessel.vtp", "scene.toml"})
         if (std::filesystem::exists(dir / name)) files += fmt::format("{}{}", files.empty() ? "" : ", ", name);
-    return text + fmt::format("  {}: {}\n", dir.string(), files);
+    return text + fmt::format("  {}: {}\n", dir.string(), files) + answer_for_people(s);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "engine.h"
 #include "scene/exits.h"
 #include "scene/scene.h"
+#include "scene/score.h"
 #include "scene/step_twin.h"
 
 #include <algorithm>
@@ -64,6 +65,7 @@ struct RunTally {
     double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
     StageTimes stages;  // sums [s]
     double record = 0;  // writing, summed [s]
+    ScoreNumbers score;         // of [task]
     // since the last row of trace.csv
     std::int64_t row_newton = 0, row_flags = 0, row_steps = 0;
     double row_time = 0;  // [s]
@@ -89,13 +91,20 @@ struct SummaryNotes {
     RunStatus status = RunStatus::Running;
     WireReadings readings;              // of the last accepted step
     std::vector<std::string> warnings;  // one sentence each
+    int branch = 0;                     // Branches::Place of the leading tip, with how many there are
+    double branch_depth = 0;            // [m]
+    int branches = 0;
     std::optional<ErrorEstimate> estimate;  // of what the step's length leaves in forces and tip
 };
 
 /// The JSON object, indented, with a line end. A number that is not finite is null, and `warnings` says so.
 [[nodiscard]] std::string summary_json(const World& world, const RunTally& tally, const SummaryNotes& notes);
 
-/// Some ten lines from the JSON of a run in `dir`; the last ones name the files.
-[[nodiscard]] std::string summary_for_people(const std::string& json, const std::filesystem::path& dir);
+/// What became of [task], as `task` of summary.json.
+[[nodiscard]] std::string task_json(const Scene& scene, const ScoreNumbers& score);
+
+/// Five lines from the JSON of a run in `dir` and its warnings; the last line is the answer: where the tip is, or what became of the task.
+/// @param verbose  more lines: model, numerics, what the bands come from
+[[nodiscard]] std::string summary_for_people(const std::string& json, const std::filesystem::path& dir, bool verbose = false);
 
 }  // namespace seldinger

@@ -3,6 +3,8 @@
 
 #include "core/error.h"
 #include "engine.h"
+#include "io/centreline_file.h"
+#include "io/file_remarks.h"
 #include "io/mesh_file.h"
 #include "scene/vessel_cache.h"
 #include "vessel/aortic_arch.h"
@@ -38,18 +40,38 @@ std::string describe_rounding(double rounding)
         1e6 * rounding);
 }
 
+std::string describe_remarks(const FileRemarks& remarks, const std::string& units)
+{
+    std::string text;
+    if (remarks.axes != PatientAxes::Unsaid)
+        text = remarks.axes == PatientAxes::Ras ? "The file says SPACE=RAS: x to the patient's right, y to the front, z to the head."
+                                                : "The file says SPACE=LPS: x to the patient's left, y to the back, z to the head.";
+    if (!remarks.units.empty() && remarks.units != units)
+        text += fmt::format("{}The file says that its unit is {}; it was read in {}.", text.empty() ? "" : " ", remarks.units, units);
+    return text;
+}
+
+Centreline found_centreline(const LoadedVessel& vessel)
+{
+    try {
+        return extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops));
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("{}. Fix: remesh it evenly, or give an axis of your own with vessel.centreline", error.what()));
+    }
+}
+
 LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
 {
     LoadedVessel vessel;
     double rounding = 0;
     vessel.mesh = parse_mesh(bytes, spec.mesh, spec.units, nullptr, &rounding);
+    const std::string remarks = describe_remarks(remarks_in(bytes, spec.mesh), spec.units);
     bytes = {};  // as much memory as the mesh
     try {
         vessel.report = repair(vessel.mesh);
+        if (!remarks.empty()) vessel.report.notes.push_back(remarks);
         if (rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(rounding));
-        if (spec.centreline.empty())
-            vessel.centreline =
-                extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops));
+        if (spec.centreline.empty()) vessel.centreline = found_centreline(vessel);
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
     }
@@ -70,7 +92,7 @@ LoadedVessel from_file(const VesselSpec& spec)
         keep_prepared(key, *vessel);
     }
     // a file's centreline is in the mesh's unit: the two come from one pipeline
-    if (!spec.centreline.empty()) vessel->centreline = read_centreline_vtp(spec.centreline, spec.units);
+    if (!spec.centreline.empty()) vessel->centreline = read_centreline(spec.centreline, spec.units);
     return std::move(*vessel);
 }
 

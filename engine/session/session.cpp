@@ -61,7 +61,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
       dt_(1 / options.rate),
       world_(std::make_unique<World>(std::move(setup))),
       hand_(hand),
-      score_(scene, *world_),
+      watch_(scene_, *world_, ScoreWatch::Patch::Always),
       pacer_(dt_)
 {
     for (const int w : live_instruments(world_->setup())) instruments_.emplace_back(w, world_->setup().wires[static_cast<std::size_t>(w)], options);
@@ -80,7 +80,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
                                     scene.source.string()));
     }
     initial_ = world_->save_state();
-    score_.begin(*world_);
+    watch_.begin(*world_, 0, score_);
     for (const Instrument& it : instruments_) control_.move_to(it.wire, it.start, it.start_turn);
     hubs_.resize(2 * static_cast<std::size_t>(world_->wire_count()));
     entry_.reserve(16 + hubs_.size() * sizeof(double));
@@ -228,7 +228,7 @@ void Session::step_once()
     stopped_ = !failure_.empty();
     if (stopped_) return;  // the world is where it was before
     for (Instrument& it : instruments_) take_readings(it);
-    score_.stepped(*world_, dt_, fluoroscopy_, contrast_);
+    watch_.stepped(*world_, 0, dt_, fluoroscopy_, contrast_, score_);
 }
 
 void Session::take_readings(Instrument& it)
@@ -272,7 +272,7 @@ void Session::reset()
         it.turn.place(0);
         it.load = it.turn_load = {};
     }
-    score_.begin(*world_);
+    watch_.begin(*world_, 0, score_);
 }
 
 void Session::fill(StepNumbers& n) const
@@ -290,7 +290,7 @@ void Session::fill(StepNumbers& n) const
     n.resets = resets_;
     n.request = hand_ ? hand_->input.front().number : 0;
     n.instruments = instruments();
-    n.score = scorer().now();
+    n.score = score_;
     for (std::size_t k = 0; k < instruments_.size(); ++k) {
         const Instrument& it = instruments_[k];
         const WireReadings r = world_->readings(it.wire);

@@ -9,7 +9,7 @@
 #include "session/hand_channel.h"
 #include "session/pacer.h"
 #include "session/page_wish.h"
-#include "session/score_watch.h"
+#include "session/score.h"
 #include "session/session_record.h"
 #include "session/snapshot.h"
 #include "session/time_histogram.h"
@@ -48,8 +48,10 @@ public:
 
     /// Seconds since the session was made; in lockstep, of session time.
     [[nodiscard]] double clock() const;
+    [[nodiscard]] const Scene& scene() const { return scene_; }
     [[nodiscard]] const World& world() const { return *world_; }  // after finish()
-    [[nodiscard]] const Scorer& scorer() const { return score_.scorer(); }
+    [[nodiscard]] const ScoreNumbers& score() const { return score_; }
+    [[nodiscard]] const TaskTarget& target() const { return watch_.target(); }
     [[nodiscard]] double step_length() const { return dt_; }  // [s]
     [[nodiscard]] int instruments() const { return static_cast<int>(instruments_.size()); }
     /// Summary and score sheet as JSON; after finish().
@@ -97,7 +99,8 @@ private:
     double dt_;
     std::unique_ptr<World> world_;
     HandChannel* hand_;
-    ScoreWatch score_;
+    ScoreWatch watch_;
+    ScoreNumbers score_;
     std::vector<Instrument> instruments_;
     std::vector<std::uint8_t> initial_;  // state
     Control control_;

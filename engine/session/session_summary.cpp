@@ -1,4 +1,4 @@
-// Files of a session beside its record: summary and score sheet.
+// What is left of a session on disk beside its record: summary and score sheet.
 #include "session/session.h"
 
 #include "io/json_text.h"
@@ -29,7 +29,7 @@ nlohmann::json score_object(const Scene& scene, const ScoreNumbers& s)
     if (task.fluoroscopy > 0) limits["fluoroscopy_s"] = task.fluoroscopy;
     return {{"task", task.text},
             {"verdict", verdict_of(task, s)},
-            {"reached", s.reached},
+            {"reached", s.reached != 0},
             {"limits", limits},
             {"time_s", s.time},
             {"path_length_m", s.path_length},
@@ -70,15 +70,24 @@ std::string limit(double value, const char* form)
 
 }  // namespace
 
+std::vector<int> live_instruments(const WorldSetup& setup)
+{
+    const int of_first = setup.systems.empty() ? 1 : setup.systems.front();
+    std::vector<int> fed;
+    for (int w = 0; w < of_first && static_cast<int>(fed.size()) < most_instruments; ++w)
+        if (setup.wires[static_cast<std::size_t>(w)].feed.on) fed.push_back(w);
+    return fed;
+}
+
 std::string score_json(const Scene& scene, const ScoreNumbers& score) { return json_text(score_object(scene, score), 2) + "\n"; }
 
 std::string score_page(const Scene& scene, const ScoreNumbers& s)
 {
     const TaskSpec& task = scene.task;
     std::string rows = row("Time", fmt::format("{:.1f} s", s.time), limit(task.time, "{:.0f} s"));
-    rows += row("Path of the tip", fmt::format("{:.1f} cm", 100 * s.path_length));
-    rows += row("Pushed", fmt::format("{:.1f} cm in {} strokes", 100 * s.advanced, s.pushes));
-    rows += row("Pulled back", fmt::format("{:.1f} cm in {} strokes", 100 * s.pulled_back, s.pull_backs));
+    rows += row("Way of the tip", fmt::format("{:.1f} cm", 100 * s.path_length));
+    rows += row("Pushed", fmt::format("{:.1f} cm in {} goes", 100 * s.advanced, s.pushes));
+    rows += row("Pulled back", fmt::format("{:.1f} cm in {} goes", 100 * s.pulled_back, s.pull_backs));
     rows += row("Wall force, mean", fmt::format("{:.2f} N", s.wall_force_mean));
     rows += row("Wall force, peak", fmt::format("{:.2f} N", s.wall_force_max), limit(task.wall_force, "{:.2f} N"));
     rows += row("Force on one patch, peak", fmt::format("{:.2f} N on {:.3g} mm", s.patch_force_max, 1e3 * scene.force_patch),
@@ -129,7 +138,7 @@ std::string Session::summary() const
                                     {"resets", resets_},
                                     {"record", options_.record.string()},
                                     {"failure", failure_},
-                                    {"score", score_object(scene_, scorer().now())},
+                                    {"score", score_object(scene_, score_)},
                                     {"state_hash", world_->state_hash()}}, 2) + "\n";
 }
 

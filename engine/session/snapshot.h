@@ -1,6 +1,7 @@
 #pragma once
 // What a session shows of its newest step to the threads beside it: copies of fixed size or of kept capacity, nothing to wait for.
 
+#include "scene/score_numbers.h"
 #include "session/session_limits.h"
 
 #include <array>
@@ -19,21 +20,6 @@ struct InstrumentNumbers {
     double coupling_energy = 0;          // of the observer, both degrees of freedom [J]
     double wall_force = 0;               // sum of normal contact forces [N]
     std::uint32_t contacts = 0;
-};
-
-/// How the task goes.
-struct ScoreNumbers {
-    double time = 0;              // until the target was reached, or so far [s]
-    double path_length = 0;       // of the tip of the instrument that counts [m]
-    double advanced = 0, pulled_back = 0;  // of its hub [m]
-    double wall_force = 0, wall_force_mean = 0, wall_force_max = 0;  // [N]
-    double patch_force = 0, patch_force_max = 0;  // on the worst patch of the wall (contact/force_per_length.h) [N]
-    double time_above = 0;        // with more wall force, on all or on a patch, than allowed [s]
-    double fluoroscopy = 0;       // [s]
-    double contrast = 0;          // [ml]
-    double distance = -1;         // of the tip from the target [m]; -1: no target
-    std::uint32_t pushes = 0, pull_backs = 0;  // changes of the hand's mind
-    bool reached = false, failed = false;      // failed: a limit was exceeded before
 };
 
 struct StepNumbers {

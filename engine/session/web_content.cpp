@@ -5,7 +5,6 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "io/json_text.h"
-#include "session/score_watch.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -27,7 +26,7 @@ void put(std::string& into, const T* data, std::size_t count)
 
 nlohmann::json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-std::string scene_json(const Scene& scene, const WorldSetup& setup, const Scorer& scorer, double rate)
+std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, double rate)
 {
     nlohmann::json instruments = nlohmann::json::array();
     for (const int k : live_instruments(setup)) {
@@ -45,7 +44,7 @@ std::string scene_json(const Scene& scene, const WorldSetup& setup, const Scorer
     json["head"] = list(arch ? setup.vessel.axis : Vec3(Vec3::UnitZ()));
     json["front"] = list(arch ? setup.vessel.normal : Vec3(-Vec3::UnitY()));
     if (task.target != TaskSpec::Target::None)
-        json["target"] = {{"point", list(scorer.target().mark())}, {"radius", scorer.target().mark_radius()}};
+        json["target"] = {{"point", list(target.mark())}, {"radius", target.mark_radius()}};
     return json_text(json);
 }
 
@@ -60,7 +59,7 @@ nlohmann::json score_object(const ScoreNumbers& s)
     return {{"time", s.time},           {"path", s.path_length}, {"advanced", s.advanced},       {"back", s.pulled_back},
             {"pushes", s.pushes},       {"backs", s.pull_backs}, {"wall", s.wall_force},         {"wall_mean", s.wall_force_mean},
             {"wall_max", s.wall_force_max}, {"patch", s.patch_force}, {"patch_max", s.patch_force_max}, {"above", s.time_above}, {"fluoroscopy", s.fluoroscopy}, {"contrast", s.contrast},
-            {"distance", s.distance},   {"reached", s.reached},  {"failed", s.failed}};
+            {"distance", s.distance},   {"reached", s.reached != 0}, {"failed", s.failed != 0}};
 }
 
 }  // namespace
@@ -88,7 +87,7 @@ std::string mesh_bytes(const WallMesh& mesh)
     return bytes;
 }
 
-std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const Scorer& scorer, double rate)
+std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, double rate)
 {
     const fs::path folder = assets_folder() / "web";
     std::map<std::string, WebFile, std::less<>> files;
@@ -97,7 +96,7 @@ std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const 
         files[std::string("/") + name] = {"text/javascript; charset=utf-8", read_file(folder / name)};
     files["/live.css"] = {"text/css; charset=utf-8", read_file(folder / "live.css")};
     files["/three.js"] = {"text/javascript; charset=utf-8", three_js()};
-    files["/scene.json"] = {"application/json", scene_json(scene, setup, scorer, rate)};
+    files["/scene.json"] = {"application/json", scene_json(scene, setup, target, rate)};
     files["/mesh.bin"] = {"application/octet-stream", mesh_bytes(setup.mesh)};
     return files;
 }

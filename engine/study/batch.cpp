@@ -35,13 +35,19 @@ std::string shared_part(Scene scene, const Scene& first)
     return write_scene(scene, scene.source.parent_path());
 }
 
-Scene BatchSource::scene(std::size_t run) const
+Scene BatchSource::scene(std::size_t item) const
 {
+    const std::size_t run = item % sweep.run_count();
     std::vector<std::string> all = overrides;
     const std::vector<std::string> own = sweep.overrides(run);
     all.insert(all.end(), own.begin(), own.end());
     try {
-        return read_scene_text(scene_text, scene_file, all);
+        Scene scene = read_scene_text(scene_text, scene_file, all);
+        if (item >= sweep.run_count()) {
+            scene.dt /= 2;
+            scene.record_every *= 2;  // the same rows
+        }
+        return scene;
     } catch (const Error& error) {
         std::string message = error.what();
         for (std::size_t a = 0; a < own.size(); ++a) {
@@ -66,7 +72,22 @@ std::vector<std::string> names_of(const Scene& scene)
 
 }  // namespace
 
-std::vector<std::string> BatchSource::instruments() const { return names_of(scene(0)); }
+BatchLayout BatchSource::layout() const
+{
+    const Scene first = scene(0);
+    BatchLayout layout{names_of(first), first.task.on && first.task.target != TaskSpec::Target::None, bands, sweep.run_count(), {}, 0, false};
+    if (layout.task) layout.target = target_name(first.task);
+    layout.patch = first.force_patch;
+    layout.limits = first.task.wall_force > 0 || first.task.patch_force > 0 || first.task.time > 0;
+    return layout;
+}
+
+BatchSource make_source(std::string scene_text, const std::filesystem::path& scene_file, std::vector<std::string> overrides,
+                        const std::string& sweep_text, const std::filesystem::path& sweep_file)
+{
+    const Scene base = read_scene_text(scene_text, scene_file, overrides);
+    return {std::move(scene_text), scene_file, std::move(overrides), read_sweep_text(sweep_text, sweep_file, base.seed), base.bands};
+}
 
 std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp)
 {
@@ -75,7 +96,7 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
     std::vector<std::vector<std::size_t>> worlds;
     std::unordered_map<std::string, std::size_t> open;   // the world that runs of this kind go to now
     std::unordered_map<std::string, std::size_t> rooms;  // how many it takes
-    for (std::size_t run = begin; run < std::min(end, source.sweep.run_count()); ++run) {
+    for (std::size_t run = begin; run < std::min(end, source.item_count()); ++run) {
         Scene scene = source.scene(run);
         if (names_of(scene) != names)
             throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
@@ -107,13 +128,15 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
     scene_ = scenes.front();
     key_frames_ = KeyFrames(scenes);
     world_ = std::make_unique<World>(make_setup(scenes, std::move(vessel), device));
+    branches_ = Branches(world_->setup().centreline);
+    if (scene_.task.on) score_.emplace(scene_, *world_, ScoreWatch::Patch::WhereItCounts);
 }
 
 void BatchWorld::finish(int system, RunStatus status, std::vector<BatchRow>& rows)
 {
     Run& run = runs_[static_cast<std::size_t>(system)];
     if (status == RunStatus::Done) take_loads(system);
-    rows.push_back(make_row(run.index, status, *world_, system, run.tally));
+    rows.push_back(make_row(run.index, status, *world_, system, run.tally, branches_));
     run.finished = true;
     world_->retire(system);
     --left_;
@@ -143,7 +166,19 @@ void BatchWorld::take_greatest_loads(int system)
     on_wall.take_in(joint_along(greatest_, &WireOutput::on_wall), world_->time(first));
 }
 
+void BatchWorld::follow_task(int system)
+{
+    if (score_) score_->stepped(*world_, system, scene_.step_length(world_->step_count() - 1), false, false, runs_[static_cast<std::size_t>(system)].tally.score);
+}
+
 void BatchWorld::settle_all(std::vector<BatchRow>& rows)
+{
+    settle_where_asked(rows);
+    for (int k = 0; score_ && k < world_->system_count(); ++k)
+        score_->begin(*world_, k, runs_[static_cast<std::size_t>(k)].tally.score);
+}
+
+void BatchWorld::settle_where_asked(std::vector<BatchRow>& rows)
 {
     settled_ = true;
     if (!scene_.start_settled && scene_.integrator.scheme != Scheme::Static) return;
@@ -185,7 +220,8 @@ std::vector<BatchRow> BatchWorld::step()
         run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
         if (run.tally.steps % scene_.record_every == 0) take_loads(k);
         else take_greatest_loads(k);
-        bool done = run.tally.steps >= scene_.steps();
+        follow_task(k);
+        bool done = run.tally.steps >= scene_.steps() || (scene_.until == Until::Reached && run.tally.score.reached);
         if (scene_.until == Until::Rest) {
             run.tally.rest_steps = at_rest(k) ? run.tally.rest_steps + 1 : 0;
             done = done || (run.tally.rest_steps >= steps_at_rest && world_->time(world_->wires_of(k).first) >= run.moving_until);

@@ -23,12 +23,19 @@ struct BatchSource {
     std::filesystem::path scene_file;
     std::vector<std::string> overrides;  // of --set, before the sweep's
     Sweep sweep;
+    bool bands = false;  // each run a second time with half the step: items run_count() to 2 run_count()
 
-    /// The scene of one run. @throws Error that names the sweep's line and the run
-    [[nodiscard]] Scene scene(std::size_t run) const;
-    /// Names of the first run's instruments, empty with [wire]: plan_worlds() holds the others to them.
-    [[nodiscard]] std::vector<std::string> instruments() const;
+    /// Runs to compute. An item below sweep.run_count() is that run of the sweep.
+    [[nodiscard]] std::size_t item_count() const { return (bands ? 2 : 1) * sweep.run_count(); }
+    /// The scene of one item. @throws Error that names the sweep's line and the run
+    [[nodiscard]] Scene scene(std::size_t item) const;
+    /// What the table of the batch has: plan_worlds() holds all runs to the first one's instruments.
+    [[nodiscard]] BatchLayout layout() const;
 };
+
+/// @param sweep_file  names the sweep in messages  @throws Error
+[[nodiscard]] BatchSource make_source(std::string scene_text, const std::filesystem::path& scene_file, std::vector<std::string> overrides,
+                                      const std::string& sweep_text, const std::filesystem::path& sweep_file);
 
 /// What two scenes must agree in to be systems of one world, as text: everything but the wire, how it is held and fed, and the numbers
 /// of contact that are kept per sample or edge. `first` stands in for what may differ.
@@ -71,13 +78,18 @@ private:
     void finish(int system, RunStatus status, std::vector<BatchRow>& rows);
     [[nodiscard]] bool at_rest(int system) const;
     void settle_all(std::vector<BatchRow>& rows);
+    void settle_where_asked(std::vector<BatchRow>& rows);
     void take_loads(int system);
     void take_greatest_loads(int system);
+
+    void follow_task(int system);
 
     Scene scene_;            // of the first run: what they share
     std::vector<Run> runs_;  // in the order of the world's systems
     KeyFrames key_frames_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
+    Branches branches_;
+    std::optional<ScoreWatch> score_;  // of [task]
     std::size_t left_ = 0;  // runs not finished
     bool settled_ = false;
     StageTimes stages_;

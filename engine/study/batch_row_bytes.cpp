@@ -11,7 +11,7 @@ namespace {
 
 /// What a row of no instruments takes in a file.
 constexpr std::size_t least_row =
-    sizeof BatchRow::run + sizeof BatchRow::status + sizeof BatchRow::numbers + sizeof BatchRow::state_hash + sizeof(std::uint64_t);
+    sizeof BatchRow::run + sizeof BatchRow::status + sizeof BatchRow::numbers + sizeof BatchRow::state_hash + 2 * sizeof(std::uint64_t);
 
 bool is_hex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
 
@@ -44,6 +44,9 @@ void put_rows(std::vector<std::uint8_t>& bytes, std::span<const BatchRow> rows)
         put_bytes(bytes, row.state_hash.data(), row.state_hash.size());
         put_bytes(bytes, &instruments, 1);
         put_bytes(bytes, row.instruments.data(), row.instruments.size());
+        const std::uint64_t coordinates = row.shape.size();
+        put_bytes(bytes, &coordinates, 1);
+        put_bytes(bytes, row.shape.data(), row.shape.size());
     }
 }
 
@@ -64,6 +67,8 @@ std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end
         take_bytes(at, end, row.state_hash.data(), row.state_hash.size());
         row.instruments.resize(take_count(sizeof(BatchRow::OfInstrument)));
         take_bytes(at, end, row.instruments.data(), row.instruments.size());
+        row.shape.resize(take_count(sizeof(float)));
+        take_bytes(at, end, row.shape.data(), row.shape.size());
     }
     return rows;
 }
@@ -74,7 +79,8 @@ bool are_sound(std::span<const BatchRow> rows, std::size_t begin, std::size_t en
     for (const BatchRow& row : rows) {
         const auto run = static_cast<std::size_t>(row.run);  // a negative one is beyond every end
         if (run < begin || run >= end || seen[run - begin]) return false;
-        if (row.instruments.size() != instruments) return false;
+        if (row.instruments.size() != instruments || row.shape.size() != 3 * BatchRow::stations * instruments) return false;
+        if (!std::all_of(row.shape.begin(), row.shape.end(), [](float x) { return std::isfinite(x); })) return false;
         if (row.status != RunStatus::Done && row.status != RunStatus::Stopped) return false;
         if (!has_sound_counts(row) || !std::all_of(row.state_hash.begin(), row.state_hash.end(), is_hex)) return false;
         seen[run - begin] = true;

@@ -2,6 +2,7 @@
 #include "vessel/extract_centreline.h"
 
 #include "vessel/medial_graph.h"
+#include "vessel/mesh_components.h"
 #include "vessel/reroot.h"
 #include "vessel/work_budget.h"
 
@@ -108,10 +109,18 @@ private:
         }
         return best;
     }
-    /// Any end will do until the tree is known (see reroot_at_widest_end).
+    /// Any end of the largest part will do until the tree is known (see reroot_at_widest_end).
     [[nodiscard]] int an_end_of_closed() const
     {
-        return farthest(cheapest_paths(graph_, 0));  // ball 0 is the widest
+        int widest = 0;  // ball 0 is the widest of all
+        const std::vector<bool> main = vertices_of_largest(mesh_, label_components(mesh_, find_edges(mesh_)));
+        if (!main.empty()) widest = static_cast<int>(graph_.ball_count());
+        for (std::size_t v = 0; v < main.size(); ++v) {
+            if (!main[v] || graph_.sample_of_vertex[v] < 0) continue;
+            const int ball = graph_.ball_of_sample[static_cast<std::size_t>(graph_.sample_of_vertex[v])];
+            if (graph_.is_lumen[static_cast<std::size_t>(ball)]) widest = std::min(widest, ball);
+        }
+        return farthest(cheapest_paths(graph_, widest < static_cast<int>(graph_.ball_count()) ? widest : 0));
     }
 
     /// Index of a tree point whose core holds p, or -1.

@@ -20,19 +20,46 @@ namespace {
 constexpr const char* kFindingBalls = "finding the spheres that fill its lumen";
 
 struct Ball {
-    Vec3 centre;
-    double radius;
+    Vec3 centre = Vec3::Zero();
+    double radius = 0;
 };
 
 /// The triangle that the ball met in each round of shrinking; -1: none yet.
 using Met = std::array<std::int64_t, 40>;
 
+/// Places whose distance to the wall took long to find, because much of the wall is equally far from them: the middle of a sphere.
+/// Samples of such a wall ask for the same place again and again, and each would look at all of it. What is known of one place
+/// bounds the distance of those beside it.
+class TiedPlaces {
+public:
+    static constexpr std::uint64_t kMany = 3000;  // nodes and triangles; a patient's wall takes dozens to hundreds
+
+    void remember(const Vec3& place, double distance)
+    {
+        places_[next_] = {place, distance};
+        next_ = (next_ + 1) % places_.size();
+    }
+    /// A radius within which nothing of the wall is, where that is nearly all that is asked for; else 0.
+    [[nodiscard]] double nearly(const Vec3& place, double radius) const
+    {
+        constexpr double share = 0.97;  // such a ball is as good: those beside it are taken for one (keep_significant)
+        for (const Ball& known : places_)
+            if (const double bound = known.radius - (known.centre - place).norm(); bound >= share * radius) return std::min(bound, radius);
+        return 0;
+    }
+
+private:
+    std::array<Ball, 8> places_{};
+    std::size_t next_ = 0;
+};
+
 /// Largest ball inside the lumen that touches the wall at `at` with centre along `normal`. Starts with half the chord
 /// (no larger ball can avoid the wall at its far end) and shrinks onto the nearest wall until none is nearer.
 /// A wall without a direction there (its triangles face each other) has no such ball.
-/// @param met  in and out: the triangle that each round of a neighbour's ball met, where to look first
+/// @param met   in and out: the triangle that each round of a neighbour's ball met, where to look first
+/// @param tied  in and out: of its neighbours
 Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, double skip, double limit, Met& met,
-                 std::uint64_t& visits)
+                 TiedPlaces& tied, std::uint64_t& visits)
 {
     if (!(normal.squaredNorm() > 0)) return {at, 0.0};
     // two contacts closer than this seen from the centre are one contact on a rough wall, not two sides of a lumen
@@ -40,7 +67,10 @@ Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, doubl
     double radius = std::min(0.5 * first_hit(tree, at, normal, skip, &visits), limit);
     for (std::int64_t& last : met) {
         const Vec3 centre = at + radius * normal;
+        if (const double free = tied.nearly(centre, radius); free > 0) return {centre, free};
+        const std::uint64_t before = visits;
         const TreeHit hit = nearest_on_wall(tree, centre, radius, &visits, last);
+        if (visits - before > TiedPlaces::kMany) tied.remember(centre, std::sqrt(std::min(hit.distance2, radius * radius)));
         if (hit.triangle >= 0) last = hit.triangle;
         if (hit.triangle < 0 || hit.distance2 >= radius * radius * (1 - 2e-3))
             return {centre, std::sqrt(std::min(hit.distance2, radius * radius))};
@@ -240,13 +270,14 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     for_each_piece(static_cast<int>(seeds.size()), 256, [&](int begin, int end) {
         Met met;
         met.fill(-1);
+        TiedPlaces tied;  // of this piece alone, so that no thread changes another's answer
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             if (static_cast<double>(visits) > most_visits) return;
             const auto v = static_cast<std::size_t>(seeds[i]);
             const Vec3 &at = mesh.vertices[v], &normal = lumen.vertex_normal(v);
             graph.wall[i] = at;
             std::uint64_t here = openings.size();
-            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), met, here);
+            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), met, tied, here);
             if (!box.contains(balls[i].centre)) balls[i] = {at, 0.0};  // of a wall that faces out of everything
             balls[i].radius = std::max(balls[i].radius, 1e-9 * limit);
             visits += here;

@@ -3,6 +3,8 @@
 
 #include "vessel/triangle_geometry.h"
 
+#include <algorithm>
+
 namespace seldinger {
 
 std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges& edges)
@@ -35,6 +37,23 @@ std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges
         ++count;
     }
     return label;
+}
+
+std::vector<bool> vertices_of_largest(const WallMesh& mesh, const std::vector<std::int32_t>& label)
+{
+    std::vector<double> area;
+    for (std::size_t t = 0; t < label.size(); ++t) {
+        const auto c = static_cast<std::size_t>(label[t]);
+        if (c >= area.size()) area.resize(c + 1, 0.0);
+        area[c] += 0.5 * double_area(triangle_of(mesh, t)).norm();
+    }
+    if (area.size() < 2) return {};
+    const auto largest = static_cast<std::int32_t>(std::max_element(area.begin(), area.end()) - area.begin());
+    std::vector<bool> in_it(mesh.vertices.size(), false);
+    for (std::size_t t = 0; t < label.size(); ++t)
+        for (const std::int32_t v : mesh.triangles[t])
+            if (label[t] == largest) in_it[static_cast<std::size_t>(v)] = true;
+    return in_it;
 }
 
 std::vector<MeshComponent> measure_components(const WallMesh& mesh, const MeshEdges& edges,

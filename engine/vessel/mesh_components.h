@@ -15,6 +15,9 @@ struct MeshComponent {
 /// Component of each triangle [T], numbered in the order of their first triangles.
 [[nodiscard]] std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges& edges);
 
+/// Which vertices belong to the component of the largest area [V]; empty for a single component.
+[[nodiscard]] std::vector<bool> vertices_of_largest(const WallMesh& mesh, const std::vector<std::int32_t>& label);
+
 /// Volumes need consistent orientation within each component. Each loop is capped by a fan about its centre.
 [[nodiscard]] std::vector<MeshComponent> measure_components(const WallMesh& mesh, const MeshEdges& edges,
                                                             const std::vector<std::int32_t>& label);

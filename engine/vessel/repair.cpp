@@ -38,9 +38,12 @@ void count(const WallMesh& mesh, RepairReport& report)
         report.slivers += triangle_quality(triangle_of(mesh, t)) < repair_steps::kSliverQuality;
     report.loops.clear();
     for (const auto& chain : boundary_chains(mesh, edges)) report.loops.push_back(describe_loop(mesh, chain));
-    // widest first: the way in is usually there
-    std::stable_sort(report.loops.begin(), report.loops.end(),
-                     [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.radius > b.radius; });
+    const std::vector<bool> main = vertices_of_largest(mesh, label);
+    const auto rank = [&](const BoundaryLoop& loop) { return main.empty() || main[static_cast<std::size_t>(loop.vertices[0])]; };
+    // the largest part first, which is the vessel and not a crumb; then the widest: the way in is usually there
+    std::stable_sort(report.loops.begin(), report.loops.end(), [&](const BoundaryLoop& a, const BoundaryLoop& b) {
+        return rank(a) != rank(b) ? rank(a) : a.radius > b.radius;
+    });
 }
 
 void write_notes(RepairReport& report)

@@ -113,9 +113,13 @@ double compactness(const MeshComponent& part)
 
 void note_components(const std::vector<MeshComponent>& parts, long nested, RepairReport& report)
 {
-    if (parts.size() > 1)
-        report.notes.push_back(
-            fmt::format("The surface falls into {} separate parts; each was turned on its own.", parts.size()));
+    if (parts.size() > 1) {
+        double all = 0, largest = 0;
+        for (const MeshComponent& part : parts) all += part.area, largest = std::max(largest, part.area);
+        report.notes.push_back(fmt::format("The surface falls into {} separate parts; each was turned on its own. The largest has {:.3g} % of the "
+                                           "surface; a wire stays in the part that it enters.",
+                                           parts.size(), all > 0 ? 100 * largest / all : 0));
+    }
     if (nested > 0)
         report.notes.push_back(fmt::format("{} part{} inside another and count{} as an obstacle in its lumen.", nested,
                                            nested == 1 ? " lies" : "s lie", nested == 1 ? "s" : ""));
@@ -125,7 +129,7 @@ void note_components(const std::vector<MeshComponent>& parts, long nested, Repai
 
 void orient(WallMesh& mesh, RepairReport& report)
 {
-    const std::vector<std::array<std::int32_t, 3>> as_read = mesh.triangles;
+    std::vector<std::array<std::int32_t, 3>> as_read = mesh.triangles;
     MeshEdges edges = find_edges(mesh);
     {
         const std::vector<std::int8_t> flip = OrientationSpread(mesh, edges).run();
@@ -133,6 +137,8 @@ void orient(WallMesh& mesh, RepairReport& report)
             if (flip[t] == 1) turn(mesh, t);
         if (std::find(flip.begin(), flip.end(), 1) != flip.end()) edges = find_edges(mesh);
     }
+    const bool shell = take_inner_shell(mesh, edges, as_read, report);
+    if (shell) edges = find_edges(mesh);
     const std::vector<MeshComponent> parts = measure_components(mesh, edges, label_components(mesh, edges));
 
     // a noisy patch reaches 1e-5; nothing a wire could enter stays below 1e-3
@@ -160,6 +166,7 @@ void orient(WallMesh& mesh, RepairReport& report)
     report.inverted = 2 * turned > count;
     report.flipped = report.inverted ? count - turned : turned;
     note_components(parts, nested, report);
+    if (shell) drop_unused_vertices(mesh);
 }
 
 }  // namespace seldinger::repair_steps

@@ -1,6 +1,7 @@
 #pragma once
 // The steps of repair(), one function each; see repair.h for their order and reasons.
 
+#include "vessel/mesh_edges.h"
 #include "vessel/wall_mesh.h"
 
 namespace seldinger::repair_steps {
@@ -19,6 +20,12 @@ void drop_unused_vertices(WallMesh& mesh);
 
 // repair_orient.cpp
 void orient(WallMesh& mesh, RepairReport& report);
+
+// repair_shells.cpp
+/// Where a vessel's wall is modelled with its thickness, as 3D printers and tissue models need it, leaves the inner shell only.
+/// Shells run along each other, one inside the other, with areas of at most 1.8 to 1; rims that join them are cut off at edges of more
+/// than 60 degrees. Needs consistent orientation. @param as_read  triangles that stay beside the mesh's  @return whether any went
+bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read, RepairReport& report);
 
 // repair_holes.cpp
 void close_holes(WallMesh& mesh, RepairReport& report);

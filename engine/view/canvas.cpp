@@ -1,6 +1,7 @@
 // Blends anti-aliased lines, boxes, rings and FreeType glyphs into rows of sRGB bytes.
 #include "view/canvas.h"
 
+#include "core/assets.h"
 #include "core/error.h"
 
 #include <ft2build.h>
@@ -35,6 +36,8 @@ std::string font_path()
                              "/usr/share/fonts/dejavu/DejaVuSans.ttf"}) {          // Alpine
         if (std::filesystem::exists(path)) return path;
     }
+    const std::filesystem::path packaged = assets_folder() / "fonts" / "DejaVuSans.ttf";  // the wheel brings it
+    if (std::filesystem::exists(packaged)) return packaged.string();
     throw Error(ExitCode::BadFile,
                 "no font for the legend: install DejaVu Sans (Debian: apt-get install fonts-dejavu-core) or set "
                 "SELDINGER_FONT to a .ttf file");

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/system_needs.h"
 
+#include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
@@ -71,8 +72,23 @@ Display usable(EGLDisplay display)
 /// a signal.
 SystemNeeds needs_of_opengl() { return {"OpenGL", std::size_t{700} << 20, std::min(library_threads("LP_NUM_THREADS"), 32) + 5}; }
 
+constexpr const char* how_to_install =
+    "; install Mesa's software renderer, on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri";
+
+/// epoxy opens the libraries by itself when they are first used, and ends the process if one is missing.
+void require_libraries()
+{
+    const auto present = [](const char* name) { return ::dlopen(name, RTLD_LAZY | RTLD_LOCAL) != nullptr; };
+    const char* missing = !present("libEGL.so.1")                                ? "libEGL.so.1"
+                          : !present("libOpenGL.so.0") && !present("libGL.so.1") ? "libOpenGL.so.0"
+                                                                                 : nullptr;
+    if (missing)
+        throw Error(ExitCode::NoDevice, std::string("no off-screen OpenGL: ") + missing + " is not installed" + how_to_install);
+}
+
 Display open_display()
 {
+    require_libraries();
     try_system_needs(needs_of_opengl());
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);  // what a driver that is not there says in many lines is said below in one
     std::string tried;
@@ -80,9 +96,8 @@ Display open_display()
         const Display d = usable(candidate);
         if (d.display != EGL_NO_DISPLAY) return d;
     }
-    throw Error(ExitCode::NoDevice,
-                "no off-screen OpenGL 4.5 through EGL (tried: " + (tried.empty() ? std::string("nothing is offered") : tried) +
-                    "); install Mesa's software renderer, on Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri");
+    throw Error(ExitCode::NoDevice, "no off-screen OpenGL 4.5 through EGL (tried: " +
+                                        (tried.empty() ? std::string("nothing is offered") : tried) + ")" + how_to_install);
 }
 
 /// Opened once; a failure is tried again next time. Never terminated: other contexts and libraries may share it.

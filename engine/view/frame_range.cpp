@@ -2,6 +2,7 @@
 #include "view/frame_range.h"
 
 #include "core/error.h"
+#include "core/file_io.h"
 
 #include <fmt/format.h>
 
@@ -21,6 +22,7 @@ FrameRange frames_asked(const FrameChoice& choice, std::size_t count)
 std::filesystem::path picture_path(const std::filesystem::path& dir, const FrameChoice& choice, const char* alone,
                                    const char* series, std::size_t index)
 {
+    if (choice.labels_in.empty() && choice.output.has_parent_path()) make_folder(choice.output.parent_path());
     const bool single = !choice.numbered && (choice.first < 0 || (choice.first == choice.last && !choice.output.empty()));
     if (!single) {
         const std::filesystem::path stem =

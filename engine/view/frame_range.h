@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace seldinger {
 
@@ -25,6 +27,12 @@ struct FrameChoice {
     std::filesystem::path preview;  // a sheet of some pictures with their labels drawn in, in place of all else; empty: none
 };
 
+/// What was written, and what whoever reads it should know.
+struct PictureFiles {
+    std::vector<std::filesystem::path> paths;
+    std::vector<std::string> warnings;
+};
+
 struct FrameRange {
     std::size_t first = 0, last = 0;  // both included
     [[nodiscard]] std::size_t count() const { return last - first + 1; }
@@ -33,7 +41,7 @@ struct FrameRange {
 /// @throws Error BadScene: frames that the run does not have
 [[nodiscard]] FrameRange frames_asked(const FrameChoice& choice, std::size_t count);
 
-/// @param alone,series  default names in the run's folder, without ending: "picture", "frame"
+/// The folder of choice.output is made. @param alone,series  default names in the run's folder, without ending: "picture", "frame"
 /// @throws Error BadFile: a folder has that name
 [[nodiscard]] std::filesystem::path picture_path(const std::filesystem::path& dir, const FrameChoice& choice, const char* alone,
                                                  const char* series, std::size_t index);

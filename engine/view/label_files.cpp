@@ -110,10 +110,11 @@ std::string label_json(const PictureTruth& truth, const std::string& picture)
     return json_text(out) + "\n";
 }
 
-bool labels_exist(const FrameChoice& choice, const fs::path& picture)
+bool labels_exist(const FrameChoice& choice, const fs::path& picture, bool depth)
 {
     return choice.labels.empty() ||
            (is_there(choice, name_of(picture, ".json")) && is_there(choice, name_of(picture, "_mask.png")) &&
+            (!depth || is_there(choice, name_of(picture, "_depth.npy"))) &&
             (!choice.label_vessel || is_there(choice, name_of(picture, "_lumen.png"))));
 }
 

@@ -13,7 +13,8 @@ namespace seldinger {
 [[nodiscard]] std::string label_json(const PictureTruth& truth, const std::string& picture);
 
 /// Whether all labels that are asked for are there. They are written before their picture, so a killed run misses the picture.
-[[nodiscard]] bool labels_exist(const FrameChoice& choice, const std::filesystem::path& picture);
+/// @param depth  whether depths are among them: of an ordinary view
+[[nodiscard]] bool labels_exist(const FrameChoice& choice, const std::filesystem::path& picture, bool depth);
 
 /// Into choice.labels, which is made. Each file appears when it is complete. @throws Error BadFile
 void write_labels(const FrameChoice& choice, const std::filesystem::path& picture, const PictureTruth& truth);

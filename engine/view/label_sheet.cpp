@@ -21,6 +21,15 @@ std::uint32_t colour_of(std::size_t instrument) { return colours[instrument % st
 
 }  // namespace
 
+LabelSheet::Pick LabelSheet::pick(std::size_t i, std::size_t count, std::size_t frames, std::size_t views)
+{
+    // first and last where there are enough; else blocks of the same one, within which the other goes on
+    const auto spread = [&](std::size_t all) {
+        return all >= count && count > 1 ? i * (all - 1) / (count - 1) : i * all / count;
+    };
+    return {spread(frames), views > count ? spread(views) : i % views};
+}
+
 LabelSheet::LabelSheet(std::size_t pictures, int width, int height) : width_(width), height_(height)
 {
     columns_ = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(std::max<std::size_t>(pictures, 1)))));

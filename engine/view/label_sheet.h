@@ -15,8 +15,11 @@ namespace seldinger {
 class LabelSheet {
 public:
     static constexpr std::size_t most_pictures = 16;
-    /// Which of `all` pictures is number i of `count` that are spread evenly over them.
-    [[nodiscard]] static std::size_t pick(std::size_t i, std::size_t count, std::size_t all) { return count > 1 ? i * (all - 1) / (count - 1) : 0; }
+    /// Which frame and which view picture i of `count` shows: spread evenly over both, none twice. count <= frames x views
+    struct Pick {
+        std::size_t frame, view;
+    };
+    [[nodiscard]] static Pick pick(std::size_t i, std::size_t count, std::size_t frames, std::size_t views);
 
     /// @param pictures  how many at most  @param width,height  of each [pixels]. @throws Error BadFile: no font
     LabelSheet(std::size_t pictures, int width, int height);

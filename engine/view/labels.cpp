@@ -117,6 +117,7 @@ void add_mask(PictureTruth& truth, const std::vector<std::vector<TubeStation>>& 
 
 void LabelWarnings::take_in(const PictureTruth& truth)
 {
+    x_ray_ = truth.arm.has_value();
     tallies_.resize(std::max(tallies_.size(), truth.instruments.size()));
     for (std::size_t k = 0; k < truth.instruments.size(); ++k) {
         const InstrumentTruth& of = truth.instruments[k];
@@ -136,13 +137,14 @@ std::vector<std::string> LabelWarnings::lines(bool masks) const
     std::vector<std::string> all;
     for (const Tally& t : tallies_) {
         if (t.cut > 0)
-            all.push_back(fmt::format("the field cuts off {}: in {} of {} pictures, up to {:.0f} % of its length; its tip is outside in {}. Fix: "
-                                      "a larger --field or another --c-arm",
-                                      t.name, t.cut, t.pictures, std::ceil(100 * t.most), t.tip_outside));
+            all.push_back(fmt::format(
+                "the field cuts off {}: in {} of {} pictures, up to {:.0f} % of its length; its tip is outside in {}. Fix: {}",
+                t.name, t.cut, t.pictures, std::ceil(100 * t.most), t.tip_outside,
+                x_ray_ ? "a larger --field or another --c-arm" : "another --view or --camera"));
         if (masks && t.narrowest < 1)
-            all.push_back(fmt::format("the mask of {} may have gaps: it is {:.2f} pixels wide where it is narrowest. Fix: a larger --size or a smaller "
-                                      "--field",
-                                      t.name, t.narrowest));
+            all.push_back(fmt::format(
+                "the mask of {} may have gaps: it is {:.2f} pixels wide where it is narrowest. Fix: a larger --size{}", t.name,
+                t.narrowest, x_ray_ ? " or a smaller --field" : ""));
     }
     return all;
 }

@@ -81,6 +81,7 @@ private:
         double most = 0, narrowest = 1e9;
     };
     std::vector<Tally> tallies_;
+    bool x_ray_ = false;
 };
 
 }  // namespace seldinger

@@ -119,25 +119,25 @@ private:
 };
 
 /// Frames spread evenly over the range.
-std::vector<std::filesystem::path> draw_sheet(Drawing& drawing, const RenderOptions& options, const FrameRange& range)
+void draw_sheet(Drawing& drawing, const RenderOptions& options, const FrameRange& range, LabelWarnings& warnings)
 {
     const std::size_t count = std::min(range.count(), LabelSheet::most_pictures);
     LabelSheet sheet(count, options.width, options.height);
     for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t index = range.first + LabelSheet::pick(i, count, range.count());
+        const std::size_t index = range.first + LabelSheet::pick(i, count, range.count(), 1).frame;
         const std::vector<std::uint8_t> pixels = drawing.draw(index);
-        sheet.add(pixels, drawing.truth(), fmt::format("frame {}", index));
+        const PictureTruth truth = drawing.truth();
+        warnings.take_in(truth);
+        sheet.add(pixels, truth, fmt::format("frame {}", index));
     }
     sheet.write(options.preview);
-    return {options.preview};
 }
 
 }  // namespace
 
 bool legend_fits(int width, int height) { return !lay_out_sheet(width, height, Look{}).panel_dropped; }
 
-std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, const RenderOptions& options,
-                                              const FrameProgress& progress)
+PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& options, const FrameProgress& progress)
 {
     const auto start = std::chrono::steady_clock::now();
     const RunFolder run = read_run_folder(dir);
@@ -147,19 +147,27 @@ std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, 
     const bool filmed = !options.film.empty(), pictured = !options.output.empty() || !options.labels.empty() || !filmed;
 
     Drawing drawing(dir, options, run, reach_of(run));
-    if (!options.preview.empty()) return draw_sheet(drawing, options, range);
+    LabelWarnings warnings;
+    if (!options.preview.empty()) {
+        draw_sheet(drawing, options, range, warnings);
+        return {{options.preview}, warnings.lines(true)};
+    }
 
     std::vector<std::filesystem::path> written;
     std::optional<FilmWriter> film;
     if (filmed) film.emplace(options.film, options.width, options.height, film_rate(options, run, range), FilmPixels::Rgb);
     for (std::size_t i = range.first; i <= range.last; ++i) {
         const std::filesystem::path file = pictured ? picture_path(dir, options, "picture", "frame", i) : std::filesystem::path();
-        const bool there = pictured && options.resume && std::filesystem::exists(file) && labels_exist(options, file);
+        const bool there = pictured && options.resume && std::filesystem::exists(file) && labels_exist(options, file, true);
         if (!there || film) {
             const std::vector<std::uint8_t> pixels = drawing.draw(i);
             if (film) film->add(pixels);
             if (pictured && !there) {
-                if (!options.labels.empty()) write_labels(options, file, drawing.truth());  // before the picture: where that is, they are
+                if (!options.labels.empty()) {
+                    const PictureTruth truth = drawing.truth();
+                    warnings.take_in(truth);
+                    write_labels(options, file, truth);  // before the picture: where that is, they are
+                }
                 write_png(file, options.width, options.height, pixels);
                 written.push_back(file);
             }
@@ -171,7 +179,7 @@ std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, 
         film->finish();
         written.push_back(options.film);
     }
-    return written;
+    return {written, warnings.lines(true)};
 }
 
 }  // namespace seldinger

@@ -32,10 +32,8 @@ struct RenderOptions : FrameChoice {
 /// options.output says; into a film alone when that is all that is asked for. Camera and scales are those of
 /// the whole run, so that a frame is the same bytes alone, in a series and in any part of one. Each file is complete when it
 /// appears.
-/// @return the paths written
 /// @throws Error BadFile (folder or files; a wall to be coloured that did not yield), BadScene (frames that are not there, an
 /// impossible size), NoDevice (no off-screen OpenGL)
-std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, const RenderOptions& options,
-                                              const FrameProgress& progress = {});
+PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& options, const FrameProgress& progress = {});
 
 }  // namespace seldinger

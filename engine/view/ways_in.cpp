@@ -13,7 +13,7 @@ namespace seldinger {
 namespace {
 
 constexpr int width = 1280, height = 900;
-constexpr std::uint32_t chosen_colour = 0xc62828, other_colour = 0x1d4e89, ink = 0x202020;
+constexpr std::uint32_t chosen_colour = 0xc62828, other_colour = 0x1d4e89, branch_colour = 0x2e7d32, ink = 0x202020;
 constexpr std::size_t most_listed = 24;
 
 void draw_arrow(Canvas& canvas, const Projected& from, const Projected& to, std::uint32_t colour)
@@ -35,7 +35,8 @@ void draw_number(Canvas& canvas, const Font& font, double x, double y, int numbe
 
 }  // namespace
 
-void draw_ways_in(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets, int chosen)
+void draw_ways_in(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets, const std::vector<Vec3>& branches,
+                  int chosen)
 {
     Look look;
     look.legend = look.inset = look.ruler = false;
@@ -50,6 +51,10 @@ void draw_ways_in(const std::filesystem::path& file, const WallMesh& mesh, const
     Canvas canvas(pixels, width, height);
     const Camera& camera = renderer.camera();
     const Viewport& view = renderer.main_view();
+    for (std::size_t k = branches.size(); k-- > 0;) {
+        const Projected at = project(camera, view, branches[k]);
+        draw_number(canvas, font, std::clamp(at.column, 16.0, width - 16.0), std::clamp(at.row, 16.0, height - 16.0), static_cast<int>(k) + 1, branch_colour);
+    }
     for (std::size_t k = inlets.size(); k-- > 0;) {
         const Inlet& inlet = inlets[k];
         const std::uint32_t colour = static_cast<int>(k) + 1 == chosen ? chosen_colour : other_colour;
@@ -69,6 +74,7 @@ void draw_ways_in(const std::filesystem::path& file, const WallMesh& mesh, const
                                 inlets[k].opening >= 0 ? ", an opening" : ", a closed end", taken ? " (taken)" : ""),
                     taken ? chosen_colour : ink);
     }
+    if (!branches.empty()) canvas.text(font, 20, height - 20.0, 15, "green: branches, by number; the last is the trunk's own end", branch_colour);
     write_png(file, width, height, pixels);
 }
 

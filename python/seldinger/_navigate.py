@@ -28,7 +28,7 @@ class Navigate:
     scene, overrides
         The scene: see `seldinger.World`; `overrides` as a dict.
     target
-        A branch of the arch, "left-subclavian", "left-carotid" or "brachiocephalic"; "branch:k", the k-th from the root of any
+        A branch of the arch, "left-subclavian", "left-carotid" or "brachiocephalic"; "branch:k", the k-th (from 1) from the root of any
         centreline; or a point [3] [m].
     target_depth, target_radius : float
         Distance of the target along the branch from its origin, and the distance at which the tip has arrived [m].
@@ -121,13 +121,11 @@ class Navigate:
 
 
 def branches(world: World) -> list[np.ndarray]:
-    """Branches of the vessel's longest path, the nearest to its root first: points [p, 3] from where each leaves it [m]."""
+    """Branches of the vessel's axis, points [p, 3] from where each leaves the path from the root [m], in the order in which they leave
+    it; the trunk's own end is the last. Branch k of a scene (`task.target.branch`) and target "branch:k" are the k-th, from 1."""
     line = world.centreline
     points, parent = line["points"], line["parent"]
-    children: list[list[int]] = [[] for _ in parent]
-    for i, up in enumerate(parent):
-        if up >= 0:
-            children[up].append(i)
+    children = np.bincount(parent[parent >= 0], minlength=len(parent)) if len(parent) else np.zeros(0, int)
 
     def path_to(leaf: int) -> list[int]:
         path = [leaf]
@@ -138,13 +136,13 @@ def branches(world: World) -> list[np.ndarray]:
     def length(path: Sequence[int]) -> float:
         return float(np.linalg.norm(np.diff(points[list(path)], axis=0), axis=1).sum())
 
-    paths = sorted((path_to(i) for i in range(len(parent)) if not children[i]), key=length, reverse=True)
-    main, found = set(paths[0]), []
-    for path in paths[1:]:
-        off = next((k for k, i in enumerate(path) if i not in main), len(path))
-        if off and length(path[off - 1:]) > 0.005:
-            found.append((length(path[:off]), points[path[off - 1:]]))
-    return [p for _, p in sorted(found, key=lambda x: x[0])]
+    paths = [path_to(i) for i in range(len(parent)) if not children[i]]
+    trunk = max(range(len(paths)), key=lambda i: length(paths[i]), default=-1)
+    found = []
+    for i, path in enumerate(paths):
+        fork = next((k for k in range(len(path) - 2, -1, -1) if children[path[k]] > 1), 0)
+        found.append((np.inf if i == trunk else length(path[:fork + 2]), path[-1], points[path[fork:]]))
+    return [p for _, _, p in sorted(found, key=lambda x: x[:2])]
 
 
 _ARCH = ("left-subclavian", "left-carotid", "brachiocephalic")  # from the diaphragm
@@ -159,9 +157,9 @@ def target_point(world: World, target: Union[str, Sequence[float]], depth: float
         return point
     found = branches(world)
     name, _, number = target.partition(":")
-    k = _ARCH.index(name) if name in _ARCH else int(number) if name == "branch" and number.isdigit() else -1
+    k = _ARCH.index(name) if name in _ARCH else int(number) - 1 if name == "branch" and number.isdigit() else -1
     if not 0 <= k < len(found):
-        raise ValueError(f"target: \"{target}\" given; {', '.join(_ARCH)} or branch:0 to branch:{len(found) - 1} expected")
+        raise ValueError(f"target: \"{target}\" given; {', '.join(_ARCH)} or branch:1 to branch:{len(found)} expected")
     line = found[k]
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     return np.array([np.interp(depth, along, line[:, d]) for d in range(3)])

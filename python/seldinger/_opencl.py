@@ -9,11 +9,14 @@ from __future__ import annotations
 import ctypes
 import os
 import re
+import shutil
+import warnings
 from importlib import metadata
 from pathlib import Path
 
 # by preference: PoCL is what the engine is tested on; the second has the same bits
-_PACKAGES = (("pocl-binary-distribution", r"libpocl.*\.so"), ("intel-opencl-rt", r"libintelocl\.so"))
+_POCL = "pocl-binary-distribution"
+_PACKAGES = ((_POCL, r"libpocl.*\.so"), ("intel-opencl-rt", r"libintelocl\.so"))
 
 
 def _library(package: str, name: str) -> Path | None:
@@ -31,19 +34,30 @@ def _library(package: str, name: str) -> Path | None:
 
 def packaged_library() -> Path | None:
     """The OpenCL library of a package from PyPI that is installed beside this one, if any."""
-    return next((found for package, name in _PACKAGES if (found := _library(package, name))), None)
+    found = {package: library for package, name in _PACKAGES if (library := _library(package, name))}
+    if _POCL in found and not shutil.which("ld"):  # as it makes the first kernel it would end the process
+        del found[_POCL]
+        if not found:
+            warnings.warn("PoCL of PyPI needs the linker ld, which is not in PATH. Fix: install binutils, or pip install 'seldinger[cpu]'")
+    return next(iter(found.values()), None)
 
 
 def has_system_opencl(vendors: str = "/etc/OpenCL/vendors") -> bool:
     return any(Path(vendors).glob("*.icd"))
 
 
-def find_opencl() -> None:
-    """Before the engine is loaded. What the environment names goes first, then what the system has, then packages."""
+def name_opencl() -> Path | None:
+    """Sets OCL_ICD_VENDORS where it is needed: what the environment names goes first, then what the system has, then packages.
+
+    Intel's runtime wants symbols that the engine's libtbb does not have yet. A newer one serves both, if it is loaded first: returned.
+    """
     named = os.environ.get("OCL_ICD_VENDORS") or os.environ.get("OPENCL_VENDOR_PATH")
     if not named and not has_system_opencl() and (found := packaged_library()):
         named = os.environ["OCL_ICD_VENDORS"] = str(found)
-    if named and "libintelocl" in named and (threads := _library("tbb", r"libtbb\.so\.12")):
-        # Intel's runtime wants symbols that the libtbb of Debian, which the engine is linked with, does not have yet; a newer one
-        # serves both, if it is the first that is loaded
+    return _library("tbb", r"libtbb\.so\.12") if named and "libintelocl" in named else None
+
+
+def find_opencl() -> None:
+    """Before the engine is loaded."""
+    if threads := name_opencl():
         ctypes.CDLL(str(threads), mode=ctypes.RTLD_GLOBAL)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Union
 
@@ -131,7 +133,7 @@ class World:
         self._scene, self._copies, self._device = given, own, int(device)
         self._world = _engine.make_world(given.text, given.file, [given.overrides + c for c in own], self._device)
         (self._dt, self._duration, self._steps, self._settles, self._static, self._rests, self._moving_until,
-         self._rest_steps) = self._world.scene_numbers()
+         self._rest_steps, self._until_reached) = self._world.scene_numbers()
         wires, self._systems = self._world.counts()
         names = self._world.names()
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
@@ -254,7 +256,13 @@ class World:
         """
         steps = self._steps if until is None else min(self._steps, round(float(until) / self._dt))
         if not self._settled and self.output.step == 0 and (self._settles or self._static):
-            self._check(self.settle(), "settling")
+            placed = None if self._static else self.save()
+            report = self.settle()
+            if report.failed and placed is not None:
+                self.restore(placed)
+                warnings.warn("scene.start: got \"settled\", but no equilibrium was found; the run starts from the wire as it was placed", stacklevel=2)
+            else:
+                self._check(report, "settling")
         if self._static:
             return self.output
         # a duration that is not a whole number of steps ends with a shorter one
@@ -262,12 +270,14 @@ class World:
         rest = 0
         while self.output.step < steps:
             at = self.output.step
-            n, dt = 1 if self._rests else min(64, steps - at), None
+            n, dt = 1 if self._rests or self._until_reached else min(64, steps - at), None
             if at + n == self._steps and short:  # the last one alone
                 n, dt = (n - 1, None) if n > 1 else (1, self._duration - at * self._dt)
             self._check(self.step(n=n, dt=dt), f"step {at + 1} or after")
             rest = rest + 1 if self._world.at_rest() else 0
             if self._rests and rest >= self._rest_steps and self.time >= self._moving_until:
+                break
+            if self._until_reached and self.task()["reached"]:
                 break
         return self.output
 
@@ -293,6 +303,30 @@ class World:
     def time(self) -> float:
         """Simulated time [s]."""
         return self._world.time()
+
+    def task(self, system: int = 0) -> dict[str, Any]:
+        """What became of the scene's [task] so far, as `task` of `summary.json` (docs/readings.md): `reached`, `reached_at_m`,
+        `reached_at_s`, `distance_m`, `verdict`, and the largest forces until the target was reached.
+
+        Raises
+        ------
+        Error
+            Code 2: the scene has no [task].
+
+        Examples
+        --------
+        >>> import seldinger
+        >>> world = seldinger.World("swing", set=["task.target={point = [0.0, 0.0, 0.0], radius_m = 5.0}"], scene__duration_s=0.01)
+        >>> _ = world.run()
+        >>> world.task()["reached"], world.task()["verdict"]
+        (True, 'passed')
+        """
+        return json.loads(self._world.task(int(system)))
+
+    def branch(self, system: int = 0) -> tuple[int, float]:
+        """Branch of the vessel that the leading tip is in, numbered as `task.target.branch`, and how far behind its mouth [m];
+        0: before any, or no centreline."""
+        return self._world.branch(int(system))
 
     def state_hash(self, system: int = -1) -> str:
         """64-bit FNV-1a over every byte of the state as 16 hex digits, as in `summary.json`; of one system, or of all."""

@@ -35,6 +35,7 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
     if (scenes_.size() == 1) {
         world_ = std::make_unique<World>(make_setup(scenes_.front(), device));
         keys_ = KeyFrames(scenes_.front());
+        begin_tasks();
         return;
     }
     const std::string shared = shared_part(scenes_.front(), scenes_.front());
@@ -45,6 +46,40 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
                                                 std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
     world_ = std::make_unique<World>(make_setup(scenes_, load_vessel(scenes_.front().vessel), device));
     keys_ = KeyFrames(std::span<const Scene>(scenes_));
+    begin_tasks();
+}
+
+void Handle::begin_tasks()
+{
+    branches_ = Branches(world_->setup().centreline);
+    if (!scenes_.front().task.on) return;
+    if (!watch_) watch_.emplace(scenes_.front(), *world_, ScoreWatch::Patch::WhereItCounts);
+    scores_.resize(static_cast<std::size_t>(world_->system_count()));
+    for (int s = 0; s < world_->system_count(); ++s) watch_->begin(*world_, s, scores_[static_cast<std::size_t>(s)]);
+}
+
+void Handle::follow_tasks(double dt)
+{
+    for (int s = 0; watch_ && s < world_->system_count(); ++s) {
+        const auto [first, end] = world_->wires_of(s);
+        bool failed = world_->retired(s);
+        for (int w = first; w < end; ++w) failed = failed || world_->report(w).failed();
+        if (!failed) watch_->stepped(*world_, s, dt, false, false, scores_[static_cast<std::size_t>(s)]);
+    }
+}
+
+const ScoreNumbers& Handle::score(int system) const
+{
+    check_system(system);
+    if (!watch_) throw Error(ExitCode::BadScene, "task: the scene has no [task]; expected one with a target");
+    return scores_[static_cast<std::size_t>(std::max(system, 0))];
+}
+
+Branches::Place Handle::branch(int system) const
+{
+    check_system(system);
+    const World& at = world();
+    return branches_.locate(at.setup().centreline, at.rod(leading_wire(at, std::max(system, 0))).pos(0));
 }
 
 Handle::~Handle() { close(); }
@@ -103,6 +138,7 @@ StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double d
         all.report.sub_steps = std::max(all.report.sub_steps, report.sub_steps);
         all.report.times += report.times;
         all.steps++;
+        follow_tasks(dt);
         if (!report.failed()) continue;
         for (int w = 0; w < at.wire_count(); ++w) failed_[w] = failed_[w] || at.report(w).failed();
         if (!go_on && at.system_count() == 1) break;
@@ -114,7 +150,9 @@ StepReport Handle::settle()
 {
     World& at = world();
     if (output_) spare_ = std::move(output_);
-    return seldinger::settle(at);
+    const StepReport report = seldinger::settle(at);
+    begin_tasks();
+    return report;
 }
 
 std::shared_ptr<const Output> Handle::output()
@@ -144,7 +182,9 @@ SavedState Handle::save(int system)
 {
     const World& at = world();
     check_system(system);
-    return {system, system < 0 ? at.save_state() : at.save_state(system), system < 0 ? output() : nullptr};
+    std::vector<ScoreNumbers> scores = scores_;
+    if (system >= 0 && watch_) scores = {scores_[static_cast<std::size_t>(system)]};
+    return {system, system < 0 ? at.save_state() : at.save_state(system), system < 0 ? output() : nullptr, std::move(scores)};
 }
 
 void Handle::restore(const SavedState& state, int into)
@@ -155,6 +195,8 @@ void Handle::restore(const SavedState& state, int into)
     if (system < 0) at.restore_state(state.bytes);
     else at.restore_state(system, state.bytes);
     std::fill(failed_.begin(), failed_.end(), 0);
+    if (watch_ && system >= 0 && state.scores.size() == 1) scores_[static_cast<std::size_t>(system)] = state.scores.front();
+    else if (watch_ && system < 0 && state.scores.size() == scores_.size()) scores_ = state.scores;
     if (output_) spare_ = std::move(output_);
     // a copy that only this world fills again; a damaged pickle may have brought another's
     if (state.output && state.output->wires.size() == static_cast<std::size_t>(at.wire_count()))
@@ -210,6 +252,23 @@ void visit(Wire& wire, Raw raw, List list)
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> pack(const std::vector<ScoreNumbers>& scores)
+{
+    std::vector<std::uint8_t> bytes;
+    put_list(bytes, scores);
+    return bytes;
+}
+
+std::vector<ScoreNumbers> unpack_scores(const std::vector<std::uint8_t>& bytes)
+{
+    const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
+    std::vector<ScoreNumbers> scores;
+    take_list(at, end, scores);
+    for (const ScoreNumbers& score : scores)
+        if (!is_sound(score)) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+    return scores;
+}
 
 std::vector<std::uint8_t> pack(const Output& output)
 {

@@ -4,6 +4,7 @@
 
 #include "scene/key_frames.h"
 #include "scene/scene.h"
+#include "scene/score.h"
 
 #include <memory>
 #include <mutex>
@@ -31,6 +32,7 @@ struct SavedState {
     int system = -1;  // of which; -1: of all
     std::vector<std::uint8_t> bytes;
     std::shared_ptr<const Output> output;
+    std::vector<ScoreNumbers> scores;  // of [task], of each system that it is of
 };
 
 /// In a child that was forked after OpenCL had been started.
@@ -66,6 +68,11 @@ public:
     /// @param into  a state of one system: which of them becomes it, -1: the one that it was saved of
     void restore(const SavedState& state, int into = -1);
 
+    /// How a system's [task] goes. @throws Error BadScene: there is no task, or no such system
+    [[nodiscard]] const ScoreNumbers& score(int system) const;
+    /// The branch of the vessel that a system's leading tip is in.
+    [[nodiscard]] Branches::Place branch(int system) const;
+
     std::mutex& lock() const { return lock_; }
     /// @throws Error BadScene: there is no such system
     void check_system(int system) const;
@@ -73,12 +80,17 @@ public:
     std::shared_ptr<void> companion, fluoroscope;
 
 private:
+    void begin_tasks();
+    void follow_tasks(double dt);
     StepReport one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt);
 
     std::vector<Scene> scenes_;
     KeyFrames keys_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
     std::vector<std::uint8_t> failed_;
+    Branches branches_;
+    std::optional<ScoreWatch> watch_;   // where the scene has a [task]
+    std::vector<ScoreNumbers> scores_;  // of each system
     Control control_;
     std::shared_ptr<Output> output_;  // of the present state, once somebody has asked
     std::shared_ptr<Output> spare_;   // to be filled again when nobody looks at it any more
@@ -86,6 +98,8 @@ private:
 };
 
 /// To and from the bytes of a pickle. @throws Error BadFile
+[[nodiscard]] std::vector<std::uint8_t> pack(const std::vector<ScoreNumbers>& scores);
+[[nodiscard]] std::vector<ScoreNumbers> unpack_scores(const std::vector<std::uint8_t>& bytes);
 [[nodiscard]] std::vector<std::uint8_t> pack(const Output& output);
 [[nodiscard]] std::shared_ptr<const Output> unpack(const std::vector<std::uint8_t>& bytes);
 

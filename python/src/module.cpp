@@ -5,6 +5,8 @@
 #include "studies.h"
 #include "views.h"
 
+#include "scene/summary.h"
+
 #include <pybind11/stl.h>
 
 namespace seldinger::python {
@@ -81,13 +83,13 @@ void bind_state(py::module_& module)
         .def(py::pickle(
             [](py::handle object) {
                 const SavedState& s = contents(object);
-                return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes());
+                return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes(), as_bytes(pack(s.scores)));
             },
             [](const py::tuple& t) {
-                if (t.size() != 3) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+                if (t.size() != 4) throw Error(ExitCode::BadFile, "the pickled state is damaged");
                 const Bytes output = from_bytes(t[2].cast<py::bytes>());
                 return SavedState{t[0].cast<int>(), from_bytes(t[1].cast<py::bytes>()),
-                                  output.empty() ? nullptr : unpack(output)};
+                                  output.empty() ? nullptr : unpack(output), unpack_scores(from_bytes(t[3].cast<py::bytes>()))};
             }));
 }
 
@@ -137,6 +139,13 @@ void bind_world(py::module_& module)
         return alone(h, [&] { return h.state_hash(system); });
     });
     c.def("time", [](Handle& h) { return alone(h, [&] { return h.world().time(); }); });
+    c.def("task", [](Handle& h, int system) { return alone(h, [&] { return task_json(h.scene(), h.score(system)); }); });
+    c.def("branch", [](Handle& h, int system) {
+        return alone(h, [&] {
+            const Branches::Place place = h.branch(system);
+            return std::pair(place.branch, place.depth);
+        });
+    });
     c.def("at_rest", [](Handle& h) { return alone(h, [&] { return h.world().at_rest(); }); });
     c.def("model", [](Handle& h) { return alone(h, [&] { return h.world().model(); }); });
     c.def("device_name", [](Handle& h) { return alone(h, [&] { return h.world().device_name(); }); });
@@ -172,7 +181,7 @@ void bind_world(py::module_& module)
     c.def("scene_numbers", [](const Handle& h) {
         const Scene& s = h.scene();
         return py::make_tuple(s.dt, s.duration, s.steps(), s.start_settled, s.integrator.scheme == Scheme::Static,
-                              s.until == Until::Rest, prescribed_until(s), steps_at_rest);
+                              s.until == Until::Rest, prescribed_until(s), steps_at_rest, s.until == Until::Reached);
     });
 }
 

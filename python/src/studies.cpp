@@ -33,9 +33,7 @@ void check_signals()
 
 BatchSource source_of(const std::string& text, const std::string& file, const Texts& overrides, const std::string& sweep)
 {
-    BatchSource source{text, file, overrides, {}};
-    source.sweep = read_sweep_text(sweep, "vary", read_scene_text(text, file, overrides).seed);
-    return source;
+    return make_source(text, file, overrides, sweep, "vary");
 }
 
 std::vector<BatchRow> run_batch(const BatchSource& source, int device)
@@ -58,7 +56,7 @@ py::bytes batch(const std::string& text, const std::string& file, const Texts& o
     {
         const py::gil_scoped_release others;
         const BatchSource source = source_of(text, file, overrides, sweep);
-        table = batch_npz(source.sweep, source.instruments(), run_batch(source, device));
+        table = batch_npz(source.sweep, source.layout(), run_batch(source, device));
     }
     return py::bytes(table);
 }

@@ -34,6 +34,7 @@ def packages(monkeypatch, tmp_path):
                 raise metadata.PackageNotFoundError(package)
             return [Installed(folder / name) for name in listing[package]]
         monkeypatch.setattr(_opencl.metadata, "files", files)
+        monkeypatch.setattr(_opencl.shutil, "which", lambda program: "/usr/bin/" + program)
         return folder
     return install
 
@@ -55,6 +56,19 @@ def test_intel_where_it_is_alone(packages):
 def test_a_file_that_was_removed_is_not_named(packages):
     packages(POCL, missing=["libpocl-2106.so"])
     assert _opencl.packaged_library() is None
+
+
+def test_pocl_without_a_linker_gives_way_to_intel(packages, monkeypatch):
+    folder = packages({**INTEL, **POCL})
+    monkeypatch.setattr(_opencl.shutil, "which", lambda program: None)
+    assert _opencl.packaged_library() == folder / "libintelocl.so"
+
+
+def test_pocl_without_a_linker_says_what_to_install(packages, monkeypatch):
+    packages(POCL)
+    monkeypatch.setattr(_opencl.shutil, "which", lambda program: None)
+    with pytest.warns(UserWarning, match="binutils"):
+        assert _opencl.packaged_library() is None
 
 
 def test_without_packages_there_is_none(packages):

@@ -33,6 +33,7 @@ keys = [ {{t_s = 0.0, advance_m = {start}}}, {{t_s = 0.2, advance_m = {end}}} ]
 # pushed out of the far end of its tube: left_through; 100 steps: error_estimate
 RIGID = (SCENE.format(duration=0.2) + "[wire]\n" + WIRE.format(radius=0.0004) + TUBE +
          "[feed]\n" + FEED.format(start=0.0, end=0.04))
+TASK = RIGID + "[task]\ntarget = { point = [0.02, 0.0, 0.0], radius_m = 0.01 }\n"
 ELASTIC = RIGID.replace("0.2\ndt_s", "0.02\ndt_s").replace("[vessel]\n", '[vessel]\nwall = "elastic"\n')
 # the inner one is bent by nature and the outer one straight: they touch at once
 COAXIAL = (SCENE.format(duration=0.02) + "record_every = 1\n" + '[[instrument]]\nname = "outer"\nlumen_radius_m = 0.0007\n' + WIRE.format(radius=0.001) +
@@ -122,7 +123,10 @@ def main():
             for file in sorted((folder / stem).glob("*.csv")):
                 kind = "trace.csv" if file.name.startswith("trace") else file.name
                 take(kind if kind in ("trace.csv", "contacts.csv") else "wire.csv", header(file))
-        run("batch", "rigid.toml", "--vary", "sweep.toml", "-o", "batch")
+        (folder / "task.toml").write_text(TASK, encoding="utf-8")
+        run("run", "task.toml", "-o", "task")
+        take("summary.json", keys_of(json.loads((folder / "task/summary.json").read_text(encoding="utf-8"))))
+        run("batch", "task.toml", "--vary", "sweep.toml", "-o", "batch", "--bands")
         take("results.csv", set(header(folder / "batch/results.csv")) - {"wire.density"})
         run("batch", "coaxial.toml", "--vary", "instrument_sweep.toml", "-o", "instruments")
         take("results.csv", set(header(folder / "instruments/results.csv")) - {"instrument.0.density"})

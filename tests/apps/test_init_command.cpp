@@ -21,6 +21,7 @@ fs::path made_mesh(const ScratchFolder& folder, const std::string& scene = tube_
 fs::path scaled(const ScratchFolder& folder, const fs::path& stl, const std::string& name, float factor)
 {
     std::string bytes = slurp(stl);
+    std::fill_n(bytes.begin(), 80, ' ');  // the header names the unit
     const auto at = [&](std::size_t k) { return bytes.data() + k; };
     std::uint32_t triangles = 0;
     std::copy_n(at(80), 4, reinterpret_cast<char*>(&triangles));
@@ -63,7 +64,7 @@ TEST_SUITE("apps/init_command")
             CHECK(checked.code == 0);
             CHECK(has(checked.out, "inlet 1 of 2: "));
             CHECK(has(checked.out, "] m = ["));
-            const AppResult ran = run_app(folder, fmt::format("run s-{}.toml -o r-{} --set scene.duration_s=0.3", unit, unit));
+            const AppResult ran = run_app(folder, fmt::format("run s-{}.toml -o r-{} --verbose --set scene.duration_s=0.3", unit, unit));
             CAPTURE(ran.err);
             CHECK(ran.code == 0);
             CHECK(has(ran.out, "entered at 1 of 2"));
@@ -103,6 +104,34 @@ TEST_SUITE("apps/init_command")
         CHECK(has(asked, "preset = \"coronary-soft-014\""));
         CHECK(has(asked, "inlet = 2\n"));
         CHECK(run_app(folder, "check asked.toml").code == 0);
+    }
+
+    TEST_CASE("property: axes in the header set the patient, gravity lies along the back, and every way in has its reason")
+    {
+        const ScratchFolder folder;
+        std::string bytes = slurp(made_mesh(folder));
+        const std::string header = "3D Slicer output. SPACE=RAS";
+        std::fill_n(bytes.begin(), 80, '\0');
+        std::copy(header.begin(), header.end(), bytes.begin());
+        folder.write("ras.stl", bytes);
+        const AppResult made = run_app(folder, "init ras.stl -o ras.toml");
+        CAPTURE(made.err);
+        REQUIRE(made.code == 0);
+        CHECK(has(made.out, "axes: The file says SPACE=RAS"));
+        CHECK(has(made.out, "<- taken, the widest end"));
+        CHECK(has(made.out, "way in 2: "));
+        CHECK(has(made.out, "; as wide"));
+        const std::string scene = slurp(folder.path / "ras.toml");
+        CHECK(has(scene, "gravity = [0, -9.81, 0]"));
+        CHECK(has(scene, "back = [0, -1, 0]"));
+        CHECK(run_app(folder, "check ras.toml").code == 0);
+        // a scene of one's own, without [carm]: the run folder has it
+        folder.write("own.toml", "[scene]\nduration_s = 0.002\ndt_s = 0.001\n[vessel]\nmesh = \"ras.stl\"\n[wire]\npreset = \"terumo-angled-035\"\n"
+                                 "length_m = 0.1\n[feed]\ninlet = 1\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n");
+        const AppResult checked = run_app(folder, "check own.toml");
+        CHECK(has(checked.out, "axes: the mesh's header says SPACE=RAS"));
+        CHECK(has(checked.out, "vessel: The file says SPACE=RAS"));
+        CHECK(has(run_app(folder, "init mm.stl -o mm.toml").out, "LPS is taken"));
     }
 
     TEST_CASE("bad input: what is there stays, and each mistake is one line")

@@ -140,10 +140,10 @@ TEST_SUITE("apps/labels")
     {
         const LabelRun folder;
         const std::string words = "render run --view fluoro --size 64x64 --frames 4:4 --no-noise ";
-        REQUIRE(run_app(folder, words + "-o plain.png --c-arm \"LAO 30\"").code == 0);
+        REQUIRE(run_app(folder, words + "-o made/here/plain.png --c-arm \"LAO 30\"").code == 0);
         REQUIRE(run_app(folder, words + "-o two.png --c-arm \"LAO 30\" --c-arm \"RAO 60, CRA 10\" --labels truth").code == 0);
-        CHECK(slurp(folder.path / "two_v1.png") == slurp(folder.path / "plain.png"));
-        CHECK(slurp(folder.path / "two_v2.png") != slurp(folder.path / "plain.png"));
+        CHECK(slurp(folder.path / "two_v1.png") == slurp(folder.path / "made/here/plain.png"));
+        CHECK(slurp(folder.path / "two_v2.png") != slurp(folder.path / "made/here/plain.png"));
         CHECK(folder.read("truth/two_v1.json")["camera"]["primary_deg"].get<double>() == doctest::Approx(30));
         CHECK(folder.read("truth/two_v2.json")["camera"]["primary_deg"].get<double>() == doctest::Approx(-60));
         CHECK(folder.read("truth/two_v2.json")["instruments"][1]["tip_m"] == folder.read("truth/two_v1.json")["instruments"][1]["tip_m"]);
@@ -183,6 +183,15 @@ TEST_SUITE("apps/labels")
         CHECK_MESSAGE(drawn.err.find("warning: the field cuts off wire") != std::string::npos, drawn.err);
         const AppResult coarse = run_app(folder, "render run --view fluoro --size 64x64 --field 0.5 -o a.png --labels truth");
         CHECK_MESSAGE(coarse.err.find("may have gaps") != std::string::npos, coarse.err);
+        // where they are looked at first, and where a farm's labels come together
+        const AppResult sheet = run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --preview sheet.png");
+        CHECK_MESSAGE(sheet.err.find("warning: the field cuts off wire") != std::string::npos, sheet.err);
+        REQUIRE(run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --frames 4:6 -o b.png --labels cut --quiet")
+                    .code == 0);
+        const AppResult coco = run_app(folder, "labels cut --coco coco.json");
+        CHECK(coco.code == 0);
+        CHECK_MESSAGE(coco.err.find("warning: the field cuts off wire: in 3 of 3 pictures") != std::string::npos, coco.err);
+        CHECK(run_app(folder, "labels cut --coco coco.json --quiet").err.empty());
         CHECK(run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 -o a.png --quiet").err.empty());
     }
 
@@ -209,6 +218,15 @@ TEST_SUITE("apps/labels")
         CHECK(covered > 200);
         REQUIRE(run_app(folder, "render run --view front --size 400x300 -o b.png --no-legend").code == 0);
         CHECK(slurp(folder.path / "a.png") == slurp(folder.path / "b.png"));
+        // depths that somebody removed are made again
+        fs::remove(folder.path / "truth/a_depth.npy");
+        REQUIRE(run_app(folder, "render run --view front --size 400x300 -o a.png --labels truth --resume").code == 0);
+        CHECK(slurp(folder.path / "truth/a_depth.npy") == depth);
+        CHECK(drawn.err.find("cuts off") == std::string::npos);
+        const AppResult close =
+            run_app(folder, "render run --view front --size 400x300 -o c.png --labels near --camera \"0s 0 0 8\"");
+        CHECK(close.code == 0);
+        CHECK_MESSAGE(close.err.find("Fix: another --view or --camera") != std::string::npos, close.err);
         check_refused(folder, "render run --view endoscopic --labels truth", 2, "out of an instrument");
     }
 
@@ -226,6 +244,7 @@ TEST_SUITE("apps/labels")
         check_refused(folder, "render run --view fluoro --preview s.png --labels truth", 2, "only the sheet");
         check_refused(folder, "render run --view fluoro --preview run", 3, "is a folder");
         check_refused(folder, "render run --view fluoro --label-vessel", 2, "--labels");
+        check_refused(folder, "render run --gltf m.glb --labels truth", 2, "once for each");
         check_refused(folder, "render run --view fluoro --labels sheet.png", 3, "is a file");
     }
 
@@ -265,6 +284,12 @@ TEST_SUITE("apps/labels")
         REQUIRE(run_app(folder, "farm run -o killed --tasks 2 --quiet" + words).code == 0);
         CHECK(pictures_of(folder.path / "killed") == one);
         check_refused(folder, "farm run --frames all -o g --preview s.png", 2, "leave it out");
+        const std::string front = " --view front --size 80x60 --frames 2:6 --labels truth";
+        if (run_app(folder, "render run -o front.png" + std::string(" --view front --size 80x60")).code == 5) return;
+        REQUIRE(run_app(folder, "farm run -o front1 --tasks 1 --quiet" + front).code == 0);
+        REQUIRE(run_app(folder, "farm run -o front3 --tasks 3 --jobs 2 --quiet" + front).code == 0);
+        CHECK(pictures_of(folder.path / "front1").size() == 5 * 4);
+        CHECK(pictures_of(folder.path / "front1") == pictures_of(folder.path / "front3"));
     }
 
     TEST_CASE("property: COCO annotations hold the masks, their boxes, tips and bases")

@@ -130,7 +130,7 @@ TEST_SUITE("apps/live")
         }
         session.stop();
         session.finish();
-        const std::string sheet = score_json(scene, session.scorer().now());
+        const std::string sheet = score_json(scene, session.score());
         const auto score = nlohmann::json::parse(sheet);
         CHECK(score["verdict"] == "failed");
         CHECK(score["wall_force_max_n"].get<double>() > score["limits"]["wall_force_n"].get<double>());
@@ -141,7 +141,7 @@ TEST_SUITE("apps/live")
         REQUIRE(replay.code == 0);
         CHECK(nlohmann::json::parse(replay.out)["state_hash"] == session.world().state_hash());
         CHECK(slurp(folder.path / "D/score.json") == sheet);
-        CHECK(slurp(folder.path / "D/score.html") == score_page(scene, session.scorer().now()));
+        CHECK(slurp(folder.path / "D/score.html") == score_page(scene, session.score()));
         REQUIRE(run_app(folder, "run '" + file.string() + "' -o D --overwrite --quiet --set scene.duration_s=0.01").code == 0);
         CHECK_FALSE(fs::exists(folder.path / "D/score.json"));  // key frames are not scored
     }

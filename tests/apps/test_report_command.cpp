@@ -139,21 +139,40 @@ TEST_SUITE("apps/report")
                                   .c_str()) == 0);
             CHECK(scripts.find("'sha256-" + slurp(folder.path / "hash") + "'") != std::string::npos);
         }
-        CHECK(count == 4);
+        CHECK(count == 5);
     }
 
-    TEST_CASE("property: a batch of several instruments is a table")
+    TEST_CASE("property: a batch's columns, units, shapes and answer are in its page, in the files' order, and a value that holds commas stays one")
     {
         if (!has_three()) return skip("libjs-three is not installed");
         const ScratchFolder folder;
         folder.write("two.toml", two_instruments("merged"));
-        folder.write("sweep.toml", "[vary]\n\"instrument.1.bend_nm2\" = [1e-5, 2e-5]\n");
-        const AppResult batch = run_app(folder, "batch two.toml --vary sweep.toml -o B --quiet");
+        folder.write("sweep.toml", "[vary]\n\"instrument.1.feed.keys\" = [[{t_s = 0.0, advance_m = 0.02}, {t_s = 0.1, advance_m = 0.06}]]\n"
+                                   "\"instrument.1.bend_nm2\" = [1e-5, 2e-5]\n");
+        const AppResult batch = run_app(folder, "batch two.toml --vary sweep.toml -o B --quiet --bands");
         CAPTURE(batch.err);
         REQUIRE(batch.code == 0);
         REQUIRE(run_app(folder, "report B").code == 0);
         const auto data = data_of(slurp(folder.path / "B/report.html"));
         CHECK(data["kind"] == "batch");
         CHECK(data["table"]["run"].size() == 2);
+        const std::string head = slurp(folder.path / "B/results.csv");
+        std::string columns;
+        for (const auto& name : data["columns"]) columns += (columns.empty() ? "" : ",") + name.get<std::string>();
+        CHECK(columns == head.substr(0, head.find('\n')));
+        CHECK(data["table"]["instrument.1.feed.keys"][1].get<std::string>().find("0.06") != std::string::npos);
+        CHECK(data["table"]["instrument.1.bend_nm2"][1] == 2e-5);
+        CHECK(data["table"]["status"][0] == "done");
+        CHECK(data["units"]["column"].size() == data["columns"].size());
+        REQUIRE(data["shapes"]["run"].size() == 2 * 2 * 64);
+        CHECK(data["shapes"]["instrument"][64] == "wire");
+        CHECK(data["shapes"]["x_m"][64].get<double>() == doctest::Approx(data["table"]["wire.tip_x_m"][0].get<double>()).epsilon(1e-6));
+        CHECK(data["vessel"].size() > 300);
+        CHECK(data["summary"]["answer"] == summary_of(folder.path / "B")["answer"]);
+
+        // the folder may be somebody else's: its scene may name any mesh, and the page shows none but the folder's own
+        fs::remove(folder.path / "B/vessel.vtp");
+        REQUIRE(run_app(folder, "report B").code == 0);
+        CHECK(data_of(slurp(folder.path / "B/report.html"))["vessel"].empty());
     }
 }

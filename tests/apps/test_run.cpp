@@ -325,4 +325,18 @@ force_n = [0.0, 0.0, -0.005]
         CHECK(help.out.find("--time-limit") != std::string::npos);
         CHECK(run_app(folder, "devices").out.starts_with("0: "));
     }
+
+    TEST_CASE("property: a scene that comes with the program is found by its name, but a file of that name comes first")
+    {
+        const ScratchFolder folder;
+        const AppResult named = run_app(folder, "check bounce"), unknown = run_app(folder, "check bounces");
+        CAPTURE(named.err);
+        CHECK(named.code == 0);
+        CHECK(unknown.code == 3);
+        CHECK(unknown.error_lines() == 1);
+        folder.write("bounce", "[no_such_table]\n");
+        const AppResult own = run_app(folder, "check bounce");
+        CHECK(own.code != 0);
+        CHECK(own.err.find("no_such_table") != std::string::npos);
+    }
 }

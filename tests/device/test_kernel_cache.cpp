@@ -140,5 +140,11 @@ TEST_SUITE("device/kernel cache")
             CHECK(device::clean_kernel_cache(folder.path()) == place);
             CHECK(std::filesystem::exists(place));
         }
+        make();
+        write_file(theirs.path() / "notes", "somebody's");
+        const auto stamp = folder.path() / hash / "last_accessed";  // PoCL writes to it
+        std::filesystem::remove(stamp);
+        std::filesystem::create_hard_link(theirs.path() / "notes", stamp);
+        CHECK(device::clean_kernel_cache(folder.path()) == stamp);
     }
 }

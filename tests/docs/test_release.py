@@ -15,7 +15,7 @@ HEADINGS = ["Added", "Changed", "Fixed", "Removed"]
 LINE = 160                                                            # characters; two lines are no limit without one
 NAMES_VERSIONS = {"CMakeLists.txt", "CITATION.cff", "CHANGELOG.md"}   # the others ask CMakeLists.txt
 PLACEHOLDER = "forge" + ".invalid"                                    # RFC 2606: a name that never leads anywhere
-HAS_ADDRESS = {"pyproject.toml", "SECURITY.md"}
+HAS_ADDRESS = {"cmake/Package.cmake", "pyproject.toml", "SECURITY.md"}
 TEXT = {"", ".cff", ".cmake", ".cpp", ".def", ".h", ".html", ".in", ".js", ".json", ".md", ".py", ".pyi", ".sh", ".toml", ".txt", ".yml"}
 ASIDE = re.compile(r"\.git|\..*cache|build.*|out|results")            # folders of measured rows and of what is built
 

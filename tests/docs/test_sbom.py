@@ -13,7 +13,8 @@ def main():
     if not shutil.which("dpkg-query"):
         print("no dpkg here")
         return 77
-    wanted = re.search(r"^packages=\((.*?)^\)", dev.read_text(), re.MULTILINE | re.DOTALL).group(1).split()
+    lists = re.findall(r"^(?:build_)?packages=\((.*?)^\)", dev.read_text(), re.MULTILINE | re.DOTALL)
+    wanted = [name for names in lists for name in names.split() if not name.startswith('"$')]
     runs = [subprocess.run([dev, "sbom"], capture_output=True, text=True) for _ in range(2)]
     if "is not installed" in runs[0].stderr:
         print(runs[0].stderr.strip())

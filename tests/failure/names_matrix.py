@@ -65,7 +65,7 @@ def commands(bench):
         C("plot_run.py", [], program=["{python}", "{assets}/plot_run.py", "R", "-o", "{D}/p.png"], slow=True),
         C("live --record", ["live", "tube.toml", "--record", "{D}/live.record", "--duration", "0.05", "--port", "0", "--udp", "0", "--quiet"], "live"),
         C("plan", ["plan", "s.toml", "--tolerance", "1mm", "--budget", "2", "-o", "{D}/plan.toml", "--quiet"], "plan", slow=True),
-        C("stability", ["stability", "s.toml", "--vary", "wire.density=7000", "--quick", "--cell-budget", "0.5", "-o", "{D}", "--quiet"], "run", slow=True),
+        C("stability", ["stability", "longer.toml", "--vary", "wire.density=7000", "--quick", "--cell-budget", "0.5", "-o", "{D}", "--quiet"], "run", slow=True),
     ]
     if not bench.draws: return every
     return every + [
@@ -88,6 +88,7 @@ class Bench:
         os.chdir(folder)
         Path("s.toml").write_text(re.sub(r"\[vessel\].*?(?=\[feed\])", "", SHORT, flags=re.S).replace("[contact]\ndetection = \"capsule\"\n", "").split("[feed]")[0]
                                   + '[[hold]]\nat = "base"\nposition = true\ndirection = true\nspin = true\n[output]\nwire_every = 10\n')
+        Path("longer.toml").write_text(Path("s.toml").read_text().replace("duration_s = 0.02", "duration_s = 0.04"))  # the longest step is 0.033 s
         Path("tube.toml").write_text(SHORT)
         Path("v.toml").write_text('[vary]\n"wire.density" = [6000.0, 7000.0]\n')
         made = self.call([app, "run", "tube.toml", "-o", "R", "--quiet"])

@@ -2,6 +2,8 @@
 #include "fuzz_support.h"
 #include "fuzz_targets.h"
 
+#include "io/centreline_file.h"
+#include "io/file_remarks.h"
 #include "io/mesh_file.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
@@ -16,6 +18,7 @@ namespace {
 void read_as(Bytes bytes, const char* name)
 {
     answer([&] { (void)parse_mesh(text_of(bytes), name, "mm"); });
+    (void)remarks_in(text_of(bytes), name);  // refuses nothing
 }
 
 /// As vessel_load.cpp and the `vessel` command do. What is said of a mesh that is taken has to be a number.
@@ -43,7 +46,7 @@ void vtk(Bytes bytes) { read_as(bytes, "x.vtk"); }
 void centreline(Bytes bytes)
 {
     answer([&] {
-        const Centreline line = parse_centreline_vtp(text_of(bytes), "x.vtp", "mm");
+        const Centreline line = parse_centreline(text_of(bytes), "x.vtp", "mm");
         require(std::isfinite(line.total_length()));
         require(!line.main_path().empty());
     });

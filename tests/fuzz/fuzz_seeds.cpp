@@ -71,7 +71,7 @@ void make_farms(const fs::path& dir, const fs::path& folder)
     const std::string log = "\x1eunix_s,event,worker,process_s,work_s,message\n1.0,began,w,0.1,0.0,\n2.0,finished,w,0.5,0.3,\n3.0,failed,w,0,0,a, b\n";
     put_seed(dir, "farm", "sweep", slurp(folder / "farm.json") + log);
     std::vector<BatchRow> rows(3);
-    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(2 + k), rows[k].state_hash.fill('a'), rows[k].instruments.resize(2);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(2 + k), rows[k].state_hash.fill('a'), rows[k].instruments.resize(2), rows[k].shape.resize(2 * 3 * BatchRow::stations);
     write_rows(folder, plan, 1, rows);
     put_seed(dir, "farm", "rows", "r" + unsealed(slurp(folder / "rows/000001.rows")));
     plan.kind = FarmKind::Frames;

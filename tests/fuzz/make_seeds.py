@@ -64,11 +64,13 @@ def ply(points, faces, form):
 
 
 def vtk(points, faces, binary, modern):
-    head = f'# vtk DataFile Version 4.2\nseed\n{"BINARY" if binary else "ASCII"}\nDATASET POLYDATA\nPOINTS {len(points)} float\n'
+    head = f'# vtk DataFile Version 4.2\nseed SPACE=RAS\n{"BINARY" if binary else "ASCII"}\nDATASET POLYDATA\n'
 
     def numbers(form, values):
         return struct.pack(f'>{len(values)}{form}', *values) + b'\n' if binary else ' '.join(map(str, values)).encode() + b'\n'
-    text = head.encode() + numbers('f', flat(points))
+    text = head.encode() + b'FIELD FieldData 2\nSPACE 1 1 string\n' + (b'\xc3RAS\n' if binary else b'RAS\n')
+    text += b'METADATA\nINFORMATION 0\n\nTime%20s 1 2 double\n' + numbers('d', (0.5, 10.0))
+    text += f'POINTS {len(points)} float\n'.encode() + numbers('f', flat(points))
     if modern:
         offsets = list(range(0, 3 * len(faces) + 1, 3))
         text += f'POLYGONS {len(offsets)} {3 * len(faces)}\nOFFSETS vtktypeint64\n'.encode() + numbers('q', offsets)
@@ -182,6 +184,8 @@ def main():
             for packed in (False, True):
                 seeds['vtp'][f'{label}_{form}_{packed}'] = vtp(*mesh, form, packed)
                 seeds['centreline'][f'{label}_{form}_{packed}'] = vtp(*mesh, form, packed, lines=True)
+    line = '# vtk DataFile Version 4.2\nx\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 2 0 0 1 1 0\nLINES 3 9\n2 1 0\n2 1 2\n2 3 1\n'
+    seeds['centreline']['legacy'] = (line + 'POINT_DATA 4\nSCALARS Radius float\nLOOKUP_TABLE default\n1 1 1 1\nNORMALS n float\n' + '0 0 1 ' * 4).encode()
     seeds['obj']['rich'] = b'# rich\nv 0 0 0\nv 1 0 0\\\n\nv 1 1 0\nv 0 1 1e-3\nvn 0 0 1\nf -4//1 -3/1 -2/1/1 4\n'
     seeds['pipeline_raw']['two'] = raw(TETRAHEDRON[0] + tube(5, 3)[0], TETRAHEDRON[1] + [tuple(i + 4 for i in f) for f in tube(5, 3)[1]])
     for sides, rings in ((4, 3), (6, 4), (8, 6)):

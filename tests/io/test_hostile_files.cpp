@@ -1,6 +1,7 @@
 // Mesh files that were made to crash, hang or fill the memory: each kind as a small one of our own. What lies on the other side
 // of each bound is read.
 #include "core/error.h"
+#include "io/centreline_file.h"
 #include "io/mesh_file.h"
 #include "support/shared_folder.h"
 #include "vessel/extract_centreline.h"
@@ -225,7 +226,7 @@ TEST_SUITE("io/hostile_files")
     TEST_CASE("regression: lines of no points are no centreline")
     {
         const std::string said = refusal([] {
-            (void)parse_centreline_vtp(
+            (void)parse_centreline(
                 "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Float64\" "
                 "format=\"ascii\">0 0 0</DataArray></Points><Lines><DataArray type=\"Int32\" Name=\"connectivity\" "
                 "format=\"ascii\"></DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">0 0</DataArray></Lines>"
@@ -240,7 +241,7 @@ TEST_SUITE("io/hostile_files")
     {
         const auto line = [](const char* place, const char* radius) {
             return refusal([&] {
-                (void)parse_centreline_vtp(
+                (void)parse_centreline(
                     fmt::format(
                         "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\"><Points><DataArray type=\"Float64\" "
                         "format=\"ascii\">0 0 0 {} 0 0</DataArray></Points><Lines><DataArray type=\"Int32\" "

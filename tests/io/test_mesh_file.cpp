@@ -1,6 +1,7 @@
 // Reading and writing mesh files: every format, every encoding of .vtp, and what broken files answer.
 #include "core/error.h"
 #include "core/file_io.h"
+#include "io/centreline_file.h"
 #include "io/mesh_file.h"
 #include "vessel/mesh_fixtures.h"
 #include "vtp_samples.h"
@@ -331,7 +332,7 @@ TEST_SUITE("scene/mesh_file")
         CHECK_FALSE(refusal(folder.path / "missing.stl").empty());
         CHECK(refusal(folder.write("empty.stl", "")).find("empty") != std::string::npos);
         CHECK(refusal(folder.write("empty.vtp", "")).find("empty") != std::string::npos);
-        CHECK(refusal(folder.write("a.step", "ISO-10303-21;")).find("unknown mesh format") != std::string::npos);
+        CHECK(refusal(folder.write("a.step", "ISO-10303-21;")).find("export it from the CAD program") != std::string::npos);
         fs::create_directories(folder.path / "folder.stl");
         CHECK_FALSE(refusal(folder.path / "folder.stl").empty());
 
@@ -380,7 +381,7 @@ TEST_SUITE("scene/mesh_file")
         line.radius = {0.005, 0.005, 0.004, 0.003, 0.002, 0.001};
         line.parent = {-1, 0, 1, 2, 2, 4};
         write_centreline_vtp(folder.path / "c.vtp", line, "mm");
-        const Centreline back = read_centreline_vtp(folder.path / "c.vtp", "mm");
+        const Centreline back = read_centreline(folder.path / "c.vtp", "mm");
         REQUIRE(back.points.size() == line.points.size());
         CHECK(back.total_length() == doctest::Approx(line.total_length()).epsilon(1e-14));
         CHECK(back.main_path().size() == line.main_path().size());
@@ -389,6 +390,6 @@ TEST_SUITE("scene/mesh_file")
         std::sort(a.begin(), a.end());
         std::sort(b.begin(), b.end());
         for (std::size_t i = 0; i < a.size(); ++i) CHECK(b[i] == doctest::Approx(a[i]).epsilon(1e-14));
-        CHECK_THROWS_AS((void)read_centreline_vtp(folder.write("t.vtp", sample("ascii")), "mm"), Error);
+        CHECK_THROWS_AS((void)read_centreline(folder.write("t.vtp", sample("ascii")), "mm"), Error);
     }
 }

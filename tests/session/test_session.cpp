@@ -174,7 +174,7 @@ TEST_SUITE("session/session")
         session.start();
         while (session.running()) rest(0.01);
         session.finish();
-        const ScoreNumbers& score = session.scorer().now();
+        const ScoreNumbers& score = session.score();
         CHECK(session.steps_so_far() == 2500);
         CHECK(score.reached);
         CHECK_FALSE(score.failed);

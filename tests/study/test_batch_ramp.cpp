@@ -71,7 +71,7 @@ keys = [{t_s = 0.0, advance_m = 5000.0}]
         CHECK((said & (StepNonFinite | StepEnergy)) != 0);
         CHECK(rows[1].status == RunStatus::Done);
         for (const double number : rows[1].numbers) CHECK(std::isfinite(number));
-        const std::string table = batch_csv(source.sweep, source.instruments(), rows);
+        const std::string table = batch_csv(source.sweep, source.layout(), rows);
         for (const char* odd : {"inf", "nan"}) CHECK(table.find(odd) == std::string::npos);
     }
 

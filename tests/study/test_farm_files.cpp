@@ -30,7 +30,7 @@ FarmPlan small_plan()
 std::vector<BatchRow> rows_of_task()
 {
     std::vector<BatchRow> rows(3);
-    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(k + 2), rows[k].state_hash.fill('a'), rows[k].instruments.resize(2);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(k + 2), rows[k].state_hash.fill('a'), rows[k].instruments.resize(2), rows[k].shape.resize(2 * 3 * BatchRow::stations);
     return rows;
 }
 
@@ -96,6 +96,8 @@ TEST_SUITE("study/farm files")
             [](auto& rows) { rows[0].instruments.pop_back(); },
             [](auto& rows) { rows[1].instruments.resize(3); },
             [](auto& rows) { rows.pop_back(); },
+            [](auto& rows) { rows[1].shape.pop_back(); },
+            [](auto& rows) { rows[1].shape[7] = std::numeric_limits<float>::infinity(); },
         };
         for (const auto& change : wrong) CHECK(said(change).find("a value is out of range") != std::string::npos);
         // a farm whose key is longer than the file: the line names the file

@@ -119,7 +119,7 @@ void write_moved_walls(const fs::path& dir, int frames)
 bool render_or_skip(const fs::path& dir, const RenderOptions& options, std::vector<fs::path>& written)
 {
     try {
-        written = render_run(dir, options);
+        written = render_run(dir, options).paths;
         return true;
     } catch (const Error& e) {
         if (e.code() != ExitCode::NoDevice && std::string(e.what()).find("font") == std::string::npos) throw;

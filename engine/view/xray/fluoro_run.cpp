@@ -50,7 +50,7 @@ public:
     }
 
     /// @param drawn  called after each frame
-    void draw(LabelWarnings& warnings, FluoroFiles& files, const std::function<void(std::size_t)>& drawn)
+    void draw(LabelWarnings& warnings, PictureFiles& files, const std::function<void(std::size_t)>& drawn)
     {
         for (std::size_t i = range_.first; i <= range_.last; ++i) {
             frame(i, warnings);
@@ -62,14 +62,16 @@ public:
 
     [[nodiscard]] const FrameRange& range() const { return range_; }
 
-    void draw_on(LabelSheet& sheet, std::size_t index, const std::string& view)
+    void draw_on(LabelSheet& sheet, std::size_t index, const std::string& view, LabelWarnings& warnings)
     {
         const double time = main_.run().frames[index].time;
         main_.look(index, time);
         const std::vector<std::uint16_t> grey = levels(index, time);
         std::vector<std::uint8_t> rgb;
         for (const std::uint16_t g : grey) rgb.insert(rgb.end(), 3, static_cast<std::uint8_t>(g >> 4));
-        sheet.add(rgb, main_.truth(false), fmt::format("{}frame {}, {}", view, index, angle_words(main_.arm())));
+        const PictureTruth truth = main_.truth(false);
+        warnings.take_in(truth);
+        sheet.add(rgb, truth, fmt::format("{}frame {}, {}", view, index, angle_words(main_.arm())));
     }
 
 private:
@@ -79,7 +81,7 @@ private:
         // a film or DICOM file alone needs no pictures beside it
         const bool pictures = !options_.output.empty() || !options_.labels.empty() || !gathers;
         const fs::path file = pictures ? picture_path(dir_, options_, "fluoro", "fluoro", index) : fs::path();
-        const bool there = pictures && options_.resume && fs::exists(file) && labels_exist(options_, file);
+        const bool there = pictures && options_.resume && fs::exists(file) && labels_exist(options_, file, false);
         if (there && !gathers) return;
         const double time = main_.run().frames[index].time;
         main_.look(index, time);
@@ -232,7 +234,8 @@ FluoroOptions own_files(const fs::path& dir, FluoroOptions view, const FrameChoi
 }
 
 /// Pictures spread evenly over all views of all frames.
-void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, const std::function<void(std::size_t)>& drawn)
+void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, LabelWarnings& warnings,
+                const std::function<void(std::size_t)>& drawn)
 {
     std::map<std::size_t, Session> sessions;  // only of views that are on the sheet
     const auto session = [&](std::size_t view) -> Session& { return sessions.try_emplace(view, dir, views[view]).first->second; };
@@ -240,8 +243,8 @@ void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, co
     const std::size_t all = range.count() * views.size(), count = std::min(all, LabelSheet::most_pictures);
     LabelSheet sheet(count, views.front().arm.columns, views.front().arm.rows);
     for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t k = LabelSheet::pick(i, count, all), view = k % views.size();
-        session(view).draw_on(sheet, range.first + k / views.size(), views.size() > 1 ? fmt::format("v{}, ", view + 1) : "");
+        const auto [frame, view] = LabelSheet::pick(i, count, range.count(), views.size());
+        session(view).draw_on(sheet, range.first + frame, views.size() > 1 ? fmt::format("v{}, ", view + 1) : "", warnings);
         drawn(count);
     }
     sheet.write(views.front().preview);
@@ -249,7 +252,7 @@ void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, co
 
 }  // namespace
 
-FluoroFiles render_fluoro(const fs::path& dir, const std::vector<FluoroOptions>& views, const FrameProgress& progress)
+PictureFiles render_fluoro(const fs::path& dir, const std::vector<FluoroOptions>& views, const FrameProgress& progress)
 {
     for (const FluoroOptions& view : views) check(view.arm);
     const auto start = std::chrono::steady_clock::now();
@@ -260,16 +263,16 @@ FluoroFiles render_fluoro(const fs::path& dir, const std::vector<FluoroOptions>&
     };
     std::vector<FluoroOptions> own;  // outlives the sessions
     for (std::size_t k = 0; k < views.size(); ++k) own.push_back(views.size() > 1 ? own_files(dir, views[k], views.front(), k) : views[k]);
-    FluoroFiles files;
+    PictureFiles files;
     LabelWarnings warnings;
     if (const FluoroOptions& first = views.front(); !first.preview.empty()) {
-        draw_sheet(dir, own, drawn);
+        draw_sheet(dir, own, warnings, drawn);
         files.paths.push_back(first.preview);
-        return files;
+    } else {
+        for (const FluoroOptions& view : own)
+            Session(dir, view).draw(warnings, files, [&](std::size_t each) { drawn(each * views.size()); });
     }
-    for (const FluoroOptions& view : own)
-        Session(dir, view).draw(warnings, files, [&](std::size_t each) { drawn(each * views.size()); });
-    files.warnings = warnings.lines(!views.front().labels.empty());
+    files.warnings = warnings.lines(!views.front().labels.empty() || !views.front().preview.empty());
     return files;
 }
 

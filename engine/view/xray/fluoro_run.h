@@ -64,12 +64,6 @@ struct FluoroOptions : FrameChoice {
     std::uint64_t noise_stream = 0;    // of the view among several, so that each has noise of its own
 };
 
-/// What was written, and what whoever reads it should know.
-struct FluoroFiles {
-    std::vector<std::filesystem::path> paths;
-    std::vector<std::string> warnings;
-};
-
 /// The arm's angles at a time. No keys: as they are
 void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time);
 
@@ -83,7 +77,7 @@ void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time);
 /// Each picture depends on its own files, its view's options and the seed alone. With a preview only that is written.
 /// @param views  at least one; frames and files are those of the first
 /// @throws Error BadFile, BadScene
-FluoroFiles render_fluoro(const std::filesystem::path& dir, const std::vector<FluoroOptions>& views,
-                          const FrameProgress& progress = {});
+PictureFiles render_fluoro(const std::filesystem::path& dir, const std::vector<FluoroOptions>& views,
+                           const FrameProgress& progress = {});
 
 }  // namespace seldinger

@@ -158,7 +158,11 @@ struct Band {
 class Raster {
 public:
     Raster(const CArmView& view, const WallMesh& mesh, std::span<const float> value)
-        : view_(view), mesh_(mesh), value_(value), corners_(project_corners(view, mesh))
+        : view_(view),
+          mesh_(mesh),
+          value_(value),
+          corners_(project_corners(view, mesh)),
+          facing_(view.right.cross(view.up).dot(view.direction) > 0 ? 1 : -1)
     {
     }
 
@@ -169,9 +173,11 @@ public:
         const Corner* v[3] = {&own[0], &own[1], &own[2]};
         const std::int64_t area = (v[1]->x - v[0]->x) * (v[2]->y - v[0]->y) - (v[2]->x - v[0]->x) * (v[1]->y - v[0]->y);
         if (area == 0) return;
-        // the normal, into the lumen, faces the source where corners turn from columns to rows: there the ray leaves
-        const int sign = area > 0 ? 1 : -1;
-        const Edge edges[3] = {edge(v, 0, 1, sign), edge(v, 1, 2, sign), edge(v, 2, 0, sign)};
+        const int turn = area > 0 ? 1 : -1;
+        const Edge edges[3] = {edge(v, 0, 1, turn), edge(v, 1, 2, turn), edge(v, 2, 0, turn)};
+        // Seen from behind the detector, as X-rays are, the normal, into the lumen, faces the source where corners turn from columns to
+        // rows: there the ray leaves. An ordinary camera sees it the other way round.
+        const int sign = facing_ * turn;
         const auto [x_low, x_high] = std::minmax({v[0]->x, v[1]->x, v[2]->x});
         const auto [y_low, y_high] = std::minmax({v[0]->y, v[1]->y, v[2]->y});
         const Rows box = rows_of(x_low, x_high, view_.columns), rows = rows_of(y_low, y_high, view_.rows);
@@ -184,7 +190,7 @@ public:
     }
 
 private:
-    static Edge edge(const Corner* v[3], int i, int j, int sign) { return sign > 0 ? Edge(*v[i], *v[j]) : Edge(*v[j], *v[i]); }
+    static Edge edge(const Corner* v[3], int i, int j, int turn) { return turn > 0 ? Edge(*v[i], *v[j]) : Edge(*v[j], *v[i]); }
 
     void add_span(int row, Rows span, int sign, const Plane& inverse, Band& band, std::vector<float>& sum) const
     {
@@ -214,6 +220,7 @@ private:
     const WallMesh& mesh_;
     std::span<const float> value_;
     Corners corners_;
+    int facing_;  // of the view: 1 as an X-ray, -1 as a camera
 
 public:
     [[nodiscard]] const std::vector<Corners::Place>& places() const { return corners_.place; }

@@ -1,0 +1,27 @@
+#pragma once
+// Which of a vessel's ways in a physician would take, and why.
+
+#include "scene/first_scene.h"
+#include "vessel/inlets.h"
+
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+/// A way in with what was thought of each.
+struct Access {
+    int inlet = 1;                    // counted from 1
+    std::vector<std::string> reason;  // of each way in: why it was taken, or why not
+};
+
+/// An aorta (a lumen of 7 mm radius or more over a tenth of its length) is entered from below, as by femoral access: by the lowest
+/// wide end, and of ends at one height by the one nearer to the back (a descending aorta beside an ascending one), else the wider
+/// one; an aorta that does not lie along the head's direction, as in a file of other axes, by the first of the list. Another vessel is entered by its widest end, of ends as wide by the lowest. Ways into side pockets, short ways and smaller
+/// parts are left out unless there is nothing else.
+/// @param part  of each way in, of the vessel's separate parts: 0 is the largest
+/// @param head,back  directions of the patient, unit
+[[nodiscard]] Access choose_access(const std::vector<Inlet>& inlets, const std::vector<int>& part, const Centreline& line,
+                                   const Vec3& head, const Vec3& back);
+
+}  // namespace seldinger

@@ -1,0 +1,38 @@
+#pragma once
+// How a task goes, as plain bytes: for a checkpoint, and for the threads of a live session.
+
+#include <cstdint>
+#include <type_traits>
+
+namespace seldinger {
+
+struct ScoreNumbers {
+    double time = 0;              // until the target was reached, or so far [s]
+    double path_length = 0;       // of the tip of the instrument that counts [m]
+    double advanced = 0, pulled_back = 0;  // of its hub [m]
+    double wall_force = 0, wall_force_mean = 0, wall_force_max = 0;  // [N]
+    double patch_force = 0, patch_force_max = 0;  // on the worst patch of the wall (contact/force_per_length.h) [N]
+    double hand_force_max = 0;    // magnitude, of that hub [N]
+    double time_above = 0;        // with more wall force, on all or on a patch, than allowed [s]
+    double fluoroscopy = 0;       // [s]
+    double contrast = 0;          // [ml]
+    double distance = -1;         // of the tip from the target [m]; -1: no target
+    double reached_at_m = 0, reached_at_s = 0;  // inserted length and time when the target was reached [m], [s]
+    // what the next step goes on from
+    double tip[3] = {};           // [m]
+    double inserted = 0;          // [m]
+    double force_time = 0;        // integral of the wall force [N s]
+    double run = 0;               // of the hub since it last turned round [m]
+    std::uint32_t pushes = 0, pull_backs = 0;  // changes of direction
+    std::int32_t direction = 0;
+    // 0 or 1: a file may hold anything, which a bool may not
+    std::uint8_t reached = 0, failed = 0;  // failed: a limit was exceeded before
+    std::uint8_t has_tip = 0;
+    std::uint8_t unused = 0;      // a checkpoint has no bytes that nobody sets
+};
+static_assert(std::is_trivially_copyable_v<ScoreNumbers>);
+
+/// Whether numbers read from a file can be those of a task.
+[[nodiscard]] bool is_sound(const ScoreNumbers& score);
+
+}  // namespace seldinger

@@ -1,0 +1,76 @@
+// Counts and ranks a batch's runs, and says so in one line.
+#include "study/batch_answer.h"
+
+#include "scene/force_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+constexpr std::size_t most_named = 2;  // runs that the best is not told apart from
+
+double number(const BatchRow& row, std::string_view column) { return row.numbers[column_index(column)]; }
+
+std::string branches_line(const std::map<int, std::size_t>& branches)
+{
+    std::string text;
+    for (const auto& [branch, runs] : branches)
+        text += fmt::format("{}{} ({} run{})", text.empty() ? "" : ", ", branch == 0 ? "before any branch" : fmt::format("in branch {}", branch),
+                            runs, runs == 1 ? "" : "s");
+    return text;
+}
+
+/// Whether the bands of the two overlap.
+bool is_apart(const BatchAnswer::Ranked& a, const BatchAnswer::Ranked& b) { return !(std::abs(a.value - b.value) <= a.band + b.band); }
+
+std::string best_line(const Sweep& sweep, const BatchLayout& layout, const BatchAnswer& answer)
+{
+    const BatchAnswer::Ranked& best = answer.ranking.front();
+    std::string text = fmt::format("; least peak on {:.3g} mm of wall: {}, {}", 1e3 * layout.patch, label_of(sweep, best.run), newtons(best.value, best.band));
+    std::size_t close = 0;
+    for (std::size_t k = 1; k < answer.ranking.size() && !is_apart(best, answer.ranking[k]); ++k, ++close) {
+        if (close >= most_named) continue;
+        const BatchAnswer::Ranked& other = answer.ranking[k];
+        text += fmt::format("{}{}, {}", close == 0 ? "; not told apart from " : ", ", label_of(sweep, other.run), newtons(other.value, other.band));
+    }
+    if (close > most_named) text += fmt::format(" and {} more", close - most_named);
+    return text;
+}
+
+}  // namespace
+
+BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& rows)
+{
+    constexpr std::size_t peak = column_index("until_patch_force_max_n");
+    BatchAnswer answer;
+    for (const RunRows& of : rows_by_run(layout, rows)) {
+        ++answer.runs;
+        if (of.row->status != RunStatus::Done) continue;
+        ++answer.branches[static_cast<int>(number(*of.row, "branch"))];
+        if (!layout.task) continue;
+        answer.reached += number(*of.row, "reached") > 0;
+        if (!(number(*of.row, "passed") > 0)) continue;
+        ++answer.passed;
+        answer.ranking.push_back({static_cast<std::size_t>(of.row->run), of.row->numbers[peak], of.half ? band_of(*of.row, *of.half, peak) : std::nan("")});
+    }
+    std::stable_sort(answer.ranking.begin(), answer.ranking.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+    return answer;
+}
+
+std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const BatchAnswer& answer)
+{
+    if (!layout.task) {
+        const bool has_branches = answer.branches.size() > 1 || (answer.branches.size() == 1 && answer.branches.begin()->first > 0);
+        return has_branches ? "tips ended " + branches_line(answer.branches) : "";
+    }
+    std::string text = fmt::format("{} of {} reached {}", answer.reached, answer.runs, layout.target);
+    if (layout.limits && answer.reached > 0) text += fmt::format(", {} within the limits", answer.passed);
+    if (answer.ranking.empty()) return text;
+    return text + best_line(sweep, layout, answer) + (layout.bands ? "" : " (--bands computes its band)");
+}
+
+}  // namespace seldinger

@@ -1,0 +1,97 @@
+// Branches of a centreline: their numbers, their mouths, and the one that a point lies in.
+#include "vessel/aortic_arch.h"
+#include "vessel/branches.h"
+
+#include <doctest/doctest.h>
+
+using namespace seldinger;
+
+namespace {
+
+/// Points every `step` from the end of `line`, point `from`, along `direction`; the first one's parent is `from`.
+int grow(Centreline& line, int from, const Vec3& start, const Vec3& direction, int count, double radius)
+{
+    for (int k = from < 0 ? 0 : 1; k <= count; ++k) {
+        line.points.push_back(start + (0.001 * k) * direction);
+        line.radius.push_back(radius);
+        line.parent.push_back(from);
+        from = static_cast<int>(line.points.size()) - 1;
+    }
+    return from;
+}
+
+/// A trunk along x of 80 mm and radius 5 mm; at 20 mm a branch of 30 mm along y, at 40 mm one along -y that forks 10 mm on.
+struct Tree {
+    Centreline line;
+    Tree()
+    {
+        grow(line, -1, Vec3::Zero(), Vec3::UnitX(), 80, 0.005);
+        grow(line, 20, Vec3(0.02, 0, 0), Vec3::UnitY(), 30, 0.002);
+        const int fork = grow(line, 40, Vec3(0.04, 0, 0), -Vec3::UnitY(), 10, 0.002);
+        grow(line, fork, Vec3(0.04, -0.01, 0), Vec3::UnitZ(), 10, 0.001);
+        grow(line, fork, Vec3(0.04, -0.01, 0), -Vec3::UnitY(), 15, 0.001);
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("vessel/branches")
+{
+    TEST_CASE("analytic: branches count in the order in which they leave on the path from the root, the trunk's end last")
+    {
+        const Tree tree;
+        const Branches branches(tree.line);
+        REQUIRE(branches.count() == 4);
+        const auto end = [&](int number) { return tree.line.points[static_cast<std::size_t>(branches.points(number).back())]; };
+        CHECK((end(1) - Vec3(0.02, 0.03, 0)).norm() < 1e-12);
+        CHECK((end(2) - Vec3(0.04, -0.01, 0.01)).norm() < 1e-12);  // both leave 50 mm from the root: by the end's index
+        CHECK((end(3) - Vec3(0.04, -0.025, 0)).norm() < 1e-12);
+        CHECK((end(4) - Vec3(0.08, 0, 0)).norm() < 1e-12);
+        CHECK(branches.from_root(branches.points(1).front()) == doctest::Approx(0.021));
+        CHECK(branches.from_root(branches.points(3).back()) == doctest::Approx(0.065));
+    }
+
+    TEST_CASE("analytic: a point is in a branch from its mouth on, before it in none, and its depth is that behind the mouth")
+    {
+        const Tree tree;
+        const Branches branches(tree.line);
+        const auto at = [&](double x, double y, double z) { return branches.locate(tree.line, Vec3(x, y, z)); };
+        CHECK(at(0.01, 0, 0).branch == 0);    // the trunk before any fork
+        CHECK(at(0.03, 0.001, 0).branch == 0);  // between forks: leads to three
+        CHECK(at(0.02, 0.004, 0).branch == 0);  // in the trunk's lumen yet
+        CHECK(at(0.02, 0.0101, 0.001).branch == 1);
+        CHECK(at(0.02, 0.0101, 0.001).depth == doctest::Approx(0.004));  // the mouth is the first point beyond 5 mm, 6 mm
+        CHECK(at(0.04, -0.006, 0).branch == 0);  // behind one fork, before the next
+        CHECK(at(0.04, -0.01, 0.008).branch == 2);
+        CHECK(at(0.04, -0.02, 0).branch == 3);
+        CHECK(at(0.058, 0, 0).branch == 4);
+        CHECK(at(0.042, 0, 0).branch == 0);
+    }
+
+    TEST_CASE("analytic: a tube has one branch, all of it, and an empty centreline none")
+    {
+        Centreline tube;
+        grow(tube, -1, Vec3::Zero(), Vec3::UnitX(), 20, 0.005);
+        const Branches one(tube);
+        CHECK(one.count() == 1);
+        CHECK(one.locate(tube, Vec3(0.007, 0.001, 0)).branch == 1);
+        CHECK(one.locate(tube, Vec3(0.007, 0.001, 0)).depth == doctest::Approx(0.007));
+        CHECK(Branches(Centreline{}).locate({}, Vec3::Zero()).branch == 0);
+    }
+
+    TEST_CASE("property: the arch's are left subclavian, left carotid, brachiocephalic and the root, as seen from the diaphragm")
+    {
+        const GeneratedVessel arch = make_aortic_arch(ArchSpec{});
+        const Branches branches(arch.centreline);
+        REQUIRE(branches.count() == 4);
+        // the patient's left is +y here (superior +x, anterior +z): the subclavian's end is farthest there
+        const auto end = [&](int number) { return arch.centreline.points[static_cast<std::size_t>(branches.points(number).back())]; };
+        const double radius[] = {0.01041 / 2, 0.00828 / 2, 0.0125 / 2};
+        for (int number = 1; number <= 3; ++number) {
+            CAPTURE(number);
+            CHECK(arch.centreline.radius[static_cast<std::size_t>(branches.points(number).back())] == doctest::Approx(radius[number - 1]).epsilon(0.02));
+            CHECK(branches.locate(arch.centreline, end(number)).branch == number);
+        }
+        CHECK(branches.locate(arch.centreline, end(4)).branch == 4);
+    }
+}

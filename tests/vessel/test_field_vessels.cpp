@@ -1,0 +1,193 @@
+// Vessels as segmentations, printers and CAD programs make them: in parts, with a thick wall, of exact spheres.
+#include "core/error.h"
+#include "vessel/extract_centreline.h"
+#include "vessel/mesh_fixtures.h"
+#include "vessel/parts.h"
+#include "vessel/repair.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// Tube along x about the axis, from x = 0 to `length`, normals outwards.
+WallMesh tube(double radius, double length, int around, int along, double x0 = 0)
+{
+    WallMesh mesh;
+    for (int i = 0; i <= along; ++i)
+        for (int j = 0; j < around; ++j) {
+            const double b = 2 * pi * j / around;
+            mesh.vertices.emplace_back(x0 + length * i / along, radius * std::cos(b), radius * std::sin(b));
+        }
+    for (std::int32_t i = 0; i < along; ++i)
+        for (std::int32_t j = 0; j < around; ++j) {
+            const std::int32_t a = i * around + j, b = i * around + (j + 1) % around, c = b + around, d = a + around;
+            mesh.triangles.push_back({a, c, b});
+            mesh.triangles.push_back({a, d, c});
+        }
+    return mesh;
+}
+
+void turn_all(WallMesh& mesh)
+{
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) flip(mesh, t);
+}
+
+/// Outer and inner tube; rims between their ends where they are joined.
+WallMesh thick_tube(double inner, double outer, bool joined)
+{
+    const int around = 32, along = 60;
+    WallMesh mesh = tube(outer, 0.06, around, along), inside = tube(inner, 0.06, around, along);
+    turn_all(inside);
+    const auto first = static_cast<std::int32_t>(mesh.vertices.size());
+    append(mesh, inside);
+    for (std::int32_t j = 0; joined && j < around; ++j)
+        for (const std::int32_t row : {0, along * around}) {
+            const std::int32_t a = row + j, b = row + (j + 1) % around, c = first + b, d = first + a;
+            mesh.triangles.push_back({a, b, c});
+            mesh.triangles.push_back({a, c, d});
+            if (row == 0) continue;
+            flip(mesh, mesh.triangles.size() - 1);
+            flip(mesh, mesh.triangles.size() - 2);
+        }
+    return mesh;
+}
+
+bool has_note(const RepairReport& report, const char* text)
+{
+    return std::any_of(report.notes.begin(), report.notes.end(), [&](const std::string& n) { return n.find(text) != std::string::npos; });
+}
+
+double largest_radius(const WallMesh& mesh)
+{
+    double r = 0;
+    for (const Vec3& v : mesh.vertices) r = std::max(r, std::hypot(v.y(), v.z()));
+    return r;
+}
+
+/// Tube with a hemisphere of its own radius at its end: all points of that are equally far from its middle.
+WallMesh hemispherical(int around, int along, double radius, double length)
+{
+    WallMesh mesh = tube(radius, length, around, along);
+    const std::int32_t quarter = around / 4;
+    std::int32_t ring = along * around;
+    for (std::int32_t q = 1; q < quarter; ++q) {
+        const double t = 0.5 * pi * q / quarter;
+        const auto next = static_cast<std::int32_t>(mesh.vertices.size());
+        for (int j = 0; j < around; ++j) {
+            const double b = 2 * pi * j / around;
+            mesh.vertices.emplace_back(length + radius * std::sin(t), radius * std::cos(t) * std::cos(b), radius * std::cos(t) * std::sin(b));
+        }
+        for (std::int32_t j = 0; j < around; ++j) {
+            const std::int32_t k = (j + 1) % around;
+            mesh.triangles.push_back({ring + j, next + k, ring + k});
+            mesh.triangles.push_back({ring + j, next + j, next + k});
+        }
+        ring = next;
+    }
+    const auto top = static_cast<std::int32_t>(mesh.vertices.size());
+    mesh.vertices.emplace_back(length + radius, 0, 0);
+    for (std::int32_t j = 0; j < around; ++j) mesh.triangles.push_back({ring + j, top, ring + (j + 1) % around});
+    return mesh;
+}
+
+Centreline axis_of(WallMesh& mesh, RepairReport& report)
+{
+    report = repair(mesh);
+    return extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops));
+}
+
+}  // namespace
+
+TEST_SUITE("vessel/field_vessels")
+{
+    TEST_CASE("property: of a thick wall the inner shell is taken, rims joined or not, whichever way the shells face")
+    {
+        for (const bool joined : {false, true})
+            for (const int turned : {0, 1, 2}) {
+                CAPTURE(joined);
+                CAPTURE(turned);
+                WallMesh mesh = thick_tube(3e-3, 4.5e-3, joined);
+                if (turned == 1) turn_all(mesh);
+                if (turned == 2 && !joined)
+                    for (std::size_t t = 0; t < mesh.triangles.size() / 2; ++t) flip(mesh, t);  // both shells face inwards
+                const RepairReport report = repair(mesh);
+                CHECK(largest_radius(mesh) == doctest::Approx(3e-3).epsilon(1e-6));
+                CHECK(mesh.triangles.size() == 2 * 32 * 60);
+                CHECK(report.loops.size() == 2);
+                CHECK(has_note(report, "inner of its two shells"));
+                const LumenQuery lumen(mesh, report.loops);
+                CHECK(lumen.inside(Vec3(0.03, 0, 0)));
+                CHECK_FALSE(lumen.inside(Vec3(0.03, 0.0037, 0)));
+            }
+    }
+
+    TEST_CASE("property: what lies in a lumen without filling it stays an obstacle, and vessels side by side stay two")
+    {
+        WallMesh catheter = tube(5e-3, 0.06, 32, 60), rod = tube(1e-3, 0.05, 16, 100, 0.005);
+        append(catheter, rod);
+        const RepairReport obstacle = repair(catheter);
+        CHECK(catheter.triangles.size() == 2 * 32 * 60 + 2 * 16 * 100);
+        CHECK(has_note(obstacle, "counts as an obstacle"));
+        WallMesh pair = tube(3e-3, 0.06, 32, 60), other = tube(3e-3, 0.06, 32, 60);
+        for (Vec3& v : other.vertices) v += Vec3(0, 0.0065, 0);
+        append(pair, other);
+        CHECK(repair(pair).components == 2);
+        CHECK(pair.triangles.size() == 2 * 2 * 32 * 60);
+    }
+
+    TEST_CASE("property: of a segmentation in parts the largest is the vessel, and each part is named with its share")
+    {
+        for (const bool closed : {false, true}) {
+            CAPTURE(closed);
+            // a wide stump of 15 mm beside a longer, narrower vessel, and crumbs
+            WallMesh mesh = closed ? sphere(12e-3, Vec3(0, 0.05, 0), 4) : tube(10e-3, 0.015, 40, 10, 0.2);
+            WallMesh vessel = closed ? hemispherical(40, 150, 4e-3, 0.15) : tube(4e-3, 0.15, 40, 150);
+            for (std::int32_t j = 1; closed && j + 1 < 40; ++j) vessel.triangles.push_back({0, j, j + 1});  // its flat end
+            append(mesh, vessel);
+            for (int k = 0; k < 5; ++k) append(mesh, sphere(5e-4, Vec3(0.05, 0.05 + 0.01 * k, 0.02), 1));
+            RepairReport report;
+            const Centreline line = axis_of(mesh, report);
+            CHECK(report.components == 7);
+            REQUIRE(line.points.size() > 10);
+            for (const Vec3& p : line.points) CHECK(std::hypot(p.y(), p.z()) < 4e-3);  // in the vessel
+            CHECK(line.total_length() > 0.12);
+            const VesselParts parts(mesh, report.loops);
+            CHECK(parts.parts()[0].share > parts.parts()[1].share);
+            CHECK(parts.part_at(Vec3(0.07, 0, 0)) == 0);
+            double all = 0;
+            for (const VesselPart& part : parts.parts()) all += part.share;
+            CHECK(all == doctest::Approx(1));
+            const std::vector<std::string> from_stump = parts.describe_choice(1);
+            REQUIRE(from_stump.size() == 3);
+            CHECK(from_stump[0].find("7 separate parts") != std::string::npos);
+            CHECK(from_stump[2].find("part 1 is larger") != std::string::npos);
+            CHECK(parts.describe_choice(0).size() == 2);
+        }
+    }
+
+    TEST_CASE("regression: a tube that ends in an exact hemisphere has an axis from its opening to the dome")
+    {
+        // every query for the middle of the sphere looked at all of it: 240 million steps from 64,680 triangles on
+        WallMesh mesh = hemispherical(120, 240, 2.5e-3, 25e-3);
+        RepairReport report;
+        const Centreline line = axis_of(mesh, report);
+        CHECK(report.loops.size() == 1);
+        REQUIRE_FALSE(line.empty());
+        double far = 0;
+        for (std::size_t i = 0; i < line.points.size(); ++i) {
+            far = std::max(far, line.points[i].x());
+            CHECK(std::hypot(line.points[i].y(), line.points[i].z()) < 0.1 * 2.5e-3);
+        }
+        CHECK(far > 24e-3);
+        CHECK(far < 27.5e-3);
+    }
+}
