@@ -52,7 +52,7 @@ void add_run(CommandLine& app, Command& chosen)
         ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
-    run->add_flag("--verbose", options->verbose, "more closing lines: model, way in, bands, numerics, state hash");
+    run->add_flag("--verbose", options->verbose, "print more closing lines: model, inlet, bands, numerics, state hash");
     run->add_flag("--json", options->json, "print the summary as one JSON object");
     run->callback([options, &chosen] {
         chosen = [options] {
