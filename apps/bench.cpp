@@ -89,7 +89,10 @@ void measure_scenes(const Options& options, BenchResults& results)
     for (const auto& file : files) {
         show(options, file.filename().string());
         try {
-            if (!results.device.fp64) throw Error(ExitCode::NoDevice, "the device has no double precision, which a world needs");
+            if (!results.device.fp64)
+                throw Error(ExitCode::NoDevice,
+                            "the device has no double precision, which scenes need; choose another with --device, or give "
+                            "--kernels-only");
             results.scenes.push_back(time_scene(read_scene(file), options.device, options.quick ? 1 : options.repeat,
                                                 options.quick ? quick_steps : 0, [] { return stop_asked_for() != 0; }));
         } catch (const Error& error) {
@@ -109,8 +112,7 @@ ExitCode bench(const Options& options)
     const std::vector<DeviceInfo> list = list_devices();
     device::check_device_index(options.device);
     if (list.empty())
-        throw Error(ExitCode::NoDevice,
-                    "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor itself");
+        throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
     results.device =
         list[static_cast<std::size_t>(options.device < 0 ? device::default_device(device::all_devices()) : options.device)];
     for (const auto& file : options.scenes) (void)read_scene(file);  // before minutes are spent on kernels
@@ -141,18 +143,18 @@ void add_bench(CommandLine& app, Command& chosen)
         ->add_option("-o", options->dir,
                      "folder for device.csv, kernels.csv, scenes.csv and the roofline picture (default: none is written)")
         ->type_name("DIR");
-    command->add_option("--scenes", options->scenes, "time these instead of the project's own")
+    command->add_option("--scenes", options->scenes, "time these scenes instead of the built-in ones")
         ->type_name("FILE")
         ->delimiter(',');
-    command->add_option("--repeat", options->repeat, "runs of each scene; the median counts")
+    command->add_option("--repeat", options->repeat, "runs of each scene; the median is reported")
         ->check(in_range(1, 99))
         ->type_name("N");
     command->add_flag("--quick", options->quick, "short check: small loads, 600 steps of each scene, once");
-    command->add_flag("--kernels-only", options->kernels_only, "no scenes");
+    command->add_flag("--kernels-only", options->kernels_only, "time kernels only, no scenes");
     command->add_flag("--overwrite", options->overwrite, "replace the results in DIR");
     command->add_option("--device", options->device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
-        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+        ->check([](const std::string& text) { return text.starts_with('-') ? "got " + text + "; expected 0 or more" : ""; });
     command->add_flag("--quiet", options->quiet, "no progress, no tables");
     command->add_flag("--json", options->json, "print the results as one JSON object");
     command->callback([options, &chosen] { chosen = [options] { return bench(*options); }; });

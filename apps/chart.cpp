@@ -74,7 +74,7 @@ void add_chart(CommandLine& app, Command& chosen)
     command->add_flag("--quick", options->chart.quick, "fewer models, shorter scenes: minutes instead of an hour");
     command
         ->add_option("-o", options->chart.dir,
-                     "folder for the results (default: chart, or chart-quick); what is there is not run again")
+                     "folder for the results (default: chart, or chart-quick); finished runs in it are kept")
         ->type_name("DIR");
     command
         ->add_option("--scenes", options->chart.scenes,
@@ -82,10 +82,10 @@ void add_chart(CommandLine& app, Command& chosen)
         ->type_name("NAME|FILE")
         ->delimiter(',');
     command->add_flag("--processor-time", options->chart.processor_time,
-                      "cost is processor time instead of wall time: for a machine that does other things too");
+                      "measure cost in processor time instead of wall time (for a machine with other load)");
     command
         ->add_option("--planned", options->chart.planned,
-                     "what `plan` wrote for the one scene charted: its model joins the others")
+                     "scene written by `plan`; its model joins the others (for one scene only)")
         ->type_name("FILE");
     command->add_option("--run-limit", options->chart.run_limit, "seconds after which a model is stopped (default: 60, or 10)")
         ->check(positive())
@@ -97,7 +97,7 @@ void add_chart(CommandLine& app, Command& chosen)
     command->add_flag("--overwrite", options->overwrite, "run everything again");
     command->add_option("--device", options->chart.device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
-        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+        ->check([](const std::string& text) { return text.starts_with('-') ? "got " + text + "; expected 0 or more" : ""; });
     command->add_flag("--quiet", options->quiet, "no progress, no summary");
     command->callback([options, &chosen] {
         chosen = [options] {

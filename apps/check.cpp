@@ -77,7 +77,7 @@ void add_check(CommandLine& app, Command& chosen)
         std::optional<std::string> wire;
     };
     auto options = std::make_shared<Options>();
-    CommandLine* check = app.add_subcommand("check", "say whether a scene can be run");
+    CommandLine* check = app.add_subcommand("check", "check a scene without running it");
     check->add_option("SCENE", options->file, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     check->add_option("--set", options->overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")

@@ -16,7 +16,7 @@ void add_devices(CommandLine& app, Command& chosen)
             const std::vector<DeviceInfo> list = list_devices();
             if (list.empty())
                 throw Error(ExitCode::NoDevice,
-                            "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor itself");
+                            "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
             std::string text;
             for (const DeviceInfo& d : list)
                 text += fmt::format("{}: {} ({}), {}, {}, {} compute units, {:.1f} GiB, {}\n", d.index, d.name, d.type,

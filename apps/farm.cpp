@@ -157,7 +157,7 @@ std::string status_text(const Folder& dir, const FarmPlan& plan, const FarmRepor
     text += fmt::format("  begun {} times: {} begun again after a kill or a stop, {} done again that had finished\n", r.began,
                         r.begun_again, r.finished_again);
     if (r.count(TaskState::Done) > 0)
-        text += fmt::format("  work {:.3g} s in all; beside it a task takes {:.3g} s (median), {:.3g} s (longest)\n", r.work_s,
+        text += fmt::format("  work {:.3g} s in all; overhead of a task {:.3g} s (median), {:.3g} s (longest)\n", r.work_s,
                             r.overhead_median_s, r.overhead_max_s);
     for (const auto& [task, why] : r.failed) text += fmt::format("  task {} failed: {}\n", task, why);
     if (r.count(TaskState::Done) == plan.tasks) text += fmt::format("  all done: seldinger farm merge {}\n", dir.path().string());
@@ -315,7 +315,7 @@ ExitCode merge(const ViewOptions& options)
 void add_status(CommandLine& farm_command, Command& chosen)
 {
     auto options = std::make_shared<ViewOptions>();
-    CommandLine* command = farm_command.add_subcommand("status", "where each task stands");
+    CommandLine* command = farm_command.add_subcommand("status", "show the state of each task");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_flag("--json", options->json, "as one JSON object");
     command->callback([options, &chosen] {
@@ -332,7 +332,8 @@ void add_status(CommandLine& farm_command, Command& chosen)
 void add_merge(CommandLine& farm_command, Command& chosen)
 {
     auto options = std::make_shared<ViewOptions>();
-    CommandLine* command = farm_command.add_subcommand("merge", "results.csv of a sweep as `batch` writes it; a film of frames");
+    CommandLine* command =
+        farm_command.add_subcommand("merge", "merge finished tasks: results.csv of a sweep, or a film of frames");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("--video", options->video, "film of the frames, by ffmpeg")->type_name("FILE.mp4");
     command->add_option("--fps", options->fps, "frames per second of the film (default: real time)")
@@ -381,7 +382,7 @@ void add_task(CommandLine& farm_command, Command& chosen)
 void add_farm(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CommandLine* command = app.add_subcommand("farm", "cut a batch, or a run's frames, into tasks for many machines");
+    CommandLine* command = app.add_subcommand("farm", "divide a batch, or the frames of a run, into tasks for many machines");
     command->require_subcommand(0, 1);
     command->allow_extras();
     command->add_option("SOURCE", options->source, "scene file with --vary, or folder of a run with --frames");
@@ -396,12 +397,12 @@ void add_farm(CommandLine& app, Command& chosen)
     command->add_option("--tasks", options->tasks, "how many tasks (default: 200, or one for each run or frame)")
         ->type_name("N")
         ->check(in_range(1, 1000000));
-    command->add_option("--backend", options->backend, "local: here, now; slurm: array jobs")
+    command->add_option("--backend", options->backend, "local (this machine, now) or slurm (array jobs)")
         ->check(one_of({"local", "slurm"}));
     command->add_option("--jobs", options->local.jobs, "local: tasks at a time (default 1)")
         ->type_name("N")
         ->check(in_range(1, 1024));
-    command->add_option("--threads", options->local.threads, "local: threads of each (default: all cores)")
+    command->add_option("--threads", options->local.threads, "local: threads of each task (default: all cores)")
         ->type_name("N")
         ->check(in_range(1, 1024));
     command->add_option("--device", options->local.device, "local: OpenCL device, as `seldinger devices` lists them")
@@ -409,7 +410,7 @@ void add_farm(CommandLine& app, Command& chosen)
     command->add_option("--sbatch", options->sbatch, "slurm: an option of the array job, e.g. --sbatch=--time=60; repeats")
         ->type_name("OPTION")
         ->allow_extra_args(false);
-    auto* submit_flag = command->add_flag("--submit", options->submit, "slurm: submit (else the commands are printed)");
+    auto* submit_flag = command->add_flag("--submit", options->submit, "slurm: submit the jobs (default: print the commands)");
     command->add_flag("--dry-run", options->dry_run, "prepare the folder and print what would be done")->excludes(submit_flag);
     command->add_flag("--quiet", options->local.quiet, "no progress, no status at the end");
     add_status(*command, chosen);

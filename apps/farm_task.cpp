@@ -37,10 +37,11 @@ double process_age()
 void check_key(const Folder& dir, const FarmPlan& plan, const std::string& now)
 {
     if (now != plan.key)
-        throw Error(ExitCode::BadScene,
-                    fmt::format("{}: {} or what it names has changed since the farm was made, or this is another version ({}); "
-                                "make a new farm",
-                                dir.path().string(), plan.source.string(), version()));
+        throw Error(
+            ExitCode::BadScene,
+            fmt::format("{}: {} or a file that it names has changed since the farm was made, or this is another version ({}); "
+                        "make a new farm",
+                        dir.path().string(), plan.source.string(), version()));
 }
 
 BatchPart run_part(const Folder& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)

@@ -47,7 +47,7 @@ ExitCode list_instruments()
 
 void add_instruments(CommandLine& app, Command& chosen)
 {
-    CommandLine* command = app.add_subcommand("instruments", "wires, catheters and sheaths of the catalogue");
+    CommandLine* command = app.add_subcommand("instruments", "list the wires, catheters and sheaths of the catalogue");
     command->callback([&chosen] { chosen = list_instruments; });
 }
 

@@ -120,9 +120,9 @@ ExitCode labels(const Options& options)
 void add_labels(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CommandLine* command = app.add_subcommand("labels", "a folder of labels (render --labels) in another format");
+    CommandLine* command = app.add_subcommand("labels", "convert a folder of labels (render --labels) to another format");
     command->add_option("DIR", options->dir, "folder that `render --labels` wrote")->required();
-    command->add_option("--coco", options->coco, "COCO annotations: masks as run lengths, tip and base as keypoints")
+    command->add_option("--coco", options->coco, "write COCO annotations: masks as run lengths, tip and base as keypoints")
         ->required()
         ->type_name("FILE.json");
     command->add_flag("--quiet", options->quiet, "no line at the end");

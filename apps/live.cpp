@@ -117,13 +117,15 @@ void add_what(CommandLine& command, Options& options)
 {
     command
         .add_option("SCENE", options.scene,
-                    "scene file (TOML), or the name of a scene of the program; its key frames give way to the hand")
+                    "scene file (TOML), or the name of a scene of the program; the device replaces its key frames")
         ->scene()
         ->required();
     command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");
-    command.add_option("--tolerance", options.model.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
+    command
+        .add_option("--tolerance", options.model.tolerance, "choose the model by `plan` for this error of the shape, e.g. 0.5mm")
+        ->type_name("LENGTH");
     command.add_option("--budget", options.model.budget, "with --tolerance: seconds by the clock to choose the model (default: 300)")
         ->check(positive())
         ->type_name("S");
@@ -133,7 +135,7 @@ void add_what(CommandLine& command, Options& options)
         ->check(positive())
         ->type_name("S");
     command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")->check(not_negative())->type_name("N");
-    command.add_flag("--quiet", options.quiet, "no address, no summary");
+    command.add_flag("--quiet", options.quiet, "print no address and no summary");
     command.add_flag("--json", options.json, "print the summary as one JSON object");
 }
 
@@ -142,7 +144,7 @@ void add_what(CommandLine& command, Options& options)
 void add_live(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CommandLine* command = app.add_subcommand("live", "a live session: force feedback by UDP, picture in the browser");
+    CommandLine* command = app.add_subcommand("live", "run a live session: force feedback by UDP, picture in the browser");
     add_what(*command, *options);
     const ArgumentCheck port = in_range(0, 65535);
     command->add_option("--port", options->web.port, "port of the page; 0: any free one (default: 8080)")->check(port)->type_name("N");
@@ -153,7 +155,10 @@ void add_live(CommandLine& app, Command& chosen)
     command->add_option("--coupling-stiffness", options->session.advance.stiffness, "stiffness between hand and instrument (default: 500)")
         ->check(positive())
         ->type_name("N/m");
-    command->add_option("--coupling-damping", options->session.advance.damping, "likewise (default: 1)")->check(not_negative())->type_name("N s/m");
+    command
+        ->add_option("--coupling-damping", options->session.advance.damping, "damping between hand and instrument (default: 1)")
+        ->check(not_negative())
+        ->type_name("N s/m");
     command->callback([options, &chosen] { chosen = [options] { return live(*options); }; });
 }
 

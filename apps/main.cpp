@@ -42,7 +42,7 @@ int complain(std::string message, ExitCode code)
 
 int run_command_line(int argc, char** argv)
 {
-    CommandLine app("Guidewires pushed, pulled and turned inside blood vessels: fast, and with the error bar shown.", "seldinger");
+    CommandLine app("Simulates guidewires, catheters and sheaths in blood vessels, and estimates the error.", "seldinger");
     app.set_version_flag("--version", std::string("seldinger ") + version());
     app.require_subcommand(1, 1);
     Command chosen;
@@ -66,7 +66,7 @@ int run_command_line(int argc, char** argv)
     for (const char* command : {"run", "batch", "check", "init", "vessel", "chart", "stability", "plan", "bench", "live", "farm"})
         app.subcommand(command)->add_flag_callback(
             "--no-vessel-cache", [] { ::setenv("SELDINGER_VESSEL_CACHE", "off", 1); },  // for processes of its own, too
-            "prepare the vessel's mesh anew, and keep nothing of it (SELDINGER_VESSEL_CACHE=off)");
+            "do without the cache of prepared vessels (as SELDINGER_VESSEL_CACHE=off)");
     use_vessel_cache(true);
     const std::string first = argc > 1 ? argv[1] : "";
     if (!first.empty() && first[0] != '-' && !app.subcommand(first))
@@ -89,7 +89,7 @@ std::string limited(const std::exception& error)
     try {
         if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
-        say_at_once("seldinger: out of memory inside a library; is memory limited (ulimit -v)?\n");
+        say_at_once("seldinger: out of memory inside a library; raise the limit of memory (ulimit -v), or take a coarser mesh\n");
         ::_exit(static_cast<int>(ExitCode::BadFile));
     } catch (...) {  // ours: a core dump tells more
     }

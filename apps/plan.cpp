@@ -54,7 +54,8 @@ ExitCode plan_scene(Options& options)
         what.goals.peaks.tolerance = peak.value;
         what.goals.peaks.is_relative = peak.relative;
     }
-    if (what.enough > 0 && what.goals.rate <= 0) throw Error(ExitCode::BadScene, "--enough: a share of real time, so it needs --rate N");
+    if (what.enough > 0 && what.goals.rate <= 0)
+        throw Error(ExitCode::BadScene, "--enough: got no --rate; expected one. Fix: give --rate N");
     const PlanFiles files = plan_files(options.plan);
     if (std::filesystem::exists(options.plan) && std::filesystem::equivalent(options.plan, options.scene))
         throw Error(ExitCode::BadScene, fmt::format("-o {}: is the scene itself; choose another file", options.plan.string()));
@@ -85,16 +86,18 @@ ExitCode plan_scene(Options& options)
 void add_plan(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CommandLine* command = app.add_subcommand("plan", "the cheapest model that is good enough for a scene");
+    CommandLine* command = app.add_subcommand("plan", "find the cheapest model that meets an accuracy");
     command->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
-    command->add_option("--tolerance", options->tolerance, "how far the wire may be off, root mean square over the run: 0.2mm")
+    command
+        ->add_option("--tolerance", options->tolerance,
+                     "allowed error of the wire's shape, root mean square over the run, e.g. 0.2mm")
         ->required()
         ->type_name("LENGTH");
-    command->add_option("--force-tolerance", options->force_tolerance, "largest error of the hand force: 5%, 10mN")
+    command->add_option("--force-tolerance", options->force_tolerance, "allowed error of the hand force, e.g. 5% or 10mN")
         ->type_name("SHARE|FORCE");
     command
         ->add_option("--peak-force-tolerance", options->peak_tolerance,
-                     "how far the largest hand force, friction and force per length (20 ms means) may be off: 10%, 5mN")
+                     "allowed error of the largest hand force, friction and force per length (20 ms means), e.g. 10% or 5mN")
         ->type_name("SHARE|FORCE");
     command
         ->add_option("--rate", options->what.goals.rate, "real time: steps of at most 1/N s, each computed within that time")
@@ -102,7 +105,7 @@ void add_plan(CommandLine& app, Command& chosen)
         ->type_name("N");
     command
         ->add_option("--enough", options->what.enough,
-                     "with --rate: take the first model that needs no more than this share of real time, not the cheapest")
+                     "with --rate: take the first model that needs at most this fraction of real time, not the cheapest")
         ->check(in_range(0.01, 1.0))
         ->type_name("SHARE");
     command->add_option("--budget", options->what.budget, "seconds by the clock for this call (default: 120)")

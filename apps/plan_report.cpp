@@ -121,13 +121,13 @@ std::string wall_reason(const Plan& plan, const PlanGoals& goals)
     if (wall.elastic) {
         const std::string text = fmt::format("elastic, edge {}: ", length(wall.edge));
         return text + (wall.other_known
-                           ? fmt::format("a rigid wall puts the tip wrong by {}, at {:.2g} x the cost", off(), wall.cost_ratio)
-                           : "beside a rigid wall this does not come to its end");
+                           ? fmt::format("a rigid wall changes the tip by {}, at {:.2g} x the cost", off(), wall.cost_ratio)
+                           : "with a rigid wall the run does not finish");
     }
     std::string text = fmt::format("rigid: the wall would move {}", length(wall.move));
     if (wall.move <= goals.tolerance) text += ", below the tolerance";
     if (wall.other_known)
-        text += fmt::format("; an elastic one is {:.2g} x the cost, with its tip wrong by {}", wall.cost_ratio, off());
+        text += fmt::format("; an elastic one is {:.2g} x the cost and changes the tip by {}", wall.cost_ratio, off());
     return text;
 }
 
@@ -204,7 +204,7 @@ std::string omissions(const Plan& plan)
                               fmt::format("{} -> {}", percent(plan.chosen->force_error / scale), percent(o.force_error / scale)))
                         : fmt::format("    {:<42}{}\n", o.what,
                                       o.too_dear ? "many times the cost: not run to its end"
-                                                 : "breaks off, or is more than twice the tolerance off");
+                                                 : "stops early, or its error is more than twice the tolerance");
     }
     return text;
 }
@@ -242,8 +242,9 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
     if (plan.chosen) {
         describe("chosen", *plan.chosen, files.plan);
         if (goals.rate > 0)
-            text += fmt::format("  head-room {:.3g}: {:.4g} steps a second are possible where it is slowest, {:g} were asked\n",
-                                1 / plan.chosen->slowest, steps_per_second(*plan.chosen), goals.rate);
+            text +=
+                fmt::format("  head-room {:.3g}: {:.4g} steps a second are possible where it is slowest, {:g} were requested\n",
+                            1 / plan.chosen->slowest, steps_per_second(*plan.chosen), goals.rate);
         if (plan.wall) text += fmt::format("  wall     {}\n", wall_reason(plan, goals));
         text += omissions(plan);
     }

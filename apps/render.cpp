@@ -140,16 +140,17 @@ std::shared_ptr<Options> declare_render(CommandLine& app, CommandLine*& command)
     auto options = std::make_shared<Options>();
     command = app.add_subcommand("render", "draw the frames of a run, without a display");
     command->add_option("DIR", options->dir, "folder of a run")->required();
-    command->add_option("--size", options->size, "picture in pixels (default 1280x720; fluoro 1024x1024)")->type_name("WxH");
+    command->add_option("--size", options->size, "size of the picture in pixels (default 1280x720; fluoro 1024x1024)")
+        ->type_name("WxH");
     command
         ->add_option("--camera", options->camera,
-                     "a camera that moves: orbit [DEG], follow [60mm], or keys \"0s 0 0; 2s 90 20 1.5\" (time, "
+                     "moving camera: orbit [DEG], follow [60mm], or keys \"0s 0 0; 2s 90 20 1.5\" (time, "
                      "azimuth, elevation in degrees, zoom)")
         ->type_name("MOVE");
-    command->add_option("--background", options->background, "white or transparent (default: a light shade)")
+    command->add_option("--background", options->background, "background: white or transparent (default: a light shade)")
         ->check(one_of({"white", "transparent"}))
         ->type_name("GROUND");
-    command->add_flag("--no-legend", options->no_legend, "the picture alone");
+    command->add_flag("--no-legend", options->no_legend, "leave out legend and scales");
     command->add_option("--gltf", options->gltf, "the frames as one animated model, in place of pictures: binary glTF")
         ->type_name("FILE.glb");
     command->add_option("--usd", options->usd, "the frames as one animated model, in place of pictures: USD")->type_name("FILE.usda");
@@ -157,16 +158,19 @@ std::shared_ptr<Options> declare_render(CommandLine& app, CommandLine*& command)
     command->add_option("--wall", options->wall, "draw the deformed elastic wall in colours: displacement or stress")
         ->check(one_of({"displacement", "stress"}))
         ->type_name("WHAT");
-    command->add_option("--wall-max", options->wall_max, "top of that scale (default: a round number above the run's largest value)")
+    command
+        ->add_option("--wall-max", options->wall_max,
+                     "top of the wall's colour scale (default: a round number above the run's largest value)")
         ->type_name("1.5mm|80kPa");
     command
         ->add_option("--force-max", options->force_max,
-                     "top of the scale of contact force per length, or per contact; default: round, above the run's largest")
+                     "top of the colour scale of contact force per length, or per contact (default: a round number above the "
+                     "run's largest value)")
         ->type_name("20mN/mm|50mN");
     command
         ->add_option("--view", options->view,
-                     "of the patient: front, back, left (side), right, top, bottom; endoscopic: from the tip; fluoro: an X-ray; "
-                     "default: where the vessel is widest")
+                     "side of the patient: front, back, left (side), right, top, bottom; endoscopic: from the tip; fluoro: an "
+                     "X-ray (default: where the vessel is widest)")
         ->check(one_of({"shaded", "front", "back", "left", "side", "right", "top", "bottom", "endoscopic", "fluoro"}))
         ->type_name("VIEW");
     options->fluoro.declare(*command);

@@ -31,15 +31,16 @@ void FluoroArguments::declare(CommandLine& command)
     command.add_option("--kvp", kvp, "fluoro: tube voltage [kV], 40 to 150 (default 75)")->type_name("KV");
     command.add_option("--kev", kev, "fluoro: one energy [keV] in place of a spectrum, 5 to 200")->type_name("KEV");
     command.add_option("--photons", photons, "fluoro: photons per pixel of the unattenuated beam (default 1e5)")->type_name("N");
-    command.add_option("--blur", blur, "fluoro: standard deviation on the detector [m] (default 2e-4)")->type_name("M");
-    command.add_option("--body", body, "fluoro: ellipsoid or none around the vessel")
+    command.add_option("--blur", blur, "fluoro: blur on the detector, standard deviation [m] (default 2e-4)")->type_name("M");
+    command.add_option("--body", body, "fluoro: body around the vessel: ellipsoid or none")
         ->check(one_of({"ellipsoid", "none"}))
         ->type_name("SHAPE");
     command.add_option("--seed", seed, "fluoro: seed of the noise (default: the scene's)")->type_name("N");
-    command.add_option("--mask", mask, "fluoro: subtract this run, which may be the same, without contrast")->type_name("DIR");
-    command.add_option("--raw", raw, "fluoro: -ln(I/I0) as float32 [rows, columns], without noise and blur")
+    command.add_option("--mask", mask, "fluoro: subtract the picture of this run without contrast (may be the same run)")
+        ->type_name("DIR");
+    command.add_option("--raw", raw, "fluoro: write -ln(I/I0) as float32 [rows, columns], without noise and blur")
         ->type_name("FILE.npy");
-    command.add_option("--dicom", dicom, "fluoro: X-ray angiographic image")->type_name("FILE.dcm");
+    command.add_option("--dicom", dicom, "fluoro: write a DICOM X-ray angiographic image")->type_name("FILE.dcm");
     command.add_flag("--no-noise", no_noise, "fluoro: without quantum noise");
     command.add_flag("--no-contrast", no_contrast, "fluoro: without the scene's [contrast]");
     command.add_flag("--log", logarithmic, "fluoro: grey levels by the logarithm of the signal");
@@ -97,7 +98,7 @@ Scene scene_of(const fs::path& dir, std::vector<std::string> overrides = {})
 double in_range(const char* option, double value, double low, double high, const char* what)
 {
     if (!(value >= low && value <= high))
-        throw Error(ExitCode::BadScene, fmt::format("{}: {} given, expected {} from {} to {}", option, value, what, low, high));
+        throw Error(ExitCode::BadScene, fmt::format("{}: got {}; expected {} from {} to {}", option, value, what, low, high));
     return value;
 }
 

@@ -15,18 +15,19 @@ namespace seldinger::apps {
 
 void FrameArguments::declare(CommandLine& command)
 {
-    command.add_option("--frames", frames, "from A to B, from 0; default: the last one")->type_name("A:B");
-    command.add_option("-o", output, "picture; NAME_######.png of several frames (default: in DIR)")->type_name("FILE.png");
-    command.add_option("--video", video, "film, by ffmpeg")->type_name("FILE.mp4");
+    command.add_option("--frames", frames, "frames A to B, counted from 0 (default: the last one)")->type_name("A:B");
+    command.add_option("-o", output, "picture to write (default: in DIR); several frames: NAME_######.png")
+        ->type_name("FILE.png");
+    command.add_option("--video", video, "film to write (needs ffmpeg)")->type_name("FILE.mp4");
     command.add_option("--fps", fps, "frames per second of the film (default: real time)")->type_name("N");
-    command.add_option("--labels", labels, "ground truth for every picture, NAME.json and NAME_mask.png, into this folder")
+    command.add_option("--labels", labels, "folder for the ground truth of every picture: NAME.json and NAME_mask.png")
         ->type_name("DIR");
     command.add_option("--labels-in", labels_in)->hidden();  // of a farm, in whose folder others write: --labels lies below it
-    command.add_flag("--label-vessel", label_vessel, "with --labels: thickness of the lumen along each ray, NAME_lumen.png");
-    command.add_option("--preview", preview, "16 of the pictures with their labels drawn in, on one sheet, and nothing else")
+    command.add_flag("--label-vessel", label_vessel, "with --labels: also the lumen's thickness along each ray, NAME_lumen.png");
+    command.add_option("--preview", preview, "one sheet of 16 pictures with their labels drawn in; nothing else is written")
         ->type_name("FILE.png");
     command.add_flag("--resume", resume, "skip pictures that exist already");
-    command.add_flag("--numbered", numbered, "NAME_######.png of a single frame too");
+    command.add_flag("--numbered", numbered, "number the picture (NAME_######.png) even if it is the only one");
     command.add_flag("--quiet", quiet, "print no file names");
 }
 
@@ -39,7 +40,7 @@ std::pair<int, int> two_numbers(const std::string& text, char between, const cha
         const auto second = std::from_chars(first.ptr + 1, end, b);
         if (second.ec == std::errc() && second.ptr == end && a >= 0 && b >= 0) return {a, b};
     }
-    throw Error(ExitCode::BadScene, fmt::format("{}: \"{}\" given, {} expected", option, text, form));
+    throw Error(ExitCode::BadScene, fmt::format("{}: got \"{}\"; expected {}", option, text, form));
 }
 
 #ifdef SEL_WITH_VIEW
@@ -52,7 +53,7 @@ FrameChoice FrameArguments::choice() const
     }
     if (fps && video.empty()) throw Error(ExitCode::BadScene, "--fps: got no --video; expected a film. Fix: give --video FILE.mp4");
     if (fps && !(*fps >= 0.1 && *fps <= 240))
-        throw Error(ExitCode::BadScene, fmt::format("--fps: {} given, expected frames per second from 0.1 to 240", *fps));
+        throw Error(ExitCode::BadScene, fmt::format("--fps: got {}; expected frames per second from 0.1 to 240", *fps));
     if (label_vessel && labels.empty()) throw Error(ExitCode::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
     if (!preview.empty() && !video.empty())
         throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --video");

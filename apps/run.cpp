@@ -16,11 +16,11 @@ void add_limits(CommandLine& command, double& time_limit, int& device)
     command.add_option("--time-limit", time_limit, "stop after this number of seconds with the state saved, exit 75")
         ->type_name("S")
         ->check([](const std::string& text) {
-            return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected";
+            return std::strtod(text.c_str(), nullptr) > 0 ? "" : "got " + text + "; expected seconds above 0";
         });
     command.add_option("--device", device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
-        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+        ->check([](const std::string& text) { return text.starts_with('-') ? "got " + text + "; expected 0 or more" : ""; });
 }
 
 void add_run(CommandLine& app, Command& chosen)
@@ -41,17 +41,18 @@ void add_run(CommandLine& app, Command& chosen)
         ->allow_extra_args(false);
     run->add_option("--wire", options->wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     auto* resume = run->add_flag("--resume", options->resume, "continue the run in DIR (without one: from the start)");
-    run->add_option("--replay", options->run.replay, "take the inputs of a recorded live session in place of the key frames: the same bits")
+    run->add_option("--replay", options->run.replay,
+                    "use the inputs of a recorded live session instead of the key frames; the result has the same bits")
         ->excludes(resume)
         ->type_name("FILE");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     run->add_option("--error-estimate", options->estimate,
-                    "what the step's length leaves in forces and tip, from windows taken again with shorter steps: auto (a tenth to a fifth "
-                    "of the run's time; not for elastic walls), on, off")
+                    "estimate the time-step error of forces and tip: auto (10 to 20 % of the run's time; not for elastic walls), "
+                    "on or off")
         ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
-    run->add_flag("--verbose", options->verbose, "more closing lines: model, way in, bands, numerics, state hash");
+    run->add_flag("--verbose", options->verbose, "print more closing lines: model, inlet, bands, numerics, state hash");
     run->add_flag("--json", options->json, "print the summary as one JSON object");
     run->callback([options, &chosen] {
         chosen = [options] {

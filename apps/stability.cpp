@@ -22,24 +22,25 @@ void add_stability(CommandLine& app, Command& chosen)
         bool json = false;
     };
     auto options = std::make_shared<Options>();
-    CommandLine* command = app.add_subcommand("stability", "where each method holds, and how it fails where it does not");
+    CommandLine* command = app.add_subcommand("stability", "map where each method is stable, and how it fails elsewhere");
     command
         ->add_option("-o", options->dir,
-                     "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
+                     "folder for table, scenes and maps.json (default: stability); finished cells in it are kept")
         ->type_name("DIR");
     command->add_option("scene", options->scene, "your own scene, swept over its step and --vary, instead of the maps")
         ->type_name("SCENE.toml");
     command->add_option("--vary", options->vary, "key and values to vary in it, e.g. vessel.youngs_pa=1e5,1e6,1e7")
         ->type_name("KEY=V,V,...");
-    command->add_flag("--quick", options->quick, "nine cells a map, four methods: a few minutes");
+    command->add_flag("--quick", options->quick, "short check: nine cells a map, four methods, a few minutes");
     command->add_option("--row", options->rows, "only maps of these failure rows, e.g. F3,F4")
         ->type_name("F1..F21")
         ->delimiter(',');
-    command->add_option("--maps", options->maps, "only these")->type_name("NAME")->delimiter(',');
+    command->add_option("--maps", options->maps, "only these maps")->type_name("NAME")->delimiter(',');
     // a method's name may hold a comma
     command
-        ->add_option("--methods", options->methods,
-                     "only these; separate by spaces, quote names; all: all of them (default: those in docs/stability.md)")
+        ->add_option(
+            "--methods", options->methods,
+            "only these methods; separate by spaces, quote names; all: every method (default: those in docs/stability.md)")
         ->type_name("NAME");
     command->add_option("--jobs", options->jobs, "threads (default: one per core)")->check(in_range(1, 1024))->type_name("N");
     command

@@ -305,7 +305,7 @@ StabilityWork select_work(const StabilityOptions& options)
         work.maps = named(of_rows(stability_maps(), options.rows), options.maps, "maps");
     } else {
         if (!options.rows.empty() || !options.maps.empty())
-            throw Error(ExitCode::BadScene, "--row, --maps: not with a SCENE.toml, which is a map of its own");
+            throw Error(ExitCode::BadScene, "--row, --maps: not with a SCENE.toml, which is one map");
         if (options.vary.empty())
             throw Error(ExitCode::BadScene, "--vary: is needed with a SCENE.toml, e.g. --vary vessel.youngs_pa=1e5,1e6,1e7");
         const auto [key, values] = parse_vary(options.vary);

@@ -3,9 +3,9 @@
 //
 // Both are blocked in every thread and taken by a separate one, which waits for them. So handlers that a compiler inside an OpenCL
 // driver sets never run, and nothing has to be safe inside a handler. While a StopSignal lives, the first signal is a request. The
-// process ends at once in four cases: at a second signal; while a kernel is being built or a NoPolling lives (a vessel is repaired,
-// a batch is planned: seconds without a check, and without writing); if no loop has looked for eight seconds (a driver compiles as
-// a kernel first runs); and if no StopSignal lives and none has answered.
+// process ends at once in four cases. First, at a second signal. Second, while a kernel is built or a NoPolling lives: vessel
+// repair and batch planning take seconds without a check, and write nothing. Third, if no loop has polled for eight seconds, as
+// when a driver compiles while a kernel first runs. Fourth, if no StopSignal lives and none has answered.
 
 #include <csignal>
 #include <string_view>

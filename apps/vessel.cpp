@@ -177,11 +177,13 @@ void add_vessel(CommandLine& app, Command& chosen)
     vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP, VTK) or scene file (TOML)")
         ->type_name("MESH|SCENE.toml")
         ->required();
-    vessel->add_option("--units", options->units, "of the mesh: m, cm, mm, um, in (default: what its header says, else mm)")
+    vessel->add_option("--units", options->units, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
     vessel->add_flag("--json", options->json, "print one JSON object");
-    vessel->add_option("-o", options->dir, "write the cleaned mesh and the centreline there")->type_name("DIR");
-    vessel->add_option("--subdivide", options->subdivide, "rounds of Loop subdivision: four times the triangles each, smooth")
+    vessel->add_option("-o", options->dir, "folder for the cleaned mesh and the centreline")->type_name("DIR");
+    vessel
+        ->add_option("--subdivide", options->subdivide,
+                     "rounds of Loop subdivision: each smooths the surface, with four times the triangles")
         ->check(in_range(0, 6))
         ->type_name("N");
     vessel->callback([options, &chosen] { chosen = [options] { return inspect(*options); }; });

@@ -80,7 +80,7 @@ class Panel:
     def draw(self, axes):
         axes.set_xscale("log")
         axes.set_yscale("log")
-        axes.set_ylabel(f"{'tip' if self.word == 'tip' else self.reference['says']} error [{self.shown_unit}]")
+        axes.set_ylabel(f"{'tip' if self.word == 'tip' else self.reference.get('axis_label', self.reference.get('says'))} error [{self.shown_unit}]")
         if not self.charted or not self.points:
             axes.set_xticks([])
             axes.set_yticks([])

@@ -21,13 +21,12 @@
 // a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand is
 //     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
 //     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
-// Friction between the instruments, by the laws per length of CoaxialSpec (contact/coaxial_friction.h), pushes back on each hand
-// as much as it pulls at another one, and on the line not at all.
-// a_k is along the edges that the material lies on (EdgeSums::along), and slip counts no turn at their corners: the rod's surface on
-// the outside of a bend slides by 1 + kappa r, by some per cent in a vessel, which is left out on both sides, so that hands put in
-// what friction takes out.
-// CoaxialSpec's mu and stiffness are the separate model's.
-// Axial inertia of sliding material is not included: all material of a place moves with the line's.
+// Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on each
+// hand as much as it pulls at another one, and does not act on the line. a_k is along the edges that the material lies on
+// (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface slides by 1 + kappa r, in
+// a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by friction. CoaxialSpec's mu and
+// stiffness are the separate model's. Axial inertia of sliding material is not included: all material of a place moves with the
+// line's.
 
 #include "solve/coaxial_group.h"
 #include "solve/feed.h"
@@ -96,8 +95,8 @@ void set_exposures(World::Impl& state);
 
 /// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
 void read_hands(World::Impl& state, MergedGroup& group);
-/// Forces by which a group's hands do work: dE/dL; then for each instrument dE/do, the forces of its surroundings and of friction along
-/// the line, of the twisted length behind the inlet, and its torque [N], [N m].
+/// Forces by which a group's hands do work [N], [N m]. First dE/dL; then for each instrument dE/do, the forces along the line of
+/// its surroundings, of friction and of the twisted length behind the inlet, and its torque.
 struct MergedForces {
     static constexpr std::size_t each = 5;
     explicit MergedForces(int instruments) : count(1 + each * static_cast<std::size_t>(instruments)) {}

@@ -57,8 +57,8 @@ void check_scheme(const WorldSetup& setup)
     for (std::size_t w = 0; w < setup.wires.size() && newton && integrator.newmark; ++w)
         if (!setup.wires[w].holds.empty() && merged_spec_of(setup, static_cast<int>(w)))
             refuse(fmt::format("wires[{}].holds", w),
-                   "is not empty, expected no holds on instruments of one centreline (merged) with Newmark's steps, which leave "
-                   "a velocity that a hold takes away changing its sign for ever; take backward Euler, or a stiff link");
+                   "is not empty, expected no holds on instruments of one centreline (merged) with Newmark's steps: a velocity "
+                   "that a hold removes would change its sign at every step; take backward Euler, or a stiff link");
     if (integrator.damping_stiffness > 0)
         refuse("integrator.damping_stiffness", "is not 0, expected 0 with instruments of one centreline (merged)");
     if (setup.instruments_touch)
@@ -92,7 +92,7 @@ void check_merged(const WorldSetup& setup)
     for (std::size_t w = 0; w < setup.wires.size(); ++w)
         if (setup.wires[w].feed.behind != 0 && !merged_spec_of(setup, static_cast<int>(w)))
             refuse(fmt::format("wires[{}].feed.behind", w),
-                   "is not 0, expected it with instruments of one centreline (merged) only");
+                   "is not 0, expected 0 except for instruments of one centreline (merged)");
 }
 
 }  // namespace seldinger

@@ -136,8 +136,7 @@ double widest(const WireSpec& spec)
 /// Instruments inside each other, a rod each (D13).
 void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::string& where)
 {
-    if (nest.order.size() < 2)
-        refuse(where + ".order", "names fewer than two instruments, expected outer first, then what is in it");
+    if (nest.order.size() < 2) refuse(where + ".order", "names fewer than two instruments, expected two or more, outer first");
     const auto system_of = [&](int wire) {
         int end = 0, system = 0;
         for (const int size : setup.systems)

@@ -478,7 +478,8 @@ std::string describe_coaxial_friction(const WorldSetup& setup)
     const CoaxialSpec& spec = *std::ranges::find_if(setup.coaxial, merged);
     std::string text = fmt::format("{:.3g} N/m and {:.3g} Pa s", spec.drag, spec.viscous);
     if (spec.lumen_friction)
-        text += fmt::format(", and {:.3g}, sliding {:.3g}, of what presses at the clearance", spec.mu_static, spec.mu_sliding);
+        text += fmt::format(", and {:.3g}, sliding {:.3g}, times the contact force at the clearance", spec.mu_static,
+                            spec.mu_sliding);
     return text + " (asked for)";
 }
 

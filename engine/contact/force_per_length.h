@@ -2,21 +2,21 @@
 // Readings of contact along a wire that do not depend on its sampling: force per length, the force on a patch, the number of
 // regions in contact.
 //
-// A sample of contact that represents the length l of wire bears its normal force F [N] evenly over [s - l/2, s + l/2], s the arc
-// length from the tip along the unstressed wire [m]. The tip's own point law and the pairs of `layer` represent no length and bear
-// theirs at s. Their sum is a load along the wire whose integral is the sum of all F, whatever the samples are. With N(a, b) the
-// load on the closed stretch from a to b [N]:
+// Let s be the arc length from the tip along the unstressed wire [m]. A sample of contact that represents the length l of wire
+// bears its normal force F [N] evenly over [s - l/2, s + l/2]. The tip's own point law and the pairs of `layer` represent no length
+// and bear theirs at s. Their sum is a load along the wire whose integral is the sum of all F, whatever the samples are. With N(a,
+// b) the load on the closed stretch from a to b [N]:
 //
 //     force per length    q(s) = N(s - W/2, s + W/2) / W     [N/m]
 //     force on a patch    P(L) = max over a of N(a, a + L)   [N]
 //     pressure            N over the area that the same window lies on (contact_patch.h)   [Pa]
 //     regions             runs of stretches with contact, apart by more than W
 //
-// The window W is one wire diameter: what a wire presses on is not known finer than the wire is thick. A box has the integral of
-// the load (the window hangs over at the wire's ends, where q falls to half of an even load) and makes of F at one place F/W,
-// wherever that is; an even load is q itself. Two samples share the load between them over 2 l: W is at least twice the
-// samples' spacing, and the reading says so (`widened`). Normal forces are added as they are, without direction: a wire that is
-// pressed between two walls reads what presses on it from both sides.
+// The window W is one wire diameter: what a wire presses on is not known finer than the wire is thick. A box window keeps the
+// integral of the load. A force F at one position reads F/W, and an even load reads q itself. At the wire's ends the window hangs
+// over, and q falls to half of an even load. Two samples share the load between them over 2 l: W is at least twice the samples'
+// spacing, and the reading says so (`widened`). Normal forces are added as they are, without direction: a wire that is pressed
+// between two walls reads the forces of both sides.
 
 #include "contact/contact_row.h"
 

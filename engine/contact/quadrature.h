@@ -2,9 +2,9 @@
 // Points at which contact is evaluated: quadrature points fixed in the material, whatever the nodes do.
 //
 // Quadrature point 0 of a wire is its tip (point law). Quadrature point k >= 1 represents the k-th stretch of `spacing` metres from
-// the tip and lies at its middle. (Detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the
-// edge length.) The default spacing is one wire radius. If every quadrature point is farther than r/2 from the wall (the hardening
-// law never lets the axis nearer), the straight axis between two of them cannot meet the wall at all.
+// the tip and lies at its middle. Detection `nodes` puts the points at the control nodes. Uniform feeding keeps these at whole
+// multiples of the edge length. The default spacing is one wire radius. If every quadrature point is farther than r/2 from the wall
+// (the hardening law never lets the axis nearer), the straight axis between two of them cannot meet the wall at all.
 //
 // A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a rod.
 // While one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The

@@ -22,8 +22,8 @@ inline constexpr double weight_gravity = 9.81;
 /// Foundation modulus of a thin layer on a stiff bed, k_f = E (1-nu) / ((1+nu) (1-2nu) H)  [N/m^3] (D6)
 [[nodiscard]] double foundation_modulus(const VesselSpec& wall);
 
-/// Line law of two bodies that lie along each other: f = (4/3) k_f sqrt(2 r*) depth^1.5 per metre. r* and k_f are of both sides
-/// (D6b: a rigid wire along a lumen, 1/r* = 1/r - 1/R).
+/// Line law of two bodies that lie along each other: f = (4/3) k_f sqrt(2 r*) depth^1.5 per metre (D6b). Both sides give r* and
+/// k_f. For a rigid wire along a lumen 1/r* = 1/r - 1/R.
 [[nodiscard]] double line_stiffness(const LawSide& a, const LawSide& b);
 
 /// Point law of a wire's round tip on the bed whose line law is `line` depth^n: a bed of pressure p = c depth^(n - 1/2) carries

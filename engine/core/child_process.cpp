@@ -67,7 +67,7 @@ void end_with_parent(pid_t parent, int signal)
 std::string why_not_started(const std::string& program, const std::string& advice)
 {
     if (errno == ENOENT) return program + " is not installed; " + advice;
-    const char* fix = errno == EAGAIN || errno == ENOMEM ? "; is memory or the number of processes limited (ulimit -a)?" : "";
+    const char* fix = errno == EAGAIN || errno == ENOMEM ? "; raise the limits of memory and processes (ulimit -a)" : "";
     return fmt::format("{} cannot be started: {}{}", program, std::strerror(errno), fix);
 }
 

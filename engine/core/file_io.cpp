@@ -58,7 +58,7 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
     // without waiting: opening a pipe that no one writes to would never return
     const int fd = ::openat(place.start(), place.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | place.read_flags());
     if (fd < 0 && errno == ELOOP && place.read_flags() != 0)
-        throw Error(ExitCode::BadFile, path + ": is a link; what is read of this folder lies in it. Fix: put the file itself there");
+        throw Error(ExitCode::BadFile, path + ": is a link; expected a file in this folder. Fix: put the file itself there");
     if (fd < 0) fail(errno);
     struct stat status {};
     if (::fstat(fd, &status) == 0 && !S_ISREG(status.st_mode)) {
@@ -68,8 +68,9 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
     }
     if (static_cast<std::uint64_t>(status.st_size) > most) {
         ::close(fd);
-        throw Error(ExitCode::BadFile, fmt::format("{}: has {} bytes, at most {} are read here; is it the right file?",
-                                                   path, status.st_size, most));
+        throw Error(ExitCode::BadFile,
+                    fmt::format("{}: got {} bytes; expected at most {}. Fix: check that this is the right file", path,
+                                status.st_size, most));
     }
     std::string content;
     content.reserve(static_cast<std::size_t>(status.st_size));

@@ -28,7 +28,7 @@ bool is_name(const std::string& name)
 
 void check_name(const fs::path& folder, const std::string& name)
 {
-    if (!is_name(name)) fail(folder, fmt::format("holds no \"{}\", which is no file's name", name));
+    if (!is_name(name)) fail(folder, fmt::format("got \"{}\"; expected the name of a file in this folder", name));
 }
 
 std::shared_ptr<const int> handle_of(int fd)

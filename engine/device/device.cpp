@@ -71,7 +71,7 @@ void check(cl_int status, const char* call)
 {
     if (status == CL_SUCCESS) return;
     const std::string name(call, std::strcspn(call, "("));
-    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists what is usable", name,
+    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists usable devices", name,
                                                 error_name(status), status));
 }
 
@@ -141,7 +141,9 @@ Context::Context(int index, bool float32) : float32_(float32)
     cpu_ = type & CL_DEVICE_TYPE_CPU;
     name_ = device_text(heavy, CL_DEVICE_NAME);
     if (!float32 && device_text(heavy, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") == std::string::npos)
-        throw Error(ExitCode::NoDevice, fmt::format("device \"{}\" has no double precision, which these kernels need", name_));
+        throw Error(ExitCode::NoDevice, fmt::format("device \"{}\" has no double precision, which these kernels need; choose "
+                                                    "another (`seldinger devices` lists them)",
+                                                    name_));
     if (index < 0)
         for (cl_device_id other : all)
             if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0 && name_.rfind("pthread", 0) == 0) light = other;

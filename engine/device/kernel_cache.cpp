@@ -127,7 +127,7 @@ std::string fault_of_cache(const fs::path& dir)
         return fmt::format("the kernel cache {} cannot be written to: {}", shown, std::strerror(problem));
     const fs::path odd = clean_kernel_cache(dir);
     if (odd.empty()) return {};
-    return fmt::format("the kernel cache {} has something else in the place of a kernel: {}", shown,
+    return fmt::format("the kernel cache {} has something else in place of a kernel: {}", shown,
                        printable(odd.lexically_relative(dir).string()));
 }
 
@@ -216,9 +216,10 @@ fs::path kernel_cache_folder()
 
 std::string kernel_cache_advice()
 {
-    return fmt::format("if the disk is full, or what is in the kernel cache {} was damaged: delete that folder, or set "
-                       "POCL_CACHE_DIR to another one",
-                       printable(kernel_cache_folder().string()));
+    return fmt::format(
+        "if the disk is full or the kernel cache {} is damaged: delete that folder, or set "
+        "POCL_CACHE_DIR to another one",
+        printable(kernel_cache_folder().string()));
 }
 
 fs::path clean_kernel_cache(const fs::path& dir)

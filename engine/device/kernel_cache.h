@@ -8,9 +8,9 @@
 
 namespace seldinger::device {
 
-/// Before PoCL first looks: takes out compiled kernels that are cut off (mapping one ends the process by SIGBUS); where the folder
-/// cannot be written to, or has a link or a device where PoCL keeps kernels, says so on stderr and has PoCL use a folder of this
-/// process alone, which goes at its end.
+/// Call before PoCL first reads its cache. Removes truncated kernels (mapping one ends the process by SIGBUS). If the folder cannot
+/// be written to, or has a link or a device in place of a kernel, prints a note. PoCL then uses a folder of this process alone,
+/// which is removed at its end.
 void prepare_kernel_cache();
 
 /// What PoCL uses, by its own rules: POCL_CACHE_DIR, else pocl/kcache in XDG_CACHE_HOME or ~/.cache.

@@ -67,7 +67,7 @@ pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::str
 std::string unfinished(const std::string& said)
 {
     if (!said.empty()) return fmt::format("ffmpeg could not finish the film ({})", said);
-    return "ffmpeg could not finish the film; is the disk full, or is it without libx264?";
+    return "ffmpeg could not finish the film; check that the disk is not full and that ffmpeg has libx264";
 }
 
 const char* container_of(const std::filesystem::path& path)
@@ -159,7 +159,7 @@ void FilmWriter::put(const void* pixels, std::size_t size)
     if (!gone) return;
     wait_for_end();
     const std::string said = first_line(said_);
-    fail(said.empty() ? "ffmpeg ended before the film did; is the disk full?" : unfinished(said));
+    fail(said.empty() ? "ffmpeg ended before the film was complete; check that the disk is not full" : unfinished(said));
 }
 
 void FilmWriter::finish()

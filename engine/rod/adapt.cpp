@@ -16,8 +16,9 @@ namespace seldinger {
 namespace {
 
 constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
-// The hand force is read off the base edge, so errors of that edge swing with each edge fed. Measured on an arc of 40 mm, base
-// edges of up to half the longest leave 1 mN, those of up to 1.5 times the longest 4 mN of 240 mN; the former cost three to five more nodes.
+// The hand force is read off the base edge, so errors of that edge swing with each edge fed. Measured on an arc of 40 mm at 240 mN:
+// base edges of up to half the longest leave an error of 1 mN, those of up to 1.5 times the longest 4 mN. The former cost three to
+// five more nodes.
 constexpr double base_share = 0.5;
 constexpr int most_seeds = 3;  // edges split in one call, not counting neighbours that have to follow
 

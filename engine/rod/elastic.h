@@ -27,7 +27,7 @@ struct RodClamp {
     bool spin = false;
     Vec3 tangent = Vec3::UnitX();   // unit, oriented tip -> hub like the edges' tangents
     Vec3 director = Vec3::UnitZ();  // first MATERIAL director of the clamp, unit, normal to tangent
-    // Continuous angle that the director was turned by [rad], to count full turns, in the gauge of the edges' theta: twist
+    // Continuous angle by which the director was turned [rad], so that full turns count, in the gauge of the edges' theta. Twist
     // between clamp and edge is theta - turns + (angle of the unturned director from the edge's ref_d1).
     double turns = 0;
 };

@@ -7,10 +7,10 @@
 
 namespace seldinger {
 
-/// Whether an edge is longer or shorter by more than half of its rest length, and by more than a misplaced node makes of a short
-/// one (0.01 radii: the base edge of a fed wire begins at nothing). A converged state of a soft band may be so. A state that missed
-/// the tolerance is then no state: forces on its nodes are arbitrary, and so is the hand's work with them. (A stiff wire thrown
-/// head-on against a wall at 0.5 m/s came to 1e11 N in an edge that the hand drew out.)
+/// Whether an edge is longer or shorter by more than half of its rest length and by more than 0.01 radii. The second limit is for
+/// the base edge of a fed wire, which begins with length 0. A converged state of a soft band may meet both. A state that missed the
+/// tolerance is then unusable: the forces on its nodes are arbitrary, and so is the hand's work. A stiff wire thrown head-on
+/// against a wall at 0.5 m/s came to 1e11 N in an edge that the hand drew out.
 [[nodiscard]] inline bool is_torn(const ConstRodView& rod)
 {
     for (int j = 0; j + 1 < rod.n; ++j) {

@@ -15,8 +15,8 @@
 // n for m (the twist's own variation cancels). For either angle d kappa1/d theta = kappa2/2, d kappa2/d theta = -kappa1/2.
 //
 // A clamp that holds only the direction has no director: its frame follows the edge's. That is the same formula with the frame
-// taken at a share lambda = 1/2 + mu of the twist, counted from e. mu = 0 between edges, +1/2 at a clamp that is the tip-side
-// partner (the frame is f's), -1/2 at one on the hub side.
+// taken at a share lambda = 1/2 + mu of the twist, counted from e. Between edges mu = 0. At a clamp that is the tip-side partner
+// (the frame is f's) it is +1/2, at one on the hub side -1/2.
 //
 // **Hessian, projected.** Newton needs a descent direction, so each stencil must be positive semidefinite; an eigenvalue
 // decomposition of 8x8 per node costs as much as the whole step. In the basis of the stencil (in-plane g = b x t, out of

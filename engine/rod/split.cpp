@@ -18,8 +18,8 @@ const RodClamp* find_clamp(std::span<const RodClamp> clamps, int node, bool RodC
     return nullptr;
 }
 
-/// Connection of an edge to the rest of the wire at one of its nodes: the edge beyond, a spin clamp, or nothing (a free end). side
-/// 0: the edge lies on the tip side of the node, side 1: on its hub side. Indices as they stand when it is used.
+/// Connection of an edge to the rest of the wire at one of its nodes: the edge beyond, a spin clamp, or nothing (a free end). With
+/// side 0 the edge lies on the tip side of the node, with side 1 on its hub side. Indices are those at the time of use.
 struct Joint {
     int node, side;
     const RodClamp* clamp;

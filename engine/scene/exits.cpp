@@ -72,7 +72,7 @@ std::vector<std::string> exit_sentences(const ExitTally& tally, std::span<const 
                                        label.empty() ? "" : " of " + label, exit.opening, rim.centre.x(), rim.centre.y(),
                                        rim.centre.z(), 1e3 * rim.radius, exit.left);
         if (exit.back > 0) text += fmt::format(" and came back at {:.4g} s", exit.back);
-        else text += ": what is beyond touches nothing";
+        else text += ": the part beyond the opening touches nothing";
         list.push_back(std::move(text));
     }
     return list;

@@ -9,8 +9,8 @@
 //
 // read off the run: by how much F has risen in the 0.1 s before it. Calibrated, not derived: on a stiff wire in a patient's arch
 // the same catch releases up to 0.03 s later at 1/8 of the step, and the friction there is 0.997 of this bound.
-// A force that does not fall by more than 20 % within 20 ms after its largest is no release, and the bound is 0. (The catch above
-// falls by 22 to 26 % at steps of 1 to 17 ms. A tip that lands on a tube's floor and settles falls by 15 %.)
+// A force that does not fall by more than 20 % within 20 ms after its largest is no release, and the bound is 0. The catch above
+// falls by 22 to 26 % at steps of 1 to 17 ms. A tip that lands on a tube's floor and settles falls by 15 %.
 
 #include "math/running_peak.h"
 

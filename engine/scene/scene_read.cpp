@@ -107,9 +107,10 @@ void check_hard_law(const TableReader& t, const Scene& scene)
 void check_precision(const TableReader& t, const ContactSpec& spec)
 {
     if (spec.precision == Precision::Float32 && (is_nonpenetrating(spec.normal) || spec.detection == Detection::Layer))
-        t.fail("precision",
-               "\"float32\" is there for detection = \"swept\", \"capsule\" and \"nodes\" with normal = \"hunt-crossley\" and "
-               "\"lankarani-nikravesh\"; take it out");
+        t.fail(
+            "precision",
+            "\"float32\" is supported for detection = \"swept\", \"capsule\" and \"nodes\" with normal = \"hunt-crossley\" and "
+            "\"lankarani-nikravesh\"; take it out");
 }
 
 /// Lengths that are measured against the wire, so after it has been read.

@@ -36,7 +36,7 @@ void read_inlet(const TableReader& t, const Scene& scene, SceneFeed& feed)
         return;
     }
     t.need("point", "where the wire enters (or inlet = \"auto\")");
-    t.need("direction", "the way that the wire enters (or inlet = \"auto\")");
+    t.need("direction", "the direction in which the wire enters (or inlet = \"auto\")");
     t.vector("point", feed.point);
     t.direction("direction", feed.direction);
 }
@@ -69,7 +69,7 @@ void read_feed_table(const toml::table& table, const std::string& path, FeedPlac
     else
         for (const auto key : {"inlet", "point", "direction"})
             t.refuse(key, "is that of the outer instrument: those inside each other enter at one place; take it out");
-    t.need("keys", "what is fed when");
+    t.need("keys", "key frames of the feed");
     const toml::array* keys = t.node("keys")->as_array();
     if (!keys || keys->empty()) t.fail("keys", "expected [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, ... ]");
     for (const toml::node& node : *keys) {

@@ -47,7 +47,7 @@ std::vector<const toml::table*> read_names(const toml::table& root, Scene& scene
         const TableReader t(table, path, any);
         if (tables.size() == most_scene_instruments)
             t.fail("name", fmt::format("expected at most {} instruments", most_scene_instruments));
-        t.need("name", "what the instrument is called in messages and files");
+        t.need("name", "the instrument's name in messages and files");
         std::string name;
         t.text("name", name);
         check_name(t, name, scene, static_cast<int>(tables.size()));
@@ -75,7 +75,7 @@ std::vector<int> read_order(const TableReader& t, const Scene& scene)
                     fmt::format("no instrument is called \"{}\"; expected one of \"{}\"", name, fmt::join(known, "\", \"")));
         const int k = static_cast<int>(at - known.begin());
         if (std::find(order.begin(), order.end(), k) != order.end())
-            fail_at(node.source(), "coaxial.order", fmt::format("\"{}\" is there twice; take it out", name));
+            fail_at(node.source(), "coaxial.order", fmt::format("\"{}\" is listed twice; take one out", name));
         order.push_back(k);
     }
     return order;
@@ -149,7 +149,7 @@ void check_fit(const toml::table& table, const Scene& scene, int outer, int inne
     const SceneInstrument &out = scene.instrument(outer), &in = scene.instrument(inner);
     if (out.wire.lumen_radius == 0)
         fail_in(table, "radius_m", inner,
-                fmt::format("is to go into \"{}\", which has no lumen; give that one lumen_radius_m", out.label));
+                fmt::format("is inside \"{}\", which has no lumen; give the outer instrument lumen_radius_m", out.label));
     if (widest(in.wire) >= out.wire.lumen_radius)
         fail_in(table, "radius_m", inner,
                 fmt::format("{} m is not below the lumen of \"{}\", {} m; take a thinner instrument or a wider one around it",

@@ -79,7 +79,7 @@ void read_contrast_table(const toml::table& table, Scene& scene)
     contrast.inflow_auto = !t.vector("inflow", contrast.inflow);
     t.number("speed_m_s", contrast.speed, {0, 10, true, false, "a speed above 0, at most 10 m/s"});
     t.number("spread", contrast.spread, {0, 1, false, false, "a number from 0 to 1"});
-    t.need("keys", "what is injected when");
+    t.need("keys", "key frames of the injection");
     read_keys(
         t, "contrast", {"t_s", "iodine_mg_ml"}, "{t_s = ..., iodine_mg_ml = ...}", contrast.keys,
         [](const TableReader& k, ContrastKey& key) {

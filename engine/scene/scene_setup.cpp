@@ -105,8 +105,9 @@ std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, Fe
     const std::vector<Inlet> inlets = find_inlets(vessel.report.loops, vessel.centreline);
     const std::size_t number = static_cast<std::size_t>(std::max(1, asked.inlet_number));
     if (number > inlets.size())
-        fail(scene, key, fmt::format("{} given, the vessel has {} (`seldinger vessel` lists them)", number,
-                                     inlets.size() == 1 ? "one way in" : fmt::format("{} ways in", inlets.size())));
+        fail(scene, key,
+             fmt::format("got {}; the vessel has {} (`seldinger vessel` lists them)", number,
+                         inlets.size() == 1 ? "one way in" : fmt::format("{} ways in", inlets.size())));
     const Inlet& inlet = inlets[number - 1];
     feed.point = inlet.point;
     feed.direction = inlet.direction;

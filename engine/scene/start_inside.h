@@ -1,9 +1,9 @@
 #pragma once
 // A placed wire whose axis begins beyond the wall, as measured shapes do, put into the lumen before anything moves.
 //
-// Contact cannot undo such a start. A wall seen from behind does not push (contact_gap.h). An axis that pierces the wall is
-// pushed only at its samples on the lumen's side, from depths far beyond the range of the law: by one face along the wire and by
-// the other against it. No step changes that, none converges, and each is halved as often as it may be.
+// Contact cannot undo such a start. A wall seen from behind does not push (contact_gap.h). An axis that pierces the wall is pushed
+// only at its samples on the lumen's side, at depths far beyond the range of the law. One face pushes along the wire, the other
+// against it. So no step converges, and each is halved down to the limit.
 //
 // The parts on either side of the piercing stretch show on which side of the wall the wire belongs. The stretch moves as
 // one, along the mean of the directions into the lumen: off a face along its normal, off the ridge between two vessels across it.

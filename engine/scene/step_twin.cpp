@@ -30,10 +30,10 @@ double largest_mean(const std::vector<double>& values, double dt)
     return peak.value();
 }
 
-// No band is narrower than this share of its value. Windows begin where the run is: what its history has done before, and slips
-// that come earlier or later, they do not see. Calibrated, not derived, on the scenes of bench/readings.py and of the tests. 20 ms
-// means of runs whose windows agreed to 0.1 % lay up to 2.6 % (hand force) and 6.6 % (friction) from those of steps 4 to 67 times
-// as short.
+// No band is narrower than this share of its value. Windows begin at the state of the run. They see neither the effect of its
+// history nor slips that come earlier or later. The shares are calibrated, not derived, on the scenes of bench/readings.py and of
+// the tests. There, windows of some runs agreed to 0.1 %. Their 20 ms means still differed by up to 2.6 % (hand force) and 6.6 %
+// (friction) from those with 4 to 67 x shorter steps.
 constexpr double hand_history = 0.03, friction_history = 0.07;
 
 /// What a difference from steps of 1/parts as long is multiplied by.

@@ -36,7 +36,9 @@ Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& opening
 Json estimate_json(const ErrorEstimate& e)
 {
     const auto band = [](const ErrorBand& b) -> Json {
-        return {{"value", b.value}, {"twin", b.twin}, {"parts", b.parts}, {"band", b.band}, {"resolved", b.resolved}, {"let_go", b.let_go}};
+        // let_go: the old name of sudden_release, until 0.3.0
+        return {{"value", b.value},       {"twin", b.twin},     {"parts", b.parts},          {"band", b.band},
+                {"resolved", b.resolved}, {"let_go", b.let_go}, {"sudden_release", b.let_go}};
     };
     return {{"windows", e.windows},
             {"failed_windows", e.failed},
@@ -165,7 +167,8 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     out["wall_vertices"] = made.vertices;
     number.set("wall_edge_m", made.edge);
     number.set("wall_decay_m", made.decay);
-    number.set("wall_made_s", made.made_in);
+    number.set("wall_setup_s", made.made_in);
+    number.set("wall_made_s", made.made_in);  // its old name, until 0.3.0
     number.set("wall_factor_s", made.factor);
     out["wall_columns"] = made.columns;
     number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
@@ -179,7 +182,8 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     set_greatest("wall_stress", "pa", tally.wall_stress, now.stress_max, now.stress_at);
     number.set("wall_energy_j", now.energy);
     number.set("wall_loss_j", now.loss);
-    out["wall_far_steps"] = tally.far_steps;
+    out["wall_nonlinear_steps"] = tally.far_steps;
+    out["wall_far_steps"] = tally.far_steps;  // its old name, until 0.3.0
 }
 
 /// Each instrument of [[instrument]] tables alone.
@@ -240,12 +244,12 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                        " have contact samples that do not add up to the forces on the nodes: do not trust readings of contact in this "
                        "run, and report it with the scene");
     if (tally.far_steps > 0)
-        list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
+        list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("contact")) +
                        " moved the wall by more than 20 % of the lumen's radius: beyond its linear "
                        "theory (docs/wall.md)");
     if (tally.non_finite > 0)
         list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
-    for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");
+    for (const std::string& key : lost) list.push_back(key + " is not finite and written as null");
     return list;
 }
 

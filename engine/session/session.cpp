@@ -67,12 +67,17 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
     for (const int w : live_instruments(world_->setup())) instruments_.emplace_back(w, world_->setup().wires[static_cast<std::size_t>(w)], options);
     if (instruments_.empty())
         throw Error(ExitCode::BadScene, fmt::format("{}: nothing is fed; a live session needs a [feed]", scene.source.string()));
-    if (options.lockstep && hand == nullptr) throw Error(ExitCode::BadScene, "a session in lockstep needs a hand");
+    if (options.lockstep && hand == nullptr)
+        throw Error(ExitCode::BadScene,
+                    "a session in lockstep needs a device that asks for steps; give one, or leave lockstep out");
     total_steps_ = options.duration > 0 ? std::max(1L, std::lround(options.duration * options.rate)) : 0;
     world_->watch_hand_stiffness();
     if (scene.start_settled) {
         const StepReport report = settle(*world_);
-        if (report.failed()) throw Error(ExitCode::Stopped, fmt::format("{}: no equilibrium was found to start from", scene.source.string()));
+        if (report.failed())
+            throw Error(ExitCode::Stopped,
+                        fmt::format("{}: no equilibrium was found to start from; try `seldinger run` on the scene",
+                                    scene.source.string()));
     }
     initial_ = world_->save_state();
     watch_.begin(*world_, 0, score_);

@@ -186,7 +186,7 @@ SessionRecord read_record(const std::filesystem::path& path)
         take(length);
         take(sum);
         if (length > rest.size() || fnv1a(rest.data(), length) != sum) break;
-        if (!take_entries(rest.substr(0, length), record)) fail(path, "has a block that cannot be read");
+        if (!take_entries(rest.substr(0, length), record)) fail(path, "has a damaged block");
         rest.remove_prefix(length);
     }
     return record;

@@ -1,4 +1,4 @@
-// What is left of a session on disk beside its record: summary and score sheet.
+// Files of a session beside its record: summary and score sheet.
 #include "session/session.h"
 
 #include "io/json_text.h"
@@ -85,9 +85,9 @@ std::string score_page(const Scene& scene, const ScoreNumbers& s)
 {
     const TaskSpec& task = scene.task;
     std::string rows = row("Time", fmt::format("{:.1f} s", s.time), limit(task.time, "{:.0f} s"));
-    rows += row("Way of the tip", fmt::format("{:.1f} cm", 100 * s.path_length));
-    rows += row("Pushed", fmt::format("{:.1f} cm in {} goes", 100 * s.advanced, s.pushes));
-    rows += row("Pulled back", fmt::format("{:.1f} cm in {} goes", 100 * s.pulled_back, s.pull_backs));
+    rows += row("Path of the tip", fmt::format("{:.1f} cm", 100 * s.path_length));
+    rows += row("Pushed", fmt::format("{:.1f} cm in {} strokes", 100 * s.advanced, s.pushes));
+    rows += row("Pulled back", fmt::format("{:.1f} cm in {} strokes", 100 * s.pulled_back, s.pull_backs));
     rows += row("Wall force, mean", fmt::format("{:.2f} N", s.wall_force_mean));
     rows += row("Wall force, peak", fmt::format("{:.2f} N", s.wall_force_max), limit(task.wall_force, "{:.2f} N"));
     rows += row("Force on one patch, peak", fmt::format("{:.2f} N on {:.3g} mm", s.patch_force_max, 1e3 * scene.force_patch),

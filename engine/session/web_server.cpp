@@ -262,7 +262,7 @@ private:
         if (request.method() != http::verb::get && request.method() != http::verb::head)
             return refuse(request, http::status::method_not_allowed, "only GET");
         const auto file = hub_.files.find(path);
-        if (file == hub_.files.end()) return refuse(request, http::status::not_found, "nothing there");
+        if (file == hub_.files.end()) return refuse(request, http::status::not_found, "no such page");
         reply(request, http::status::ok, file->second);
     }
 
@@ -270,7 +270,7 @@ private:
     {
         if (path != "/ws" || hub_.sockets.size() >= most_sockets) {
             ++hub_.counts.refused;
-            if (path != "/ws") return refuse(request, http::status::not_found, "nothing there");
+            if (path != "/ws") return refuse(request, http::status::not_found, "no such page");
             return refuse(request, http::status::service_unavailable, "too many pages are connected; close one");
         }
         stream_.expires_never();

@@ -138,7 +138,7 @@ WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> 
     const auto clamps = std::count_if(holds_.begin(), holds_.end(), is_clamp);
     if (clamps > most_clamps)
         throw Error(ExitCode::BadScene,
-                    fmt::format("hold: {} of them hold a direction or spin, at most {} can", clamps, most_clamps));
+                    fmt::format("hold: got {} that hold a direction or spin; expected at most {}", clamps, most_clamps));
     refuse_contradictions(rod);
 }
 
@@ -221,8 +221,8 @@ void WireHolds::take_line_holds(std::span<const HoldSpec> holds, const RodView& 
         const double from_tip = spec.at.kind == WirePoint::Kind::Tip ? 0.0 : spec.at.from_tip;
         if (!(from_tip < inside))  // a hold must find its place now; what is fed in later cannot be held
             throw Error(ExitCode::BadScene,
-                        fmt::format("hold[{}].at: {:g} m from the tip is not inside, where {:g} m of the instrument are; "
-                                    "give \"tip\" or a distance below that, or feed more of it in at the start",
+                        fmt::format("hold[{}].at: {:g} m from the tip is outside: only {:g} m of the instrument are inside; give "
+                                    "\"tip\" or a smaller distance, or feed more of it in at the start",
                                     k, from_tip, std::max(inside, 0.0)));
         check_holds_something(k, spec);
         const Place place = locate(spec.at, own, offset);

@@ -7,17 +7,18 @@
 //
 //   made(t) = max(0, B(t) - min over s < t of (B(s) + S(s)))
 //
-// is energy that came from nowhere, and never more than that. It is held against what the scheme may honestly miss. No scheme keeps
-// the energy of a nonlinear system exactly. A step of backward Euler that ends where the potential is concave (a column that
-// buckles, a tip that snaps) makes (1/2) d.(-H) d for the concave part H of the Hessian and the move d. The trapezoid misses third
-// order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step makes too much when
+// is a lower bound of the energy that no work accounts for. It is compared with the error that the scheme may make. No scheme keeps
+// the energy of a nonlinear system exactly. A step of backward Euler may end where the potential is concave, as when a column
+// buckles or a tip snaps. It then generates (1/2) d.(-H) d, with the concave part H of the Hessian and the move d. The trapezoid
+// misses third order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step makes too much
+// when
 //
 //   min(made, kinetic) > fraction * (turned over + released) + floor + unseen + rounding
 //
 // turned over: kinetic at the start and |work|, summed; released: the largest fall of the stored energy, which a wire that was
 // placed bent turns over without any work. Generated energy counts as far as it shows as kinetic energy. Forces at the ends of
-// steps give the hand's work only to a fraction of the wire's stored energy, and where nothing moves, nothing grows. unseen: work
-// that a hand may have done between the ends of steps (see EnergyInput). rounding: 1e-9 of the terms.
+// steps give the hand's work only to a fraction of the wire's stored energy, but where nothing moves, nothing grows. `unseen` is
+// the work that a hand may have done between the ends of steps (see EnergyInput), `rounding` 1e-9 of the terms.
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-// Static equilibrium: Newton with an adaptive shift first; where that stalls, pseudo-transient continuation, which follows the wire
-// downhill; where that is too slow, Newton for as long. (A ring beyond Michell's twist has a buckled shape that may sit anywhere
-// along it: a bent valley with hardly a slope, 1,400 iterations long. Pseudo-time creeps there, Newton walks.)
+// Static equilibrium: Newton with an adaptive shift first. If that stalls, pseudo-transient continuation follows the wire downhill.
+// If that is too slow, Newton runs for as long. Example: the buckled shape of a ring beyond Michell's twist may sit anywhere along
+// the ring, a bent valley with hardly a slope. There pseudo-time is slow, and Newton needs 1,400 iterations.
 
 #include "solve/solver_work.h"
 

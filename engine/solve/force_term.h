@@ -44,8 +44,8 @@ struct SystemUnknowns {
     }
 };
 
-/// What friction does while an equilibrium is looked for: Stuck: every contact keeps its first point of touch, and its force for
-/// the steps that follow; Sliding: it slips on the way, and holds where it comes to rest.
+/// Friction during the search for an equilibrium. Stuck: every contact keeps its first point of touch, and its force for the steps
+/// that follow. Sliding: a contact slips during the search and holds where it comes to rest.
 enum class Settling { Off, Stuck, Sliding };
 
 /// Work of contact on a wire in a step, relative to the touched body, by its laws [J].

@@ -1,7 +1,7 @@
 #pragma once
-// Time integration and equilibrium of all systems (D4, D5): Newton on the banded equations of each, in lockstep over systems so
-// that force terms (contact) are evaluated for all of them in one set of launches. A system, one wire or several that can touch
-// each other, is solved, converges or fails as one; its result does not depend on the others.
+// Time integration and equilibrium of all systems (D4, D5): Newton's method on the banded equations of each. Systems iterate in
+// lockstep, so that one set of launches evaluates the force terms (contact) of all. A system is one wire, or several that can touch
+// each other. It is solved, converges or fails as one, and its result does not depend on the other systems.
 
 #include "rod/elastic.h"
 #include "solve/coaxial_group.h"

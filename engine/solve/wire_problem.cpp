@@ -83,8 +83,8 @@ void WireProblem::begin_frames(const IntegratorSpec& spec, bool leave_spins)
     set_stiffness_damping(spec);
 }
 
-/// Tension of an edge of that length, without the material fed since: EA h v/l pushes with tens of newtons until this step has
-/// moved the wire on, and as stiffness against turning it buckles the base edge.
+/// Tension of an edge of that length, without the material fed since. That material pushes with EA h v/l, tens of newtons, until
+/// this step has moved the wire on. Counted as stiffness against turning, it would buckle the base edge.
 double WireProblem::tension_before_feed(int j, double length) const
 {
     const double fed_in = j == rod.n - 2 ? constraints_->base_grown : 0.0;

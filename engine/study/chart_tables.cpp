@@ -134,8 +134,9 @@ std::string chart_csv(const ChartResult& result)
 
 std::string references_csv(const ChartResult& result)
 {
-    std::string text = csv_line(
-        {"scene", "observable", "unit", "says", "charted", "convergence", "uncertainty", "scale", "levels", "moved", "note"});
+    // says and moved: the old names of axis_label and refinement_changes, until 0.3.0
+    std::string text = csv_line({"scene", "observable", "unit", "says", "charted", "convergence", "uncertainty", "scale", "levels", "moved",
+                                 "note", "axis_label", "refinement_changes"});
     for (const SceneChart& chart : result.scenes) {
         if (!chart.finished) continue;
         for (const Observable which : chart.benchmark.charted) {
@@ -147,7 +148,7 @@ std::string references_csv(const ChartResult& result)
                  std::string(observable_words[k].says), flag(chart.charts(which)),
                  std::string(at(chart.scale, which) > 0 ? word_of(chart.reference.convergence[k]) : "is zero throughout"),
                  csv_number(chart.reference.uncertainty[k]), csv_number(chart.scale[k]), csv_number(chart.reference.levels),
-                 moved, chart.reference.note});
+                 moved, chart.reference.note, std::string(observable_words[k].says), moved});
         }
     }
     return text;

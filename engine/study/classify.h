@@ -118,8 +118,9 @@ private:
     long iterations_ = 0;
 };
 
-/// Energy brought in by material when the wire's fed length goes from `from` to `to` [m] at `speed` [m/s]: its height, and the rho
-/// A v^2 per metre with which the introducer accelerates it (momentum flux). Negative when it leaves. [J]
+/// Energy [J] that material brings in when the fed length of the wire changes from `from` to `to` [m] at `speed` [m/s]. It has two
+/// parts: height, and the momentum flux rho A v^2 per metre with which the introducer accelerates the material. Negative when
+/// material leaves.
 [[nodiscard]] double fed_energy(const WorldSetup& setup, int wire, double from, double to, double speed);
 
 /// m |v^2 - v_0^2| of the wire that is inside, `inside` metres of it, when the feed goes from speed v_0 to v [m/s]. [J]

@@ -64,7 +64,7 @@ int open_locked(const FilePlace& file)
         if (errno != EWOULDBLOCK && errno != EINTR) {
             close(fd);
             throw Error(ExitCode::BadFile,
-                        fmt::format("{}: this file system has no locks, so nobody can tell a dead worker from a living one; put "
+                        fmt::format("{}: this file system has no locks, which show whether a worker is alive; put "
                                     "the farm's folder on one that has (NFS, Lustre mounted with flock)",
                                     file.path().string()));
         }
@@ -102,11 +102,10 @@ void write_farm(const Folder& dir, const FarmPlan& plan)
     if (dir.has("farm.json")) {
         const FarmPlan there = read_farm(dir);
         if (there.key != plan.key || there.tasks != plan.tasks)
-            throw Error(
-                ExitCode::BadScene,
-                fmt::format("{}: holds a farm of another scene, sweep, options, version or number of tasks ({}); give the "
-                            "same again to go on with it, or another folder with -o",
-                            dir.path().string(), there.tasks));
+            throw Error(ExitCode::BadScene,
+                        fmt::format("{}: holds a farm of another scene, sweep, options, version or number of tasks ({}); give "
+                                    "the same again to continue it, or another folder with -o",
+                                    dir.path().string(), there.tasks));
         return;
     }
     for (const char* folder : {"running", "done", "rows", "log", "tasks"}) (void)dir.make(folder);

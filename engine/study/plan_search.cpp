@@ -288,7 +288,7 @@ void add_coaxial(std::vector<Choice>& all, const CoaxialSpec& own)
             if (is_merged(m)) m.lumen_friction = on;
         };
     };
-    const std::string with = "friction between the instruments by what presses (coaxial.lumen_friction)";
+    const std::string with = "friction between the instruments from contact force (coaxial.lumen_friction)";
     if (!merged && rubs)
         all.push_back({"one centreline for all instruments, " + with, "a rod for each instrument",
                        [](Model& m) { m.coaxial = CoaxialSpec::Model::Merged, m.lumen_friction = true; }, apart, false});

@@ -133,11 +133,11 @@ private:
         if (goals_.force_tolerance > 0)
             message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
         if (goals_.peaks.asked()) message += ", " + peaks_known_to(reference);
-        message += fmt::format("; asked were {}", as_length(goals_.tolerance));
+        message += fmt::format("; requested: {}", as_length(goals_.tolerance));
         if (goals_.force_tolerance > 0) message += fmt::format(" and {:.2g} mN", 1e3 * force_goal);
         const bool shape_known = shape <= least_certainty * goals_.tolerance;
         message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for", options_.budget) : "; ask for";
-        message += shape_known ? " less of the forces" : fmt::format(" {} or more", as_length(2 * shape));
+        message += shape_known ? " a larger error of the forces" : fmt::format(" {} or more", as_length(2 * shape));
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
     }
@@ -182,7 +182,8 @@ private:
     {
         if (!result_.touches && scene_.scene.vessel.shape != VesselShape::None)
             result_.notes.push_back(
-                "the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
+                "the wire never touches the wall: this scene cannot show which contact model is needed, so contact stays as it "
+                "is");
         note_what_is_not_tried();
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
         TrialRuns trials(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
@@ -248,8 +249,7 @@ private:
     {
         if (result_.reference.wall_far)
             result_.notes.push_back(fmt::format(
-                "the wall moves by {}, more than a fifth of the lumen's radius: beyond what its linear theory is good "
-                "for, whatever the model",
+                "the wall moves by {}, more than 20 % of the lumen's radius: beyond its linear theory, in every model",
                 as_length(result_.reference.wall_move)));
         for (const Choice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;

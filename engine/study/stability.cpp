@@ -139,8 +139,7 @@ StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& 
         const double longest = stability_steps(false).back();
         if (scene.duration < longest)
             throw Error(ExitCode::BadScene,
-                        fmt::format("{}: scene.duration_s: {} s given, at least the longest step that is swept, {:.4f} s, "
-                                    "expected",
+                        fmt::format("{}: scene.duration_s: got {} s; expected at least the longest step of the sweep, {:.4f} s",
                                     file.string(), scene.duration, longest));
     }
     return map;

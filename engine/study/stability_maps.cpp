@@ -217,8 +217,8 @@ Texts yielding(double youngs, Texts more)
 StabilityMap soft_wall()
 {
     constexpr double nominal = 0.4e6;  // of a thoracic aorta [Pa]
-    StabilityMap map =
-        fed_map("soft-wall", "F18", "fed round a bend whose wall yields", "modulus of the wall, of nominal", decades(1e-2, 1e2));
+    StabilityMap map = fed_map("soft-wall", "F18", "fed round a bend with an elastic wall", "modulus of the wall, of nominal",
+                               decades(1e-2, 1e2));
     map.set = [](double value, double, double pace, const Folder&) {
         return yielding(nominal * value, fed(pace, {"vessel.thickness_m=0.00082", "vessel.wall_edge_m=0.0015", "wire.nodes=65",
                                                     "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"}));

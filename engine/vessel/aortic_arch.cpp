@@ -78,7 +78,7 @@ struct Body {
 Body make_body(const ArchSpec& spec)
 {
     if (!(spec.superior.norm() > 0) || !spec.superior.allFinite())
-        throw Error(ExitCode::BadScene, "vessel.axis: a direction that is not zero expected");
+        throw Error(ExitCode::BadScene, "vessel.axis: got zero; expected a direction");
     const Vec3 superior = spec.superior.normalized();
     const Vec3 anterior = cross_frame(superior, spec.anterior).u, left = superior.cross(anterior);
     return {superior, anterior, left, -std::cos(spec.plane_angle) * anterior + std::sin(spec.plane_angle) * left};
@@ -197,7 +197,7 @@ void check_spec(const ArchSpec& spec)
             throw Error(ExitCode::BadScene, "aortic arch: every length must be finite and above 0");
     if (spec.triangles < 2000 || spec.triangles > 4'000'000)
         throw Error(ExitCode::BadScene,
-                    fmt::format("vessel.triangles: {} given, 2000 to 4000000 expected for an aortic arch", spec.triangles));
+                    fmt::format("vessel.triangles: got {}; expected 2000 to 4000000 for an aortic arch", spec.triangles));
 }
 
 }  // namespace

@@ -7,18 +7,17 @@
 namespace seldinger {
 
 /// Repairs in place, in this order:
-///  1. triangles with a non-finite corner go;
+///  1. triangles with a non-finite corner are removed.
 ///  2. vertices nearer than the weld tolerance become one: min(1e-6 of the bounding box's diagonal, 1e-3 of the median
 ///     edge). The first covers coordinates printed with six digits or stored in float32 metres from the origin; the second keeps
-///     welding from eating real triangles, however fine. Distances are to the cluster's first vertex: no chains;
-///  3. triangles with two equal corners go; so do second copies of a triangle; of two that face each other one stays where the
-///     wall was written twice, and none where they are a fold with no lumen between;
-///  4. flaps go: the loosest triangle of an edge that an odd number share, when another of its edges is open;
-///  5. orientation spreads over edges of two triangles, then over worse ones; each component is turned so that its volume,
-///  openings
-///     capped, is that of a lumen seen from inside; a component inside an odd number of others counts as an obstacle;
-///  6. loops of the boundary that are holes and not openings are closed (see is_hole in repair_holes.cpp);
-///  7. needle triangles without height are dissolved into their neighbour, which is split at their tip;
+///     real triangles from being welded, however fine. Distances are to the cluster's first vertex, so no chains form.
+///  3. triangles with two equal corners and second copies are removed. If two triangles face each other, one stays where the
+///     wall was written twice. Both are removed where they are a fold with no lumen between.
+///  4. flaps are removed: the loosest triangle of an edge that an odd number share, if another of its edges is open.
+///  5. orientation spreads over edges of two triangles, then over worse ones. Each component is turned so that its volume,
+///     openings capped, is that of a lumen seen from inside. A component inside an odd number of others counts as an obstacle.
+///  6. loops of the boundary that are holes and not openings are closed (see is_hole in repair_holes.cpp).
+///  7. needle triangles without height are dissolved into their neighbour, which is split at their tip.
 ///  8. openings, components, non-manifold edges and slivers (quality below 0.05) are counted.
 /// @throws Error BadFile when no wall is left: no finite triangle, or a patch so flat that it bounds no lumen.
 [[nodiscard]] RepairReport repair(WallMesh& mesh);

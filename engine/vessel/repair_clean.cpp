@@ -244,8 +244,8 @@ void weld(WallMesh& mesh, RepairReport& report)
     if (mesh.triangles.empty()) return;
     Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
-    // a mesh that is a single point has no edge to compare with; any tolerance above 0 welds it
-    // Nor does a double tell places apart that are nearer than 1e-16 of the box; cells are numbered in 64 bits.
+    // A mesh that is a single point has no edge to compare with; any tolerance above 0 welds it. Doubles cannot separate places
+    // nearer than 1e-16 of the box. Cells are numbered in 64 bits.
     const double across = box.diagonal().norm();
     const double tolerance = std::max({std::min(1e-6 * across, 1e-3 * median_edge(mesh)), 1e-17 * across, 1e-300});
     WeldGrid grid(mesh.vertices, tolerance, box.min());

@@ -19,14 +19,14 @@ constexpr int kMostTriangles = 50'000'000;  // vertex indices are 32 bits
 void require_positive(double value, const char* key)
 {
     if (!(value > 0) || !std::isfinite(value))
-        throw Error(ExitCode::BadScene, fmt::format("vessel.{}: {} given, a finite length above 0 expected", key, value));
+        throw Error(ExitCode::BadScene, fmt::format("vessel.{}: got {}; expected a finite length above 0", key, value));
 }
 
 int wanted_triangles(const VesselSpec& spec)
 {
     if (spec.triangles < 0 || spec.triangles > kMostTriangles)
         throw Error(ExitCode::BadScene,
-                    fmt::format("vessel.triangles: {} given, 0 (default) to {} expected", spec.triangles, kMostTriangles));
+                    fmt::format("vessel.triangles: got {}; expected 0 (default) to {}", spec.triangles, kMostTriangles));
     return spec.triangles == 0 ? kDefaultTriangles : spec.triangles;
 }
 
@@ -34,7 +34,7 @@ Vec3 unit(const Vec3& v, const char* key)
 {
     const double length = v.norm();
     if (!(length > 0) || !std::isfinite(length))
-        throw Error(ExitCode::BadScene, fmt::format("vessel.{}: a direction that is not zero expected", key));
+        throw Error(ExitCode::BadScene, fmt::format("vessel.{}: got zero; expected a direction", key));
     return v / length;
 }
 
@@ -108,11 +108,11 @@ GeneratedVessel make_arc(const VesselSpec& spec)
     require_positive(spec.bend_radius, "bend_radius_m");
     require_positive(spec.angle, "angle_deg");
     if (!(spec.lead_in >= 0) || !(spec.lead_out >= 0))
-        throw Error(ExitCode::BadScene, "vessel.lead_in_m, vessel.lead_out_m: lengths of 0 or more expected");
+        throw Error(ExitCode::BadScene, "vessel.lead_in_m, vessel.lead_out_m: expected lengths of 0 or more");
     if (spec.bend_radius <= spec.radius)
-        throw Error(ExitCode::BadScene, fmt::format("vessel.bend_radius_m: {} m given, more than radius_m = {} m expected: the "
-                                                    "tube would cut itself",
-                                                    spec.bend_radius, spec.radius));
+        throw Error(ExitCode::BadScene,
+                    fmt::format("vessel.bend_radius_m: got {} m; expected more than radius_m = {} m, or the tube cuts itself",
+                                spec.bend_radius, spec.radius));
     const Vec3 axis = unit(spec.axis, "axis");
     const CrossFrame frame = cross_frame(axis, unit(spec.normal, "normal"));
     const double bend_length = spec.bend_radius * spec.angle;

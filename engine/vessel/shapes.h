@@ -2,9 +2,9 @@
 // Generated walls: tube, arc and plane.
 //
 // A tube's facets run along its axis: rings of vertices stand behind each other, unturned, and every quadrilateral is cut into
-// two right triangles with equal legs (quality 0.87). Turning every second ring by half a facet would give
-// equilateral triangles, but a floor with bumps: R (1 - cos(pi/n)) high (16 um for 18 mm and 35,000 triangles) and a
-// facet long, many times what a wire's own weight sinks in. Unturned, the floor of a straight tube is exactly straight.
+// two right triangles with equal legs (quality 0.87). Turning every second ring by half a facet would give equilateral triangles,
+// but a floor with bumps, each a facet long. They would be R (1 - cos(pi/n)) high, 16 um for 18 mm and 35,000 triangles. That is
+// many times the depth to which a wire sinks by its weight. Unturned, the floor of a straight tube is exactly straight.
 //
 // Vertices lie on the true radius, so facets cut inside by at most R (1 - cos(pi/n)), n the facets around. n is a multiple of four
 // with the first vertex towards `normal`. So a wire that gravity or a bend presses along +-normal or +-axis x normal lies in a line

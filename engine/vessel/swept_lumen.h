@@ -19,8 +19,8 @@ struct FieldValue {
 };
 
 /// f(p) = smooth minimum over the tubes of |p - c| - r(c), c the nearest point of the tube's axis. The smooth minimum is the
-/// quadratic one: min(a, b) - max(0, k - |a - b|)^2 / (4 k), which fills the crotch with a fillet about k wide
-/// and leaves all else as it is.
+/// quadratic one: min(a, b) - max(0, k - |a - b|)^2 / (4 k). It fills the crotch with a fillet about k wide and leaves all else as
+/// it is.
 class SweptLumen {
 public:
     SweptLumen(std::vector<SweptTube> tubes, double fillet);

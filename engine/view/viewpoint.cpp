@@ -23,7 +23,7 @@ constexpr double usual_follow = 0.06;
 {
     throw Error(
         ExitCode::BadScene,
-        fmt::format("--camera: \"{}\" given, expected orbit [DEGREES], follow [60mm], or keys: time, azimuth, elevation [deg] "
+        fmt::format("--camera: got \"{}\"; expected orbit [DEGREES], follow [60mm], or keys: time, azimuth, elevation [deg] "
                     "and zoom, e.g. \"0s 0 0; 2s 90 20 1.5\"",
                     text));
 }

@@ -47,9 +47,9 @@ struct WallEdge {
     std::string why;               // "3.4 mm (a third of the lumen's radius)"
 };
 
-/// The edge where none is given: min(R/3, half the decay length 1/beta), beta^4 = (E t/R^2 + k_s) / (4 D) [Hetenyi46, sec. 30],
-/// R the typical radius of the lumen, D = E t^3 / (12 (1 - nu^2)); for a plane E t/R^2 and R/3 are left out. Made longer, and
-/// with it the share of narrow branches, where more than about 2,000 vertices would be needed.
+/// The edge where none is given: min(R/3, half the decay length 1/beta), beta^4 = (E t/R^2 + k_s) / (4 D) [Hetenyi46, sec. 30]. R
+/// is the typical radius of the lumen, and D = E t^3 / (12 (1 - nu^2)). For a plane E t/R^2 and R/3 are left out. If more than
+/// about 2,000 vertices would be needed, the edge is made longer, and with it the share of narrow branches.
 [[nodiscard]] WallEdge choose_wall_edge(const WallModel& wall);
 
 }  // namespace seldinger

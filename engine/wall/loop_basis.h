@@ -3,7 +3,7 @@
 
 namespace seldinger {
 
-/// Control vertices of a patch, by place: 0, 1, 2 corners; 3, 4, 5 across edges 01, 12, 20; then the outer ones,
+/// Control vertices of a patch: 0, 1, 2 are its corners, 3, 4, 5 lie across edges 01, 12, 20. The outer ones follow
 /// counter-clockwise: 6, 7 about corner 0 (6 beside 5, 7 beside 3), 8, 9 about corner 1 (8 beside 3, 9 beside 4), 10, 11 about
 /// corner 2 (10 beside 4).
 struct LoopBasis {

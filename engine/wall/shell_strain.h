@@ -24,8 +24,8 @@ inline Mat3 stretch(const ShellPoint& q, double n_1, double n_2)
     return Mat3::rows(n_1 * q.e1, n_2 * q.e2, n_2 * q.e1 + n_1 * q.e2);
 }
 
-/// Turns tangential strain (11, 22, 2 12) of one point into the frame of a neighbouring one: by the angle between the frames once
-/// one tangent plane is laid on the other (projecting alone would shrink it).
+/// Turns tangential strain (11, 22, 2 12) of one point into the frame of a neighbouring one. The angle is the one between the
+/// frames after one tangent plane is laid on the other. Projection alone would shrink the strain.
 inline Mat3 turn_strain(const ShellPoint& from, const ShellPoint& to)
 {
     const Vec2 turn(to.e1.dot(from.e1) + to.e2.dot(from.e2), to.e1.dot(from.e2) - to.e2.dot(from.e1));

@@ -109,9 +109,9 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
     const bool sound = h > 0 ? made->cholesky_.factor(stiffness_ + damping_ / h, matrices_.held, along_)
                              : made->cholesky_.factor(stiffness_, matrices_.held, along_);
     if (!sound)
-        throw Error(
-            ExitCode::BadScene,
-            "elastic wall: it could fly away, or its pressure buckles it; hold its rims or raise the support (support_pa_m)");
+        throw Error(ExitCode::BadScene,
+                    "elastic wall: nothing holds it in place, or its pressure buckles it; hold its rims or raise the support "
+                    "(support_pa_m)");
     made->vertex_count_ = vertex_count();
     made->columns_.resize(static_cast<std::size_t>(vertex_count()));
     made->seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -6,10 +6,9 @@
 //     other; there the depth is a smooth maximum over facets (smooth_maximum.h).
 //   * contact point 1: the nearest point of the opposite wall of a narrow lumen (opposite_wall.h).
 //   * a facet seen from behind never pushes (the far side of a thin septum; the outside of the vessel, for a wire that has left
-//     through an opening). An exception is a facet that is the nearest of all, if the quadrature point touched the wall from inside
-//     in the last step: then the axis has passed the wall, the depth is r + distance and the normal points back.
-//   * a boundary feature (free edge or vertex at an opening) has no sides: it pushes like a bar, so that contact fades as the
-//   wire
+//     through an opening). An exception is the nearest facet of all, if the quadrature point touched the wall from inside in the
+//     last step. Then the axis has passed the wall: the depth is r + distance, and the normal points back.
+//   * a boundary feature (free edge or vertex at an opening) has no sides. It pushes like a bar, so that contact fades as the wire
 //     slides off it.
 #ifndef SEL_SHARED_CONTACT_GAP_H
 #define SEL_SHARED_CONTACT_GAP_H

@@ -2,9 +2,9 @@
 //
 // The gap is taken as a function of the material coordinate s along the cell. Its second derivative jumps where the cell passes a
 // knot of either spline or the plane of the mouth. Between these it may change its sign once, as nodes are not evenly spaced. There
-// the cell is cut into pieces, so that a piece has at most one least value. (A search over the whole cell saw an overlap between
-// two maxima of the gap only when an end of the cell touched too. Its force jumped, and there was no equilibrium.) The least value
-// is found, and the zeros on both sides of it, or the ends of the piece.
+// the cell is cut into pieces, so that a piece has at most one minimum. A search over the whole cell would see an overlap between
+// two maxima of the gap only when an end of the cell touches too. Its force would jump, and there would be no equilibrium. The
+// search finds the minimum, and the zeros on both sides of it or the ends of the piece.
 #ifndef SEL_SHARED_INSTRUMENT_PIECES_H
 #define SEL_SHARED_INSTRUMENT_PIECES_H
 #include "shared/contact_records.h"
@@ -135,8 +135,8 @@ SEL_FN real next_knot(SplineView rod, real from, real until)
     return knot;
 }
 
-// Intersection of a with the plane across b at `knot`, as a fraction of the path between two points of a on one piece of its curve:
-// a quadratic equation of the coordinate along it. < 0: there is no single place.
+// Intersection of a with the plane across b at `knot`, as a fraction of the path between two points of a on one piece of its curve.
+// It solves a quadratic equation of the coordinate along the piece. < 0: there is no single place.
 SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
 {
     const SplinePlace b = spline_place(knot, scene->b.count);

@@ -269,7 +269,7 @@ void bind_fluoroscopy(py::module_& module)
         std::vector<Shot> shots;
         for (std::size_t k = 0; k < systems.size(); ++k) {
             if (systems[k] < 0)
-                throw Error(ExitCode::BadScene, "fluoroscopy: system " + std::to_string(systems[k]) + " given, 0 or more expected");
+                throw Error(ExitCode::BadScene, "fluoroscopy: got system " + std::to_string(systems[k]) + "; expected 0 or more");
             shots.push_back({systems[k], frames.at(k)});
         }
         std::vector<Taken> taken;

@@ -181,9 +181,9 @@ TEST_SUITE("apps/plan")
         // which nodes and steps are chosen is a matter of timing, and at some of them a rigid wall ends the run
         if (wall["other_known"] == true) {
             CHECK(wall["other_error_m"].get<double>() > 0.1e-3);  // run to its end, however wrong
-            CHECK(reason.find("a rigid wall puts the tip wrong by") != std::string::npos);
+            CHECK(reason.find("a rigid wall changes the tip by") != std::string::npos);
         } else {
-            CHECK(reason.find("beside a rigid wall this does not come to its end") != std::string::npos);
+            CHECK(reason.find("with a rigid wall the run does not finish") != std::string::npos);
         }
         const auto& left_out = plan["left_out"];
         const auto rigid =

@@ -221,7 +221,8 @@ force_n = [0.0, 0.0, 1.0]
             REQUIRE(run_app(folder, "run w.toml -o D --overwrite" + set).code == 0);
             const auto summary = summary_of(folder.path / "D");
             CHECK((summary["wall_move_max_m"].get<double>() > 0.2 * 0.012) == far);
-            CHECK(summary["wall_far_steps"] == (far ? 1 : 0));
+            CHECK(summary["wall_nonlinear_steps"] == (far ? 1 : 0));
+            CHECK(summary["wall_far_steps"] == summary["wall_nonlinear_steps"]);  // old name, until 0.3.0
             CHECK((summary["warnings"].dump().find("20 % of the lumen's radius") != std::string::npos) == far);
             const auto rows = csv_rows(folder.path / "D" / "trace.csv");
             const auto column = std::find(rows[0].begin(), rows[0].end(), "flags") - rows[0].begin();

@@ -43,7 +43,7 @@ TEST_SUITE("apps/stability")
         refused("free.toml --vary wire.bend_nm2=2,1", 2, "numbers, rising");
         refused("free.toml --vary wire.bend_nm2=1,x", 2, "numbers, rising");
         refused("free.toml --vary wire.bend=1", 2, "unknown key");
-        refused("free.toml --row F3 --vary wire.bend_nm2=1", 2, "a map of its own");
+        refused("free.toml --row F3 --vary wire.bend_nm2=1", 2, "which is one map");
         folder.write("instant.toml", free_scene(0.01));
         refused("instant.toml --vary wire.bend_nm2=1", 2, "scene.duration_s");
         refused("none.toml --vary wire.bend_nm2=1", 3, "none.toml");

@@ -362,7 +362,7 @@ TEST_SUITE("coaxial/merged holds")
         HoldSpec base = hold_at(0, true, false, false);
         base.at.kind = WirePoint::Kind::Base;
         refused(0.06, {}, {base}, "hold[0].at: the base is held by the feed");
-        refused(0.06, {}, {hold_at(0.06, true, false, false)}, "hold[0].at: 0.06 m from the tip is not inside, where 0.06 m");
+        refused(0.06, {}, {hold_at(0.06, true, false, false)}, "hold[0].at: 0.06 m from the tip is outside: only 0.06 m");
         refused(0.06, {}, {hold_at(0.01, false, false, false)}, "hold[0] holds nothing");
         refused(0.06, {hold_at(0.01, true, false, false)}, {hold_at(0.0202, true, true, false)},
                 "wires[0].holds[0] and wires[1].holds[0] both hold the position of one centreline");

@@ -163,13 +163,13 @@ TEST_SUITE("scene/scene_instruments")
     {
         const std::pair<std::string, std::string> wrong[] = {
             {"instrument.1.radius_m=6e-4", "instrument.1.radius_m: 0.0006 m is not below the lumen of \"catheter\", 0.0005 m"},
-            {"instrument.0.lumen_radius_m=0.0", "instrument.1.radius_m: is to go into \"catheter\", which has no lumen"},
+            {"instrument.0.lumen_radius_m=0.0", "instrument.1.radius_m: is inside \"catheter\", which has no lumen"},
             {"instrument.1.name=catheter", "instrument.1.name: \"catheter\" is instrument 0 already"},
             {"instrument.1.name=contacts", "instrument.1.name: \"contacts\" is the name of a run's own file"},
             {"instrument.1.name=\"a b\"", "instrument.1.name: expected 1 to 40 letters"},
             {"instrument.1.name=trace_catheter", "instrument.1.name: \"trace_catheter\" beside instrument 0, \"catheter\""},
             {"coaxial.order=[\"catheter\", \"wier\"]", "coaxial.order: no instrument is called \"wier\""},
-            {"coaxial.order=[\"catheter\", \"catheter\"]", "coaxial.order: \"catheter\" is there twice"},
+            {"coaxial.order=[\"catheter\", \"catheter\"]", "coaxial.order: \"catheter\" is listed twice"},
             {"coaxial.order=[\"catheter\"]", "coaxial.order: expected two names"},
             {"coaxial.model=glued", "coaxial.model: expected one of"},
             {"instrument.1.feed.point=[0.0, 0.0, 0.0]", "instrument.1.feed.point: is that of the outer instrument"},

@@ -227,7 +227,7 @@ TEST_SUITE("session/session")
             const double hubs[] = {0.1, odd};
             put_step(bytes, 0, hubs, 1);
             writer.append(bytes);
-            CHECK_THROWS_WITH_AS((void)read_record(path), doctest::Contains("has a block that cannot be read"), Error);
+            CHECK_THROWS_WITH_AS((void)read_record(path), doctest::Contains("has a damaged block"), Error);
         }
     }
 

@@ -362,7 +362,7 @@ TEST_SUITE("study/plan_search")
             CHECK(names[0].first == "a rod for each instrument");
             CHECK(!merged(names[0].second));
             CHECK(names[1].first == (hands ? "no friction between the instruments"
-                                           : "friction between the instruments by what presses (coaxial.lumen_friction)"));
+                                           : "friction between the instruments from contact force (coaxial.lumen_friction)"));
             CHECK(rubs(names[1].second) == !hands);
             for (const Model& model : trials.models()) CHECK(why_not(model, scene).empty());
         }

@@ -20,7 +20,7 @@ constexpr double degree = std::numbers::pi / 180;
     throw Error(
         ExitCode::BadScene,
         fmt::format(
-            "--c-arm: \"{}\" given, expected LAO or RAO (0 to 180) and CRA or CAU (0 to 90) in degrees, e.g. \"LAO 30, CRA 15\"",
+            "--c-arm: got \"{}\"; expected LAO or RAO (0 to 180) and CRA or CAU (0 to 90) in degrees, e.g. \"LAO 30, CRA 15\"",
             text));
 }
 
@@ -109,10 +109,10 @@ void check(const CArm& arm)
         throw Error(ExitCode::BadScene, fmt::format("SID {} m, SOD {} m: expected 0 < SOD < SID <= 10 m", arm.sid, arm.sod));
     if (!(arm.field > 0 && arm.field <= 2))
         throw Error(ExitCode::BadScene,
-                    fmt::format("--field: {} m given, expected the detector's width above 0, at most 2 m", arm.field));
+                    fmt::format("--field: got {} m; expected the detector's width above 0, at most 2 m", arm.field));
     if (arm.columns < 1 || arm.rows < 1 || arm.columns > 8192 || arm.rows > 8192)
         throw Error(ExitCode::BadScene,
-                    fmt::format("--size: {}x{} given, expected 1x1 to 8192x8192 pixels", arm.columns, arm.rows));
+                    fmt::format("--size: got {}x{}; expected 1x1 to 8192x8192 pixels", arm.columns, arm.rows));
 }
 
 }  // namespace seldinger
