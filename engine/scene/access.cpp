@@ -8,7 +8,7 @@
 namespace seldinger {
 namespace {
 
-constexpr double aortic_radius = 7e-3;  // a descending aorta has 10 to 14 mm, a common iliac artery 4 to 6 [m]
+constexpr double aortic_radius = 6e-3;  // an abdominal aorta has 7 to 10 mm, a common iliac artery 4 to 6 [m]
 constexpr double sheath_radius = 1.5e-3;  // the least lumen that takes a sheath of 6 F and its wire [m]
 constexpr double alike = 0.15;            // of a width or of the vessel's height: ends that differ by less are alike
 
@@ -109,7 +109,7 @@ Access choose_access(const std::vector<Inlet>& inlets, const std::vector<int>& p
         else if (!a.out.empty()) text = a.out;
         else if (aorta && !upright) text = fmt::format("{} in radius", mm(a.width));
         else if (aorta && a.height > b.height + alike * height) text = fmt::format("{} nearer to the head", mm(a.height - b.height));
-        else if (aorta && a.depth < b.depth) text = fmt::format("at the same height, {} nearer to the front", mm(b.depth - a.depth));
+        else if (aorta && a.depth < b.depth - alike * height) text = fmt::format("at the same height, {} nearer to the front", mm(b.depth - a.depth));
         else if (a.width < (1 - alike) * b.width) text = fmt::format("narrower, {} in radius", mm(a.width));
         else text = fmt::format("about as wide, {} in radius, and not lower", mm(a.width));
     }

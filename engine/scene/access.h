@@ -15,7 +15,7 @@ struct Access {
     std::vector<std::string> reason;  // of each way in: why it was taken, or why not
 };
 
-/// An aorta (a lumen of 7 mm radius or more over a tenth of its length) is entered from below, as by femoral access: by the lowest
+/// An aorta (a lumen of 6 mm radius or more along a tenth of its axis and 30 mm) is entered from below, as by femoral access: by the lowest
 /// wide end, and of ends at one height by the one nearer to the back (a descending aorta beside an ascending one), else the wider
 /// one; an aorta that does not lie along the head's direction, as in a file of other axes, by the first of the list. Another vessel is entered by its widest end, of ends as wide by the lowest. Ways into side pockets, short ways and smaller
 /// parts are left out unless there is nothing else.

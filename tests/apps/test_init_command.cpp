@@ -120,7 +120,7 @@ TEST_SUITE("apps/init_command")
         CHECK(has(made.out, "axes: The file says SPACE=RAS"));
         CHECK(has(made.out, "<- taken, the widest end"));
         CHECK(has(made.out, "way in 2: "));
-        CHECK(has(made.out, "; as wide"));
+        CHECK(has(made.out, "; about as wide"));
         const std::string scene = slurp(folder.path / "ras.toml");
         CHECK(has(scene, "gravity = [0, -9.81, 0]"));
         CHECK(has(scene, "back = [0, -1, 0]"));
