@@ -8,8 +8,10 @@ set(CPACK_PACKAGE_CONTACT "The Seldinger developers <developers@forge.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulation of guidewires and catheters in blood vessels")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Seldinger simulates guidewires, catheters and sheaths as they are
 pushed, pulled and turned inside blood vessels. It runs in real time and
-estimates the error of its forces and tip position. The package has the command, its scenes and
-instruments, and the C++ library with its headers.")
+estimates the error of its forces and tip position.
+.
+The package has the command, its scenes and instruments, and the C++
+library with its headers.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -19,7 +21,9 @@ set(CPACK_DEBIAN_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd, fonts-dejavu-cor
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libopengl0, libgl1-mesa-dri, python3-matplotlib, libjs-three, ffmpeg")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libeigen3-dev")
 file(WRITE ${CMAKE_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/debian/triggers)
+# CPack's own names the library once for each variant
+file(WRITE ${CMAKE_BINARY_DIR}/debian/shlibs "libseldinger ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} seldinger\n")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/debian/triggers ${CMAKE_BINARY_DIR}/debian/shlibs)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, where it is set
