@@ -6,10 +6,12 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME seldinger)
 set(CPACK_PACKAGE_CONTACT "The Seldinger developers <developers@forge.invalid>")  # a placeholder, as in pyproject.toml
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulation of guidewires and catheters in blood vessels")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Seldinger simulates guidewires, catheters and sheaths as they are pushed, pulled and turned
-inside blood vessels. It runs in real time and estimates the error of its
-forces and tip position. The package has the command, its scenes and
-instruments, and the C++ library with its headers.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Seldinger simulates guidewires, catheters and sheaths as they are
+pushed, pulled and turned inside blood vessels. It runs in real time and
+estimates the error of its forces and tip position.
+.
+The package has the command, its scenes and instruments, and the C++
+library with its headers.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -18,10 +20,12 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd, fonts-dejavu-core")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libopengl0, libgl1-mesa-dri, python3-matplotlib, libjs-three, ffmpeg")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libeigen3-dev")
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
-set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 file(WRITE ${CMAKE_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/debian/triggers)
+# CPack's own names the library once for each variant
+file(WRITE ${CMAKE_BINARY_DIR}/debian/shlibs "libseldinger ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} seldinger\n")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/debian/triggers ${CMAKE_BINARY_DIR}/debian/shlibs)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, where it is set
 file(WRITE ${CMAKE_BINARY_DIR}/debian/changelog
   "seldinger (${PROJECT_VERSION}) unstable; urgency=medium\n\n  * See CHANGELOG.md of the source.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${now}\n")

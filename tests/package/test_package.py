@@ -168,7 +168,7 @@ def test_wheel(packages, folder):
     tag = re.search(r"-cp(\d)(\d+)-", wheels[0].name)
     downloads = folder / "downloads"
     run(sys.executable, "-m", "pip", "download", "-q", "--only-binary=:all:", f"--python-version={tag[1]}.{tag[2]}",
-        "--platform=manylinux_2_35_x86_64", "--platform=manylinux_2_34_x86_64", "--platform=manylinux_2_28_x86_64", "--platform=manylinux_2_17_x86_64", "--platform=manylinux2014_x86_64",
+        "--platform=manylinux_2_34_x86_64", "--platform=manylinux_2_28_x86_64", "--platform=manylinux_2_17_x86_64", "--platform=manylinux2014_x86_64",
         "-d", downloads, f"{wheels[0]}[cpu]")
     system = System(folder / "root", "python3-venv")
     shutil.copytree(downloads, system.root / "wheels")
