@@ -5,7 +5,8 @@
 function roundTicks(low, high, most) {
   const span = high > low ? high - low : Math.abs(low) || 1, raw = span / most, power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * (1 - 1e-9));
-  const first = Math.floor(low / step + 1e-9), last = Math.max(first + 1, Math.ceil(high / step - 1e-9)), ticks = [];
+  const slight = 0.05;  // of a step beyond a tick: no further one for that
+  const first = Math.floor(low / step + slight), last = Math.max(first + 1, Math.ceil(high / step - slight)), ticks = [];
   for (let i = first; i <= last; ++i) ticks.push(i * step);
   return { low: first * step, high: last * step, step, ticks };
 }

@@ -138,7 +138,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     const double never = std::nan("");
     const auto whole = [](std::int64_t count) { return static_cast<double>(count); };
     row.numbers = {whole(place.branch),
-                   place.branch > 0 ? place.depth : never,
+                   place.depth,
                    whole(score.reached),
                    whole(score.reached && !score.failed),
                    score.reached ? score.reached_at_m : never,

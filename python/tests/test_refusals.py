@@ -155,10 +155,12 @@ def test_damaged_pickles_are_refused():
     world.step(n=3)
     state, before = world.save(), world.state_hash()
     make, (kind, *_), parts = state.__reduce_ex__(2)[:3]
-    system, held, output = parts
+    system, held, output, scores = parts
     damaged = [(system, held[:-1], output), (system, b"", output), (system, held, output[:-1]), (system, held, output[:100]),
                (system, held, bytes(len(output))), (system, held, output[:20] + b"\xff" * 8 + output[28:]), (system, held),
                (system, held + held, output), (4711, held, output), (system, b"\xff" * len(held), output)]
+    damaged = [(*parts, scores) if len(parts) == 3 else parts for parts in damaged]
+    damaged += [(system, held, output), (system, held, output, b""), (system, held, output, b"\xff" * 8), (system, held, output, b"\x01" + bytes(7) + b"\xff" * 400)]
     for parts in damaged:
         with pytest.raises(seldinger.Error):
             bad = make(kind)

@@ -170,6 +170,22 @@ TEST_SUITE("apps/task")
         CHECK(summary_of(folder.path / "parts")["task"] == summary_of(folder.path / "one")["task"]);
     }
 
+    TEST_CASE("property: the questions of docs/answers.md are scenes that can be asked as they stand")
+    {
+        const ScratchFolder folder;
+        const fs::path examples = fs::path(SEL_SOURCE_DIR) / "examples/answers";
+        for (const std::string name : {"which-wire", "which-angle", "catheter-or-none"}) {
+            CAPTURE(name);
+            // half a second of each run: every value of the sweep makes a world that steps
+            const AppResult asked = run_app(folder, fmt::format("batch '{}.toml' --vary '{}-sweep.toml' -o {} --set scene.duration_s=0.5 --set scene.until=time",
+                                                                (examples / name).string(), (examples / name).string(), name));
+            CAPTURE(asked.err);
+            CHECK(asked.code == 0);
+            CHECK(asked.out.find("reached left subclavian") != std::string::npos);
+            CHECK(summary_of(folder.path / name)["task"]["reached"] == 0);
+        }
+    }
+
     TEST_CASE("property: until = reached without a target, and a branch that there is not, are refused with what to do")
     {
         const ScratchFolder folder;
