@@ -123,7 +123,7 @@ std::string for_people(const Json& report, const std::string& name)
     const Json& line = report["centreline"];
     if (line["points"].get<long>() > 0)
         text += fmt::format(
-            "  centreline {:.4f} m long in all, lumen radius {:.5f} m (5 %), {:.5f} m (half), {:.5f} m (widest)\n",
+            "  centreline {:.4f} m long in all, lumen radius {:.5f} m (5 %), {:.5f} m (median of its points, more in narrow branches), {:.5f} m (widest)\n",
             line["length_m"].get<double>(), line["radius"]["p5"].get<double>(), line["radius"]["p50"].get<double>(),
             line["radius"]["max"].get<double>());
     int number = 0;

@@ -120,7 +120,7 @@ std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVess
 std::string describe_unit(const std::vector<UnitGuess>& guesses, const UnitGuess& taken, const std::string& source)
 {
     const auto sizes = [](const UnitGuess& g) {
-        return fmt::format("a lumen of {:.3g} mm radius (half of it is wider; 10 to 90 %: {:.3g} to {:.3g} mm) in {:.4g} mm from corner to corner",
+        return fmt::format("a lumen of {:.3g} mm radius (median along the axis; 10 to 90 %: {:.3g} to {:.3g} mm) in {:.4g} mm from corner to corner",
                            1e3 * g.lumen, 1e3 * g.low, 1e3 * g.high, 1e3 * g.extent);
     };
     std::string text = fmt::format("{}: {}", source, sizes(taken));

@@ -403,9 +403,11 @@ std::string forces_for_people(const Json& s)
         const Json& e = s.at("error_estimate").at(banded);
         return newtons(e.at("value").get<double>(), e.at("band").get<double>());
     };
-    return fmt::format("  hand force {} at the end, largest {}; friction largest {}{}\n", force("hand_force_n", "hand_force_n"),
-                       force("hand_force_peak_n", "hand_force_max_n"), force("friction_peak_n", "friction_max_n"),
-                       has_bands ? " (means of 20 ms; ± error of the step)" : "");
+    const bool is_release = has_bands && s.at("error_estimate").at("hand_force_peak_n").value("let_go", false);
+    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {}{}\n", force("hand_force_n", "hand_force_n"),
+                       force("hand_force_peak_n", "hand_force_max_n"), is_release ? " as the wire springs free" : "",
+                       force("friction_peak_n", "friction_max_n"),
+                       has_bands ? " (means of 20 ms; ± error of the step)" : " (single steps; error of the step not estimated)");
 }
 
 /// What became of the task, or where the tip is.
@@ -426,7 +428,7 @@ std::string answer_for_people(const Json& s)
         const int branch = s.at("branch").get<int>(), count = s.at("branches").get<int>();
         text += text.empty() ? "" : "; ";
         text += branch == 0 ? fmt::format("tip before any of {} branches", count)
-                            : fmt::format("tip in branch {} of {}, {:.3g} mm behind its mouth", branch, count, 1e3 * s.at("branch_depth_m").get<double>());
+                            : fmt::format("tip in branch {} of {}, {:.3g} mm beyond its mouth", branch, count, 1e3 * s.at("branch_depth_m").get<double>());
     }
     return text.empty() ? "" : text + "\n";
 }
