@@ -133,11 +133,18 @@ private:
         if (goals_.force_tolerance > 0)
             message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
         if (goals_.peaks.asked()) message += ", " + peaks_known_to(reference);
-        message += fmt::format("; requested: {}", as_length(goals_.tolerance));
-        if (goals_.force_tolerance > 0) message += fmt::format(" and {:.2g} mN", 1e3 * force_goal);
+        // what is planned is compared with the reference: half of the tolerance is the reference's own
         const bool shape_known = shape <= least_certainty * goals_.tolerance;
-        message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for", options_.budget) : "; ask for";
-        message += shape_known ? " a larger error of the forces" : fmt::format(" {} or more", as_length(2 * shape));
+        std::string missing = shape_known ? "" : "shape to " + as_length(least_certainty * goals_.tolerance);
+        const auto miss = [&](const std::string& what) { missing += (missing.empty() ? "" : ", ") + what; };
+        if (!force_known) miss(fmt::format("hand force to {:.2g} mN", 1e3 * least_certainty * force_goal));
+        if (!peaks_known) miss("peaks to half of their tolerance");
+        if (!reference.converges) miss("refinements that come closer to one another");
+        std::string looser = shape_known ? "" : as_length(2 * shape) + " or more";
+        if (!force_known || !peaks_known) looser += looser.empty() ? "a larger error of the forces" : " and a larger error of the forces";
+        message += fmt::format("; needed, half of what was asked: {}; ", missing);
+        if (reference.out_of_budget) message += fmt::format("give more than --budget {:g}{}", options_.budget, looser.empty() ? "" : ", or ");
+        if (!looser.empty()) message += "ask for " + looser;
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
     }
