@@ -403,7 +403,7 @@ std::string forces_for_people(const Json& s)
         const Json& e = s.at("error_estimate").at(banded);
         return newtons(e.at("value").get<double>(), e.at("band").get<double>());
     };
-    const bool is_release = has_bands && s.at("error_estimate").at("hand_force_peak_n").value("let_go", false);
+    const bool is_release = has_bands && s.at("error_estimate").at("hand_force_peak_n").value("sudden_release", false);
     return fmt::format("  hand force {} at the end, largest {}{}; friction largest {}{}\n", force("hand_force_n", "hand_force_n"),
                        force("hand_force_peak_n", "hand_force_max_n"), is_release ? " as the wire springs free" : "",
                        force("friction_peak_n", "friction_max_n"),
