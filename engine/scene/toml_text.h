@@ -1,5 +1,5 @@
 #pragma once
-// Text in TOML form.
+// Writes text as a TOML file has it: in quotes, with escapes.
 
 #include <string>
 #include <string_view>

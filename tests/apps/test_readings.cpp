@@ -69,6 +69,6 @@ TEST_SUITE("apps/readings")
         CHECK(report["files_unit"] == "mm");
         CHECK(text.out.find("(in mm)") != std::string::npos);
         CHECK(text.out.find("radius 0.00400 m") != std::string::npos);
-        CHECK(slurp(folder.path / "V/vessel.stl").substr(0, 80).find("in mm") != std::string::npos);
+        CHECK(slurp(folder.path / "V/vessel.stl").substr(0, 80).find("UNITS=mm") != std::string::npos);
     }
 }

@@ -284,9 +284,9 @@ force_n = [0.0, 0.0, -0.005]
     TEST_CASE("property: a simulation that cannot go on is exit 4, names a setting, and leaves what is good")
     {
         const ScratchFolder folder;
-        // 10 mm inside at the start: straight through the floor of the tube, 0.96 mm beyond, where the wall bears no wire
+        // 80 mm in a millisecond: 0.08 m in one step of a tube of 0.1 m
         std::string scene = tube_scene();
-        scene.replace(scene.find("advance_m = 0.004"), 17, "advance_m = 0.010");
+        scene.replace(scene.find("{t_s = 1.0, advance_m"), 21, "{t_s = 0.001, advance_m");
         folder.write("t.toml", scene);
         const AppResult result = run_app(folder, "run t.toml -o D --quiet");
         CAPTURE(result.err);

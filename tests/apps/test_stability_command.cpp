@@ -36,8 +36,8 @@ TEST_SUITE("apps/stability")
             CHECK(result.err.find(words) != std::string::npos);
         };
         refused("--row F22", 2, "expected F1 to F21");
-        refused("--maps stifness", 2, "expected of: axial; stiffness");
-        refused("--methods fast", 2, "expected of: published");
+        refused("--maps stifness", 2, "expected one of: axial; stiffness");
+        refused("--methods fast", 2, "expected one of: published");
         refused("--vary wire.bend_nm2=1", 2, "goes with a SCENE.toml");
         refused("free.toml", 2, "--vary vessel.youngs_pa=1e5,1e6,1e7");
         refused("free.toml --vary wire.bend_nm2=2,1", 2, "numbers, rising");

@@ -147,7 +147,7 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"integrator.gamma=0.4"}, "integrator.gamma: expected"});
         check_mistake({good, {"output.wire_every=-1"}, "output.wire_every: expected"});
         check_mistake({good, {"integrator.conserve=1"}, "integrator.conserve: expected true or false"});
-        check_mistake({good, {"integrator.conserve=true", "integrator.beta=0.25"}, "integrator.beta: is Newmark's"});
+        check_mistake({good, {"integrator.conserve=true", "integrator.beta=0.25"}, "integrator.beta: belongs to Newmark's scheme"});
         check_mistake(
             {good, {"integrator.conserve=true", "integrator.scheme=linearised"}, "integrator.conserve: energy is conserved"});
     }

@@ -70,7 +70,8 @@ keys = [{t_s = 0.0, advance_m = 5000.0}]
         CHECK(rows[0].status == RunStatus::Stopped);
         CHECK((said & (StepNonFinite | StepEnergy)) != 0);
         CHECK(rows[1].status == RunStatus::Done);
-        for (const double number : rows[1].numbers) CHECK(std::isfinite(number));
+        // a target that was not reached has no place and no time: empty in the table
+        for (std::size_t c = 0; c < std::size(batch_columns); ++c) CHECK((batch_columns[c].of_task || std::isfinite(rows[1].numbers[c])));
         const std::string table = batch_csv(source.sweep, source.layout(), rows);
         for (const char* odd : {"inf", "nan"}) CHECK(table.find(odd) == std::string::npos);
     }
