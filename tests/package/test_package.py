@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""test_package.py PACKAGES [wheel | deb | container ...] [--keep FOLDER]: installs what `./dev package` made into empty Debian 12 systems.
+"""test_package.py PACKAGES [wheel | deb] [--keep FOLDER]: installs what `./dev package` made into empty Debian 12 systems.
 
 Each system is made by mmdebstrap from the mirror that apt uses here, and has nothing but Debian's essential packages and what an
 installation document says to install. There the front page's scene is run and drawn: the state hash is that of tests/golden, so that a
@@ -214,9 +214,12 @@ def test_deb(packages, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("packages", type=Path)
-    parser.add_argument("which", nargs="*", default=["wheel", "deb"], choices=["wheel", "deb"])
+    parser.add_argument("which", nargs="*", metavar="wheel | deb", help="both where none is named")
     parser.add_argument("--keep", type=Path, help="the pictures are copied here")
     options = parser.parse_args()
+    tests = {"wheel": test_wheel, "deb": test_deb}
+    if set(options.which) - set(tests):
+        parser.error(f"got {' '.join(options.which)}; expected wheel or deb")
     for program in ("mmdebstrap", "dpkg-deb", "readelf", "unshare"):
         if not shutil.which(program):
             print(f"skipped: {program} is not installed")
@@ -227,10 +230,10 @@ def main():
     if not list(options.packages.glob("seldinger*")):
         print(f"skipped: no packages in {options.packages}; ./dev package makes them")
         return 77
-    for which in options.which:
+    for which in options.which or tests:
         with tempfile.TemporaryDirectory() as folder:
             os.chmod(folder, 0o755)
-            picture = {"wheel": test_wheel, "deb": test_deb}[which](options.packages.resolve(), Path(folder))
+            picture = tests[which](options.packages.resolve(), Path(folder))
             if options.keep:
                 options.keep.mkdir(parents=True, exist_ok=True)
                 shutil.copy(picture, options.keep / f"{which}.png")
