@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 
 namespace seldinger {
@@ -41,16 +40,6 @@ void count_path(const Vec3& tip, double inserted, ScoreNumbers& score)
 }
 
 }  // namespace
-
-bool is_sound(const ScoreNumbers& s)
-{
-    const auto sums = {s.time,        s.path_length,     s.advanced,   s.pulled_back,    s.wall_force,  s.wall_force_mean, s.wall_force_max,
-                       s.patch_force, s.patch_force_max, s.time_above, s.hand_force_max, s.fluoroscopy, s.contrast,        s.force_time};
-    const auto any = {s.distance, s.reached_at_m, s.reached_at_s, s.tip[0], s.tip[1], s.tip[2], s.inserted, s.run};
-    return std::all_of(sums.begin(), sums.end(), [](double v) { return std::isfinite(v) && v >= 0; }) &&
-           std::all_of(any.begin(), any.end(), [](double v) { return std::isfinite(v); }) && s.direction >= -1 && s.direction <= 1 &&
-           s.reached <= 1 && s.failed <= 1 && s.has_tip <= 1 && s.unused == 0;
-}
 
 TaskTarget::TaskTarget(const TaskSpec& task, const Centreline& centreline, const std::string& source)
 {
