@@ -148,7 +148,7 @@ private:
     {
         totals_.wall = wall();
         const auto begun = Clock::now();
-        write_tables();
+        write_tables(folder_, source_, rows_);
         std::vector<std::uint8_t> bytes;
         const auto put_list = [&](const auto& list) {
             const std::uint64_t count = list.size();
@@ -259,15 +259,6 @@ private:
         }
     }
 
-    void write_tables()
-    {
-        const BatchLayout layout = source_.layout();
-        write_file(folder_ / "results-units.csv", batch_units_csv(source_.sweep, layout));
-        write_file(folder_ / "shapes.csv", batch_shapes_csv(layout, rows_));
-        write_file(folder_ / "results.npz", batch_npz(source_.sweep, layout, rows_));
-        write_file(folder_ / "results.csv", batch_csv(source_.sweep, layout, rows_));
-    }
-
     std::string summary(RunStatus status) const
     {
         const double to_ms = 1e3 / static_cast<double>(std::max<std::int64_t>(totals_.world_steps, 1));
@@ -338,6 +329,15 @@ private:
 };
 
 }  // namespace
+
+void write_tables(const Folder& folder, const BatchSource& source, const std::vector<BatchRow>& rows)
+{
+    const BatchLayout layout = source.layout();
+    write_file(folder / "results-units.csv", batch_units_csv(source.sweep, layout));
+    write_file(folder / "shapes.csv", batch_shapes_csv(layout, rows));
+    write_file(folder / "results.npz", batch_npz(source.sweep, layout, rows));
+    write_file(folder / "results.csv", batch_csv(source.sweep, layout, rows));
+}
 
 void add_answer(Json& summary, const BatchSource& source, const std::vector<BatchRow>& rows)
 {

@@ -29,6 +29,9 @@ struct BatchPart {
 /// Takes a batch's own files out of a folder, by their names. @throws Error BadFile
 void remove_batch(const Folder& folder);
 
+/// The tables of a batch, and of a merged farm. results.csv comes last: who finds it finds the others.
+void write_tables(const Folder& folder, const BatchSource& source, const std::vector<BatchRow>& rows);
+
 /// Counts, outcomes, ranking and the answer in one line, as a batch's summary.json and a farm's have them.
 void add_answer(Json& summary, const BatchSource& source, const std::vector<BatchRow>& rows);
 

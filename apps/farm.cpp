@@ -238,7 +238,6 @@ ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
     std::string sweep_text;
     const BatchSource source = farm_source(dir, plan, sweep_text);
     const Scene first = source.scene(0);
-    const BatchLayout layout = source.layout();
     std::vector<BatchRow> rows;
     std::vector<std::size_t> missing;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
@@ -256,12 +255,9 @@ ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
     summary["farm"] = status_json(plan, look_at_farm(dir, plan));
     write_file(dir / "scene.toml", resolved_scene(source, dir.path()));
     write_file(dir / "sweep.toml", sweep_text);
-    write_file(dir / "results-units.csv", batch_units_csv(source.sweep, layout));
     if (const LoadedVessel vessel = load_vessel(first.vessel); !vessel.mesh.triangles.empty()) write_file(dir / "vessel.vtp", wall_vtp(vessel.mesh));
-    write_file(dir / "shapes.csv", batch_shapes_csv(layout, rows));
-    write_file(dir / "results.npz", batch_npz(source.sweep, layout, rows));
     write_file(dir / "summary.json", json_text(summary, 2) + "\n");
-    write_file(dir / "results.csv", batch_csv(source.sweep, layout, rows));
+    write_tables(dir, source, rows);
     const auto stopped = summary["stopped"].get<long>();
     const std::string answer = summary["answer"].get<std::string>();
     print(fmt::format("{}: {} runs, {} stopped: results.csv, results-units.csv, results.npz, shapes.csv, summary.json\n{}", dir.path().string(),
