@@ -28,8 +28,12 @@ def faults(path, source, build):
     if not re.search(r"__(mem|str|read|pread|vsnprintf|snprintf|printf|fprintf|fread|poll|recv|realpath|readlink)\w*_chk", symbols):
         yield "no buffer is checked; expected -D_FORTIFY_SOURCE=2"
     data = Path(path).read_bytes()
-    found = {m[0].decode("utf-8", "replace") for place in (source, build) for m in re.finditer(re.escape(place.encode()) + rb"/[\w./+-]*", data)}
-    found = {p for p in found if not p.startswith(f"{source}/ass")}  # the compiler copies a name in pieces, which may end there
+    # A compiler may cut a name into pieces of 16 bytes and lay other text behind them, so a path counts by what the folder really holds.
+    inside = {entry.name for entry in Path(source).iterdir()} - {"assets"}
+    paths = {m[0].decode("utf-8", "replace") for m in re.finditer(re.escape(source.encode()) + rb"/[\w.+-]+", data)}
+    found = {p for p in paths if p[len(source) + 1:] in inside}
+    if Path(source) not in Path(build).parents:
+        found |= {build for _ in re.finditer(re.escape(build.encode()) + b"/", data)}
     if found:
         yield f"{len(found)} paths of the machine that built it, {min(found)} among them; expected {source}/assets alone"
 
