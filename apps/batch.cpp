@@ -14,14 +14,14 @@
 namespace seldinger::apps {
 namespace {
 
-struct Options {
+struct BatchArguments {
     std::filesystem::path scene, sweep;
     RunOptions run;
     int threads = 0;
     bool bands = false, resume = false, overwrite = false, json = false;
 };
 
-std::string for_people(const std::string& json, const std::filesystem::path& dir)
+std::string batch_for_people(const std::string& json, const std::filesystem::path& dir)
 {
     const nlohmann::json s = nlohmann::json::parse(json);
     std::string text = fmt::format(
@@ -34,7 +34,7 @@ std::string for_people(const std::string& json, const std::filesystem::path& dir
     return text;
 }
 
-ExitCode batch(Options& options)
+ExitCode batch(BatchArguments& options)
 {
     RunOptions& what = options.run;
     if (options.resume) what.use = FolderUse::Resume;
@@ -44,7 +44,7 @@ ExitCode batch(Options& options)
     set_thread_count(options.threads);
     const RunOutcome outcome = run_batch(options.scene, options.sweep, what);
     if (options.json) print(outcome.summary);
-    else if (!what.quiet) print(for_people(outcome.summary, what.dir));
+    else if (!what.quiet) print(batch_for_people(outcome.summary, what.dir));
     if (!outcome.message.empty()) throw Error(outcome.code, outcome.message);
     return outcome.code;
 }
@@ -53,7 +53,7 @@ ExitCode batch(Options& options)
 
 void add_batch(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<BatchArguments>();
     CommandLine* command = app.add_subcommand("batch", "run a scene many times with keys varied, many wires at once");
     command->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     command->add_option("--vary", options->sweep, "sweep file: [vary] with lists (grid) and {min, max, n} (draws)")

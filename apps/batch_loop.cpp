@@ -1,12 +1,12 @@
 // The loop of `seldinger batch`: worlds one after the other, results table, checkpoints, Ctrl-C and time limit between steps.
 #include "batch_loop.h"
 
+#include "core/clock.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
 #include "core/note.h"
 #include "core/parallel.h"
 #include "core/sealed_file.h"
-#include "elapsed.h"
 #include "io/json_text.h"
 #include "progress.h"
 #include "scene/frames.h"

@@ -24,14 +24,12 @@ void add_render(CommandLine& app, Command& chosen);
 void add_labels(CommandLine& app, Command& chosen);
 void add_instruments(CommandLine& app, Command& chosen);
 void add_devices(CommandLine& app, Command& chosen);
-void add_chart(CommandLine& app, Command& chosen);
-void add_stability(CommandLine& app, Command& chosen);
 void add_plan(CommandLine& app, Command& chosen);
-void add_bench(CommandLine& app, Command& chosen);
 void add_live(CommandLine& app, Command& chosen);
 void add_choose_live_model(CommandLine& app, Command& chosen);  // a part of live, not for people
 void add_report(CommandLine& app, Command& chosen);
 void add_farm(CommandLine& app, Command& chosen);
+void add_lab(CommandLine& app, Command& chosen);  // chart, stability, bench: lab/lab_commands.h
 
 /// --time-limit and --device, as `run` has them.
 void add_limits(CommandLine& command, double& time_limit, int& device);

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t usual_tasks = 200;  // enough that a lost one is little work, few enough that starting them is
 
-struct Options {
+struct FarmArguments {
     fs::path source, sweep, dir;
     std::vector<std::string> overrides, sbatch, render;
     std::string frames, backend = "local";
@@ -44,7 +44,7 @@ struct ViewOptions {
     bool json = false;
 };
 
-std::size_t task_count(const Options& options, const FarmPlan& plan)
+std::size_t task_count(const FarmArguments& options, const FarmPlan& plan)
 {
     if (options.tasks && static_cast<std::size_t>(*options.tasks) > plan.items)
         throw Error(ExitCode::BadScene, fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks,
@@ -53,7 +53,7 @@ std::size_t task_count(const Options& options, const FarmPlan& plan)
 }
 
 /// The scene as a batch reads it, every run's values tried.
-FarmPlan plan_sweep(const Options& options, std::string& scene_text, std::string& sweep_text)
+FarmPlan plan_sweep(const FarmArguments& options, std::string& scene_text, std::string& sweep_text)
 {
     scene_text = read_file(options.source);
     sweep_text = read_file(options.sweep);
@@ -84,7 +84,7 @@ std::vector<std::string> farm_words(const std::vector<std::string>& given)
     return words;
 }
 
-FarmPlan plan_frames(const Options& options)
+FarmPlan plan_frames(const FarmArguments& options)
 {
 #ifdef SEL_WITH_VIEW
     FarmPlan plan;
@@ -113,7 +113,7 @@ FarmPlan plan_frames(const Options& options)
 }
 
 /// What the words alone can get wrong, before anything is looked for or written.
-void check_words(const Options& options)
+void check_words(const FarmArguments& options)
 {
     if (options.source.empty())
         throw Error(ExitCode::BadScene,
@@ -130,7 +130,7 @@ void check_words(const Options& options)
 }
 
 /// Plans the farm and prepares its folder, or finds it prepared.
-std::pair<Folder, FarmPlan> make_farm(const Options& options)
+std::pair<Folder, FarmPlan> make_farm(const FarmArguments& options)
 {
     std::string scene_text, sweep_text;
     const bool frames = !options.frames.empty();
@@ -184,7 +184,7 @@ Json status_json(const FarmPlan& plan, const FarmReport& r)
     return out;
 }
 
-ExitCode farm(Options& options)
+ExitCode farm(FarmArguments& options)
 {
     check_words(options);
     if (options.bands) options.overrides.push_back("output.bands=true");
@@ -377,7 +377,7 @@ void add_task(CommandLine& farm_command, Command& chosen)
 
 void add_farm(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<FarmArguments>();
     CommandLine* command = app.add_subcommand("farm", "divide a batch, or the frames of a run, into tasks for many machines");
     command->require_subcommand(0, 1);
     command->allow_extras();

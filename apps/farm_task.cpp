@@ -3,11 +3,11 @@
 
 #include "batch_loop.h"
 #include "command_line.h"
+#include "core/clock.h"
 #include "core/file_io.h"
 #include "core/note.h"
 #include "core/parallel.h"
 #include "core/printable.h"
-#include "elapsed.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -27,14 +27,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct InitArguments {
     fs::path mesh, scene;
     std::string units, instrument;
     int inlet = 0;  // 0: chosen
     bool overwrite = false;
 };
 
-void refuse_to_overwrite(const Options& options, const fs::path& picture)
+void refuse_to_overwrite(const InitArguments& options, const fs::path& picture)
 {
     if (options.overwrite) return;
     for (const fs::path& file : {options.scene, picture})
@@ -63,7 +63,7 @@ std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline
 }
 
 /// Its unit: given, else said by the file's header, else guessed.
-LoadedVessel load_in_its_unit(const Options& options, FirstScene& first)
+LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
 {
     LoadedVessel vessel;
     const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel);
@@ -91,17 +91,17 @@ LoadedVessel load_in_its_unit(const Options& options, FirstScene& first)
 }
 
 /// DICOM's axes unless the file's header says others.
-void find_axes(const Options& options, FirstScene& first)
+void find_axes(const InitArguments& options, FirstScene& first)
 {
-    const PatientAxes axes = remarks_of_file(options.mesh).axes;
-    if (axes == PatientAxes::Ras) first.back = -Vec3::UnitY();
-    first.axes_why = axes == PatientAxes::Ras   ? "The file says SPACE=RAS: x to the right, y to the front, z to the head"
-                     : axes == PatientAxes::Lps ? "The file says SPACE=LPS: x to the left, y to the back, z to the head"
+    const FileAxes axes = remarks_of_file(options.mesh).axes;
+    if (axes == FileAxes::Ras) first.back = -Vec3::UnitY();
+    first.axes_why = axes == FileAxes::Ras   ? "The file says SPACE=RAS: x to the right, y to the front, z to the head"
+                     : axes == FileAxes::Lps ? "The file says SPACE=LPS: x to the left, y to the back, z to the head"
                                                 : "The file says nothing of its axes; LPS is taken, as in DICOM: x to the left, y to the back, z to the head";
 }
 
 /// @return why each way in was taken or left, and what part of the surface it leads into
-std::vector<std::string> choose_way_in(const Options& options, const LoadedVessel& vessel, FirstScene& first)
+std::vector<std::string> choose_way_in(const InitArguments& options, const LoadedVessel& vessel, FirstScene& first)
 {
     first.inlets = find_inlets(vessel.report.loops, vessel.centreline);
     if (first.inlets.empty())
@@ -130,7 +130,7 @@ std::vector<std::string> choose_way_in(const Options& options, const LoadedVesse
 }
 
 /// What is written runs: read and set up as `check` would. The scene is not there yet, so that no message may send anyone to it.
-void require_runnable(const Options& options, const std::string& text, const LoadedVessel& vessel)
+void require_runnable(const InitArguments& options, const std::string& text, const LoadedVessel& vessel)
 {
     try {
         const Scene scene = read_scene_text(text, options.scene);
@@ -142,7 +142,7 @@ void require_runnable(const Options& options, const std::string& text, const Loa
     }
 }
 
-ExitCode init(Options& options)
+ExitCode init(InitArguments& options)
 {
     if (options.mesh.extension() == ".toml")
         throw Error(ExitCode::BadScene, fmt::format("{}: is a scene already; expected a mesh", options.mesh.string()));
@@ -174,7 +174,7 @@ ExitCode init(Options& options)
 
 void add_init(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<InitArguments>();
     CommandLine* command = app.add_subcommand("init", "write a first scene for a mesh: its unit, way in and a wire that fits");
     command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP, VTK)")->required();
     command->add_option("-o", options->scene, "the scene to write (default: <mesh>.toml here)")->type_name("SCENE.toml");

@@ -19,9 +19,8 @@ namespace seldinger::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
-struct Options {
+struct LabelsArguments {
     fs::path dir, coco;
     bool quiet = false;
 };
@@ -47,9 +46,9 @@ struct CutOff {
     std::string name;
     int pictures = 0, cut = 0, tip_outside = 0;
 
-    void take_in(const Json& in_field)
+    void take_in(const nlohmann::json& in_field)
     {
-        const auto outside = [](const Json& inside) { return !inside.get<bool>(); };
+        const auto outside = [](const nlohmann::json& inside) { return !inside.get<bool>(); };
         ++pictures;
         cut += std::any_of(in_field.begin(), in_field.end(), outside);
         tip_outside += outside(in_field.at(0));
@@ -66,9 +65,9 @@ void warn_of(const std::vector<CutOff>& all)
                 one.name, one.cut, one.pictures, one.tip_outside));
 }
 
-CocoPoint point_of(const Json& instrument, std::size_t index)
+CocoPoint point_of(const nlohmann::json& instrument, std::size_t index)
 {
-    const Json& px = instrument.at("centreline_px").at(index);
+    const nlohmann::json& px = instrument.at("centreline_px").at(index);
     return {px.at(0).get<double>(), px.at(1).get<double>(), instrument.at("in_field").at(index).get<bool>()};
 }
 
@@ -76,14 +75,14 @@ void add_picture(const fs::path& file, CocoWriter& coco, std::vector<CutOff>& cu
 {
     const LabelImage mask = read_label_png(mask_of(file));
     try {
-        const Json labels = Json::parse(read_file(file));
-        const Json& image = labels.at("image");
+        const nlohmann::json labels = nlohmann::json::parse(read_file(file));
+        const nlohmann::json& image = labels.at("image");
         if (image.at("width") != mask.width || image.at("height") != mask.height)
             throw Error(ExitCode::BadFile, fmt::format("{}: the mask beside it has {} x {} pixels, expected image.width x image.height",
                                                        file.string(), mask.width, mask.height));
         coco.add_image(image.at("file").get<std::string>(), mask.width, mask.height);
         std::uint8_t label = 0;
-        for (const Json& instrument : labels.at("instruments")) {
+        for (const nlohmann::json& instrument : labels.at("instruments")) {
             const std::size_t stations = instrument.at("centreline_px").size();
             const auto name = instrument.at("name").get<std::string>();
             const int category = coco.category(name);
@@ -100,7 +99,7 @@ void add_picture(const fs::path& file, CocoWriter& coco, std::vector<CutOff>& cu
     }
 }
 
-ExitCode labels(const Options& options)
+ExitCode labels(const LabelsArguments& options)
 {
     if (fs::is_directory(options.coco))
         throw Error(ExitCode::BadFile, options.coco.string() + ": is a folder, expected the name of a file, e.g. coco.json");
@@ -119,7 +118,7 @@ ExitCode labels(const Options& options)
 
 void add_labels(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<LabelsArguments>();
     CommandLine* command = app.add_subcommand("labels", "convert a folder of labels (render --labels) to another format");
     command->add_option("DIR", options->dir, "folder that `render --labels` wrote")->required();
     command->add_option("--coco", options->coco, "write COCO annotations: masks as run lengths, tip and base as keypoints")

@@ -21,7 +21,7 @@
 namespace seldinger::apps {
 namespace {
 
-struct Options {
+struct LiveArguments {
     std::filesystem::path scene;
     std::vector<std::string> overrides;
     std::optional<std::string> wire;
@@ -67,7 +67,7 @@ std::string end_for_people(const Session& session, const std::filesystem::path& 
                        beside(record, ".score.json").string(), session.world().state_hash());
 }
 
-ExitCode live(Options& options)
+ExitCode live(LiveArguments& options)
 {
     const StopSignal listening;
     if (options.wire) options.overrides.push_back("wire.preset=" + *options.wire);
@@ -113,7 +113,7 @@ ExitCode live(Options& options)
     return signal == 0 ? ExitCode::Done : signal == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted;
 }
 
-void add_what(CommandLine& command, Options& options)
+void add_what(CommandLine& command, LiveArguments& options)
 {
     command
         .add_option("SCENE", options.scene,
@@ -143,7 +143,7 @@ void add_what(CommandLine& command, Options& options)
 
 void add_live(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<LiveArguments>();
     CommandLine* command = app.add_subcommand("live", "run a live session: force feedback by UDP, picture in the browser");
     add_what(*command, *options);
     const ArgumentCheck port = in_range(0, 65535);

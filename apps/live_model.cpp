@@ -26,7 +26,7 @@ namespace {
 constexpr const char* command_name = "choose-live-model";
 constexpr double enough = 0.7;  // of real time: a session whose model needs no more is begun, cheaper ones or not
 
-struct Options {
+struct LiveModelArguments {
     std::filesystem::path source;
     pid_t parent = 0;
     LiveModelWish wish;
@@ -50,7 +50,7 @@ Plan planned(const Scene& scene, const LiveModelWish& wish)
 }
 
 /// The whole of the process: scene in, model out, as JSON.
-ExitCode choose(const Options& options)
+ExitCode choose(const LiveModelArguments& options)
 {
     end_with_parent(options.parent, SIGKILL);
     const StopSignal listening;
@@ -98,7 +98,7 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
 
 void add_choose_live_model(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<LiveModelArguments>();
     CommandLine* command = app.add_subcommand(command_name, "what `live --tolerance` runs; scene on stdin")->hidden();
     command->add_option("--source", options->source)->required();
     command->add_option("--trials", options->wish.trials)->required();

@@ -55,14 +55,12 @@ int run_command_line(int argc, char** argv)
     add_labels(app, chosen);
     add_instruments(app, chosen);
     add_devices(app, chosen);
-    add_chart(app, chosen);
-    add_stability(app, chosen);
     add_plan(app, chosen);
-    add_bench(app, chosen);
     add_live(app, chosen);
     add_choose_live_model(app, chosen);
     add_report(app, chosen);
     add_farm(app, chosen);
+    add_lab(app, chosen);
     for (const char* command : {"run", "batch", "check", "init", "vessel", "chart", "stability", "plan", "bench", "live", "farm"})
         app.subcommand(command)->add_flag_callback(
             "--no-vessel-cache", [] { ::setenv("SELDINGER_VESSEL_CACHE", "off", 1); },  // for processes of its own, too

@@ -18,7 +18,7 @@
 namespace seldinger::apps {
 namespace {
 
-struct Options {
+struct PlanArguments {
     std::filesystem::path scene, plan = "planned.toml";
     std::string tolerance, force_tolerance, peak_tolerance;
     PlanOptions what;
@@ -39,7 +39,7 @@ ExitCode exit_code(const Plan& plan)
     }
 }
 
-ExitCode plan_scene(Options& options)
+ExitCode plan_scene(PlanArguments& options)
 {
     const StopSignal listening;
     PlanOptions& what = options.what;
@@ -85,7 +85,7 @@ ExitCode plan_scene(Options& options)
 
 void add_plan(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<PlanArguments>();
     CommandLine* command = app.add_subcommand("plan", "find the cheapest model that meets an accuracy");
     command->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
     command

@@ -90,7 +90,7 @@ std::string speed(const PlannedModel& m)
 }
 
 /// What `run` says of a planned scene in its summary.
-std::string origin(const Plan& plan, const PlanGoals& goals, const PlannedModel& m, bool meets)
+std::string plan_origin(const Plan& plan, const PlanGoals& goals, const PlannedModel& m, bool meets)
 {
     return fmt::format("by seldinger plan for {}{}: expected {}", goals_text(goals), meets ? "" : " (which it does not meet)",
                        expected(plan, m));
@@ -106,7 +106,7 @@ void write_or_remove(const std::optional<PlannedModel>& model, const Plan& plan,
         return;
     }
     Scene scene = model->scene;
-    scene.planned = origin(plan, goals, *model, meets);
+    scene.planned = plan_origin(plan, goals, *model, meets);
     write_file(file, write_scene(scene, folder));
 }
 

@@ -1,5 +1,6 @@
 // The line on a terminal that follows a run or a batch, redrawn four times a second.
 #include "progress.h"
+#include "core/clock.h"
 #include "core/note.h"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ Progress::~Progress()
 void Progress::show(const Recorder& recorder, double wall)
 {
     if (!on_) return;
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Clock::now();
     if (now < next_) return;
     next_ = now + std::chrono::milliseconds(250);
     const double done = static_cast<double>(recorder.tally().steps), all = static_cast<double>(scene_.steps());
@@ -37,7 +38,7 @@ BatchProgress::~BatchProgress()
 void BatchProgress::show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, double rate)
 {
     if (!on_) return;
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Clock::now();
     if (now < next_) return;
     next_ = now + std::chrono::milliseconds(250);
     // runs of one world end together: within it the steps tell how far they are

@@ -1,10 +1,9 @@
 #pragma once
 // One line on stderr that follows a run; nothing when stderr is not a terminal.
 
+#include "core/clock.h"
 #include "scene/recorder.h"
 #include "study/batch.h"
-
-#include <chrono>
 
 namespace seldinger::apps {
 
@@ -20,7 +19,7 @@ public:
 private:
     const Scene& scene_;
     bool on_ = false, drawn_ = false;
-    std::chrono::steady_clock::time_point next_{};
+    Clock::time_point next_{};
 };
 
 /// The same for a batch, with a bar of the runs that are done.
@@ -36,7 +35,7 @@ public:
 private:
     std::size_t runs_;
     bool on_ = false, drawn_ = false;
-    std::chrono::steady_clock::time_point next_{};
+    Clock::time_point next_{};
 };
 
 }  // namespace seldinger::apps

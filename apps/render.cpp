@@ -25,7 +25,7 @@
 namespace seldinger::apps {
 namespace {
 
-struct Options {
+struct RenderArguments {
     std::filesystem::path dir;
     std::string size, wall, wall_max, force_max, camera, background, gltf, usd, view = "shaded";
     bool no_legend = false;
@@ -34,7 +34,7 @@ struct Options {
 };
 
 #ifdef SEL_WITH_VIEW
-void set_wall(const Options& options, RenderOptions& what)
+void set_wall(const RenderArguments& options, RenderOptions& what)
 {
     if (options.wall.empty() && !options.wall_max.empty())
         throw Error(ExitCode::BadScene, "--wall-max: got no --wall; expected displacement or stress. Fix: give --wall displacement or --wall stress");
@@ -45,7 +45,7 @@ void set_wall(const Options& options, RenderOptions& what)
         what.wall_max = stress ? parse_pressure("--wall-max", options.wall_max) : parse_length("--wall-max", options.wall_max);
 }
 
-void set_look(const Options& options, RenderOptions& what)
+void set_look(const RenderArguments& options, RenderOptions& what)
 {
     static const std::map<std::string, ViewFrom> views = {
         {"shaded", ViewFrom::Auto}, {"front", ViewFrom::Front},   {"back", ViewFrom::Back},
@@ -76,7 +76,7 @@ void set_look(const Options& options, RenderOptions& what)
 }
 
 /// All frames unless some are asked for.
-ExitCode export_model(const Options& options, RenderOptions& what)
+ExitCode export_model(const RenderArguments& options, RenderOptions& what)
 {
     if (!what.labels.empty() || !what.preview.empty())
         throw Error(ExitCode::BadScene,
@@ -97,7 +97,7 @@ ExitCode export_model(const Options& options, RenderOptions& what)
 }
 #endif
 
-ExitCode render(const Options& options)
+ExitCode render(const RenderArguments& options)
 {
     const bool fluoro = options.view == "fluoro";
     const std::string alien = options.fluoro.first_given();
@@ -135,9 +135,9 @@ ExitCode render(const Options& options)
 
 namespace {
 
-std::shared_ptr<Options> declare_render(CommandLine& app, CommandLine*& command)
+std::shared_ptr<RenderArguments> declare_render(CommandLine& app, CommandLine*& command)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<RenderArguments>();
     command = app.add_subcommand("render", "draw the frames of a run, without a display");
     command->add_option("DIR", options->dir, "folder of a run")->required();
     command->add_option("--size", options->size, "size of the picture in pixels (default 1280x720; fluoro 1024x1024)")
@@ -183,7 +183,7 @@ std::vector<std::string> files_of_frame(const std::vector<std::string>& words)
 {
     CommandLine app("", "seldinger");
     CommandLine* command = nullptr;
-    const std::shared_ptr<Options> options = declare_render(app, command);
+    const std::shared_ptr<RenderArguments> options = declare_render(app, command);
     std::vector<std::string> all = {"render", "."};
     all.insert(all.end(), words.begin(), words.end());
     if (const CommandLine::Parsed parsed = app.parse(std::move(all)); !parsed.error.empty())
@@ -205,7 +205,7 @@ std::vector<std::string> files_of_frame(const std::vector<std::string>& words)
 void add_render(CommandLine& app, Command& chosen)
 {
     CommandLine* command = nullptr;
-    const std::shared_ptr<Options> options = declare_render(app, command);
+    const std::shared_ptr<RenderArguments> options = declare_render(app, command);
     command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
 }
 

@@ -1,9 +1,9 @@
 // The loop of `seldinger run`: settle, step, record, save; it ends at rest, at a signal, at a limit or at a failed step.
 #include "run_loop.h"
 
+#include "core/clock.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
-#include "elapsed.h"
 #include "progress.h"
 #include "replay.h"
 #include "scene/key_frames.h"

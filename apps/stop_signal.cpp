@@ -1,6 +1,7 @@
 // The thread that waits for SIGINT and SIGTERM, and its response to them.
 #include "stop_signal.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "device/shared_context.h"
 
@@ -13,8 +14,6 @@
 
 namespace seldinger::apps {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds patience(8);  // under the ten that schedulers wait between SIGTERM and SIGKILL
 

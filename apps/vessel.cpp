@@ -25,14 +25,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct VesselArguments {
     std::filesystem::path input, dir;
     std::string units;
     bool json = false;
     int subdivide = 0;
 };
 
-VesselSpec spec_of(const Options& options)
+VesselSpec spec_of(const VesselArguments& options)
 {
     if (options.input.extension() == ".toml") {
         if (!options.units.empty()) throw Error(ExitCode::BadScene, "--units: a scene states its own; take it out");
@@ -144,7 +144,7 @@ void write_files(const LoadedVessel& vessel, const std::string& units, const std
     if (!vessel.centreline.empty()) write_centreline_vtp(dir / "centreline.vtp", vessel.centreline, units);
 }
 
-ExitCode inspect(const Options& options)
+ExitCode inspect(const VesselArguments& options)
 {
     const VesselSpec spec = spec_of(options);
     LoadedVessel vessel = load_vessel(spec);
@@ -172,7 +172,7 @@ ExitCode inspect(const Options& options)
 
 void add_vessel(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<VesselArguments>();
     CommandLine* vessel = app.add_subcommand("vessel", "inspect a vessel mesh, or the vessel of a scene");
     vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP, VTK) or scene file (TOML)")
         ->type_name("MESH|SCENE.toml")

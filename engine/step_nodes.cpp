@@ -1,10 +1,10 @@
 // The adapt stage: splits and merges edges between steps, and births at the inlet of a fed wire.
 
+#include "core/clock.h"
 #include "merged.h"
 #include "step_stages.h"
 #include "world.h"
 
-#include <chrono>
 #include <cmath>
 
 namespace seldinger {
@@ -135,10 +135,10 @@ void adapt_nodes_of(World::Impl& state, int w, double dt)
 
 void adapt_nodes(World::Impl& state, double dt)
 {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     for (int w = 0; w < state.wire_count(); ++w)
         if (!state.retired[w]) adapt_nodes_of(state, w, dt);
-    state.adapt_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    state.adapt_time += seconds_since(start);
 }
 
 }  // namespace seldinger

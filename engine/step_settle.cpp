@@ -1,20 +1,18 @@
 // Static equilibrium of all systems: a continuation path along which holds and links are moved, and births and merges of nodes
 // until none is needed.
 
+#include "core/clock.h"
 #include "merged.h"
 #include "step_stages.h"
 #include "world.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
 namespace seldinger {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int most_static_halvings = 6;
 constexpr int most_adapt_rounds = 60;  // of one equilibrium; each takes out a few nodes at most
@@ -73,7 +71,7 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
     state.terms.prepare(state.rods, state.live);
     const auto start = Clock::now();
     state.solver->equilibrium(state.constraints, state.terms, state.active, state.reports);
-    state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
+    state.solve_time += seconds_since(start);
     WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < state.wire_count(); ++w) failed[w] = state.active[w] && (!state.reports[w].converged || too_far(w));
     state.spread_over_systems(mask, failed);

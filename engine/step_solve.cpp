@@ -1,6 +1,7 @@
 // From the start of a step to the accepted states: the state that a failed attempt returns to, detection, Newton, and the treatment
 // of systems that do not converge.
 
+#include "core/clock.h"
 #include "core/parallel.h"
 #include "core/prefetch.h"
 #include "merged.h"
@@ -9,15 +10,12 @@
 #include "world.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace seldinger {
 
 namespace {
 
 constexpr int most_energy_halvings = 3;  // energy that steps eight times as short make too is none of the step's length
-
-using Clock = std::chrono::steady_clock;
 
 /// What a loop over the wires comes to next: the arrays of the wire after this one.
 void prefetch_after(World::Impl& state, int w)
@@ -147,7 +145,7 @@ void solve(World::Impl& state, const SubStep& sub)
     const double before = state.terms.times().in_all();
     state.solver->set_best_effort(sub.halvings == most_halvings);
     state.solver->step(sub.h, state.constraints, state.terms, state.active, state.reports);
-    state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
+    state.solve_time += seconds_since(start);
     state.terms_in_solve += state.terms.times().in_all() - before;
 }
 

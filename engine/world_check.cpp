@@ -79,8 +79,7 @@ void check_wire(const WireSpec& wire, const std::string& where)
 /// So many that a world can hold them.
 void check_samples(const WireSetup& wire, const std::string& where)
 {
-    double radius = wire.wire.shaft.radius;
-    for (const WireSectionRange& range : wire.wire.sections) radius = std::min(radius, range.section.radius);
+    const double radius = wire.wire.least_radius();
     if (wire.wire.length > most_slender * radius)
         refuse(where + ".wire.length", fmt::format("is {} m, expected at most {:g} times the smallest radius, {} m",
                                                    wire.wire.length, most_slender, radius));
@@ -126,13 +125,6 @@ void check_systems(const WorldSetup& setup)
                fmt::format("name {} instruments in all, expected as many as there are wires, {}", in_all, setup.wires.size()));
 }
 
-double widest(const WireSpec& spec)
-{
-    double radius = spec.shaft.radius;
-    for (const WireSectionRange& range : spec.sections) radius = std::max(radius, range.section.radius);
-    return radius;
-}
-
 /// Instruments inside each other, a rod each (D13).
 void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::string& where)
 {
@@ -154,7 +146,7 @@ void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::s
             refuse(where + ".order", "names instruments of different systems, expected those of one (WorldSetup::systems)");
         if (nest.model != CoaxialSpec::Model::Separate || k == 0) continue;
         const double lumen = setup.wires[static_cast<std::size_t>(nest.order[k - 1])].wire.lumen_radius;
-        const double radius = widest(setup.wires[static_cast<std::size_t>(wire)].wire);
+        const double radius = setup.wires[static_cast<std::size_t>(wire)].wire.largest_radius();
         if (lumen <= radius)
             refuse(fmt::format("wires[{}].wire.lumen_radius", nest.order[k - 1]),
                    fmt::format("is {} m, expected more than the radius of the instrument inside, {} m", lumen, radius));

@@ -15,20 +15,20 @@ constexpr double tolerance = 1e-6;  // of the load
 Mat3 rotation(const Vec3& vector)
 {
     const double angle = vector.norm();
-    return angle < 1e-300 ? Mat3::Identity() : mat3(Eigen::AngleAxisd(angle, eigen(vector) / angle).toRotationMatrix());
+    return angle < 1e-300 ? Mat3::Identity() : to_mat3(Eigen::AngleAxisd(angle, eigen(vector) / angle).toRotationMatrix());
 }
 
 Vec3 rotation_vector(const Mat3& r)
 {
     const Eigen::AngleAxisd turn(Eigen::Matrix3d{eigen(r)});
-    return vec3(turn.angle() * turn.axis());
+    return to_vec3(turn.angle() * turn.axis());
 }
 
 /// The element's frame: half-way between its ends' frames, tilted by the least rotation so that its first axis is the chord.
 Mat3 element_frame(const Mat3& a, const Mat3& b, const Vec3& chord)
 {
     const Mat3 between = a * rotation(rotation_vector(a.transpose() * b) / 2);
-    return mat3(Eigen::Quaterniond::FromTwoVectors(eigen(between.col(0)), eigen(chord)).toRotationMatrix()) * between;
+    return to_mat3(Eigen::Quaterniond::FromTwoVectors(eigen(between.col(0)), eigen(chord)).toRotationMatrix()) * between;
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ void CorotationalBeam::assemble(double dt)
             residual_[j + 1] += e.gradient_b;
             diagonal_[j + 1] += e.bb;
         } else {
-            base_force_ = vec3(e.gradient_b.head<3>()) - wire_.mass / 2 * wire_.gravity;
+            base_force_ = to_vec3(e.gradient_b.head<3>()) - wire_.mass / 2 * wire_.gravity;
         }
     }
 }
@@ -144,8 +144,8 @@ void CorotationalBeam::solve_and_move()
     for (int i = free - 1; i >= 0; --i) {
         const Vec6 right = i + 1 < free ? Vec6(residual_[i] - upper_[i] * behind) : residual_[i];
         behind = pivots[i].solve(right);
-        position_[i] -= vec3(behind.head<3>());
-        frame_[i] = rotation(-vec3(behind.tail<3>())) * frame_[i];
+        position_[i] -= to_vec3(behind.head<3>());
+        frame_[i] = rotation(-to_vec3(behind.tail<3>())) * frame_[i];
     }
 }
 

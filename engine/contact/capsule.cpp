@@ -4,18 +4,15 @@
 
 #include "contact/device_records.h"
 #include "contact/wall_law.h"
+#include "core/clock.h"
 #include "core/parallel.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 namespace seldinger {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 NearWall::Lengths near_lengths(const QuadratureSet& points, const WallTree& tree, uint law)
 {
@@ -126,7 +123,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     find_near({});
     if (multipliers_) multipliers_->begin();
     if (barrier_) start_barrier();
-    times_.detect += since(start);
+    times_.detect += seconds_since(start);
 }
 
 void CapsuleContact::start_barrier()
@@ -174,7 +171,7 @@ bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std:
     if (!multipliers_ || points == 0) return false;
     const auto start = Clock::now();
     const bool any = multipliers_->update(queue_for(points), params_, buffers(), quadrature_, solved, again);
-    times_.evaluate += since(start);
+    times_.evaluate += seconds_since(start);
     return any;
 }
 
@@ -194,7 +191,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
     find_near(active);
     const ActiveList* part = multipliers_ || barrier_ ? nullptr : active_.pick(active);
     const ActiveList& list = part ? *part : active_.all();
-    times_.detect += since(start);
+    times_.detect += seconds_since(start);
     if (!list.points.empty()) {
         evaluate_list(list, part != nullptr, h);
         if (part) active_.spread(active);
@@ -202,7 +199,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
     if (!barrier_) return;
     start = Clock::now();
     barrier_->sweep(queue_for(list.points.size()), params_, buffers(), quadrature_, list.points);
-    times_.detect += since(start);
+    times_.detect += seconds_since(start);
 }
 
 /// @param part  the list is not of all wires
@@ -219,13 +216,13 @@ void CapsuleContact::evaluate_list(const ActiveList& list, bool part, double h)
     evaluation_.launch_forces(at, params_, buffers(list), nodes_before(), near_.clearances(), multiplier_states());
     if (at == device::Queue::Inline) {  // waiting costs nothing there, and tells the two stages apart; else both are `evaluate`
         context_.finish(at);
-        times_.evaluate += since(start);
+        times_.evaluate += seconds_since(start);
         start = Clock::now();
     }
     const device::Buffer& sums = active_.sums_buffer(part);
     evaluation_.launch_sums(at, list.edges(), list.first_buffer, sums);
     read_records(context_, at, sums, active_.sums_target(part), list.edges(), 0, narrow_);
-    (at == device::Queue::Inline ? times_.reduce : times_.evaluate) += since(start);
+    (at == device::Queue::Inline ? times_.reduce : times_.evaluate) += seconds_since(start);
 }
 
 // Quadrature points of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take

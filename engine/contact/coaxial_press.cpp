@@ -12,7 +12,7 @@ namespace {
 using Complex = LumenPress::Complex;
 
 // Newton steps in one time step: they start from the last solution, which is near.
-constexpr int most_steps = 4;
+constexpr int most_press_steps = 4;
 
 /// Edge of the line that s lies on; at a node the one hubwards.
 int edge_at(const RodView& line, double s)
@@ -66,7 +66,7 @@ void CoaxialFriction::find_pressing(const Group& group, const CoaxialTrial& now,
     std::ranges::fill(pair.pressing, 0.0);
     std::ranges::fill(pair.off, Complex(0));
     if (last - first < 2) return;
-    press_.solve(d, most_steps);
+    press_.solve(d, most_press_steps);
     for (int i = first; i <= last; ++i) {
         const double force = press_.force[static_cast<std::size_t>(i - first)];
         pair.off[static_cast<std::size_t>(i)] = press_.off[static_cast<std::size_t>(i - first)];

@@ -40,13 +40,6 @@ InstrumentSurface surface_of(const WireSection& section, double lumen)
     return surface;
 }
 
-double least_radius(const WireSpec& spec)
-{
-    double radius = spec.shaft.radius;
-    for (const WireSectionRange& range : spec.sections) radius = std::min(radius, range.section.radius);
-    return radius;
-}
-
 double damping_of(const ContactSpec& contact)
 {
     return contact.normal == NormalLaw::LankaraniNikravesh ? published_damping(contact.restitution)
@@ -73,7 +66,7 @@ InstrumentCells::InstrumentCells(const InstrumentSetup& setup)
     }
     // axes of two that touch are 1.5 of the smaller radius apart at least, those of one in a lumen that far from leaving it
     for (const InstrumentPair& pair : pairs) {
-        const double limit = 0.45 * std::min(least_radius(setup.wires[pair.a]), least_radius(setup.wires[pair.b]));
+        const double limit = 0.45 * std::min(setup.wires[pair.a].least_radius(), setup.wires[pair.b].least_radius());
         for (const uint w : {pair.a, pair.b}) move_limit[w] = std::min(move_limit[w], limit);
     }
 }
@@ -83,7 +76,7 @@ void InstrumentCells::add_cells(const WireSpec& spec)
     InstrumentRod rod{};
     rod.cell = static_cast<uint>(surfaces.size());
     rod.epoch = 2;  // a record of zeros must not pass for the last step's
-    const int cells = std::max(1, static_cast<int>(std::lround(spec.length / (cell_length * least_radius(spec)))));
+    const int cells = std::max(1, static_cast<int>(std::lround(spec.length / (cell_length * spec.least_radius()))));
     rod.spacing = spec.length / cells;
     for (int k = 0; k < cells; ++k) {
         surfaces.push_back(surface_of(spec.at((k + 0.5) * rod.spacing), spec.lumen_radius));

@@ -3,19 +3,16 @@
 #include "contact/instrument_contact.h"
 
 #include "contact/programs.h"
+#include "core/clock.h"
 #include "core/parallel.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 
 namespace seldinger {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr std::size_t pool_work = 400;  // listed slots from which a launch on all cores pays (a slot takes a microsecond)
 
@@ -180,7 +177,7 @@ void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> l
     std::fill(searching_.begin(), searching_.end(), std::uint8_t{1});
     search(device::Queue::Inline);
     context_.finish(device::Queue::Inline);
-    times_.detect += since(start);
+    times_.detect += seconds_since(start);
 }
 
 void InstrumentContact::set_trial(const TrialState& trial)
@@ -416,7 +413,7 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
         search(device::Queue::Inline);
     }
     pick(active);
-    times_.detect += since(start);
+    times_.detect += seconds_since(start);
     if (picked_.empty()) return;
     start = Clock::now();
     params_.inv_dt = h > 0 ? 1 / h : 0;
@@ -425,10 +422,10 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
     launch(queue, forces_buffer_);
     context_.read(queue, forces_buffer_, forces_.data(), picked_.size() * sizeof(InstrumentForce));
     context_.read(queue, points_buffer_, points_.data(), picked_.size() * SEL_INSTRUMENT_POINTS * sizeof(InstrumentPoint));
-    times_.evaluate += since(start);
+    times_.evaluate += seconds_since(start);
     start = Clock::now();
     take_records();
-    times_.reduce += since(start);
+    times_.reduce += seconds_since(start);
 }
 
 void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces)
@@ -510,7 +507,7 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
     }
     for (std::size_t s = 0; s < written_.size(); ++s)
         if (active[first_wire_[s]]) written_[s] = 0;
-    times_.detect += since(start);
+    times_.detect += seconds_since(start);
 }
 
 /// Whose states are contacts of the step that is taken.

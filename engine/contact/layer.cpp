@@ -6,12 +6,12 @@
 #include "contact/programs.h"
 #include "contact/wall_law.h"
 #include "core/bytes.h"
+#include "core/clock.h"
 #include "core/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -21,9 +21,6 @@ namespace {
 
 constexpr double pair_length = 1e-3;  // stiffness of one pair = line stiffness x 1 mm [m]
 constexpr device::Queue light = device::Queue::Inline;
-
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double pair_distance(const ContactSpec& contact, double radius)
 {
@@ -138,7 +135,7 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         context_.read(light, candidates_, candidates_host_.data(), candidates_host_.size() * sizeof(std::uint32_t));
     }
     list_pairs();
-    times_.detect += since(start);
+    times_.detect += seconds_since(start);
 }
 
 // Pairs ordered by wire, edge and triangle, each with its record of the last step where it had one.
@@ -201,7 +198,7 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         for (std::size_t e = 0; e < edges; ++e)
             if (sums_.edges[e].contacts > 0) sums_.edges[e].length = touching_[paired_edges_[e]];
     }
-    times_.evaluate += since(start);
+    times_.evaluate += seconds_since(start);
 }
 
 double LayerContact::move_limit(int) const { return std::numeric_limits<double>::infinity(); }

@@ -14,13 +14,6 @@ namespace seldinger {
 
 namespace {
 
-double least_radius(const WireSpec& spec)
-{
-    double radius = spec.shaft.radius;
-    for (const WireSectionRange& range : spec.sections) radius = std::min(radius, range.section.radius);
-    return radius;
-}
-
 /// What the user left open of the lengths in kernels/shared/multiplier_law.h, the same all along the wire.
 ContactSpec with_lengths(ContactSpec contact, double radius)
 {
@@ -54,7 +47,7 @@ double quadrature_spacing(const WireSpec& spec, const ContactSpec& contact, Ridg
 {
     if (contact.detection == Detection::Nodes) return uniform_edge(spec);
     if (contact.samples_per_edge > 0 && spec.nodes > 1) return spec.length / (spec.nodes - 1) / contact.samples_per_edge;
-    const double radius = least_radius(spec), ridge = ridges.angle(radius);
+    const double radius = spec.least_radius(), ridge = ridges.angle(radius);
     const double fineness = smooth_ridge / ridge;
     return ridge > smooth_ridge ? std::max(fineness * fineness, least_spacing) * radius : radius;
 }
@@ -77,10 +70,10 @@ QuadratureSet make_quadrature(const ContactSetup& setup)
         points.begin = set.total();
         points.capacity = stretches + 1;
         points.s.push_back(0);
-        const ContactSpec contact = with_lengths(contacts[w], least_radius(spec));
+        const ContactSpec contact = with_lengths(contacts[w], spec.least_radius());
         // one wire alone keeps its bits: there the step's few trials do not pay for the ridges' curvature
         const double curved_ridges = !setup.several.empty() && setup.several[w] ? 1 : 0;
-        const auto add_model = [&, reach = contact_reach * least_radius(spec)](QuadratureModel model) {
+        const auto add_model = [&, reach = contact_reach * spec.least_radius()](QuadratureModel model) {
             model.reach = reach;  // the same all along the wire
             model.ridges = curved_ridges;
             set.models.push_back(model);

@@ -1,25 +1,23 @@
 // Wire and wall solved together: trials, residual, tangent. Start and end of a step: yielding_wall_step.cpp.
 
 #include "contact/yielding_system.h"
+#include "core/clock.h"
 
 #include "core/parallel.h"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 namespace seldinger {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int most_moves = 6;           // of the wall at one trial
 constexpr double foreseen_force = 0.1;  // of the largest: what may be missed at a trial that is not the last one
 constexpr double foreseen_move = 0.02;  // of the wire's radius, likewise
 constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
-constexpr int most_rounds = 8;                                 // that ask for more than Newton's convergence
+constexpr int most_refinements = 8;                                 // that ask for more than Newton's convergence
 
 Mat3 block_of(const BandMatrix& t, int row, int column)
 {
@@ -110,7 +108,7 @@ void YieldingWall::evaluate(const TrialState& trial, double h, std::span<const s
             else system.correct();
             carry_trial(system, trial, carried_);
         });
-        seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+        seconds_ += seconds_since(start);
         contact_.evaluate(carried_, h, todo_);
         start = Clock::now();
         again = false;
@@ -121,7 +119,7 @@ void YieldingWall::evaluate(const TrialState& trial, double h, std::span<const s
                 for (const int w : system->wires) todo_[w] = 0;
             else again = true;
         }
-        seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+        seconds_ += seconds_since(start);
     }
 }
 
@@ -353,7 +351,7 @@ bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::u
     for (const auto& system : systems_) {
         const bool all =
             std::all_of(system->wires.begin(), system->wires.end(), [&](int w) { return solved[w] || !system->begun; });
-        if (!all || !system->begun || system->refinements >= most_rounds) continue;
+        if (!all || !system->begun || system->refinements >= most_refinements) continue;
         if (system->misses(balanced_force, balanced_move) <= 1) continue;
         ++system->refinements;
         system->take();

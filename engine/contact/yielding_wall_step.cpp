@@ -3,18 +3,16 @@
 #include "contact/yielding_system.h"
 
 #include "core/bytes.h"
+#include "core/clock.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace seldinger {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double most_made_good = 0.02;  // radii in a step: what a wire's contact takes without notice; and of a merge
 constexpr int most_renumbered = 8;       // places by which changes of nodes may have moved one
@@ -153,7 +151,7 @@ void YieldingWall::begin_step(RodArrays& rods)
     const auto start = Clock::now();
     for_each_item(rods.wire_count(), wire_grain, [&](int w) { carry_back(rods, w); });
     for (const auto& system : systems_) system->begun = false;
-    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    seconds_ += seconds_since(start);
     contact_.begin_step(unmoved_);
 }
 
@@ -164,7 +162,7 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         if (live[w]) place_and_copy(rods, w);
     });
     for (const auto& system : systems_) system->begun = false;
-    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    seconds_ += seconds_since(start);
     contact_.prepare(unmoved_, live);
 }
 
@@ -281,7 +279,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         system.dynamics.end_step(system.pushed, farthest);
         for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
-    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    seconds_ += seconds_since(start);
 }
 
 std::vector<double> YieldingWall::displacement(int system) const { return systems_[system]->dynamics.displacement(); }

@@ -17,7 +17,7 @@ namespace seldinger {
 namespace {
 
 // by age alone: the process may be another machine's that shares the home (core/file_lock.h asks for it by number)
-constexpr std::time_t leftover_age = 3600;  // [s] no file takes as long to be written
+constexpr std::time_t abandoned_age = 3600;  // [s] no file takes as long to be written
 
 /// XDG_CACHE_HOME counts where it is absolute [XDG Base Directory Specification]. Empty: there is no home.
 std::filesystem::path caches_of_user()
@@ -91,7 +91,7 @@ void CacheFolder::trim(std::string_view ending, std::uint64_t most) const
     for (const std::string& name : names) {
         struct stat status {};
         if (!look(*folder_ / name, status) || !S_ISREG(status.st_mode)) continue;
-        if (name.ends_with(".tmp") && std::time(nullptr) - status.st_mtime > leftover_age) remove(name);
+        if (name.ends_with(".tmp") && std::time(nullptr) - status.st_mtime > abandoned_age) remove(name);
         if (!name.ends_with(ending)) continue;
         files.push_back({status.st_mtim, static_cast<std::uint64_t>(status.st_size), name});
         total += files.back().bytes;

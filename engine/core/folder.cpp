@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& path, const std::string& what) { throw Error(ExitCode::BadFile, path.string() + ": " + what); }
+[[noreturn]] void fail_folder(const fs::path& path, const std::string& what) { throw Error(ExitCode::BadFile, path.string() + ": " + what); }
 
 /// Neither a path out of the folder nor a path down: a file's list may name its neighbours.
 bool is_name(const std::string& name)
@@ -28,7 +28,7 @@ bool is_name(const std::string& name)
 
 void check_name(const fs::path& folder, const std::string& name)
 {
-    if (!is_name(name)) fail(folder, fmt::format("got \"{}\"; expected the name of a file in this folder", name));
+    if (!is_name(name)) fail_folder(folder, fmt::format("got \"{}\"; expected the name of a file in this folder", name));
 }
 
 std::shared_ptr<const int> handle_of(int fd)
@@ -60,7 +60,7 @@ FilePlace FilePlace::beside(const std::string& name) const
 Folder Folder::at(const fs::path& path)
 {
     const int fd = ::open(path.empty() ? "." : path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (fd < 0) fail(path, fmt::format("cannot be opened as a folder: {}; check the path", std::strerror(errno)));
+    if (fd < 0) fail_folder(path, fmt::format("cannot be opened as a folder: {}; check the path", std::strerror(errno)));
     Folder folder;
     folder.handle_ = handle_of(fd);
     folder.path_ = path;
@@ -78,8 +78,8 @@ Folder Folder::inner(const std::string& name) const
     check_name(path_, name);
     const int there = ::openat(fd(), name.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (there < 0 && (errno == ENOTDIR || errno == ELOOP))
-        fail(path_ / name, "is a link or no folder; nothing is done through it. Fix: remove it, or take another folder");
-    if (there < 0) fail(path_ / name, fmt::format("cannot be opened as a folder: {}", std::strerror(errno)));
+        fail_folder(path_ / name, "is a link or no folder; nothing is done through it. Fix: remove it, or take another folder");
+    if (there < 0) fail_folder(path_ / name, fmt::format("cannot be opened as a folder: {}", std::strerror(errno)));
     Folder folder;
     folder.handle_ = handle_of(there);
     folder.path_ = path_ / name;
@@ -90,7 +90,7 @@ Folder Folder::make(const std::string& name) const
 {
     check_name(path_, name);
     if (::mkdirat(fd(), name.c_str(), 0777) != 0 && errno != EEXIST)
-        fail(path_ / name, fmt::format("cannot be made: {}; choose a folder that can be written to", std::strerror(errno)));
+        fail_folder(path_ / name, fmt::format("cannot be made: {}; choose a folder that can be written to", std::strerror(errno)));
     return inner(name);
 }
 
@@ -132,7 +132,7 @@ std::vector<std::string> Folder::names() const
     if (!stream) {
         const int error = errno;
         if (listed >= 0) ::close(listed);
-        fail(path_, fmt::format("cannot be read: {}", std::strerror(error)));
+        fail_folder(path_, fmt::format("cannot be read: {}", std::strerror(error)));
     }
     std::vector<std::string> names;
     while (const dirent* entry = ::readdir(stream))
@@ -147,7 +147,7 @@ bool Folder::rename(const std::string& name, const Folder& to, const std::string
     check_name(path_, name), check_name(to.path_, new_name);
     if (::renameat(fd(), name.c_str(), to.fd(), new_name.c_str()) == 0) return true;
     if (errno == ENOENT) return false;
-    fail(path_ / name, fmt::format("cannot be renamed ({})", std::strerror(errno)));
+    fail_folder(path_ / name, fmt::format("cannot be renamed ({})", std::strerror(errno)));
 }
 
 int Folder::remove(const std::string& name) const

@@ -20,7 +20,7 @@
 namespace seldinger {
 namespace {
 
-[[noreturn]] void fail(const std::string& name, const std::string& message)
+[[noreturn]] void fail_centreline(const std::string& name, const std::string& message)
 {
     throw Error(ExitCode::BadFile, name + ": " + message);
 }
@@ -48,7 +48,7 @@ RadiusArray radius_of(const PolyData& data, const std::string& name)
         if (const auto* values = find(word)) return {values, 1};
     if (similar.size() == 1) return {&data.point_data.at(similar[0]).values, 1};
     if (const auto* values = similar.empty() ? find("diameter") : nullptr) return {values, 0.5};
-    fail(name, fmt::format("got point arrays {}; expected the lumen's radius at each point, in an array MaximumInscribedSphereRadius or "
+    fail_centreline(name, fmt::format("got point arrays {}; expected the lumen's radius at each point, in an array MaximumInscribedSphereRadius or "
                            "Radius. Fix: rename the array that holds it{}",
                            known.empty() ? "(none)" : known, similar.empty() ? "" : fmt::format(" ({} have \"radius\" in their names)", similar.size())));
 }
@@ -70,7 +70,7 @@ public:
                 previous = at;
             }
         }
-        if (points_.empty()) fail(name, "holds no line; expected the polylines of a centreline");  // lines of no points are none
+        if (points_.empty()) fail_centreline(name, "holds no line; expected the polylines of a centreline");  // lines of no points are none
     }
 
     Centreline tree()
@@ -96,7 +96,7 @@ private:
     int add(std::size_t i, const std::array<double, 3>& at, double r, double scale, std::map<std::array<double, 3>, int>& known)
     {
         if (!(r > 0 && r <= most_) || !std::all_of(at.begin(), at.end(), [&](double x) { return std::abs(x) <= most_; }))
-            fail(name_, fmt::format("point {}: a place within {:.0f} m and a radius above 0 are expected", i, kMostCoordinate));
+            fail_centreline(name_, fmt::format("point {}: a place within {:.0f} m and a radius above 0 are expected", i, kMostCoordinate));
         const auto [it, fresh] = known.try_emplace(at, count());
         if (fresh) {
             points_.push_back(scale * Vec3(at[0], at[1], at[2]));
@@ -244,7 +244,7 @@ Centreline parse_centreline(const std::string& bytes, const std::string& name, c
     } catch (const Error& error) {
         const std::string text = error.what();
         if (text.starts_with(name)) throw;
-        fail(name, text);
+        fail_centreline(name, text);
     }
 }
 

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/fnv1a.h"
+#include "io/binary_text.h"
 
 #include <fmt/format.h>
 
@@ -16,11 +17,6 @@ namespace {
 
 constexpr const char* storage_class = "1.2.840.10008.5.1.4.1.1.12.1";
 constexpr const char* little_endian = "1.2.840.10008.1.2.1";
-
-void put_number(std::string& bytes, std::uint64_t value, int size)
-{
-    for (int k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * k) & 0xff);
-}
 
 /// Data elements, which must come in rising order.
 class Elements {

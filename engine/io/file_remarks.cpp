@@ -34,12 +34,12 @@ std::string_view value_of(std::string_view text, std::string_view key)
     return {};
 }
 
-PatientAxes axes_in(std::string_view text)
+FileAxes axes_in(std::string_view text)
 {
     const std::string_view word = value_of(text, "space");
-    if (same_word(word, "ras") || same_word(word, "right-anterior-superior")) return PatientAxes::Ras;
-    if (same_word(word, "lps") || same_word(word, "left-posterior-superior")) return PatientAxes::Lps;
-    return PatientAxes::Unsaid;
+    if (same_word(word, "ras") || same_word(word, "right-anterior-superior")) return FileAxes::Ras;
+    if (same_word(word, "lps") || same_word(word, "left-posterior-superior")) return FileAxes::Lps;
+    return FileAxes::Unsaid;
 }
 
 std::string units_in(std::string_view text)

@@ -8,10 +8,10 @@
 namespace seldinger {
 
 /// Where +x, +y and +z of a file point: to the patient's left, back and head (DICOM's), or to the right, front and head.
-enum class PatientAxes { Unsaid, Lps, Ras };
+enum class FileAxes { Unsaid, Lps, Ras };
 
 struct FileRemarks {
-    PatientAxes axes = PatientAxes::Unsaid;
+    FileAxes axes = FileAxes::Unsaid;
     std::string units;  // m, cm, mm, um or in; empty: not said
 };
 

@@ -2,6 +2,7 @@
 #include "io/npz_write.h"
 
 #include "core/error.h"
+#include "io/binary_text.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -10,11 +11,6 @@
 
 namespace seldinger {
 namespace {
-
-void put_number(std::string& bytes, std::uint64_t value, int size)
-{
-    for (int k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * k) & 0xff);  // little-endian
-}
 
 /// Code points of a UTF-8 text; a byte that is not UTF-8 counts as one.
 std::vector<std::uint32_t> code_points(const std::string& text)

@@ -16,8 +16,8 @@ namespace {
 
 enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
 
-constexpr std::size_t bytes_of[] = {1, 1, 2, 2, 4, 4, 4, 8};
-std::size_t size_of(Scalar type) { return bytes_of[static_cast<int>(type)]; }
+constexpr std::size_t scalar_bytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+std::size_t size_of(Scalar type) { return scalar_bytes[static_cast<int>(type)]; }
 
 std::optional<Scalar> scalar_named(std::string_view word)
 {

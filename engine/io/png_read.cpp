@@ -10,7 +10,7 @@ namespace seldinger {
 namespace {
 
 constexpr png_uint_32 most_side = 8192;
-constexpr std::uint64_t most_bytes = 1u << 27;
+constexpr std::uint64_t most_png_bytes = 1u << 27;
 
 /// Bit depth and colour type of the header [PNG 11.2.2]: the simple reader would change others without a word.
 bool is_grey_8(const std::string& file)
@@ -22,7 +22,7 @@ bool is_grey_8(const std::string& file)
 
 LabelImage read_label_png(const std::filesystem::path& path)
 {
-    const std::string file = read_file(path, most_bytes);
+    const std::string file = read_file(path, most_png_bytes);
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     const auto fail = [&](const std::string& what) -> void {

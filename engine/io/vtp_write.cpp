@@ -31,7 +31,7 @@ private:
     std::string blocks_;
 };
 
-std::vector<double> flat(std::span<const Vec3> vectors)
+std::vector<double> numbers_of(std::span<const Vec3> vectors)
 {
     std::vector<double> values;
     values.reserve(3 * vectors.size());
@@ -48,7 +48,7 @@ std::vector<std::int32_t> counting(std::size_t count)
 
 }  // namespace
 
-VtpWriter::VtpWriter(std::span<const Vec3> points) : points_(flat(points)) {}
+VtpWriter::VtpWriter(std::span<const Vec3> points) : points_(numbers_of(points)) {}
 
 void VtpWriter::set_verts()
 {
@@ -76,7 +76,7 @@ void VtpWriter::add_point_data(std::string_view name, int components, std::span<
     point_data_.push_back({std::string(name), components, {values.begin(), values.end()}});
 }
 
-void VtpWriter::add_point_vectors(std::string_view name, std::span<const Vec3> values) { add_point_data(name, 3, flat(values)); }
+void VtpWriter::add_point_vectors(std::string_view name, std::span<const Vec3> values) { add_point_data(name, 3, numbers_of(values)); }
 
 std::string VtpWriter::bytes() const
 {

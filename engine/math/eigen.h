@@ -13,14 +13,14 @@ namespace seldinger {
 [[nodiscard]] inline Eigen::Map<const Eigen::Matrix3d> eigen(const Mat3& m) { return Eigen::Map<const Eigen::Matrix3d>(m.data()); }
 
 template <class Derived>
-[[nodiscard]] Vec3 vec3(const Eigen::MatrixBase<Derived>& v)
+[[nodiscard]] Vec3 to_vec3(const Eigen::MatrixBase<Derived>& v)
 {
     Vec3 out;
     eigen(out) = v;
     return out;
 }
 template <class Derived>
-[[nodiscard]] Mat3 mat3(const Eigen::MatrixBase<Derived>& m)
+[[nodiscard]] Mat3 to_mat3(const Eigen::MatrixBase<Derived>& m)
 {
     Mat3 out;
     eigen(out) = m;

@@ -94,11 +94,6 @@ void put_angles(const StencilTerms& t, const CoaxialDofs& dofs, int i, bool hub,
 
 }  // namespace
 
-double coaxial::stretch_strain(const RodView& line, const RodFrames& frames, int j)
-{
-    return (frames.edge_length[j] - line.rest_length[j]) / line.rest_length[j];
-}
-
 namespace {
 
 /// Energy 1/2 (covered strain)^2 / compliance, prepared as a stiffness of the whole edge (RodView::stretch_stiffness).

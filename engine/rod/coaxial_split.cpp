@@ -14,7 +14,7 @@ using namespace coaxial;
 
 namespace {
 
-Vec3 forwards(const RodView& line, int j) { return (line.pos(j) - line.pos(j + 1)).normalized(); }
+Vec3 line_forwards(const RodView& line, int j) { return (line.pos(j) - line.pos(j + 1)).normalized(); }
 
 /// Lengths of the edges from `first` on such that they carry `force`, their sum being about `length`. @return rest length added
 double set_lengths(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, int first, double force, double length)
@@ -186,11 +186,11 @@ SplitResult split_coaxial_base(RodArrays& rods, std::span<const int> wires, Coax
     split_frames(rods, wires, base, old);
     for (const std::span<double> acc : {line.ax, line.ay, line.az}) acc[a + 1] = fraction * acc[a + 2] + (1 - fraction) * acc[a];
     // the new node leaves the sleeve along the arc that its base edge is a chord of, as fast as the inner edge's length demands
-    const Vec3 out = (2 * forwards(line, a + 1) + base.tangent).normalized(), inner = forwards(line, a);
+    const Vec3 out = (2 * line_forwards(line, a + 1) + base.tangent).normalized(), inner = line_forwards(line, a);
     line.set_vel(a + 1, inner.dot(line.vel(a)) / inner.dot(out) * out);
     set_momentum(line, a + 1, old.momentum - line.mass[a + 2] * line.vel(a + 2));
     follow_line(rods, wires);
-    return {added, forwards(line, a + 1).dot(line.vel(a + 1))};
+    return {added, line_forwards(line, a + 1).dot(line.vel(a + 1))};
 }
 
 void split_coaxial_tip(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod)
@@ -247,7 +247,7 @@ SplitResult merge_coaxial_base(RodArrays& rods, std::span<const int> wires, Coax
     }
     set_momentum(line, line.n - 2, carried - line.mass[line.n - 1] * line.vel(line.n - 1));
     follow_line(rods, wires);
-    return {added, forwards(line, line.n - 2).dot(line.vel(line.n - 2))};
+    return {added, line_forwards(line, line.n - 2).dot(line.vel(line.n - 2))};
 }
 
 }  // namespace seldinger

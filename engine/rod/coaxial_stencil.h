@@ -35,6 +35,5 @@ struct StencilTerms {
 void add_cell(const CoaxialCell& cell, const Stencil& s, int instruments, HessianMode mode, StencilTerms& out);
 /// The tip's half cell.
 void add_end(const CoaxialCell& cell, const Stencil& s, int instruments, HessianMode mode, StencilTerms& out);
-[[nodiscard]] double stretch_strain(const RodView& line, const RodFrames& frames, int j);
 
 }  // namespace seldinger::coaxial

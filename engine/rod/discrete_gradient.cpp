@@ -77,7 +77,7 @@ Side clamp_side_of(const RodClamp& clamp)
 }
 
 /// Data of one stencil: stiffnesses and rest values, and the frame of natural curvature.
-struct Stencil {
+struct PathStencil {
     double bend = 0, twist_stiffness = 0;  // B/l, C/l [N m]; 0: not here
     double rest_kappa1 = 0, rest_kappa2 = 0, rest_twist = 0;
     Span twist{0, 0};
@@ -94,7 +94,7 @@ struct Forces {
 Span chi_of(const Side& e, const Side& f) { return {one_plus_cos(e.t.from, f.t.from), one_plus_cos(e.t.to, f.t.to)}; }
 
 /// B/l W(chi), chi = 1 + e.f u v, u = 1/|e|, v = 1/|f|: Delta of the product term by term.
-void add_bending(const Side& e, const Side& f, const Stencil& s, Forces& out)
+void add_bending(const Side& e, const Side& f, const PathStencil& s, Forces& out)
 {
     const Span chi = chi_of(e, f);
     const double slope = s.bend * (-4 * (1 - s.q) / (chi.from * chi.to) - s.q);  // Delta W/Delta chi
@@ -121,7 +121,7 @@ Vec3 twist_moment(const Side& e, const Side& f, const Span& twist)
 
 /// Moment on e, opposite on f, whose work is the change of kappa.rest_kappa = Q P: Q = 2 g/chi, P = sum of w_a (t.m_a), t one
 /// side's tangent, m_a the other's directors, w the rest curvature in their frame.
-Vec3 rest_moment(const Side& e, const Side& f, const Stencil& s, const Vec3& by_twist)
+Vec3 rest_moment(const Side& e, const Side& f, const PathStencil& s, const Vec3& by_twist)
 {
     const Span chi = chi_of(e, f);
     const Span g{curvature_factor(s.q, chi.from), curvature_factor(s.q, chi.to)};
@@ -129,14 +129,14 @@ Vec3 rest_moment(const Side& e, const Side& f, const Stencil& s, const Vec3& by_
     // Delta Q/Delta chi
     const double slope = 0.5 * s.q / g.mean() * 0.5 * (1 / chi.from + 1 / chi.to) - 2 * g.mean() / (chi.from * chi.to);
 
-    const bool second = s.frame == Stencil::Frame::Second;  // then kappa_a = -Q t_e.m_a(f)
+    const bool second = s.frame == PathStencil::Frame::Second;  // then kappa_a = -Q t_e.m_a(f)
     const Span a1 = second ? dot(e.t, f.m1) : dot(f.t, e.m1), a2 = second ? dot(e.t, f.m2) : dot(f.t, e.m2);
     const Vec3 of_a1 = second ? e.t.mean().cross(f.m1.mean()) : e.m1.mean().cross(f.t.mean());
     const Vec3 of_a2 = second ? e.t.mean().cross(f.m2.mean()) : e.m2.mean().cross(f.t.mean());
 
     Span w1{s.rest_kappa1, s.rest_kappa1}, w2{s.rest_kappa2, s.rest_kappa2};
     double turn = 0;                          // mean(a).Delta w/Delta twist
-    if (s.frame == Stencil::Frame::Midway) {  // half the twist further on than e's frame
+    if (s.frame == PathStencil::Frame::Midway) {  // half the twist further on than e's frame
         const double c0 = std::cos(0.5 * s.twist.from), s0 = std::sin(0.5 * s.twist.from);
         const double c1 = std::cos(0.5 * s.twist.to), s1 = std::sin(0.5 * s.twist.to);
         w1 = {c0 * s.rest_kappa1 - s0 * s.rest_kappa2, c1 * s.rest_kappa1 - s1 * s.rest_kappa2};
@@ -152,13 +152,13 @@ Vec3 rest_moment(const Side& e, const Side& f, const Stencil& s, const Vec3& by_
     return second ? Vec3(-moment) : moment;
 }
 
-Forces stencil_forces(const Side& e, const Side& f, const Stencil& s)
+Forces stencil_forces(const Side& e, const Side& f, const PathStencil& s)
 {
     Forces out;
     if (s.bend > 0) add_bending(e, f, s, out);
     const bool curved = s.bend > 0 && (s.rest_kappa1 != 0 || s.rest_kappa2 != 0);
     if (!curved && s.twist_stiffness == 0) return out;
-    const bool twists = s.twist_stiffness > 0 || s.frame == Stencil::Frame::Midway;
+    const bool twists = s.twist_stiffness > 0 || s.frame == PathStencil::Frame::Midway;
     const Vec3 by_twist = twists ? twist_moment(e, f, s.twist) : Vec3(Vec3::Zero());
     Vec3 moment = (s.twist_stiffness * (s.twist.mean() - s.rest_twist)) * by_twist;
     if (curved) moment -= s.bend * rest_moment(e, f, s, by_twist);
@@ -205,7 +205,7 @@ void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps,
         if (j > 0) {
             const ClampedNode clamped = clamped_at(clamps, j);
             const double inv_cell = 1 / rod.voronoi_length(j);
-            Stencil s;
+            PathStencil s;
             s.bend = clamped.bend ? 0 : rod.bend_stiffness[j] * inv_cell;
             s.twist_stiffness = clamped.twist || !after.spins ? 0 : rod.twist_stiffness[j] * inv_cell;
             s.rest_kappa1 = rod.rest_kappa1[j];
@@ -225,14 +225,14 @@ void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps,
             const int j = clamp_edge(rod, clamp.node, side);
             if (j < 0) continue;
             const ClampSide now = clamp_side(rod, clamp, after, k, side);
-            Stencil s;
+            PathStencil s;
             s.bend = clamp.direction ? rod.bend_stiffness[clamp.node] / now.half : 0;
             s.twist_stiffness = clamp.spin && after.spins ? rod.twist_stiffness[clamp.node] / now.half : 0;
             s.rest_kappa1 = now.rest.kappa1;
             s.rest_kappa2 = now.rest.kappa2;
             s.rest_twist = now.share * rod.rest_twist[clamp.node];
             s.twist = {before.clamp_twist[2 * k + side], after.clamp_twist[2 * k + side]};
-            if (!clamp.spin) s.frame = side == 0 ? Stencil::Frame::First : Stencil::Frame::Second;
+            if (!clamp.spin) s.frame = side == 0 ? PathStencil::Frame::First : PathStencil::Frame::Second;
             s.q = q;
             const Side edge = edge_side(before, after, turned, j), fixed = clamp_side_of(clamp);
             const Forces forces = side == 0 ? stencil_forces(edge, fixed, s) : stencil_forces(fixed, edge, s);

@@ -29,11 +29,6 @@ RestBend node_rest(const RodView& rod, const RodFrames& frames, int i)
     return rest;
 }
 
-double stretch_strain(const RodView& rod, const RodFrames& frames, int j)
-{
-    return (frames.edge_length[j] - rod.rest_length[j]) / rod.rest_length[j];
-}
-
 /// (D2), (D3) of inner node i.
 void add_node(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, int i, HessianMode mode,
               PairTerms& out)

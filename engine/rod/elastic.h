@@ -74,6 +74,12 @@ struct RodFrames {
     int clamp_count = 0;
 };
 
+/// Of edge j, against its length at rest [-].
+[[nodiscard]] inline double stretch_strain(const RodView& rod, const RodFrames& frames, int j)
+{
+    return (frames.edge_length[j] - rod.rest_length[j]) / rod.rest_length[j];
+}
+
 /// Projected: to positive semidefinite, stencil by stencil (PSD projection); never indefinite.
 enum class HessianMode { None, Exact, Projected };
 

@@ -17,4 +17,18 @@ const WireSection& WireSpec::at(double s) const
     return shaft;
 }
 
+double WireSpec::least_radius() const
+{
+    double radius = shaft.radius;
+    for (const WireSectionRange& range : sections) radius = std::min(radius, range.section.radius);
+    return radius;
+}
+
+double WireSpec::largest_radius() const
+{
+    double radius = shaft.radius;
+    for (const WireSectionRange& range : sections) radius = std::max(radius, range.section.radius);
+    return radius;
+}
+
 }  // namespace seldinger

@@ -63,6 +63,8 @@ struct WireSpec {
 
     /// Section at material coordinate s [m]; s is clamped to [0, length].
     [[nodiscard]] const WireSection& at(double s) const;
+    [[nodiscard]] double least_radius() const;    // outer, of all sections [m]
+    [[nodiscard]] double largest_radius() const;  // the same
 };
 
 }  // namespace seldinger

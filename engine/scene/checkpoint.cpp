@@ -16,7 +16,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::string_view magic = "SELCKPT3";
+constexpr std::string_view checkpoint_magic = "SELCKPT3";
 
 template <class T>
 void put_list(std::vector<std::uint8_t>& bytes, const T& list)
@@ -62,7 +62,7 @@ void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c
 
 namespace {
 
-constexpr std::int64_t most_steps = std::int64_t{1} << 53;
+constexpr std::int64_t most_counted = std::int64_t{1} << 53;
 
 bool is_time(double seconds) { return seconds >= 0 && seconds < 1e12; }
 
@@ -76,7 +76,7 @@ bool is_sound(const LoadTally& t)
 {
     const auto values = {t.per_length, t.per_length_at, t.per_length_time, t.patch_force, t.patch_at,
                          t.patch_time, t.extent,        t.window,          t.patch};
-    return t.regions >= 0 && t.regions <= most_steps && t.widened <= 1 &&
+    return t.regions >= 0 && t.regions <= most_counted && t.widened <= 1 &&
            std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; });
 }
 
@@ -107,7 +107,7 @@ bool is_sound(const RunTally& t, std::int64_t most)
     const auto is_set = [](const Greatest& g) { return is_time(g.time) && is_place(g.at); };
     static_assert(sizeof(StageTimes) % sizeof(double) == 0);
     const std::span<const double> stages(reinterpret_cast<const double*>(&t.stages), sizeof t.stages / sizeof(double));
-    return std::all_of(counts.begin(), counts.end(), [](std::int64_t n) { return n >= 0 && n <= most_steps; }) &&
+    return std::all_of(counts.begin(), counts.end(), [](std::int64_t n) { return n >= 0 && n <= most_counted; }) &&
            std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; }) &&
            std::all_of(stages.begin(), stages.end(), is_time) && is_time(t.wall) && is_time(t.record) && is_time(t.row_time) &&
            is_set(t.wall_move) && is_set(t.wall_stress) && is_time(t.hand_force_time) && is_time(t.overlap_time) && std::all_of(std::begin(t.overlap_at), std::end(t.overlap_at), [](double x) { return std::isfinite(x); }) &&
@@ -157,12 +157,12 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c)
     put_list(payload, c.contact_frames);
     put_list(payload, c.state);
 
-    write_sealed(path, magic, payload);
+    write_sealed(path, checkpoint_magic, payload);
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& path)
 {
-    const std::vector<std::uint8_t> payload = read_sealed(path, magic);
+    const std::vector<std::uint8_t> payload = read_sealed(path, checkpoint_magic);
     Checkpoint checkpoint;
     try {
         take_payload(payload.data(), payload.data() + payload.size(), checkpoint);

@@ -55,7 +55,7 @@ double quantile(const std::vector<std::pair<double, double>>& sizes, double shar
     return sizes.empty() ? 0 : sizes.back().first;
 }
 
-double extent_of(const WallMesh& mesh)
+double diagonal_of(const WallMesh& mesh)
 {
     Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
@@ -101,7 +101,7 @@ std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVess
 {
     // the axis takes no unit but for a vessel's usual size: so in the one in which the box is nearest to that
     // (micrometres: a reader refuses what is kilometres away)
-    const double box = extent_of(read_mesh(mesh, "um")) / metres_per_unit("um");
+    const double box = diagonal_of(read_mesh(mesh, "um")) / metres_per_unit("um");
     if (!(box > 0)) throw Error(ExitCode::BadFile, mesh.string() + ": all of it is in one place");
     VesselSpec spec;
     spec.shape = VesselShape::Mesh;
@@ -109,7 +109,7 @@ std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVess
     spec.units = guesses_of({{box / usual_ratio, 1.0}}, box).front().unit;
     vessel = load_vessel(spec);
     const double metre = metres_per_unit(spec.units);
-    std::vector<UnitGuess> all = guesses_of(lumen_sizes(vessel, metre), extent_of(vessel.mesh) / metre);
+    std::vector<UnitGuess> all = guesses_of(lumen_sizes(vessel, metre), diagonal_of(vessel.mesh) / metre);
     if (all.front().unit != spec.units) {
         spec.units = all.front().unit;
         vessel = load_vessel(spec);

@@ -2,6 +2,7 @@
 // recorder_tables.cpp.
 #include "scene/recorder.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "scene/frames.h"
 #include "scene/joint_readings.h"
@@ -9,7 +10,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -18,7 +18,6 @@ namespace seldinger {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd",
                                      "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png",  "score.json", "score.html"};
@@ -28,7 +27,7 @@ constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 class Stopwatch {
 public:
     explicit Stopwatch(double& sum) : sum_(sum) {}
-    ~Stopwatch() { sum_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+    ~Stopwatch() { sum_ += seconds_since(start_); }
     Stopwatch(const Stopwatch&) = delete;
     Stopwatch& operator=(const Stopwatch&) = delete;
 
@@ -337,7 +336,7 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
             write_wire_table(now.wires[static_cast<std::size_t>(k)], series_of(scene_, k));
         write_contact_table(now);
     }
-    tally_.wall = wall + std::chrono::duration<double>(Clock::now() - start).count();
+    tally_.wall = wall + seconds_since(start);
     SummaryNotes notes{&scene_, &vessel_, status, readings_, warnings_, 0, 0, 0, estimate_};
     const Centreline& line = world.setup().centreline;
     const Branches branches(line);

@@ -117,11 +117,7 @@ void check_precision(const TableReader& t, const ContactSpec& spec)
 void check_contact_lengths(const TableReader& t, const Scene& scene)
 {
     double radius = range_end;
-    for (int k = 0; k < scene.instrument_count(); ++k) {
-        const WireSpec& wire = scene.instrument(k).wire;
-        radius = std::min(radius, wire.shaft.radius);
-        for (const WireSectionRange& range : wire.sections) radius = std::min(radius, range.section.radius);
-    }
+    for (int k = 0; k < scene.instrument_count(); ++k) radius = std::min(radius, scene.instrument(k).wire.least_radius());
     const auto check = [&](std::string_view key, double value, double part, const char* words) {
         if (value > part * radius)
             t.fail(key,
@@ -192,7 +188,7 @@ void take_remarks_of_mesh(const toml::table& root, Scene& scene)
 {
     if (scene.vessel.shape != VesselShape::Mesh) return;
     const FileRemarks remarks = remarks_of_file(scene.vessel.mesh);
-    if (remarks.axes == PatientAxes::Ras && !root.at_path("carm.head") && !root.at_path("carm.back")) {
+    if (remarks.axes == FileAxes::Ras && !root.at_path("carm.head") && !root.at_path("carm.back")) {
         scene.carm.on = true;
         scene.carm.back = -Vec3::UnitY();
         scene.notes.emplace_back("axes", "the mesh's header says SPACE=RAS: carm.back = [0, -1, 0] (docs/axes.md)");

@@ -130,13 +130,6 @@ void read_instrument_table(const toml::table& table, int k, Scene& scene)
     read_feed_table(*feed->as_table(), path + ".feed", {place > 0, merged}, instrument, scene);
 }
 
-double widest(const WireSpec& wire)
-{
-    double radius = wire.shaft.radius;
-    for (const WireSectionRange& range : wire.sections) radius = std::max(radius, range.section.radius);
-    return radius;
-}
-
 [[noreturn]] void fail_in(const toml::table& table, const char* key, int k, const std::string& message)
 {
     const toml::node* at = table.get(key);
@@ -150,10 +143,10 @@ void check_fit(const toml::table& table, const Scene& scene, int outer, int inne
     if (out.wire.lumen_radius == 0)
         fail_in(table, "radius_m", inner,
                 fmt::format("is inside \"{}\", which has no lumen; give the outer instrument lumen_radius_m", out.label));
-    if (widest(in.wire) >= out.wire.lumen_radius)
+    if (in.wire.largest_radius() >= out.wire.lumen_radius)
         fail_in(table, "radius_m", inner,
                 fmt::format("{} m is not below the lumen of \"{}\", {} m; take a thinner instrument or a wider one around it",
-                            widest(in.wire), out.label, out.wire.lumen_radius));
+                            in.wire.largest_radius(), out.label, out.wire.lumen_radius));
 }
 
 /// Once in, the inner one stays in while there is something around it.

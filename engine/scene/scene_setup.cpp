@@ -22,7 +22,7 @@ namespace {
 
 // A lumen this much narrower or wider than the wire [wire radii] is a mistake in units, not a vessel: the tightest stenosis that
 // is worth pushing against and the widest ventricle lie well inside.
-constexpr double narrowest = 0.05, widest = 1000;
+constexpr double narrowest_ratio = 0.05, widest_ratio = 1000;
 // A mesh of a vessel has no lumen of more than a decimetre and is no larger than a patient [m]. A wire does not go into a mesh
 // whose lumen is thinner than itself almost everywhere. A generated shape may be anything: a case with a closed form.
 constexpr double widest_lumen = 0.1, largest_vessel = 3.0;
@@ -57,7 +57,7 @@ std::string_view fitting_unit(double lumen_radius, const std::string& units, dou
 }
 
 /// Longest side of the box around it [m].
-double extent_of(const WallMesh& mesh)
+double longest_side(const WallMesh& mesh)
 {
     Vec3 low = Vec3::Constant(far_apart), high = -low;
     for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
@@ -75,9 +75,9 @@ void check_size(const Scene& scene, const WireSpec& spec, const LoadedVessel& ve
 {
     const double lumen = typical_radius(vessel), wire = spec.shaft.radius;
     const bool mesh = scene.vessel.shape == VesselShape::Mesh;
-    const double extent = mesh ? extent_of(vessel.mesh) : 0;
+    const double extent = mesh ? longest_side(vessel.mesh) : 0;
     const bool too_large = mesh && (lumen > widest_lumen || extent > largest_vessel);
-    if (!too_large && (lumen == 0 || (lumen >= (mesh ? 1 : narrowest) * wire && lumen <= widest * wire))) return;
+    if (!too_large && (lumen == 0 || (lumen >= (mesh ? 1 : narrowest_ratio) * wire && lumen <= widest_ratio * wire))) return;
     std::string sizes = fmt::format("the lumen's radius is {:.3g} mm, the wire's {:.3g} mm", 1e3 * lumen, 1e3 * wire);
     if (too_large) sizes = fmt::format("the vessel is {:.3g} m across, its lumen's radius {:.3g} mm", extent, 1e3 * lumen);
     if (!mesh)

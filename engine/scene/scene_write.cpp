@@ -12,14 +12,14 @@
 namespace seldinger {
 namespace {
 
-std::string real(double v)
+std::string toml_number(double v)
 {
     std::string text = fmt::format("{}", v);
     if (text.find_first_of(".en") == std::string::npos) text += ".0";  // 1 -> 1.0, so that it looks like what it is
     return text;
 }
 
-std::string vec(const Vec3& v) { return fmt::format("[{}, {}, {}]", real(v.x()), real(v.y()), real(v.z())); }
+std::string vec(const Vec3& v) { return fmt::format("[{}, {}, {}]", toml_number(v.x()), toml_number(v.y()), toml_number(v.z())); }
 
 /// Lines "key = value" of one table.
 class TableText {
@@ -33,7 +33,7 @@ public:
         out_ += fmt::format("{} = {}\n", key, value);
         return *this;
     }
-    TableText& num(std::string_view key, double v) { return raw(key, real(v)); }
+    TableText& num(std::string_view key, double v) { return raw(key, toml_number(v)); }
     TableText& whole(std::string_view key, std::int64_t v) { return raw(key, fmt::format("{}", v)); }
     TableText& flag(std::string_view key, bool v) { return raw(key, v ? "true" : "false"); }
     TableText& word(std::string_view key, std::string_view v) { return raw(key, toml_quoted(v)); }
@@ -51,7 +51,7 @@ std::string rows(const std::vector<std::array<double, N>>& table)
     std::string out = "[";
     for (std::size_t i = 0; i < table.size(); ++i) {
         out += i ? ", [" : "[";
-        for (std::size_t k = 0; k < N; ++k) out += (k ? ", " : "") + real(table[i][k]);
+        for (std::size_t k = 0; k < N; ++k) out += (k ? ", " : "") + toml_number(table[i][k]);
         out += "]";
     }
     return out + "]";
@@ -89,9 +89,9 @@ std::string place_text(const WirePlacement& p)
     if (p.shape != PlaceShape::Points && p.shape != PlaceShape::Centreline)
         out += fmt::format(", base = {}, direction = {}", vec(p.base), vec(p.direction));
     out += fmt::format(", normal = {}", vec(p.normal));
-    if (p.shape == PlaceShape::Arc) out += fmt::format(", bend_radius_m = {}", real(p.bend_radius));
-    if (p.shape == PlaceShape::Ring) out += fmt::format(", twist_rad = {}", real(p.twist));
-    if (p.shape == PlaceShape::Centreline) out += fmt::format(", from_m = {}", real(p.from));
+    if (p.shape == PlaceShape::Arc) out += fmt::format(", bend_radius_m = {}", toml_number(p.bend_radius));
+    if (p.shape == PlaceShape::Ring) out += fmt::format(", twist_rad = {}", toml_number(p.twist));
+    if (p.shape == PlaceShape::Centreline) out += fmt::format(", from_m = {}", toml_number(p.from));
     for (std::size_t i = 0; i < p.points.size(); ++i) out += (i ? ", " : ", points = [") + vec(p.points[i]);
     return out + (p.points.empty() ? " }" : "] }");
 }
@@ -116,10 +116,10 @@ void write_wire(std::string& out, const SceneInstrument& instrument)
     }
     for (const WireSectionRange& range : wire.sections) {
         TableText s(out, one ? "[[wire.section]]" : "[[instrument.section]]");
-        s.raw("from_tip_m", fmt::format("[{}, {}]", real(range.begin), real(range.end)));
+        s.raw("from_tip_m", fmt::format("[{}, {}]", toml_number(range.begin), toml_number(range.end)));
         write_properties(s, range.section, range.section.youngs > 0);
         s.raw("rest_curvature_1_m",
-              fmt::format("[{}, {}]", real(range.section.rest_curvature[0]), real(range.section.rest_curvature[1])));
+              fmt::format("[{}, {}]", toml_number(range.section.rest_curvature[0]), toml_number(range.section.rest_curvature[1])));
     }
 }
 
@@ -200,7 +200,7 @@ void write_feed(std::string& out, const SceneFeed& feed, std::string_view header
     std::string keys = "[\n";
     for (const FeedKey& key : feed.keys)
         keys +=
-            fmt::format("    {{ t_s = {}, advance_m = {}, turn_rad = {} }},\n", real(key.t), real(key.advance), real(key.turn));
+            fmt::format("    {{ t_s = {}, advance_m = {}, turn_rad = {} }},\n", toml_number(key.t), toml_number(key.advance), toml_number(key.turn));
     t.raw("keys", keys + "]");
 }
 
@@ -248,9 +248,9 @@ void write_task(std::string& out, const TaskSpec& task)
     t.num_unless_zero("fluoroscopy_s", task.fluoroscopy);
     const std::string name = task.target_name.empty() ? "" : fmt::format("name = {}, ", toml_quoted(task.target_name));
     if (task.target == TaskSpec::Target::Point)
-        t.raw("target", fmt::format("{{ {}point = {}, radius_m = {} }}", name, vec(task.point), real(task.radius)));
+        t.raw("target", fmt::format("{{ {}point = {}, radius_m = {} }}", name, vec(task.point), toml_number(task.radius)));
     if (task.target == TaskSpec::Target::Branch)
-        t.raw("target", fmt::format("{{ {}branch = {}, beyond_m = {} }}", name, task.branch, real(task.beyond)));
+        t.raw("target", fmt::format("{{ {}branch = {}, beyond_m = {} }}", name, task.branch, toml_number(task.beyond)));
 }
 
 void write_holds_and_loads(std::string& out, const SceneInstrument& instrument)
@@ -299,7 +299,7 @@ void write_carm(std::string& out, const SceneCArm& arm, const std::filesystem::p
     std::string keys;
     for (const CArmKey& key : arm.keys)
         keys +=
-            fmt::format("    {{ t_s = {}, lao_deg = {}, cra_deg = {} }},\n", real(key.t), real(key.lao_deg), real(key.cra_deg));
+            fmt::format("    {{ t_s = {}, lao_deg = {}, cra_deg = {} }},\n", toml_number(key.t), toml_number(key.lao_deg), toml_number(key.cra_deg));
     if (!keys.empty()) t.raw("keys", "[\n" + keys + "]");
 }
 
@@ -312,7 +312,7 @@ void write_contrast(std::string& out, const SceneContrast& contrast)
     t.num("speed_m_s", contrast.speed).num("spread", contrast.spread);
     std::string keys;
     for (const ContrastKey& key : contrast.keys)
-        keys += fmt::format("    {{ t_s = {}, iodine_mg_ml = {} }},\n", real(key.t), real(key.iodine));
+        keys += fmt::format("    {{ t_s = {}, iodine_mg_ml = {} }},\n", toml_number(key.t), toml_number(key.iodine));
     t.raw("keys", "[\n" + keys + "]");
 }
 

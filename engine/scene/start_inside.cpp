@@ -14,7 +14,7 @@ namespace seldinger {
 
 namespace {
 
-constexpr int most_rounds = 100;
+constexpr int most_settling_rounds = 100;
 constexpr double ramp_radii = 10;  // a move of two diameters turns the wire by 1.5 * 4/10 rad at most
 constexpr double finest_radii = 0.5;
 
@@ -206,7 +206,7 @@ StartInside start_inside(WireSpec& wire, const Centreline& centreline, const Lum
     const RodView& rod = start.rod();
     if (ring || -worst.clearance > 2 * rod.radius[worst.edge] || lumen.signed_distance(rod.pos(rod.n - 1)) < 0) return result;
     const std::vector<Vec3> given = nodes_of(rod);
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < most_settling_rounds; ++round) {
         const std::optional<bool> moved = start.push();
         if (!moved) return result;
         if (!*moved) {

@@ -1,6 +1,7 @@
 // Windows of a run, some computed again with shorter steps.
 #include "scene/step_twin.h"
 
+#include "core/clock.h"
 #include "math/running_peak.h"
 #include "scene/joint_readings.h"
 #include "scene/scene.h"
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace seldinger {
@@ -83,7 +83,7 @@ void StepTwin::open(const World& run, long taken)
 
 void StepTwin::stepped(const World& run, const WireReadings& readings, long taken)
 {
-    const auto begun = std::chrono::steady_clock::now();
+    const auto begun = Clock::now();
     ++window_.steps;
     ++seen_;
     window_.hand.push_back(std::abs(readings.hand_force));
@@ -95,7 +95,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
         close();
         open(run, taken);
     }
-    estimate_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    estimate_.seconds += seconds_since(begun);
 }
 
 /// The window is over: compared now, or kept for the end if it may be among the compared ones.
@@ -162,7 +162,7 @@ StepTwin::Examined StepTwin::examine_largest(const Window& window, Finer finer)
 
 ErrorEstimate StepTwin::finish(Finer finer)
 {
-    const auto begun = std::chrono::steady_clock::now();
+    const auto begun = Clock::now();
     // the last whole window tells more of the end than a few steps do
     constexpr long enough = window_steps / 2;
     const Window before = last_;
@@ -183,7 +183,7 @@ ErrorEstimate StepTwin::finish(Finer finer)
     set(estimate_.friction_peak, of_friction, best_friction_.friction_peak, of_friction.friction_peak, other_friction_peak_, friction_history);
     if (of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
-    estimate_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    estimate_.seconds += seconds_since(begun);
     return estimate_;
 }
 

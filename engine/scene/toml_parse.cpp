@@ -10,7 +10,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::uint64_t most_bytes = 16u << 20;
+constexpr std::uint64_t most_scene_bytes = 16u << 20;
 
 /// Behind the text that opens at `at`; the end of a line, or of all, ends one that is not closed.
 std::size_t behind_text(std::string_view text, std::size_t at)
@@ -61,6 +61,6 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
     }
 }
 
-std::string read_scene_file(const FilePlace& file) { return read_file(file, most_bytes); }
+std::string read_scene_file(const FilePlace& file) { return read_file(file, most_scene_bytes); }
 
 }  // namespace seldinger

@@ -30,7 +30,7 @@ std::vector<std::string> split_path(const std::string& path)
     return parts;
 }
 
-std::string trimmed(const std::string& text)
+std::string without_blanks(const std::string& text)
 {
     const auto begin = text.find_first_not_of(" \t");
     return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
@@ -107,13 +107,13 @@ void apply_override(toml::table& root, const std::string& text)
 {
     const auto equals = text.find('=');
     if (equals == std::string::npos) fail_set(text, "expected table.key=value");
-    const std::vector<std::string> parts = split_path(trimmed(text.substr(0, equals)));
+    const std::vector<std::string> parts = split_path(without_blanks(text.substr(0, equals)));
     if (parts.size() < 2 || std::any_of(parts.begin(), parts.end(), [](const std::string& p) { return p.empty(); }))
         fail_set(text, "expected table.key=value");
     // quotes mean nothing in a path, so that what too_deep() takes for a text may be one
     if (parts.size() > most_toml_depth)
         fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; use fewer levels", most_toml_depth));
-    toml::table parsed = parse_value(text, trimmed(text.substr(equals + 1)));
+    toml::table parsed = parse_value(text, without_blanks(text.substr(equals + 1)));
 
     toml::node* at = &root;
     for (std::size_t i = 0; i + 1 < parts.size(); ++i) at = &child(*at, parts, i, text);

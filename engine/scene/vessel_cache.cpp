@@ -19,7 +19,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::string_view magic = "seldinger vessel 1\n", ending = ".vessel";
+constexpr std::string_view vessel_magic = "seldinger vessel 1\n", ending = ".vessel";
 constexpr std::uint64_t usual_limit = 2000, megabyte = 1000000;
 
 std::atomic<bool> turned_on = false;
@@ -221,22 +221,22 @@ std::string file_of(const std::string& key)
     return fmt::format("{:016x}{:016x}{}", hash.high, hash.low, ending);
 }
 
-/// magic, key, zero, checksum of the payload, payload
+/// vessel_magic, key, zero, checksum of the payload, payload
 std::string sealed(const std::string& key, const std::string& payload)
 {
     const ContentHash hash = content_hash(payload);
     std::string file;
-    file.reserve(magic.size() + key.size() + 1 + sizeof hash + payload.size());
-    file.append(magic).append(key).push_back('\0');
+    file.reserve(vessel_magic.size() + key.size() + 1 + sizeof hash + payload.size());
+    file.append(vessel_magic).append(key).push_back('\0');
     file.append(reinterpret_cast<const char*>(&hash), sizeof hash).append(payload);
     return file;
 }
 
 LoadedVessel opened(const std::string& key, std::string_view file)
 {
-    const std::size_t head = magic.size() + key.size() + 1;
+    const std::size_t head = vessel_magic.size() + key.size() + 1;
     ContentHash hash;
-    if (file.size() < head + sizeof hash || !file.starts_with(magic) || file.substr(magic.size(), key.size() + 1) != std::string_view(key.c_str(), key.size() + 1))
+    if (file.size() < head + sizeof hash || !file.starts_with(vessel_magic) || file.substr(vessel_magic.size(), key.size() + 1) != std::string_view(key.c_str(), key.size() + 1))
         throw Damaged{};
     std::memcpy(&hash, file.data() + head, sizeof hash);
     const std::string_view payload = file.substr(head + sizeof hash);

@@ -43,8 +43,8 @@ std::string describe_rounding(double rounding)
 std::string describe_remarks(const FileRemarks& remarks, const std::string& units)
 {
     std::string text;
-    if (remarks.axes != PatientAxes::Unsaid)
-        text = remarks.axes == PatientAxes::Ras ? "The file says SPACE=RAS: x to the patient's right, y to the front, z to the head."
+    if (remarks.axes != FileAxes::Unsaid)
+        text = remarks.axes == FileAxes::Ras ? "The file says SPACE=RAS: x to the patient's right, y to the front, z to the head."
                                                 : "The file says SPACE=LPS: x to the patient's left, y to the back, z to the head.";
     if (!remarks.units.empty() && remarks.units != units)
         text += fmt::format("{}The file says that its unit is {}; it was read in {}.", text.empty() ? "" : " ", remarks.units, units);

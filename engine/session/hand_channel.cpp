@@ -1,6 +1,7 @@
 // The UDP socket of the hand channel: one thread that receives, judges and answers.
 #include "session/hand_channel.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 
 #include <arpa/inet.h>
@@ -20,7 +21,7 @@ namespace {
 
 constexpr double largest_force = 20, largest_torque = 0.2;  // sent to a device [N], [N m]
 
-[[noreturn]] void fail(const std::string& address, int port, const char* what)
+[[noreturn]] void fail_channel(const std::string& address, int port, const char* what)
 {
     const int error = errno;
     const char* advice = error == EADDRINUSE ? "another session listens there; choose another with --udp"
@@ -38,11 +39,6 @@ sockaddr_in address_of(const std::string& text, int port)
     return address;
 }
 
-double seconds_of_the_clock()
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 std::uint64_t number_of(const sockaddr_in& sender)
 {
     return static_cast<std::uint64_t>(sender.sin_addr.s_addr) << 16 | sender.sin_port;
@@ -54,12 +50,12 @@ HandChannel::HandChannel(const std::string& address, int port, int instruments) 
 {
     sockaddr_in own = address_of(address, port);
     socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (socket_ < 0) fail(address, port, "no socket");
+    if (socket_ < 0) fail_channel(address, port, "no socket");
     if (::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) {
         const int error = errno;
         ::close(socket_);
         errno = error;
-        fail(address, port, "cannot be opened");
+        fail_channel(address, port, "cannot be opened");
     }
     socklen_t size = sizeof own;
     getsockname(socket_, reinterpret_cast<sockaddr*>(&own), &size);

@@ -1,6 +1,7 @@
 // The physics thread of a live session: wishes in, a step, numbers out.
 #include "session/session.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "scene/checkpoint.h"
 
@@ -115,7 +116,7 @@ void Session::prepare_record(const SessionOptions& options)
 double Session::clock() const
 {
     if (options_.lockstep) return static_cast<double>(steps_) * dt_;
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - born_).count();
+    return seconds_since(born_);
 }
 
 void Session::start()
@@ -144,9 +145,9 @@ void Session::run()
             continue;
         }
         if (!options_.lockstep) wake_times.add(std::max(0.0, woken - pacer_.due()));
-        const auto before = std::chrono::steady_clock::now();
+        const auto before = Clock::now();
         step_once();
-        step_time_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+        step_time_ = seconds_since(before);
         step_times.add(step_time_);
         was_late_ = pacer_.finished(options_.lockstep ? pacer_.due() : clock());
         steps_ = pacer_.steps();
@@ -163,7 +164,7 @@ void Session::run()
 /// @return when it woke [s]
 double Session::wait_until_due()
 {
-    const auto due = std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(pacer_.due()));
+    const auto due = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pacer_.due()));
     std::this_thread::sleep_until(born_ + due);
     return clock();
 }

@@ -4,6 +4,7 @@
 // Physics (this file) takes the newest wishes, steps, publishes; hand_channel.h and web_server.h talk to the outside; a clerk writes the
 // record. They meet in triple buffers and a ring: none ever waits for another, and the loop neither locks nor allocates.
 
+#include "core/clock.h"
 #include "session/byte_ring.h"
 #include "session/coupling.h"
 #include "session/hand_channel.h"
@@ -15,7 +16,6 @@
 #include "session/time_histogram.h"
 
 #include <atomic>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -113,7 +113,7 @@ private:
     std::uint32_t resets_ = 0;
     double step_time_ = 0, next_view_ = 0;
     std::string failure_, scheduling_ = "ordinary";
-    std::chrono::steady_clock::time_point born_ = std::chrono::steady_clock::now();
+    Clock::time_point born_ = Clock::now();
     double began_ = 0, ended_ = 0;  // on its clock [s]
     long total_steps_ = 0;          // 0: no end
 

@@ -54,7 +54,7 @@ nlohmann::json instrument_json(const InstrumentNumbers& n)
             {"torque", n.torque},   {"wire_force", n.wire_force},    {"wall", n.wall_force},   {"contacts", n.contacts}};
 }
 
-nlohmann::json score_object(const ScoreNumbers& s)
+nlohmann::json score_for_page(const ScoreNumbers& s)
 {
     return {{"time", s.time},           {"path", s.path_length}, {"advanced", s.advanced},       {"back", s.pulled_back},
             {"pushes", s.pushes},       {"backs", s.pull_backs}, {"wall", s.wall_force},         {"wall_mean", s.wall_force_mean},
@@ -109,7 +109,7 @@ void put_frame(const ViewFrame& frame, double wall_clock, int clients, std::stri
     std::string json = json_text(nlohmann::json{{"step", n.step},       {"time", n.time},         {"clock", wall_clock},     {"late", n.late},
                                       {"stretched", n.stretched}, {"step_ms", 1e3 * n.step_time}, {"paused", n.paused}, {"stopped", n.stopped},
                                       {"fluoro", n.fluoroscopy}, {"contrast", n.contrast}, {"resets", n.resets}, {"clients", clients},
-                                      {"instruments", instruments}, {"score", score_object(n.score)}});
+                                      {"instruments", instruments}, {"score", score_for_page(n.score)}});
     json.resize((json.size() + 3) / 4 * 4, ' ');
     into.clear();
     const auto length = static_cast<std::uint32_t>(json.size());

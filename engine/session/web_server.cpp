@@ -1,6 +1,7 @@
 // HTTP and WebSocket by Boost.Beast, everything in one thread: connections, frames, wishes and their limits.
 #include "session/web_server.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "session/page_wish.h"
 #include "session/session.h"
@@ -36,11 +37,6 @@ constexpr double messages_per_second = 120;
 constexpr auto frame_period = std::chrono::milliseconds(25);
 constexpr auto request_time = std::chrono::seconds(10);
 constexpr double wish_time = 0.3;  // a push lasts so long unless it is said again [s]
-
-double seconds_of_the_clock()
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Whom a connection is counted for: an address of version 4, or a network of version 6, of which one machine has all addresses.
 std::string who_is(const asio::ip::address& address)

@@ -17,7 +17,7 @@ namespace {
 constexpr double stiffness_share = 10;   // K, of an edge's EA/l
 constexpr double least_share = 0.005;    // of l/B: what a clamp in an edge's middle gives; as stiff as a base edge just born
 constexpr double miss_allowed = 1e-7;    // of an edge's length
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double number_rounding = std::numeric_limits<double>::epsilon();
 
 /// Adds to the rows from `row` and the columns from `column`.
 template <class Matrix>
@@ -319,7 +319,7 @@ double LineHolds::rounding(int wire) const
     double most = 0;
     for (const int w : line.group->wires)
         for (const Active& active : of_[static_cast<std::size_t>(w)].active)
-            if (active.hold.position) most += 8 * epsilon * active.stiffness * active.hold.at.cwiseAbs().maxCoeff();
+            if (active.hold.position) most += 8 * number_rounding * active.stiffness * active.hold.at.cwiseAbs().maxCoeff();
     return most;
 }
 

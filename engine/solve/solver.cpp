@@ -13,7 +13,7 @@ namespace seldinger {
 
 namespace {
 
-constexpr int most_rounds = 40;  // of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to
+constexpr int most_multiplier_rounds = 40;  // of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to
 
 }  // namespace
 
@@ -161,7 +161,7 @@ void Solver::iterate(double h, const ForceTerms& terms)
 void Solver::iterate_with_multipliers(double h, const ForceTerms& terms, std::span<const std::uint8_t> systems)
 {
     iterate(h, terms);
-    for (int round = 0; round <= most_rounds; ++round) {
+    for (int round = 0; round <= most_multiplier_rounds; ++round) {
         std::fill(solved_.begin(), solved_.end(), std::uint8_t{0});
         for (int s = 0; s < system_count(); ++s) {
             const NewtonSystem& newton = work_[s]->newton;
@@ -172,7 +172,7 @@ void Solver::iterate_with_multipliers(double h, const ForceTerms& terms, std::sp
         for (int s = 0; s < system_count(); ++s) {
             resumed_[s] = any_active(s, again_);
             if (!resumed_[s]) continue;
-            if (round < most_rounds) newton_of(s).resume();
+            if (round < most_multiplier_rounds) newton_of(s).resume();
             else newton_of(s).stop_short();
         }
         prepare_trials(resumed_);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double least_ratio = 0.5, most_ratio = 0.8;
 constexpr double coarsest_edge = 0.010;  // [m]
-constexpr int fewest_nodes = 17;
+constexpr int fewest_in_reference = 17;
 constexpr double coarsest_step = 1.0 / 60;  // [s]
 constexpr int least_levels = 3, most_levels = 9;
 constexpr int trapezoid_failures = 3;  // levels that break off before backward Euler is taken instead
@@ -24,7 +24,7 @@ Model level_model(const Scene& scene, const WallEdges& wall, const RunPlan& plan
 {
     const bool is_static = scene.integrator.scheme == Scheme::Static;
     Model model;
-    const double coarsest = std::max<double>(fewest_nodes - 1, std::ceil(scene.wire.length / coarsest_edge));
+    const double coarsest = std::max<double>(fewest_in_reference - 1, std::ceil(scene.wire.length / coarsest_edge));
     model.nodes = static_cast<int>(std::lround(coarsest * std::pow(edge_refinement, level))) + 1;
     model.scheme = is_static ? Scheme::Static : Scheme::Newton;
     model.tolerance = std::min(scene.integrator.tolerance, IntegratorSpec{}.tolerance);

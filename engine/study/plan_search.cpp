@@ -9,7 +9,7 @@ namespace seldinger {
 namespace {
 
 constexpr double grid_ratio = 1.25;  // between neighbours
-constexpr int fewest_nodes = 5;
+constexpr int fewest_searched = 5;
 constexpr double worth_it = 0.97;     // a cost that is not below this share is noise
 constexpr double no_dearer = 1.25;    // what is left out is no work: more than the winner took is noise
 constexpr double room = 0.7;          // a family with an error below this share of the winner's has room for coarser places
@@ -97,7 +97,7 @@ public:
     }
 
     /// The winner with something left out, where that is no dearer and changes nothing.
-    void leave_out(const Choice& choice, double limit)
+    void leave_out(const PlanChoice& choice, double limit)
     {
         if (!best_ || ended_) return;
         Model family = best_->model;
@@ -208,14 +208,14 @@ private:
 };
 
 /// The next coarser whole number of edges, or of parts of an interval.
-int coarser(int parts)
+int next_coarser(int parts)
 {
     const int rounded = static_cast<int>(std::lround(parts / grid_ratio));
     return std::min(parts - 1, parts > widest_ratio * rounded ? rounded + 1 : rounded);
 }
 
 template <class Enum, class Member>
-Choice exchange(std::string simpler, std::string fuller, Member member, Enum to, Enum from, bool leaves_out = false)
+PlanChoice exchange(std::string simpler, std::string fuller, Member member, Enum to, Enum from, bool leaves_out = false)
 {
     return {std::move(simpler), std::move(fuller), [=](Model& m) { m.*member = to; }, [=](Model& m) { m.*member = from; }, true,
             leaves_out};
@@ -226,11 +226,11 @@ Choice exchange(std::string simpler, std::string fuller, Member member, Enum to,
 SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step)
 {
     SearchGrid grid;
-    for (int edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_nodes; edges = coarser(edges))
+    for (int edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_searched; edges = next_coarser(edges))
         grid.nodes.push_back(edges + 1);
     if (longest_step <= 0) return grid;
     const double finest = std::min(reference.model.dt.value_or(longest_step), longest_step);
-    for (int parts = std::max(1, static_cast<int>(std::lround(interval / finest))); parts >= 1; parts = coarser(parts)) {
+    for (int parts = std::max(1, static_cast<int>(std::lround(interval / finest))); parts >= 1; parts = next_coarser(parts)) {
         const double step = interval / parts;
         if (step > longest_step * (1 + 1e-9)) break;
         grid.steps.push_back(step);
@@ -254,7 +254,7 @@ namespace {
 std::string edges_of(double edge) { return fmt::format("control edges of {:.3g} mm", 1e3 * edge); }
 
 /// The wall rigid, or on a coarser control mesh. A model without an edge has the scene's own, the last of `walls`.
-void add_walls(std::vector<Choice>& all, const std::vector<double>& walls)
+void add_walls(std::vector<PlanChoice>& all, const std::vector<double>& walls)
 {
     if (walls.empty()) return;
     const double own = walls.back();
@@ -278,7 +278,7 @@ void add_walls(std::vector<Choice>& all, const std::vector<double>& walls)
 
 /// One centreline in place of a rod each, with friction by what presses one instrument on the other's lumen, and without any: that is
 /// cheaper, and its hands feel less. Whichever is chosen, the other one is named as its price.
-void add_coaxial(std::vector<Choice>& all, const CoaxialSpec& own)
+void add_coaxial(std::vector<PlanChoice>& all, const CoaxialSpec& own)
 {
     const bool merged = own.model == CoaxialSpec::Model::Merged, rubs = own.mu_static > 0;
     const auto is_merged = [=](const Model& m) { return m.coaxial.value_or(own.model) == CoaxialSpec::Model::Merged; };
@@ -302,10 +302,10 @@ void add_coaxial(std::vector<Choice>& all, const CoaxialSpec& own)
 
 }  // namespace
 
-std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& walls)
+std::vector<PlanChoice> choices_in(const Scene& scene, const std::vector<double>& walls)
 {
     const ContactSpec& own = scene.contact;
-    std::vector<Choice> all;
+    std::vector<PlanChoice> all;
     add_walls(all, walls);
     all.push_back(
         exchange("one Newton step per step", "converged Newton steps", &Model::scheme, Scheme::Linearised, Scheme::Newton));
@@ -335,7 +335,7 @@ std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& wa
                        [](Model& m) { m.trapezoid.reset(); }, false});
     all.push_back({"Newton steps to 1e-4", "Newton steps to 1e-6", [](Model& m) { m.tolerance = 1e-4; },
                    [t = scene.integrator.tolerance](Model& m) { m.tolerance = t; }, false});
-    std::erase_if(all, [&](const Choice& choice) {
+    std::erase_if(all, [&](const PlanChoice& choice) {
         Model model;
         choice.make(model);
         if (choice.needs_contact && scene.vessel.shape == VesselShape::None) return true;
@@ -360,8 +360,8 @@ SearchResult search_models(const Scene& scene, const Model& from, const SearchGr
         start.wall_edge = grid.finest_wall;
         first = search.look(start, place);
     }
-    const std::vector<Choice> choices = choices_in(scene, grid.walls);
-    for (const Choice& choice : choices) {
+    const std::vector<PlanChoice> choices = choices_in(scene, grid.walls);
+    for (const PlanChoice& choice : choices) {
         if (!choice.of_wall || !touches || !first || !first->meets) continue;
         Model other = start;
         choice.make(other);
@@ -374,7 +374,7 @@ SearchResult search_models(const Scene& scene, const Model& from, const SearchGr
     for (int round = 0; round < 2 && search.best(); ++round) {
         const bool walks = round > 0;
         const Model before = search.best()->model;
-        for (const Choice& choice : choices) {
+        for (const PlanChoice& choice : choices) {
             if (choice.needs_contact && !touches) continue;
             Model family = search.best()->model;
             choice.make(family);
@@ -393,7 +393,7 @@ SearchResult search_models(const Scene& scene, const Model& from, const SearchGr
         if (!walks) search.optimise(search.best()->model, search.best_place(), true);
         if (search.ended() || label(search.best()->model) == label(before)) break;
     }
-    for (const Choice& choice : choices)
+    for (const PlanChoice& choice : choices)
         if (choice.leaves_out && touches) search.leave_out(choice, trials.limit());
     SearchResult result;
     if (search.best()) result.best = search.best()->model;

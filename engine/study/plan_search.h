@@ -31,7 +31,7 @@ struct SearchGrid {
 [[nodiscard]] SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step);
 
 /// One choice that a model can make, and its other way.
-struct Choice {
+struct PlanChoice {
     std::string simpler;  // what it means to make it, e.g. "rolling friction left out"
     std::string fuller;   // what it means not to, e.g. "rolling friction"
     std::function<void(Model&)> make, undo;
@@ -42,7 +42,7 @@ struct Choice {
 
 /// Choices that this build can make in the scene, the likeliest to pay first.
 /// @param walls  as SearchGrid::walls
-[[nodiscard]] std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& walls = {});
+[[nodiscard]] std::vector<PlanChoice> choices_in(const Scene& scene, const std::vector<double>& walls = {});
 
 /// Why no plan may choose a model, although it can be run; empty: it may. A trial shows that a model went through the scene once.
 /// Two facts vouch for the run afterwards: every step's equations are solved, and its energy balances (solve/energy_balance.h). The

@@ -1,6 +1,7 @@
 // The planner's order of work: reference, trials, search, a last timing of the best, and the plan.
 #include "study/planner.h"
 
+#include "core/clock.h"
 #include "study/plan_search.h"
 #include "study/wall_edges.h"
 
@@ -8,13 +9,10 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace seldinger {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int most_samples = 60;
 constexpr double longest_step = 1.0 / 30;                                // [s]
@@ -53,7 +51,7 @@ public:
     }
 
 private:
-    [[nodiscard]] double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+    [[nodiscard]] double elapsed() const { return seconds_since(start_); }
     [[nodiscard]] bool may_go_on() const { return elapsed() < options_.budget; }
     void tell(const std::string& what) const
     {
@@ -258,7 +256,7 @@ private:
             result_.notes.push_back(fmt::format(
                 "the wall moves by {}, more than 20 % of the lumen's radius: beyond its linear theory, in every model",
                 as_length(result_.reference.wall_move)));
-        for (const Choice& choice : choices_in(scene_.scene)) {
+        for (const PlanChoice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;
             Model model = starting_model();
             choice.make(model);
@@ -453,7 +451,7 @@ private:
             const TrialRun* trial = trials.look_at(model);
             if (trial) result_.left_out.push_back(omission(what, *trial));
         };
-        for (const Choice& choice : choices_in(scene_.scene, wall_.trials())) {
+        for (const PlanChoice& choice : choices_in(scene_.scene, wall_.trials())) {
             if (choice.needs_contact && !result_.touches) continue;
             Model made = chosen.model;
             choice.make(made);

@@ -1,10 +1,10 @@
 // Steps one scene under one model from sample to sample, timing the steps alone, and averages forces before each sample.
 #include "study/run_model.h"
 
+#include "core/clock.h"
 #include "study/run_watch.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <optional>
@@ -18,10 +18,10 @@ constexpr long contact_looks = 4;  // contact rows are fetched from the device s
 /// Wall and processor time between start() and stop().
 class Stopwatch {
 public:
-    void start() { wall_start_ = std::chrono::steady_clock::now(), cpu_start_ = cpu_now(); }
+    void start() { wall_start_ = Clock::now(), cpu_start_ = cpu_now(); }
     void stop()
     {
-        wall_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start_).count();
+        wall_ += seconds_since(wall_start_);
         cpu_ += cpu_now() - cpu_start_;
     }
     [[nodiscard]] double wall() const { return wall_; }
@@ -34,7 +34,7 @@ private:
         clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
         return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
     }
-    std::chrono::steady_clock::time_point wall_start_{};
+    Clock::time_point wall_start_{};
     double cpu_start_ = 0, wall_ = 0, cpu_ = 0;
 };
 

@@ -13,7 +13,6 @@
 namespace seldinger {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kStep = 0.001;      // spacing of axis points [m]
 constexpr double kOverhang = 0.008;  // tubes go on behind their ends, to be cut there [m]
 
@@ -100,7 +99,7 @@ AortaAxis make_axis(const ArchSpec& spec, const Body& body)
                                spec.origin + 0.8 * spec.descending_length * body.superior};
     constexpr int kArcKnots = 16;
     for (int k = 0; k <= kArcKnots; ++k) {
-        const double t = kPi * k / kArcKnots;
+        const double t = std::numbers::pi * k / kArcKnots;
         knots.push_back(centre + a * std::cos(t) * body.over + b * std::sin(t) * body.superior);
     }
     // the ascending aorta leans towards the midline on its way down to the root

@@ -1,42 +1,40 @@
-// Components by flood fill, volumes by the divergence theorem.
+// Components by disjoint sets, volumes by the divergence theorem.
 #include "vessel/mesh_components.h"
 
 #include "vessel/triangle_geometry.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace seldinger {
 
 std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges& edges)
 {
-    std::vector<std::int32_t> edge_of(3 * mesh.triangles.size());
-    for (std::size_t k = 0; k < edges.count(); ++k)
-        for (const std::int32_t h : edges.uses(k)) edge_of[static_cast<std::size_t>(h)] = static_cast<std::int32_t>(k);
-    std::vector<std::int32_t> label(mesh.triangles.size(), -1), stack;
-    std::vector<bool> crossed(edges.count(), false);  // once over an edge: thousands of triangles may share it
-    std::int32_t count = 0;
-    for (std::size_t seed = 0; seed < label.size(); ++seed) {
-        if (label[seed] >= 0) continue;
-        label[seed] = count;
-        stack.assign(1, static_cast<std::int32_t>(seed));
-        while (!stack.empty()) {
-            const std::int32_t t = stack.back();
-            stack.pop_back();
-            for (std::int32_t e = 0; e < 3; ++e) {
-                const auto edge = static_cast<std::size_t>(edge_of[static_cast<std::size_t>(3 * t + e)]);
-                if (crossed[edge]) continue;
-                crossed[edge] = true;
-                for (const std::int32_t h : edges.uses(edge)) {
-                    std::int32_t& other = label[static_cast<std::size_t>(h / 3)];
-                    if (other >= 0) continue;
-                    other = count;
-                    stack.push_back(h / 3);
-                }
-            }
+    // Sets of triangles that share an edge. Each points to an earlier triangle of its set, the first to itself.
+    std::vector<std::int32_t> earlier(mesh.triangles.size());
+    std::iota(earlier.begin(), earlier.end(), 0);
+    const auto first_of = [&](std::int32_t t) {
+        while (true) {
+            std::int32_t& up = earlier[static_cast<std::size_t>(t)];
+            if (up == t) return t;
+            t = up = earlier[static_cast<std::size_t>(up)];
         }
-        ++count;
+    };
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        const auto uses = edges.uses(k);
+        std::int32_t least = first_of(uses[0] / 3);
+        for (const std::int32_t h : uses.subspan(1)) {
+            const std::int32_t other = first_of(h / 3);
+            earlier[static_cast<std::size_t>(std::max(least, other))] = std::min(least, other);
+            least = std::min(least, other);
+        }
     }
-    return label;
+    std::int32_t count = 0;
+    for (std::size_t t = 0; t < earlier.size(); ++t) {  // numbers take the place of what points to earlier ones, which have theirs
+        const auto up = static_cast<std::size_t>(earlier[t]);
+        earlier[t] = up == t ? count++ : earlier[up];
+    }
+    return earlier;
 }
 
 std::vector<bool> vertices_of_largest(const WallMesh& mesh, const std::vector<std::int32_t>& label)

@@ -12,7 +12,6 @@
 namespace seldinger {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kDefaultTriangles = 20000;
 constexpr int kMostTriangles = 50'000'000;  // vertex indices are 32 bits
 
@@ -39,18 +38,18 @@ Vec3 unit(const Vec3& v, const char* key)
 }
 
 /// One cross-section: its centre and the two directions that span it.
-struct Ring {
+struct TubeRing {
     Vec3 centre, u, v;
 };
 
 /// Joins rings of `around` vertices into a wall that faces its axis. Diagonals alternate, so that the mesh has no handedness.
-GeneratedVessel sweep(const std::vector<Ring>& rings, double radius, int around)
+GeneratedVessel sweep(const std::vector<TubeRing>& rings, double radius, int around)
 {
     GeneratedVessel result;
     result.mesh.vertices.reserve(rings.size() * static_cast<std::size_t>(around));
-    for (const Ring& ring : rings) {
+    for (const TubeRing& ring : rings) {
         for (int k = 0; k < around; ++k) {
-            const double phi = 2 * kPi * k / around;
+            const double phi = 2 * std::numbers::pi * k / around;
             result.mesh.vertices.push_back(ring.centre + radius * (std::cos(phi) * ring.u + std::sin(phi) * ring.v));
         }
         result.centreline.parent.push_back(static_cast<int>(result.centreline.points.size()) - 1);
@@ -73,14 +72,14 @@ struct Facets {
 };
 Facets facets_of(double radius, double length, int triangles, const char* key)
 {
-    const double edge = std::sqrt(2 * 2 * kPi * radius * length / triangles), facets = 2 * kPi * radius / edge;
+    const double edge = std::sqrt(2 * 2 * std::numbers::pi * radius * length / triangles), facets = 2 * std::numbers::pi * radius / edge;
     // as many around as there are triangles in all: half a row would be the whole tube
     if (!(facets <= std::max(8, triangles)))
         throw Error(ExitCode::BadScene,
                     fmt::format("{}: {} m of {} m radius is shorter than a facet of {} triangles; expected a longer vessel, "
                                 "or check the units (metres)",
                                 key, length, radius, triangles));
-    const int around = 4 * std::max(2, static_cast<int>(std::lround(2 * kPi * radius / edge / 4)));
+    const int around = 4 * std::max(2, static_cast<int>(std::lround(2 * std::numbers::pi * radius / edge / 4)));
     const double rows = std::max(1.0, std::round(triangles / (2.0 * around)));
     return {around, length / rows};
 }
@@ -97,7 +96,7 @@ GeneratedVessel make_tube(const VesselSpec& spec)
     const CrossFrame frame = cross_frame(axis, unit(spec.normal, "normal"));
     const Facets facets = facets_of(spec.radius, spec.length, wanted_triangles(spec), "vessel.length_m");
     const int rows = rows_of(spec.length, facets.edge);
-    std::vector<Ring> rings;
+    std::vector<TubeRing> rings;
     for (int k = 0; k <= rows; ++k) rings.push_back({spec.origin + axis * (spec.length * k / rows), frame.u, frame.v});
     return sweep(rings, spec.radius, facets.around);
 }
@@ -122,15 +121,15 @@ GeneratedVessel make_arc(const VesselSpec& spec)
     const Vec3 bend_start = spec.origin + axis * spec.lead_in;
     auto on_bend = [&](double angle) {  // u turns with the tangent, v is the axis of the bend
         const Vec3 u = frame.u * std::cos(angle) - axis * std::sin(angle);
-        return Ring{bend_start + spec.bend_radius * (frame.u - u), u, frame.v};
+        return TubeRing{bend_start + spec.bend_radius * (frame.u - u), u, frame.v};
     };
-    std::vector<Ring> rings = {{spec.origin, frame.u, frame.v}};
+    std::vector<TubeRing> rings = {{spec.origin, frame.u, frame.v}};
     const int rows_in = rows_of(spec.lead_in, facets.edge), rows_bend = rows_of(bend_length, facets.edge),
               rows_out = rows_of(spec.lead_out, facets.edge);
     if (spec.lead_in > 0)
         for (int k = 1; k <= rows_in; ++k) rings.push_back({spec.origin + axis * (spec.lead_in * k / rows_in), frame.u, frame.v});
     for (int k = 1; k <= rows_bend; ++k) rings.push_back(on_bend(spec.angle * k / rows_bend));
-    const Ring end = rings.back();
+    const TubeRing end = rings.back();
     if (spec.lead_out > 0)
         for (int k = 1; k <= rows_out; ++k)
             rings.push_back({end.centre + end.u.cross(end.v) * (spec.lead_out * k / rows_out), end.u, end.v});

@@ -11,7 +11,7 @@ namespace seldinger {
 namespace {
 
 /// What the neighbours of a vertex say of its new place.
-struct Ring {
+struct VertexRing {
     Vec3 sum = Vec3::Zero(), rim_sum = Vec3::Zero();
     int neighbours = 0, rim_neighbours = 0;
     bool fixed = false;
@@ -24,7 +24,7 @@ double neighbour_weight(int n)
     return (5.0 / 8 - c * c) / n;
 }
 
-Vec3 new_place(const Vec3& old, const Ring& ring)
+Vec3 new_place(const Vec3& old, const VertexRing& ring)
 {
     if (ring.fixed || ring.neighbours == 0) return old;
     if (ring.rim_neighbours == 2) return 0.75 * old + 0.125 * ring.rim_sum;
@@ -46,7 +46,7 @@ WallMesh subdivide_loop(const WallMesh& mesh)
     WallMesh fine;
     fine.vertices.resize(old + edges.count());
     std::vector<std::int32_t> middle(3 * mesh.triangles.size());  // of a half-edge: the vertex on its edge
-    std::vector<Ring> rings(old);
+    std::vector<VertexRing> rings(old);
     for (std::size_t k = 0; k < edges.count(); ++k) {
         const auto uses = edges.uses(k);
         const std::int32_t a = half_edge_from(mesh, uses[0]), b = half_edge_to(mesh, uses[0]);
@@ -55,7 +55,7 @@ WallMesh subdivide_loop(const WallMesh& mesh)
         if (uses.size() == 2) point = 0.75 * point + 0.125 * (across(uses[0]) + across(uses[1]));
         for (const std::int32_t h : uses) middle[static_cast<std::size_t>(h)] = static_cast<std::int32_t>(old + k);
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-            Ring& ring = rings[static_cast<std::size_t>(from)];
+            VertexRing& ring = rings[static_cast<std::size_t>(from)];
             ring.sum += place(to);
             ++ring.neighbours;
             if (uses.size() == 1) ring.rim_sum += place(to), ++ring.rim_neighbours;

@@ -44,9 +44,9 @@ Principal principal_axes(const WallMesh& mesh, const std::vector<Vec3>& extra)
     mean /= weight;
     const Mat3 about_mean = second / weight - outer(mean, mean);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(eigen(about_mean));
-    axes.shortest = vec3(solver.eigenvectors().col(0));
-    axes.middle = vec3(solver.eigenvectors().col(1));
-    axes.longest = vec3(solver.eigenvectors().col(2));
+    axes.shortest = to_vec3(solver.eigenvectors().col(0));
+    axes.middle = to_vec3(solver.eigenvectors().col(1));
+    axes.longest = to_vec3(solver.eigenvectors().col(2));
     if (!mesh.triangles.empty()) axes.facing = facing / weight;
     return axes;
 }

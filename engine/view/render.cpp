@@ -1,6 +1,7 @@
 // Picks the frames that were asked for, one camera and force scale for all, and writes their pictures.
 #include "view/render.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "io/film_write.h"
 #include "io/png_write.h"
@@ -139,7 +140,7 @@ bool legend_fits(int width, int height) { return !lay_out_sheet(width, height, L
 
 PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& options, const FrameProgress& progress)
 {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     const RunFolder run = read_run_folder(dir);
     if (!options.film.empty() && options.ground == Ground::Transparent)
         throw Error(ExitCode::BadScene, "--video: a film cannot be transparent; take --background white, or pictures");
@@ -172,7 +173,7 @@ PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& o
                 written.push_back(file);
             }
         }
-        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+        const std::chrono::duration<double> passed = Clock::now() - start;
         if (progress) progress(i - range.first + 1, range.count(), passed.count());
     }
     if (film) {

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
     throw Error(ExitCode::BadFile, path.string() + ": " + what);
 }
 
-Vec3 to_vec3(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
+Vec3 point_of(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
 
 /// Triangles and fans of larger polygons.
 WallMesh read_wall(const FilePlace& file)
@@ -37,7 +37,7 @@ WallMesh read_wall(const FilePlace& file)
     WallMesh mesh;
     mesh.vertices.reserve(data.points.size());
     for (const auto& p : data.points) {
-        mesh.vertices.push_back(to_vec3(p));
+        mesh.vertices.push_back(point_of(p));
         if (!mesh.vertices.back().allFinite()) fail(path, "a point of the wall is not finite");
     }
     std::int64_t begin = 0;
@@ -174,7 +174,7 @@ std::vector<WireLine> read_wires(const FilePlace& file)
         WireLine wire;
         for (std::int64_t k = begin; k < end; ++k) {
             const auto point = static_cast<std::size_t>(data.lines.connectivity[k]);
-            wire.nodes.push_back(to_vec3(data.points[point]));
+            wire.nodes.push_back(point_of(data.points[point]));
             wire.radius.push_back(radius.values[point]);
             if (force) wire.force.push_back(std::hypot(force->values[3 * point], force->values[3 * point + 1], force->values[3 * point + 2]));
             if (!wire.nodes.back().allFinite()) fail(path, "a node of the wire is not finite");
@@ -204,7 +204,7 @@ std::vector<ContactMark> read_contacts(const FilePlace& file)
     };
     std::vector<ContactMark> marks(data.points.size());
     for (std::size_t i = 0; i < marks.size(); ++i) {
-        marks[i].point = to_vec3(data.points[i]);
+        marks[i].point = point_of(data.points[i]);
         marks[i].force = std::max(0.0, force.values[i]);
         if (per_length) marks[i].per_length = per_length->values[i];
         if (place) marks[i].place = static_cast<int>(place->values[i]);
@@ -250,7 +250,7 @@ MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity 
     now.value = wall_values(data, quantity, path);
     now.vertices.reserve(data.points.size());
     for (const auto& p : data.points) {
-        now.vertices.push_back(to_vec3(p));
+        now.vertices.push_back(point_of(p));
         if (!now.vertices.back().allFinite()) fail(path, "a point of the wall is not finite");
     }
     return now;

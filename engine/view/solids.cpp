@@ -71,7 +71,7 @@ void add_cap(std::vector<Ring>& rings, const Ring& edge, int side)
 /// Moves a director from one tangent to the next without twist (the smallest rotation).
 Vec3 transport(const Vec3& director, const Vec3& from, const Vec3& to)
 {
-    const Vec3 moved = vec3(Eigen::Quaterniond::FromTwoVectors(eigen(from), eigen(to)) * eigen(director));
+    const Vec3 moved = to_vec3(Eigen::Quaterniond::FromTwoVectors(eigen(from), eigen(to)) * eigen(director));
     return (moved - moved.dot(to) * to).normalized();
 }
 

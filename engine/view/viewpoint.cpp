@@ -139,7 +139,7 @@ Camera frame_camera(const Scenery& scenery, ViewFrom from, const CameraMotion& m
         // about the up axis of the picture through the middle of the vessel, so that the horizon stays
         const Vec3 axis = camera.up.normalized(), right = camera.right(), middle = middle_of(scenery);
         const Mat3 turn =
-            mat3((Eigen::AngleAxisd(key.azimuth, eigen(axis)) * Eigen::AngleAxisd(-key.elevation, eigen(right))).toRotationMatrix());
+            to_mat3((Eigen::AngleAxisd(key.azimuth, eigen(axis)) * Eigen::AngleAxisd(-key.elevation, eigen(right))).toRotationMatrix());
         camera.eye = middle + turn * (camera.eye - middle);
         camera.target = middle + turn * (camera.target - middle);
         camera.up = turn * camera.up;

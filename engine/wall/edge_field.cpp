@@ -15,7 +15,7 @@ constexpr double grade = 0.25;
 // Shortest edge, relative to the requested one. Where a centreline touches the wall of a folded branch its radius is nothing.
 constexpr double floor_part = 1.0 / 15;
 // spheres nearer to each other than this part of their radius say the same
-constexpr double apart = 0.2;
+constexpr double apart_share = 0.2;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ EdgeField::EdgeField(double edge, double share, const Centreline& centreline) : 
         const int up = centreline.parent[i];
         const double radius = centreline.radius[i];
         if (up >= 0 && since[up] >= 0) since[i] = since[up] + (centreline.points[i] - centreline.points[up]).norm();
-        if (since[i] >= 0 && since[i] < apart * radius) continue;
+        if (since[i] >= 0 && since[i] < apart_share * radius) continue;
         since[i] = 0;
         add_circle(centreline.points[i], radius);
     }

@@ -1,6 +1,7 @@
 // The wall as a body, made from the vessel's mesh, and its readings.
 
 #include "wall/elastic_wall.h"
+#include "core/clock.h"
 #include "wall/wall_compliance.h"
 
 #include "wall/wall_resolution.h"
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -115,7 +115,7 @@ ElasticWall::~ElasticWall() = default;
 
 ElasticWall::ElasticWall(const WallModel& wall)
 {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     WallMesh control = control_mesh(wall, edge_reason_, off_);
     const std::vector<Vec3> through = control.vertices;
     surface_ = std::make_unique<LoopSurface>(std::move(control));
@@ -129,7 +129,7 @@ ElasticWall::ElasticWall(const WallModel& wall)
     limits_.resize(static_cast<std::size_t>(vertices));
     for (std::int32_t v = 0; v < vertices; ++v) surface_->limit_of_vertex(v, limits_[static_cast<std::size_t>(v)]);
     for (const Vec3& p : surface_->control().vertices) largest_move_.push_back(0.2 * lumen_radius(wall, p));
-    made_in_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    made_in_ = seconds_since(start);
 }
 
 double ElasticWall::largest_move(const LoopStencil& place) const

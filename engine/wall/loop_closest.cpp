@@ -11,7 +11,7 @@ namespace seldinger {
 namespace {
 
 constexpr int start_pieces = 3;       // flat pieces along each edge of a control triangle
-constexpr int most_steps = 60;        // about four do from a start nearby
+constexpr int most_closest_steps = 60;        // about four do from a start nearby
 constexpr double small_move = 1e-11;  // of an edge: a Newton step that ends the search
 constexpr double small_fold = 1e-12;  // weights below it are on an edge
 
@@ -157,7 +157,7 @@ void LoopSurface::descend(const Vec3& p, LoopFoot& foot) const
         return place;
     };
     Place here = look(foot.triangle, Uv(foot.u, foot.v));
-    for (int step = 0; step < most_steps; ++step) {
+    for (int step = 0; step < most_closest_steps; ++step) {
         Uv d = newton_step(topology_, here, p);
         if (d.norm() > 1) d /= d.norm();  // a triangle at a time
         if ((d[0] * here.xu + d[1] * here.xv).norm() < small_move * edge_) break;

@@ -15,22 +15,22 @@ namespace seldinger {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::BadFile, "control mesh of the wall: " + what); }
+[[noreturn]] void refuse_mesh(const std::string& what) { throw Error(ExitCode::BadFile, "control mesh of the wall: " + what); }
 
 std::string name(const char* thing, std::int32_t index) { return std::string(thing) + " " + std::to_string(index); }
 
 /// Indices in range and different, area not zero, edges of at most two triangles that run along it in opposite directions.
 void check(const WallMesh& mesh)
 {
-    if (mesh.triangles.empty()) refuse("no triangles");
+    if (mesh.triangles.empty()) refuse_mesh("no triangles");
     const auto vertices = static_cast<std::int32_t>(mesh.vertices.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const std::string me = name("triangle", static_cast<std::int32_t>(t));
         for (const std::int32_t v : mesh.triangles[t])
-            if (v < 0 || v >= vertices) refuse(me + " names a vertex that is not there");
+            if (v < 0 || v >= vertices) refuse_mesh(me + " names a vertex that is not there");
         const Triangle3 shape = triangle_of(mesh, t);
         const double longest = std::max({(shape.b - shape.a).norm(), (shape.c - shape.b).norm(), (shape.a - shape.c).norm()});
-        if (!(double_area(shape).norm() > 1e-9 * longest * longest)) refuse(me + " has no area");
+        if (!(double_area(shape).norm() > 1e-9 * longest * longest)) refuse_mesh(me + " has no area");
     }
     const MeshEdges edges = find_edges(mesh);
     for (std::size_t k = 0; k < edges.count(); ++k) {
@@ -39,9 +39,9 @@ void check(const WallMesh& mesh)
             return "edge of vertices " + std::to_string(half_edge_from(mesh, uses[0])) + " and " +
                    std::to_string(half_edge_to(mesh, uses[0]));
         };
-        if (uses.size() > 2) refuse(edge() + " has " + std::to_string(uses.size()) + " triangles, two at most can share one");
+        if (uses.size() > 2) refuse_mesh(edge() + " has " + std::to_string(uses.size()) + " triangles, two at most can share one");
         if (uses.size() == 2 && half_edge_from(mesh, uses[0]) == half_edge_from(mesh, uses[1]))
-            refuse("the triangles at the " + edge() + " face opposite sides; orient the mesh first");
+            refuse_mesh("the triangles at the " + edge() + " face opposite sides; orient the mesh first");
     }
 }
 
@@ -107,16 +107,16 @@ void LoopTopology::connect(std::int32_t vertices)
     triangles_about.assign(static_cast<std::size_t>(vertices), 0);
     for (std::int32_t v = 0; v < vertices; ++v) {
         const auto i = static_cast<std::size_t>(v);
-        if (count[i] == 0) refuse(name("vertex", v) + " belongs to no triangle");
+        if (count[i] == 0) refuse_mesh(name("vertex", v) + " belongs to no triangle");
         if (count[i] > max_valence)
-            refuse(name("vertex", v) + " has " + std::to_string(count[i]) + " triangles, " + std::to_string(max_valence) +
+            refuse_mesh(name("vertex", v) + " has " + std::to_string(count[i]) + " triangles, " + std::to_string(max_valence) +
                    " at most");
         int walked = 0;
         std::int32_t h = first[i];
         do ++walked, h = turn(h);
         while (h >= 0 && h != first[i] && walked <= count[i]);
-        if (walked != count[i]) refuse("two sheets touch in " + name("vertex", v));
-        if (kind[i] == LoopVertex::Inner && count[i] < 3) refuse(name("vertex", v) + " has only two triangles, back to back");
+        if (walked != count[i]) refuse_mesh("two sheets touch in " + name("vertex", v));
+        if (kind[i] == LoopVertex::Inner && count[i] < 3) refuse_mesh(name("vertex", v) + " has only two triangles, back to back");
         triangles_about[i] = static_cast<unsigned char>(count[i]);
     }
 }
@@ -154,18 +154,18 @@ LoopTopology::LimitMask LoopTopology::limit_mask(std::int32_t v) const
 
 std::array<LoopPoint, 6> LoopTopology::ring(std::int32_t v, std::int32_t towards) const
 {
-    std::array<std::int32_t, 7> real;
+    std::array<std::int32_t, 7> fanned;
     std::array<LoopPoint, 6> about;
     SEL_ASSERT(regular(v));
-    if (fan(v, towards, real) == 6) {
-        for (std::size_t k = 0; k < 6; ++k) about[k] = {real[k]};
+    if (fan(v, towards, fanned) == 6) {
+        for (std::size_t k = 0; k < 6; ++k) about[k] = {fanned[k]};
         return about;
     }
     // four are real; reflections across the two rim edges close the ring
     const std::array<LoopPoint, 6> closed = {
-        {{real[0]}, {real[1]}, {real[2]}, {real[3]}, {v, real[3], real[2]}, {v, real[0], real[1]}}};
+        {{fanned[0]}, {fanned[1]}, {fanned[2]}, {fanned[3]}, {v, fanned[3], fanned[2]}, {v, fanned[0], fanned[1]}}};
     std::size_t shift = 0;
-    while (shift < 3 && real[shift] != to(towards)) ++shift;
+    while (shift < 3 && fanned[shift] != to(towards)) ++shift;
     for (std::size_t k = 0; k < 6; ++k) about[k] = closed[(k + shift) % 6];
     return about;
 }

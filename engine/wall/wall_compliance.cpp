@@ -2,10 +2,10 @@
 #include "wall/wall_compliance.h"
 
 #include "core/check.h"
+#include "core/clock.h"
 #include "core/error.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <queue>
@@ -103,7 +103,7 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
                         kept_.end());
             return kept_.back();
         }
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     auto made = std::make_shared<WallFactor>();
     made->h_ = h;
     const bool sound = h > 0 ? made->cholesky_.factor(stiffness_ + damping_ / h, matrices_.held, along_)
@@ -114,7 +114,7 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
                     "(support_pa_m)");
     made->vertex_count_ = vertex_count();
     made->columns_.resize(static_cast<std::size_t>(vertex_count()));
-    made->seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    made->seconds_ = seconds_since(start);
     kept_.push_back(std::move(made));
     const auto bytes = [&] {
         std::size_t sum = 0;

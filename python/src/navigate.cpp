@@ -73,7 +73,7 @@ Navigator::Navigator(const Centreline& line, const NavigateSpec& spec) : spec_(s
     for (; !open.empty(); open.pop()) {
         const int i = open.front();
         if (i != goal) {  // carried from the next point: turned as the direction turns
-            n_[i] = vec3(Eigen::Quaterniond::FromTwoVectors(eigen(u_[next_[i]]), eigen(u_[i])) * eigen(n_[next_[i]]));
+            n_[i] = to_vec3(Eigen::Quaterniond::FromTwoVectors(eigen(u_[next_[i]]), eigen(u_[i])) * eigen(n_[next_[i]]));
             n_[i] = (n_[i] - n_[i].dot(u_[i]) * u_[i]).normalized();
         }
         b_[i] = u_[i].cross(n_[i]);

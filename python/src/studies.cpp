@@ -4,7 +4,7 @@
 #include "baselines/baselines.h"
 #include "plan_report.h"
 #include "study/batch.h"
-#include "study/chart.h"
+#include "lab/chart.h"
 #include "study/planner.h"
 
 #include <pybind11/numpy.h>

@@ -6,6 +6,8 @@
 
 #include <array>
 
+namespace test_bad_input {
+
 using namespace seldinger::test;
 
 namespace {
@@ -268,3 +270,5 @@ TEST_SUITE("apps/bad_input")
         CHECK_FALSE(fs::exists(folder.path / "D"));
     }
 }
+
+}  // namespace test_bad_input

@@ -5,6 +5,8 @@
 #include <array>
 #include <map>
 
+namespace test_batch {
+
 using namespace seldinger::test;
 
 namespace {
@@ -271,3 +273,5 @@ print("same")
         says("f.toml --vary other.toml -o B --resume", 3, "checkpoint.bin");
     }
 }
+
+}  // namespace test_batch

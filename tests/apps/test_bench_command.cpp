@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_bench_command {
+
 using namespace seldinger::test;
 
 TEST_SUITE("apps/bench")
@@ -70,3 +72,5 @@ TEST_SUITE("apps/bench")
         CHECK_FALSE(fs::exists(folder.path / "D"));
     }
 }
+
+}  // namespace test_bench_command

@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_chart_command {
+
 using namespace seldinger::test;
 
 TEST_SUITE("apps/chart")
@@ -64,3 +66,5 @@ TEST_SUITE("apps/chart")
         CHECK(run_app(folder, "chart --planned p.toml").code == 2);
     }
 }
+
+}  // namespace test_chart_command

@@ -6,6 +6,8 @@
 
 #include <memory>
 
+namespace test_farm {
+
 using namespace seldinger::test;
 
 namespace {
@@ -321,3 +323,5 @@ TEST_SUITE("apps/farm")
         check_refused(folder, "farm status f", 3, "damaged");
     }
 }
+
+}  // namespace test_farm

@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_first_start {
+
 using namespace seldinger::test;
 
 TEST_SUITE("apps/first_start")
@@ -31,3 +33,5 @@ TEST_SUITE("apps/first_start")
         CHECK_FALSE(without_one("--quiet"));
     }
 }
+
+}  // namespace test_first_start

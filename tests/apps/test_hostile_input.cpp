@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <random>
 
+namespace test_hostile_input {
+
 using namespace seldinger::test;
 
 namespace {
@@ -211,3 +213,5 @@ TEST_SUITE("apps/hostile input")
         CHECK(summary_of(folder.path / "B")["state_hash"] == hash);
     }
 }
+
+}  // namespace test_hostile_input

@@ -4,6 +4,8 @@
 
 #include <array>
 
+namespace test_init_command {
+
 using namespace seldinger::test;
 
 namespace {
@@ -198,3 +200,5 @@ TEST_SUITE("apps/init_command")
         CHECK(slurp(folder.path / "err").empty());
     }
 }
+
+}  // namespace test_init_command

@@ -2,6 +2,8 @@
 #include "app_fixture.h"
 #include "scene/instruments.h"
 
+namespace test_instruments_command {
+
 using namespace seldinger::test;
 
 TEST_SUITE("apps/instruments_command")
@@ -52,3 +54,5 @@ TEST_SUITE("apps/instruments_command")
         }
     }
 }
+
+}  // namespace test_instruments_command

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <map>
 
+namespace test_labels {
+
 using namespace seldinger::test;
 using nlohmann::json;
 
@@ -360,3 +362,5 @@ for a in coco.anns.values():
         CHECK_FALSE(fs::exists(folder.path / "c.json"));
     }
 }
+
+}  // namespace test_labels

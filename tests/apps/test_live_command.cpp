@@ -5,6 +5,8 @@
 #include "session/session_fixture.h"
 #include "support/skip.h"
 
+namespace test_live_command {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -255,3 +257,5 @@ TEST_SUITE("apps/live")
         close(taken);
     }
 }
+
+}  // namespace test_live_command

@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_long_names {
+
 using namespace seldinger::test;
 
 namespace {
@@ -114,3 +116,5 @@ TEST_SUITE("apps/long names")
         is_refused(folder, "check trace.toml", "instrument.1.name");
     }
 }
+
+}  // namespace test_long_names

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+namespace test_plan_command {
+
 using namespace seldinger::test;
 
 namespace {
@@ -293,3 +295,5 @@ TEST_SUITE("apps/plan")
         CHECK(run_app(folder, "check p.toml").code == 0);
     }
 }
+
+}  // namespace test_plan_command

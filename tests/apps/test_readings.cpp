@@ -1,6 +1,8 @@
 // What a run says of its readings: the band of its step, exits, a last step that is shorter, friction that was raised.
 #include "apps/app_fixture.h"
 
+namespace test_readings {
+
 using namespace seldinger::test;
 
 namespace {
@@ -72,3 +74,5 @@ TEST_SUITE("apps/readings")
         CHECK(slurp(folder.path / "V/vessel.stl").substr(0, 80).find("UNITS=mm") != std::string::npos);
     }
 }
+
+}  // namespace test_readings

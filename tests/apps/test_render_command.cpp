@@ -2,6 +2,8 @@
 #include "app_fixture.h"
 #include "support/skip.h"
 
+namespace test_render_command {
+
 using namespace seldinger::test;
 
 namespace {
@@ -98,3 +100,5 @@ TEST_SUITE("apps/render_command")
         CHECK(fs::file_size(folder.path / "f.mp4") > 512);
     }
 }
+
+}  // namespace test_render_command

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 
+namespace test_report_command {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -176,3 +178,5 @@ TEST_SUITE("apps/report")
         CHECK(data_of(slurp(folder.path / "B/report.html"))["vessel"].empty());
     }
 }
+
+}  // namespace test_report_command

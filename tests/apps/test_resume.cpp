@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_resume {
+
 using namespace seldinger::test;
 
 namespace {
@@ -133,3 +135,5 @@ TEST_SUITE("apps/resume")
         CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
     }
 }
+
+}  // namespace test_resume

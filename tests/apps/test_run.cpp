@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace test_run {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -340,3 +342,5 @@ force_n = [0.0, 0.0, -0.005]
         CHECK(own.err.find("no_such_table") != std::string::npos);
     }
 }
+
+}  // namespace test_run

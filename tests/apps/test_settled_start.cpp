@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_settled_start {
+
 using namespace seldinger::test;
 
 TEST_SUITE("apps/settled_start")
@@ -23,3 +25,5 @@ TEST_SUITE("apps/settled_start")
         CHECK(run_app(folder, "run static.toml -o static").code == 4);
     }
 }
+
+}  // namespace test_settled_start

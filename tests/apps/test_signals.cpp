@@ -4,6 +4,8 @@
 
 #include <tuple>
 
+namespace test_signals {
+
 using namespace seldinger::test;
 
 namespace {
@@ -93,3 +95,5 @@ TEST_SUITE("apps/signals")
         CHECK(app.result().code == 143);
     }
 }
+
+}  // namespace test_signals

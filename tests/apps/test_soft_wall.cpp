@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_soft_wall {
+
 using namespace seldinger::test;
 
 namespace {
@@ -48,3 +50,5 @@ TEST_SUITE("apps/soft_wall")
         }
     }
 }
+
+}  // namespace test_soft_wall

@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_stability_command {
+
 using namespace seldinger::test;
 
 namespace {
@@ -115,3 +117,5 @@ TEST_SUITE("apps/stability")
         CHECK(fs::exists(folder.path / "D" / "maps.json"));
     }
 }
+
+}  // namespace test_stability_command

@@ -2,6 +2,8 @@
 
 #include "apps/app_fixture.h"
 
+namespace test_surroundings {
+
 using namespace seldinger::test;
 
 namespace {
@@ -114,3 +116,5 @@ TEST_SUITE("apps/surroundings")
         refused("render R", "twice");
     }
 }
+
+}  // namespace test_surroundings

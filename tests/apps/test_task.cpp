@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+namespace test_task {
+
 using namespace seldinger::test;
 
 namespace {
@@ -205,3 +207,5 @@ TEST_SUITE("apps/task")
         }
     }
 }
+
+}  // namespace test_task

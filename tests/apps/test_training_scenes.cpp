@@ -4,6 +4,8 @@
 #include "session/session.h"
 #include "session/session_fixture.h"
 
+namespace test_training_scenes {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -81,3 +83,5 @@ TEST_SUITE("apps/training")
         }
     }
 }
+
+}  // namespace test_training_scenes

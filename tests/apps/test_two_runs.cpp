@@ -4,6 +4,8 @@
 
 #include <memory>
 
+namespace test_two_runs {
+
 using namespace seldinger::test;
 
 namespace {
@@ -109,3 +111,5 @@ TEST_SUITE("apps/two runs in one folder")
         CHECK(fs::exists(folder.path / fmt::format("D/page.html.{}.tmp", getpid())));
     }
 }
+
+}  // namespace test_two_runs

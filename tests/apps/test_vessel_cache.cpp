@@ -4,6 +4,8 @@
 
 #include <sys/stat.h>
 
+namespace test_vessel_cache {
+
 using namespace seldinger::test;
 
 namespace {
@@ -193,3 +195,5 @@ TEST_SUITE("apps/vessel_cache")
         CHECK(wrong.err.find("SELDINGER_VESSEL_CACHE: got \"yes\"; expected") != std::string::npos);
     }
 }
+
+}  // namespace test_vessel_cache

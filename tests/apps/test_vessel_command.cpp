@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+namespace test_vessel_command {
+
 using namespace seldinger::test;
 
 TEST_SUITE("apps/vessel")
@@ -75,3 +77,5 @@ TEST_SUITE("apps/vessel")
         CHECK(run_app(folder, "vessel s.toml").code == 2);
     }
 }
+
+}  // namespace test_vessel_command

@@ -3,6 +3,8 @@
 #include "apps/app_fixture.h"
 #include "support/skip.h"
 
+namespace test_vtk_opens {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -63,3 +65,5 @@ TEST_SUITE("apps/vtk_opens")
         CHECK(contact_frames == frames);
     }
 }
+
+}  // namespace test_vtk_opens

@@ -2,7 +2,7 @@
 
 #include "baselines/baselines.h"
 #include "core/error.h"
-#include "study/elastica.h"
+#include "lab/elastica.h"
 #include "study/run_model.h"
 #include "support/approx.h"
 
@@ -10,6 +10,8 @@
 
 #include <cmath>
 #include <string>
+
+namespace test_baselines {
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -178,3 +180,5 @@ TEST_SUITE("baselines")
                              Error);
     }
 }
+
+}  // namespace test_baselines

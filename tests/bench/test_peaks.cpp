@@ -9,6 +9,8 @@
 #include <limits>
 #include <set>
 
+namespace test_peaks {
+
 using namespace seldinger;
 
 TEST_SUITE("device/peaks")
@@ -74,3 +76,5 @@ TEST_SUITE("device/peaks")
         CHECK(more[2].flops == doctest::Approx(of("contact_evaluate").flops).epsilon(0.5));
     }
 }
+
+}  // namespace test_peaks

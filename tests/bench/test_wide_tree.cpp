@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_wide_tree {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -94,3 +96,5 @@ TEST_SUITE("vessel/wide_tree")
         CHECK(build_wide_tree(WallTree{}).nodes.empty());
     }
 }
+
+}  // namespace test_wide_tree

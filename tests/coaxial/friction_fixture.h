@@ -8,7 +8,6 @@
 namespace seldinger::test {
 
 inline constexpr double radius = 0.5e-3;            // of the fixture's instruments [m]
-inline constexpr double bend = 2e-4, twist = 1e-4;  // [N m^2]
 
 /// Straight by nature, along +x.
 inline WorldSetup straight_pair(double outer, double inner, double drag, double viscous, Scheme scheme = Scheme::Newton)

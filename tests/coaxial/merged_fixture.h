@@ -14,6 +14,8 @@
 
 namespace seldinger::test {
 
+inline constexpr double bend = 2e-4, twist = 1e-4;  // of usual instruments, the outer one where both differ [N m^2]
+
 using std::numbers::pi;
 
 /// Section of one stiffness and curvature, tip first. [m], [N m^2], [1/m]

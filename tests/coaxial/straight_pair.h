@@ -5,8 +5,6 @@
 
 namespace seldinger::test {
 
-inline constexpr double bend = 2e-4, twist = 1e-4;  // of the outer one; the inner one has half as much [N m^2]
-
 /// @param outer, inner  how far each is in     @param edge  of the line [m]
 inline WorldSetup straight_pair(double outer, double inner, Scheme scheme = Scheme::Static, double edge = 2e-3)
 {

@@ -13,6 +13,8 @@
 #include <tuple>
 #include <vector>
 
+namespace test_merged_adaptive {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -304,3 +306,5 @@ TEST_SUITE("coaxial/merged adaptive")
         for (int j = 1; j + 2 < wire.n; ++j) CHECK(wire.rest_length[j] == about(2e-3).epsilon(0.01));
     }
 }
+
+}  // namespace test_merged_adaptive

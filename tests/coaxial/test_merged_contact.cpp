@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_merged_contact {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -216,3 +218,5 @@ TEST_SUITE("coaxial/merged contact")
         CHECK(message(setup).find("wires[1].feed.behind") != std::string::npos);
     }
 }
+
+}  // namespace test_merged_contact

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <memory>
 
+namespace test_merged_feeding {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -228,3 +230,5 @@ TEST_SUITE("coaxial/merged feeding")
         CHECK(std::abs(made) <= 1e-4 * std::abs(still->readings(0).energy.wire));
     }
 }
+
+}  // namespace test_merged_feeding

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <cstring>
 
+namespace test_merged_friction {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -230,3 +232,5 @@ TEST_SUITE("coaxial/merged friction")
         }
     }
 }
+
+}  // namespace test_merged_friction

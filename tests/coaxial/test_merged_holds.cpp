@@ -12,6 +12,8 @@
 #include <cmath>
 #include <random>
 
+namespace test_merged_holds {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -373,3 +375,5 @@ TEST_SUITE("coaxial/merged holds")
         CHECK_NOTHROW(World{each_its_spin});
     }
 }
+
+}  // namespace test_merged_holds

@@ -11,6 +11,8 @@
 #include <array>
 #include <vector>
 
+namespace test_merged_lead {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -97,3 +99,5 @@ TEST_SUITE("coaxial/merged lead")
         CHECK(std::abs(world.readings(0).remesh_energy) < 0.1 * 0.5 * bend * curvature * curvature * gained);
     }
 }
+
+}  // namespace test_merged_lead

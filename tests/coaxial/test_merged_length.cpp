@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_merged_length {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -63,3 +65,5 @@ TEST_SUITE("coaxial/merged length")
                 }
     }
 }
+
+}  // namespace test_merged_length

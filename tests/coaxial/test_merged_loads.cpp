@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_merged_loads {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -129,3 +131,5 @@ TEST_SUITE("coaxial/merged loads")
         CHECK_THROWS_AS(World{setup}, Error);
     }
 }
+
+}  // namespace test_merged_loads

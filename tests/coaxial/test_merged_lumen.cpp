@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+namespace test_merged_lumen {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -171,3 +173,5 @@ TEST_SUITE("coaxial/merged lumen")
         CHECK(std::abs(ledger.open()) < 0.01 * ledger.friction);
     }
 }
+
+}  // namespace test_merged_lumen

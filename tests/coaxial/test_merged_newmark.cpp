@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_merged_newmark {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -214,3 +216,5 @@ TEST_SUITE("coaxial/merged newmark")
         CHECK_THROWS_WITH_AS(World{setup}, doctest::Contains("wires[1].holds: is not empty, expected no holds"), Error);
     }
 }
+
+}  // namespace test_merged_newmark

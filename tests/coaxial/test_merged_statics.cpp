@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_merged_statics {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -166,3 +168,5 @@ TEST_SUITE("coaxial/merged statics")
         CHECK(std::abs(tip - 355.671) < 2);
     }
 }
+
+}  // namespace test_merged_statics

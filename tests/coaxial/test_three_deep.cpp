@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_three_deep {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -106,3 +108,5 @@ TEST_SUITE("coaxial/three_deep")
         }
     }
 }
+
+}  // namespace test_three_deep

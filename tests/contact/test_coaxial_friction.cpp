@@ -9,6 +9,8 @@
 
 #include <random>
 
+namespace test_coaxial_friction {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -103,3 +105,5 @@ TEST_SUITE("contact/coaxial friction")
         }
     }
 }
+
+}  // namespace test_coaxial_friction

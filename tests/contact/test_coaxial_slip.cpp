@@ -7,6 +7,8 @@
 
 #include <random>
 
+namespace test_coaxial_slip {
+
 using namespace seldinger;
 using test::about;
 
@@ -63,3 +65,5 @@ TEST_SUITE("contact/coaxial slip")
         CHECK(slip_per_length(law, stuck.elastic, Vec2::Zero(), 0).force.x() == about(-law.limit));
     }
 }
+
+}  // namespace test_coaxial_slip

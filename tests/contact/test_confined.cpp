@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <numeric>
 
+namespace test_confined {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -276,3 +278,5 @@ TEST_SUITE("contact/confined")
         CHECK(forces[1] - stiffnesses[1] / slope == about(found).epsilon(0.02));  // on one line
     }
 }
+
+}  // namespace test_confined

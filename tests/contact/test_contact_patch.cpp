@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_contact_patch {
+
 using namespace seldinger;
 
 namespace {
@@ -110,3 +112,5 @@ TEST_SUITE("contact/contact_patch")
         CHECK(most == doctest::Approx(load / (1.2 * r)).epsilon(0.02));
     }
 }
+
+}  // namespace test_contact_patch

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <numbers>
 
+namespace test_contact_point {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -376,3 +378,5 @@ TEST_SUITE("contact/contact_point")
         }
     }
 }
+
+}  // namespace test_contact_point

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace test_contact_sides {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -111,3 +113,5 @@ TEST_SUITE("contact/contact_sides")
                 }
     }
 }
+
+}  // namespace test_contact_sides

@@ -9,6 +9,8 @@
 
 #include <random>
 
+namespace test_contact_sums {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -82,3 +84,5 @@ TEST_SUITE("contact/contact_sums")
         }
     }
 }
+
+}  // namespace test_contact_sums

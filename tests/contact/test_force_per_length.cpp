@@ -10,6 +10,8 @@
 #include <numeric>
 #include <vector>
 
+namespace test_force_per_length {
+
 using namespace seldinger;
 
 namespace {
@@ -224,3 +226,5 @@ TEST_SUITE("contact/force_per_length")
             }
     }
 }
+
+}  // namespace test_force_per_length

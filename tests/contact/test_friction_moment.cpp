@@ -7,6 +7,8 @@
 #include "shared/edge_sums.h"
 #include "support/world_fixture.h"
 
+namespace test_friction_moment {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -181,3 +183,5 @@ TEST_SUITE("contact/friction_moment")
         }
     }
 }
+
+}  // namespace test_friction_moment

@@ -7,6 +7,8 @@
 
 #include "contact/host_reference_cases.h"
 
+namespace test_host_reference {
+
 TEST_SUITE("contact/host_reference")
 {
     TEST_CASE("host reference: contact_find") { find_case(); }
@@ -21,3 +23,5 @@ TEST_SUITE("contact/host_reference")
     TEST_CASE("host reference: layer_evaluate") { layer_evaluate_case(); }
     TEST_CASE("host reference: sizes and offsets of shared records") { layout_case(); }
 }
+
+}  // namespace test_host_reference

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+namespace test_instrument_friction {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -86,3 +88,5 @@ TEST_SUITE("contact/instrument_friction")
         CHECK(std::abs(slid.spin) * radius == about(slid.speed).epsilon(0.02));
     }
 }
+
+}  // namespace test_instrument_friction

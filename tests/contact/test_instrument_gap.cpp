@@ -11,6 +11,8 @@
 #include <random>
 #include <vector>
 
+namespace test_instrument_gap {
+
 using namespace seldinger;
 
 namespace {
@@ -297,3 +299,5 @@ TEST_SUITE("contact/instrument_gap")
         CHECK(within.gap == doctest::Approx(1e-3 - 0.2e-3 - 0.4e-3));
     }
 }
+
+}  // namespace test_instrument_gap

@@ -13,6 +13,8 @@
 #include <tuple>
 #include <vector>
 
+namespace test_instrument_kernels {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -322,3 +324,5 @@ TEST_SUITE("contact/instrument_kernels")
         CHECK(clear > 20);
     }
 }
+
+}  // namespace test_instrument_kernels

@@ -9,6 +9,8 @@
 #include <random>
 #include <vector>
 
+namespace test_instrument_lanes {
+
 using namespace seldinger;
 using test::SplineRod;
 
@@ -117,3 +119,5 @@ TEST_CASE("instrument lanes: nothing is known across a knot, at the mouth, of on
     for (int k = 0; k < 4; ++k) s[k] = knot + 2e-4 * (k - 1.5);
     CHECK_FALSE(places_in_lanes(&strands.scene, s, start, edge + 0.49).known);
 }
+
+}  // namespace test_instrument_lanes

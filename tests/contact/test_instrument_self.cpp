@@ -10,6 +10,8 @@
 #include <numbers>
 #include <vector>
 
+namespace test_instrument_self {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -107,3 +109,5 @@ TEST_SUITE("contact/instrument_self")
         }
     }
 }
+
+}  // namespace test_instrument_self

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <random>
 
+namespace test_instrument_term {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -297,3 +299,5 @@ TEST_SUITE("contact/instrument_term")
         CHECK(moment.norm() < 0.1 * 0.2 * radius * size);
     }
 }
+
+}  // namespace test_instrument_term

@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+namespace test_instrument_whole {
+
 using namespace seldinger;
 using test::SplineRod;
 
@@ -213,3 +215,5 @@ TEST_CASE("instrument whole: not at a mouth, nor where it hardly touches")
     REQUIRE(end.force.count > 0);
     CHECK((end.state.contact.flags & SEL_CONTACT_WHOLE) == 0);
 }
+
+}  // namespace test_instrument_whole

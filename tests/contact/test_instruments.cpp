@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_instruments {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -241,3 +243,5 @@ TEST_SUITE("contact/instruments")
         CHECK(contact_force(world, 0).norm() < 1e-12 * world.readings(0).normal);
     }
 }
+
+}  // namespace test_instruments

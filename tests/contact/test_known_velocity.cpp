@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_known_velocity {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -159,3 +161,5 @@ TEST_SUITE("contact/known_velocity")
         CHECK(state.known({5e-6, 0, 0, 0}, SEL_KNOWN_FORCE).force[0] == about(-spring * 1e-10).epsilon(1e-9));
     }
 }
+
+}  // namespace test_known_velocity

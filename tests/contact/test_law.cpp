@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <numbers>
 
+namespace test_law {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -546,3 +548,5 @@ TEST_SUITE("contact/law")
         CHECK(std::abs(spin) <= 0.02 * 20);
     }
 }
+
+}  // namespace test_law

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+namespace test_layer {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -277,3 +279,5 @@ TEST_SUITE("contact/layer")
         CHECK(capsule_force(twice, a, b) == about(expected).epsilon(1e-6));
     }
 }
+
+}  // namespace test_layer

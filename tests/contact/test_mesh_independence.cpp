@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_mesh_independence {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -131,3 +133,5 @@ TEST_SUITE("contact/mesh_independence")
         CHECK(one.contacts == 181);
     }
 }
+
+}  // namespace test_mesh_independence

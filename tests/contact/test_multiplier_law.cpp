@@ -8,6 +8,8 @@
 #include "shared/multipliers.h"
 #include "shared/sweep.h"
 
+namespace test_multiplier_law {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -288,3 +290,5 @@ TEST_SUITE("contact/hard_law")
         REQUIRE(free_ways > 200);
     }
 }
+
+}  // namespace test_multiplier_law

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_nested_instruments {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -190,3 +192,5 @@ TEST_SUITE("contact/nested_instruments")
         CHECK(off[2] < 0.005 * 0.1);
     }
 }
+
+}  // namespace test_nested_instruments

@@ -8,6 +8,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_normal_laws {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -381,3 +383,5 @@ TEST_SUITE("contact/normal_laws")
         for (const double stiffness : {1.5e8, 1e7}) push(stiffness, 0, [](const StepReport&) {});
     }
 }
+
+}  // namespace test_normal_laws

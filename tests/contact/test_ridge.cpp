@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_ridge {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -74,3 +76,5 @@ TEST_CASE("ridge: a flat floor has none")
     REQUIRE(with.contacts == 1);
     for (int k = 0; k < 10; ++k) CHECK(with.sym[k] == without.sym[k]);
 }
+
+}  // namespace test_ridge

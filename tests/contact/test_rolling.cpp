@@ -10,6 +10,8 @@
 
 #include <algorithm>
 
+namespace test_rolling {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -164,3 +166,5 @@ TEST_SUITE("contact/rolling")
         }
     }
 }
+
+}  // namespace test_rolling

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+namespace test_sliding {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -184,3 +186,5 @@ TEST_SUITE("contact/sliding")
                           << ", force " << least << " to " << largest << " N");
     }
 }
+
+}  // namespace test_sliding

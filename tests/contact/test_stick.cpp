@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <set>
 
+namespace test_stick {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -111,3 +113,5 @@ TEST_SUITE("contact/stick")
         CHECK((world.rod(0).pos(world.rod(0).n - 1) - base).norm() <= 1e-6);
     }
 }
+
+}  // namespace test_stick

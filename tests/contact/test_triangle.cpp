@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+namespace test_triangle {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -114,3 +116,5 @@ TEST_SUITE("contact/triangle")
         CHECK(worst <= 1e-13);
     }
 }
+
+}  // namespace test_triangle

@@ -8,6 +8,8 @@
 
 #include <cstring>
 
+namespace test_walk {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -220,3 +222,5 @@ TEST_SUITE("contact/walk")
         CHECK(work[1] < 4 * work[0]);
     }
 }
+
+}  // namespace test_walk

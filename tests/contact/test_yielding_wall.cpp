@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_yielding_wall {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -281,3 +283,5 @@ TEST_CASE("a wire on the side of a dent is pushed along the normal of the moved 
     }
     CHECK(pushed >= 3);
 }
+
+}  // namespace test_yielding_wall

@@ -9,6 +9,8 @@
 #include <csignal>
 #include <fstream>
 
+namespace test_file_io {
+
 using namespace seldinger;
 
 namespace {
@@ -105,3 +107,5 @@ TEST_SUITE("core/file_io")
         CHECK(read_file(path) == "head\nrow 1\nrow 2 again\n");
     }
 }
+
+}  // namespace test_file_io

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <string>
 
+namespace test_first_lines {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -46,3 +48,5 @@ TEST_SUITE("core/first_lines")
         REQUIRE(seen > 300);
     }
 }
+
+}  // namespace test_first_lines

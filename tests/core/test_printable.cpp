@@ -7,6 +7,8 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
+namespace test_printable {
+
 using namespace seldinger;
 
 namespace {
@@ -73,3 +75,5 @@ TEST_SUITE("core/printable")
         CHECK(reason_of(folder.path()).find("directory") != std::string::npos);
     }
 }
+
+}  // namespace test_printable

@@ -6,6 +6,8 @@
 
 #include <string>
 
+namespace test_sha256 {
+
 using namespace seldinger;
 
 namespace {
@@ -40,3 +42,5 @@ TEST_SUITE("core/sha256")
         CHECK(hex(std::string(65, 'x')) == "9537c5fdf120482f7d58d25e9ed583f52c02b4e304ea814db1633ad565aed7e9");
     }
 }
+
+}  // namespace test_sha256

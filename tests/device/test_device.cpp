@@ -19,6 +19,8 @@
 #include <string>
 #include <thread>
 
+namespace test_device {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -245,3 +247,5 @@ TEST_SUITE("device")
         for (int k = 0; k < 1000; ++k) REQUIRE(back[k] == (k >= 300 && k < 400 ? 7 : 0));
     }
 }
+
+}  // namespace test_device

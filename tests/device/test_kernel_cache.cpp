@@ -13,6 +13,8 @@
 #include <optional>
 #include <string>
 
+namespace test_kernel_cache {
+
 using namespace seldinger;
 
 namespace {
@@ -148,3 +150,5 @@ TEST_SUITE("device/kernel cache")
         CHECK(device::clean_kernel_cache(folder.path()) == stamp);
     }
 }
+
+}  // namespace test_kernel_cache

@@ -10,6 +10,8 @@
 
 #include <cstdlib>
 
+namespace test_elastic_walls {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -272,3 +274,5 @@ TEST_SUITE("failure/elastic_walls")
                 if (!asked || std::string(row.name).starts_with(asked)) (void)go(row, youngs);
     }
 }
+
+}  // namespace test_elastic_walls

@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_fast_tip {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -111,3 +113,5 @@ TEST_SUITE("failure/fast_tip")
         }
     }
 }
+
+}  // namespace test_fast_tip

@@ -9,6 +9,8 @@
 
 #include <limits>
 
+namespace test_laws {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -143,3 +145,5 @@ TEST_SUITE("failure/laws")
         CHECK(loop_error(soft, standard) < 0.02);
     }
 }
+
+}  // namespace test_laws

@@ -11,6 +11,8 @@
 #include <array>
 #include <functional>
 
+namespace test_limits {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -173,3 +175,5 @@ TEST_SUITE("failure/limits")
         CHECK(none_left.find("not installed") == std::string::npos);
     }
 }
+
+}  // namespace test_limits

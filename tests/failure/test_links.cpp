@@ -14,6 +14,8 @@
 
 #include <map>
 
+namespace test_links {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -322,3 +324,5 @@ TEST_SUITE("failure/links")
         }
     }
 }
+
+}  // namespace test_links

@@ -15,6 +15,8 @@
 #include <random>
 #include <sstream>
 
+namespace test_meshes {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -246,3 +248,5 @@ TEST_SUITE("failure/meshes")
         }
     }
 }
+
+}  // namespace test_meshes

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_reproducers {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -87,3 +89,5 @@ TEST_SUITE("failure/reproducers")
         CHECK(o.nearest > 0.4 * 0.6e-3);
     }
 }
+
+}  // namespace test_reproducers

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_rod_edges {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -220,3 +222,5 @@ TEST_SUITE("failure/rod_edges")
         check_refusal(clamped + "[[hold]]\nat = 0.3\nposition = true\n", {}, {"hold.1.at", "0.1 m"});
     }
 }
+
+}  // namespace test_rod_edges

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_shapes {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -136,3 +138,5 @@ TEST_SUITE("failure/shapes")
         }
     }
 }
+
+}  // namespace test_shapes

@@ -17,6 +17,8 @@
 #include <tuple>
 #include <vector>
 
+namespace test_soak {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -176,3 +178,5 @@ TEST_SUITE("failure/soak")
         out.check_steady();
     }
 }
+
+}  // namespace test_soak

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_time_steps {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -140,3 +142,5 @@ TEST_SUITE("failure/time_steps")
         }
     }
 }
+
+}  // namespace test_time_steps

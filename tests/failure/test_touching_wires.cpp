@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_touching_wires {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -303,3 +305,5 @@ TEST_SUITE("failure/touching_wires")
         }
     }
 }
+
+}  // namespace test_touching_wires

@@ -3,7 +3,11 @@
 
 #include <doctest/doctest.h>
 
+namespace test_golden {
+
 TEST_SUITE("golden")
 {
     TEST_CASE("golden: every scene of the project ends with the bits of the table") { seldinger::test::check_golden_table("scenes.txt"); }
 }
+
+}  // namespace test_golden

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_second_opencl {
+
 using namespace seldinger;
 
 TEST_SUITE("golden")
@@ -23,3 +25,5 @@ TEST_SUITE("golden")
         if (tried == 0) test::skip("PoCL is the only OpenCL implementation here (docs/determinism.md says how to add one)");
     }
 }
+
+}  // namespace test_second_opencl

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 
+namespace test_everyday_files {
+
 using namespace seldinger;
 
 namespace {
@@ -153,7 +155,7 @@ TEST_SUITE("io/everyday_files")
                     const std::string file = LegacyFile{binary, new_cells, field}.text();
                     check_tetrahedron(parse_mesh(file, "x.vtk", "mm"));
                     const bool says = field.find("SPACE") != std::string::npos;
-                    CHECK((remarks_in(file, "x.vtk").axes == PatientAxes::Ras) == says);
+                    CHECK((remarks_in(file, "x.vtk").axes == FileAxes::Ras) == says);
                 }
             }
     }
@@ -193,12 +195,12 @@ TEST_SUITE("io/everyday_files")
                                 "property float z\r\nelement face 4\r\nproperty list uchar int vertex_indices\r\nend_header\r\n0 0 0\r\n"
                                 "1 0 0\r\n0 2 0\r\n0 0 3\r\n3 0 2 1\r\n3 0 1 3\r\n3 1 2 3\r\n3 0 3 2\r\n";
         check_tetrahedron(parse_mesh(mark + ply, "x.ply", "mm"));
-        CHECK(remarks_in(mark + ply, "x.ply").axes == PatientAxes::Lps);
+        CHECK(remarks_in(mark + ply, "x.ply").axes == FileAxes::Lps);
     }
 
     TEST_CASE("property: axes and unit are read wherever programs write them")
     {
-        const auto says = [](const std::string& bytes, const char* name, PatientAxes axes, const char* units) {
+        const auto says = [](const std::string& bytes, const char* name, FileAxes axes, const char* units) {
             CAPTURE(name);
             CAPTURE(bytes.substr(0, 80));
             const FileRemarks remarks = remarks_in(bytes, name);
@@ -207,23 +209,23 @@ TEST_SUITE("io/everyday_files")
         };
         std::string header = "3D Slicer output. SPACE=RAS", body(100, '\7');
         header.resize(84, '\0');
-        says(header + body, "x.stl", PatientAxes::Ras, "");
+        says(header + body, "x.stl", FileAxes::Ras, "");
         header.replace(0, 40, "UNITS=mm COLOR=\1\2\3\4,MATERIAL=          ");
-        says(header + body, "x.STL", PatientAxes::Unsaid, "mm");
-        says("solid 3D Slicer output. SPACE=LPS\nfacet", "x.stl", PatientAxes::Lps, "");
-        says("# space = right-anterior-superior\n# Units: centimeters\nv 0 0 0\n", "x.obj", PatientAxes::Ras, "cm");
-        says("v 0 0 0\no SPACE=RAS\n", "x.obj", PatientAxes::Unsaid, "");
-        says("ply\nformat ascii 1.0\nobj_info unit=inch\nend_header\nSPACE=RAS", "x.ply", PatientAxes::Unsaid, "in");
-        says("# vtk DataFile Version 4.2\n3D Slicer output. SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 0 float\n", "x.vtk", PatientAxes::Ras, "");
+        says(header + body, "x.STL", FileAxes::Unsaid, "mm");
+        says("solid 3D Slicer output. SPACE=LPS\nfacet", "x.stl", FileAxes::Lps, "");
+        says("# space = right-anterior-superior\n# Units: centimeters\nv 0 0 0\n", "x.obj", FileAxes::Ras, "cm");
+        says("v 0 0 0\no SPACE=RAS\n", "x.obj", FileAxes::Unsaid, "");
+        says("ply\nformat ascii 1.0\nobj_info unit=inch\nend_header\nSPACE=RAS", "x.ply", FileAxes::Unsaid, "in");
+        says("# vtk DataFile Version 4.2\n3D Slicer output. SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 0 float\n", "x.vtk", FileAxes::Ras, "");
         const std::string strings = "<Array type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">82 65 83 0</Array>";
         const auto vtp = [](const std::string& field) {
             return "<VTKFile type=\"PolyData\"><PolyData><FieldData>" + field + "</FieldData><Piece NumberOfPoints=\"0\"></Piece></PolyData></VTKFile>";
         };
-        says(vtp(strings), "x.vtp", PatientAxes::Ras, "");
+        says(vtp(strings), "x.vtp", FileAxes::Ras, "");
         // UInt32 length 4, then "LPS\0", in base64
-        says(vtp("<Array type=\"String\" Name=\"SPACE\" format=\"binary\">BAAAAExQUwA=</Array>"), "x.vtp", PatientAxes::Lps, "");
-        says(vtp(array("SPACE", "1")), "x.vtp", PatientAxes::Unsaid, "");
-        says("solid AEROSPACE=RAS UNITS=furlong\n", "x.stl", PatientAxes::Unsaid, "");
+        says(vtp("<Array type=\"String\" Name=\"SPACE\" format=\"binary\">BAAAAExQUwA=</Array>"), "x.vtp", FileAxes::Lps, "");
+        says(vtp(array("SPACE", "1")), "x.vtp", FileAxes::Unsaid, "");
+        says("solid AEROSPACE=RAS UNITS=furlong\n", "x.stl", FileAxes::Unsaid, "");
     }
 
     TEST_CASE("property: the radius of a centreline by any of its names")
@@ -317,8 +319,10 @@ TEST_SUITE("io/everyday_files")
             const bool ascii_stl = std::string(name).starts_with("03");  // these two hold half of the tube
             CHECK(read_mesh(folder / name, "mm").triangles.size() == (ascii_stl ? 1000 : 2000));
         }
-        CHECK(remarks_of_file(folder / "01-slicer-field-before-points.vtk").axes == PatientAxes::Ras);
-        CHECK(remarks_of_file(folder / "02-slicer-space-ras.stl").axes == PatientAxes::Ras);
+        CHECK(remarks_of_file(folder / "01-slicer-field-before-points.vtk").axes == FileAxes::Ras);
+        CHECK(remarks_of_file(folder / "02-slicer-space-ras.stl").axes == FileAxes::Ras);
         CHECK(read_centreline(folder / "13-centreline-Radius.vtp", "mm").points.size() == 60);
     }
 }
+
+}  // namespace test_everyday_files

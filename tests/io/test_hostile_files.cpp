@@ -20,6 +20,8 @@
 #include <random>
 #include <sstream>
 
+namespace test_hostile_files {
+
 using namespace seldinger;
 
 namespace {
@@ -286,3 +288,5 @@ TEST_SUITE("io/hostile_files")
         CHECK(meshes > 0);
     }
 }
+
+}  // namespace test_hostile_files

@@ -13,6 +13,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace test_mesh_file {
+
 using namespace seldinger;
 using namespace seldinger::test;
 namespace fs = std::filesystem;
@@ -393,3 +395,5 @@ TEST_SUITE("scene/mesh_file")
         CHECK_THROWS_AS((void)read_centreline(folder.write("t.vtp", sample("ascii")), "mm"), Error);
     }
 }
+
+}  // namespace test_mesh_file

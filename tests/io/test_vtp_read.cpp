@@ -8,6 +8,8 @@
 
 #include <cstring>
 
+namespace test_vtp_read {
+
 using namespace seldinger;
 
 namespace {
@@ -164,3 +166,5 @@ TEST_SUITE("core/vtp_read")
         check_damaged(file("", {binary, ascii, ascii}, {huge, good[1], good[2]}), "longer than the file");
     }
 }
+
+}  // namespace test_vtp_read

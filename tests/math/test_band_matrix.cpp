@@ -8,6 +8,8 @@
 #include <limits>
 #include <random>
 
+namespace test_band_matrix {
+
 using namespace seldinger;
 
 namespace {
@@ -212,3 +214,5 @@ TEST_SUITE("solve/band_matrix")
         CHECK(x.maxCoeff() == doctest::Approx(1).epsilon(1e-4));
     }
 }
+
+}  // namespace test_band_matrix

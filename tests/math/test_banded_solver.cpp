@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+namespace test_banded_solver {
+
 using namespace seldinger;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -224,3 +226,5 @@ TEST_SUITE("math/banded_solver")
         CHECK(left.norm() < 1e-12 * (a.norm() * x.norm()));
     }
 }
+
+}  // namespace test_banded_solver

@@ -6,6 +6,8 @@
 #include <Eigen/Cholesky>
 #include <random>
 
+namespace test_block_cholesky {
+
 using namespace seldinger;
 
 namespace {
@@ -94,3 +96,5 @@ TEST_SUITE("math/block_cholesky")
         }
     }
 }
+
+}  // namespace test_block_cholesky

@@ -8,6 +8,8 @@
 
 #include <random>
 
+namespace test_condensed {
+
 using namespace seldinger;
 
 namespace {
@@ -135,3 +137,5 @@ TEST_CASE("a singular compliance is no matter")
     CHECK(x[1] == doctest::Approx(0.125));
     CHECK(x[3] == doctest::Approx(0.5));
 }
+
+}  // namespace test_condensed

@@ -8,6 +8,8 @@
 #include <set>
 #include <vector>
 
+namespace test_dof_map {
+
 using namespace seldinger;
 
 namespace {
@@ -85,3 +87,5 @@ TEST_SUITE("math/dof_map")
         CHECK(map.half_bandwidth() >= widest(map));
     }
 }
+
+}  // namespace test_dof_map

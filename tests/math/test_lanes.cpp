@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_lanes {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -94,3 +96,5 @@ TEST_SUITE("rod/lanes")
         CHECK(without.energy() == about(with.energy()).epsilon(1e-14));
     }
 }
+
+}  // namespace test_lanes

@@ -11,6 +11,8 @@
 #include <random>
 #include <vector>
 
+namespace test_node_factors {
+
 using namespace seldinger;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -264,3 +266,5 @@ TEST_SUITE("math/node_factors")
         CHECK(row.block_count() > 1.5 * turn.block_count());
     }
 }
+
+}  // namespace test_node_factors

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_running_peak {
+
 using namespace seldinger;
 
 TEST_SUITE("math/running_peak")
@@ -26,3 +28,5 @@ TEST_SUITE("math/running_peak")
         CHECK(peak.value() == -3);
     }
 }
+
+}  // namespace test_running_peak

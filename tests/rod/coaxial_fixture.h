@@ -149,7 +149,7 @@ public:
             const Vec3 axis = t.cross(rest.real() * d1 + rest.imag() * t.cross(d1));
             if (axis.norm() > 0) {
                 const Vec3 unit = axis.normalized();
-                const Mat3 turn = mat3(Eigen::AngleAxisd(-axis.norm(), eigen(unit)).toRotationMatrix());
+                const Mat3 turn = to_mat3(Eigen::AngleAxisd(-axis.norm(), eigen(unit)).toRotationMatrix());
                 t = turn * t;
                 d1 = turn * d1;
             }

@@ -10,6 +10,8 @@
 #include <functional>
 #include <numeric>
 
+namespace test_adapt {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -204,3 +206,5 @@ TEST_SUITE("rod/adapt")
         CHECK(shorter == about(mass * length / (length + wire.added)).epsilon(1e-12));
     }
 }
+
+}  // namespace test_adapt

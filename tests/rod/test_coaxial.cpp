@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_coaxial {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -193,11 +195,11 @@ TEST_SUITE("rod/coaxial")
         const Eigen::VectorXd g = c.assemble(HessianMode::None);
         Vec3 sum = Vec3::Zero(), first = Vec3::Zero();  // E depends on differences of positions only
         for (int i = 0; i < c.n; ++i) {
-            sum += vec3(g.segment<3>(c.rod.dofs().position(i)));
-            first = first.cwiseMax(vec3(g.segment<3>(c.rod.dofs().position(i))).cwiseAbs());
+            sum += to_vec3(g.segment<3>(c.rod.dofs().position(i)));
+            first = first.cwiseMax(to_vec3(g.segment<3>(c.rod.dofs().position(i))).cwiseAbs());
         }
         CHECK(sum.norm() < 1e-13 * first.norm());
-        const Mat3 turn = mat3(Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix());
+        const Mat3 turn = to_mat3(Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix());
         for (int i = 0; i < c.n; ++i) {
             c.line.set_pos(i, turn * c.line.pos(i) + Vec3(3, 1, -2));
             c.line.set_tangent(i, turn * c.line.tangent(i));
@@ -334,3 +336,5 @@ TEST_SUITE("rod/coaxial")
         CHECK_FALSE(c.update());
     }
 }
+
+}  // namespace test_coaxial

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_coaxial_cases {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -296,3 +298,5 @@ TEST_SUITE("rod/coaxial cases")
         CHECK(torques[0] == about(torques[1]).epsilon(1e-4));
     }
 }
+
+}  // namespace test_coaxial_cases

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_derivatives {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -291,7 +293,7 @@ TEST_SUITE("rod/elastic")
             const Eigen::VectorXd g = wire.gradient();
             Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
             for (int i = 0; i < wire.rod.n; ++i) {
-                const Vec3 own = vec3(g.segment<3>(RodDofs::position(i)));
+                const Vec3 own = to_vec3(g.segment<3>(RodDofs::position(i)));
                 force += own;
                 moment += wire.rod.pos(i).cross(own);
                 if (i < wire.rod.n - 1) moment += g[RodDofs::spin(i)] * wire.rod.tangent(i);
@@ -302,3 +304,5 @@ TEST_SUITE("rod/elastic")
         }
     }
 }
+
+}  // namespace test_derivatives

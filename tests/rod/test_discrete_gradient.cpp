@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_discrete_gradient {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -164,7 +166,7 @@ TEST_SUITE("rod/discrete_gradient")
                 const Step step(wire, size, 9);
                 Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
                 for (int i = 0; i < wire.rod.n; ++i) {
-                    const Vec3 f = vec3(step.force.segment<3>(RodDofs::position(i))), moved = vec3(step.change.segment<3>(RodDofs::position(i)));
+                    const Vec3 f = to_vec3(step.force.segment<3>(RodDofs::position(i))), moved = to_vec3(step.change.segment<3>(RodDofs::position(i)));
                     force += f;
                     moment += (wire.rod.pos(i) + 0.5 * moved).cross(f);
                     if (i < wire.rod.n - 1) {
@@ -179,3 +181,5 @@ TEST_SUITE("rod/discrete_gradient")
             }
     }
 }
+
+}  // namespace test_discrete_gradient

@@ -7,6 +7,8 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace test_frames {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -63,7 +65,7 @@ TEST_SUITE("rod/frames")
         std::vector<double> twist = wire.frames.twist;
         const Vec3 axes[3] = {Vec3::UnitX(), Vec3(0, 1, 0.3).normalized(), Vec3(1, -1, 1).normalized()};
         for (int k = 0; k < 300; ++k) {
-            const Mat3 step = mat3(Eigen::AngleAxisd(0.21, eigen(axes[k % 3])).toRotationMatrix());
+            const Mat3 step = to_mat3(Eigen::AngleAxisd(0.21, eigen(axes[k % 3])).toRotationMatrix());
             REQUIRE(wire.update());
             std::vector<Vec3> wanted;
             for (int j = 0; j < 11; ++j) wanted.push_back(step * wire.frames.m1[j]);
@@ -185,3 +187,5 @@ TEST_SUITE("rod/frames")
         CHECK(std::abs(last) > 5);  // 30 rad of cone times 1 - cos 0.6 = 0.175
     }
 }
+
+}  // namespace test_frames

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <random>
 
+namespace test_lumen_press {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 using Complex = LumenPress::Complex;
@@ -121,3 +123,5 @@ TEST_SUITE("rod/lumen press")
         }
     }
 }
+
+}  // namespace test_lumen_press

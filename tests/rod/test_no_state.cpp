@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace test_no_state {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -45,3 +47,5 @@ TEST_SUITE("rod/no_state")
         CHECK(is_thrown(wire.arrays.view(0), std::nan(""), h));
     }
 }
+
+}  // namespace test_no_state

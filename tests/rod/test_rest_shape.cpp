@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+namespace test_rest_shape {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -125,3 +127,5 @@ TEST_SUITE("rod/rest_shape")
         CHECK(rods.view(0).clamp_twist_b[3] == 31);
     }
 }
+
+}  // namespace test_rest_shape

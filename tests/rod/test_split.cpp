@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
+namespace test_split {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -29,7 +31,7 @@ struct ArcWire : OneWire {
         const int n = edges + 1;
         std::vector<double> angle;
         for (int i = 0; i < n; ++i) angle.push_back((i + (uneven && i > 0 && i < n - 1 ? 0.25 * (i % 2 ? 1 : -1) : 0.0)) / edges);
-        const Mat3 tilt = mat3(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix());
+        const Mat3 tilt = to_mat3(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix());
         std::vector<Vec3> nodes;
         for (const double a : angle) nodes.push_back(tilt * Vec3(std::cos(a), std::sin(a), 0));
         place(nodes, tilt * Vec3::UnitZ());
@@ -330,3 +332,5 @@ TEST_SUITE("rod/split")
         CHECK(total().second == about(before.second).epsilon(1e-12));
     }
 }
+
+}  // namespace test_split

@@ -5,6 +5,8 @@
 #include <doctest/doctest.h>
 #include <numbers>
 
+namespace test_statics {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -392,3 +394,5 @@ TEST_SUITE("rod/elastic")
         CHECK(feed_force(wire.rod, wire.clamps, wire.frames, Vec3::Zero()) == about(expected).epsilon(phi * phi));
     }
 }
+
+}  // namespace test_statics

@@ -13,6 +13,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace test_access {
+
 using namespace seldinger;
 using namespace seldinger::test;
 namespace fs = std::filesystem;
@@ -240,3 +242,5 @@ TEST_SUITE("scene/access")
         CHECK_THROWS_AS((void)make_setup(read_scene_text(scene_of("2.2"), "s.toml")), Error);  // longer than its points
     }
 }
+
+}  // namespace test_access

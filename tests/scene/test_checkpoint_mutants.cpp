@@ -20,6 +20,8 @@
 #include <string>
 #include <vector>
 
+namespace test_checkpoint_mutants {
+
 using namespace seldinger;
 
 namespace {
@@ -259,3 +261,5 @@ TEST_SUITE("scene/checkpoint mutants")
         CHECK(first_difference("[a]\nx = \"\x1b[2J\"\n", "[a]\nx = 1\n") == "[a] x is \"?[2J\" there and 1 here");
     }
 }
+
+}  // namespace test_checkpoint_mutants

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_exits {
+
 using namespace seldinger;
 
 namespace {
@@ -77,3 +79,5 @@ TEST_SUITE("scene/exits")
         CHECK(tally.count == ExitTally::most_exits);
     }
 }
+
+}  // namespace test_exits

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_first_scene {
+
 using namespace seldinger;
 
 namespace {
@@ -37,3 +39,5 @@ TEST_CASE("A place where two parts of a mesh only touch is told with where it is
     CHECK(why.find("as good as closed 50 mm from its beginning, at [50.00, 2.00, 0.00] mm") != std::string::npos);
     CHECK(why.find("it gets 50 mm far") != std::string::npos);
 }
+
+}  // namespace test_first_scene

@@ -17,6 +17,8 @@
 #include <set>
 #include <sstream>
 
+namespace test_instruments {
+
 using namespace seldinger;
 
 namespace {
@@ -195,3 +197,5 @@ TEST_SUITE("scene/instruments")
         }
     }
 }
+
+}  // namespace test_instruments

@@ -18,6 +18,8 @@
 #include <fstream>
 #include <limits>
 
+namespace test_recorder {
+
 using namespace seldinger;
 
 namespace {
@@ -241,3 +243,5 @@ TEST_SUITE("scene/recorder")
         CHECK(read_checkpoint(folder.path / "run" / "checkpoint.bin").status == RunStatus::Done);
     }
 }
+
+}  // namespace test_recorder

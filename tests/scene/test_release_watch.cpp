@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace test_release_watch {
+
 using namespace seldinger;
 
 namespace {
@@ -54,3 +56,5 @@ TEST_SUITE("scene/release_watch")
         CHECK(watch.bound() == 0);
     }
 }
+
+}  // namespace test_release_watch

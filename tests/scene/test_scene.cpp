@@ -12,6 +12,8 @@
 #include <limits>
 #include <numbers>
 
+namespace test_scene {
+
 using namespace seldinger;
 
 namespace {
@@ -539,3 +541,5 @@ TEST_SUITE("scene/scene")
         CHECK(read_count >= 6);
     }
 }
+
+}  // namespace test_scene

@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+namespace test_scene_docs {
+
 using namespace seldinger;
 
 namespace {
@@ -275,3 +277,5 @@ TEST_SUITE("scene/scene_docs")
         REQUIRE(checked >= 13);
     }
 }
+
+}  // namespace test_scene_docs

@@ -8,6 +8,8 @@
 
 #include <array>
 
+namespace test_scene_errors {
+
 using namespace seldinger;
 
 namespace {
@@ -343,3 +345,5 @@ TEST_SUITE("scene/scene_errors")
         CHECK(nearest_word("mu_slide", words) == "mu_sliding");
     }
 }
+
+}  // namespace test_scene_errors

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+namespace test_scene_instruments {
+
 using namespace seldinger;
 
 namespace {
@@ -219,3 +221,5 @@ TEST_SUITE("scene/scene_instruments")
         CHECK(says(error_of(fed), "instrument.1.feed: coincides with \"a\""));
     }
 }
+
+}  // namespace test_scene_instruments

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+namespace test_scene_layers {
+
 using namespace seldinger;
 
 namespace {
@@ -289,3 +291,5 @@ TEST_SUITE("scene/scene_layers")
         check_error([&] { return read("[scene]\ninclude = \"a.toml\"\n" + wire); }, {"scene.include: unknown key"});
     }
 }
+
+}  // namespace test_scene_layers

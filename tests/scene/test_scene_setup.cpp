@@ -15,6 +15,8 @@
 
 #include <cmath>
 
+namespace test_scene_setup {
+
 using namespace seldinger;
 
 namespace {
@@ -202,3 +204,5 @@ TEST_SUITE("scene/scene_setup")
         CHECK(describe_coarse_wall(expected_mechanics(vessel, loaded.mesh, loaded.centreline), vessel).empty());
     }
 }
+
+}  // namespace test_scene_setup

@@ -10,6 +10,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+namespace test_start_inside {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -182,3 +184,5 @@ TEST_SUITE("scene/start_inside")
         CHECK(below.find("0.6708 mm beyond the wall") != std::string::npos);
     }
 }
+
+}  // namespace test_start_inside

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+namespace test_step_twin {
+
 using namespace seldinger;
 
 namespace {
@@ -111,3 +113,5 @@ TEST_SUITE("scene/step_twin")
         CHECK(said[0].find("scene.dt_s") != std::string::npos);
     }
 }
+
+}  // namespace test_step_twin

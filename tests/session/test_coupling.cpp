@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+namespace test_coupling {
+
 using namespace seldinger;
 
 namespace {
@@ -170,3 +172,5 @@ TEST_SUITE("session/coupling")
         CHECK(coupling.energy() == doctest::Approx(energy));
     }
 }
+
+}  // namespace test_coupling

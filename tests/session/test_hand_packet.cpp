@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+namespace test_hand_packet {
+
 using namespace seldinger;
 
 namespace {
@@ -224,3 +226,5 @@ TEST_SUITE("session/hand_packet")
         CHECK(std::abs(gate.hand(0).advance) <= HandGate::speed_limit * (10 + HandGate::allowance_time));
     }
 }
+
+}  // namespace test_hand_packet

@@ -14,6 +14,8 @@
 #include <limits>
 #include <random>
 
+namespace test_live_mutants {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -110,3 +112,5 @@ TEST_SUITE("session/live mutants")
             CHECK(std::isfinite(place));
     }
 }
+
+}  // namespace test_live_mutants

@@ -10,6 +10,8 @@
 #include <atomic>
 #include <thread>
 
+namespace test_pacer {
+
 using namespace seldinger;
 
 TEST_SUITE("session/pacer")
@@ -112,3 +114,5 @@ TEST_SUITE("session/pacer")
         CHECK(out == six);
     }
 }
+
+}  // namespace test_pacer

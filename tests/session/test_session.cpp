@@ -15,6 +15,8 @@
 #include <random>
 #include <thread>
 
+namespace test_session {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -330,3 +332,5 @@ TEST_SUITE("session/session")
         CHECK(hash[0] == hash[1]);
     }
 }
+
+}  // namespace test_session

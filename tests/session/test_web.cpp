@@ -14,6 +14,8 @@
 #include <filesystem>
 #include <thread>
 
+namespace test_web {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -333,3 +335,5 @@ TEST_SUITE("session/web")
         CHECK(open_socket(line, port).find("403") != std::string::npos);
     }
 }
+
+}  // namespace test_web

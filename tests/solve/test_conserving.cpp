@@ -1,6 +1,8 @@
 // Energy-momentum steps: what they keep, at which order they converge, and where the trapezoid does not hold.
 #include "solve/wire_fixture.h"
 
+namespace test_conserving {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -158,3 +160,5 @@ TEST_SUITE("solve/conserving")
         CHECK(rig.rod().spin_rate[5] == about(4000).epsilon(1e-9));
     }
 }
+
+}  // namespace test_conserving

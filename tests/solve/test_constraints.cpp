@@ -5,6 +5,8 @@
 
 #include <string>
 
+namespace test_constraints {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -180,3 +182,5 @@ TEST_SUITE("solve/constraints")
         CHECK(parts[3] == 1);  // a key is never stepped over
     }
 }
+
+}  // namespace test_constraints

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace test_contact_steps {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -224,3 +226,5 @@ TEST_SUITE("solve/contact_steps")
         CHECK(rig.reports[0].evaluations <= 2);
     }
 }
+
+}  // namespace test_contact_steps

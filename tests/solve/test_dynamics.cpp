@@ -1,6 +1,8 @@
 // Time integration: frequencies and orders, momentum, damping, holds that move, and what a step costs.
 #include "solve/wire_fixture.h"
 
+namespace test_dynamics {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -333,3 +335,5 @@ TEST_SUITE("solve/dynamics")
         }
     }
 }
+
+}  // namespace test_dynamics

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_energy_balance {
+
 using namespace seldinger;
 using seldinger::test::about;
 
@@ -79,3 +81,5 @@ TEST_SUITE("solve/energy_balance")
         CHECK(balance.made() == 0);
     }
 }
+
+}  // namespace test_energy_balance

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace test_energy_ledger {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -105,3 +107,5 @@ TEST_CASE("the ledger of a free swing has one loss, the scheme's, which falls wi
         last = e.scheme;
     }
 }
+
+}  // namespace test_energy_ledger

@@ -4,6 +4,8 @@
 
 #include <Eigen/Dense>
 
+namespace test_equilibrium {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -274,3 +276,5 @@ TEST_SUITE("solve/equilibrium")
         MESSAGE("prolapse: " << rig.reports[0].iterations << " iterations");
     }
 }
+
+}  // namespace test_equilibrium

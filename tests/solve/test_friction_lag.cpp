@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+namespace test_friction_lag {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -97,3 +99,5 @@ TEST_SUITE("solve/friction_lag")
         CHECK(end.tip - end.base == about(lag).epsilon(0.01));
     }
 }
+
+}  // namespace test_friction_lag

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+namespace test_reference_rods {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -100,7 +102,7 @@ double out_of_plane(const RodView& rod)
     for (int i = 0; i < rod.n; ++i) centre += rod.pos(i) / rod.n;
     Mat3 second = Mat3::Zero();
     for (int i = 0; i < rod.n; ++i) second += outer(rod.pos(i) - centre, rod.pos(i) - centre);
-    const Vec3 normal = vec3(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(eigen(second)).eigenvectors().col(0));
+    const Vec3 normal = to_vec3(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(eigen(second)).eigenvectors().col(0));
     double off = 0;
     for (int i = 0; i < rod.n; ++i) off = std::max(off, std::abs(normal.dot(rod.pos(i) - centre)));
     return off;
@@ -426,3 +428,5 @@ TEST_SUITE("solve/reference_rods")
         CHECK(std::abs(snap - 240.55271174602225) < 8);
     }
 }
+
+}  // namespace test_reference_rods

@@ -16,6 +16,8 @@
 #include <map>
 #include <numbers>
 
+namespace test_reference_scenes {
+
 using namespace seldinger;
 
 namespace {
@@ -310,3 +312,5 @@ TEST_SUITE("solve/reference_scenes")
         FAIL("no such case");
     }
 }
+
+}  // namespace test_reference_scenes

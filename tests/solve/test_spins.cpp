@@ -1,6 +1,8 @@
 // Spin angles left out of steps that do not need them: the same results, and never where they do.
 #include "solve/wire_fixture.h"
 
+namespace test_spins {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -144,3 +146,5 @@ TEST_SUITE("solve/spins")
         CHECK(c.difference < allowed(spec, motion));
     }
 }
+
+}  // namespace test_spins

@@ -2,6 +2,8 @@
 // and nothing drifts. Longer runs: bench/long_runs.py.
 #include "solve/wire_fixture.h"
 
+namespace test_stiff_wire {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -95,3 +97,5 @@ TEST_SUITE("solve/stiff_wire")
             }
     }
 }
+
+}  // namespace test_stiff_wire

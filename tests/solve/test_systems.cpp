@@ -5,6 +5,8 @@
 
 #include <array>
 
+namespace test_systems {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -196,3 +198,5 @@ TEST_SUITE("solve/systems")
         REQUIRE(allowed_momentum < 1e-2 * momentum_before.norm());
     }
 }
+
+}  // namespace test_systems

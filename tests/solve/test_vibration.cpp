@@ -1,6 +1,8 @@
 // Reference 06: the first three frequencies of two wires from their tips' motion, and what the trapezoid does with the energy.
 #include "solve/wire_fixture.h"
 
+namespace test_vibration {
+
 using namespace seldinger;
 using namespace seldinger::testing;
 
@@ -153,3 +155,5 @@ TEST_SUITE("solve/vibration")
         }
     }
 }
+
+}  // namespace test_vibration

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_adapt_run {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -193,3 +195,5 @@ TEST_SUITE("step/adapt_run")
         CHECK(*std::min_element(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1) < 0.7 * 0.004);
     }
 }
+
+}  // namespace test_adapt_run

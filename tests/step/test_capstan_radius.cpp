@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_capstan_radius {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -91,3 +93,5 @@ TEST_SUITE("step/capstan_radius")
         CHECK(std::abs(of_exponent) <= 0.01);
     }
 }
+
+}  // namespace test_capstan_radius

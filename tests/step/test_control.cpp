@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace test_control {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -99,3 +101,5 @@ TEST_SUITE("step/control")
         CHECK(numbers.wires[0].readings.nodes == world.readings(0).nodes);
     }
 }
+
+}  // namespace test_control

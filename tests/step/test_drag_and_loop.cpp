@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+namespace test_drag_and_loop {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -218,3 +220,5 @@ TEST_SUITE("step/drag_and_loop")
         }
     }
 }
+
+}  // namespace test_drag_and_loop

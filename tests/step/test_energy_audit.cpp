@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+namespace test_energy_audit {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -109,3 +111,5 @@ TEST_SUITE("step/energy_audit")
         CHECK(resumed.save_state() == whole.save_state());
     }
 }
+
+}  // namespace test_energy_audit

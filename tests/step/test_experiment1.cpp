@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_experiment1 {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -38,3 +40,5 @@ TEST_SUITE("step/experiment1")
         MESSAGE("first touch at " << 1e3 * first << " mm, friction slope " << slope << " N/m");
     }
 }
+
+}  // namespace test_experiment1

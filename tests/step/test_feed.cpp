@@ -8,6 +8,8 @@
 #include <memory>
 #include <numeric>
 
+namespace test_feed {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -242,3 +244,5 @@ TEST_SUITE("step/feed")
         CHECK(std::abs(turned->readings(0).remesh_energy - still->readings(0).remesh_energy) <= 1e-4 * std::abs(bent));
     }
 }
+
+}  // namespace test_feed

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 
+namespace test_hand_readings {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -246,3 +248,5 @@ TEST_SUITE("step/hand_readings")
         CHECK(error[1] / error[2] > 3.5);
     }
 }
+
+}  // namespace test_hand_readings

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace test_instrument_worlds {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -269,3 +271,5 @@ TEST_SUITE("step/instrument_worlds")
                 CHECK((world.rod(0).pos(i) - world.rod(1).pos(j)).norm() > 2 * 6e-4 * 0.98);
     }
 }
+
+}  // namespace test_instrument_worlds

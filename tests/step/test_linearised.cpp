@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+namespace test_linearised {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -101,3 +103,5 @@ TEST_SUITE("step/linearised")
         CHECK(apart <= 1.5e-3);
     }
 }
+
+}  // namespace test_linearised

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <limits>
 
+namespace test_momentum {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -221,3 +223,5 @@ TEST_SUITE("step/momentum")
         }
     }
 }
+
+}  // namespace test_momentum

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 
+namespace test_no_allocation {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -121,3 +123,5 @@ TEST_SUITE("step/no_allocation")
         CHECK(counts.device.buffers_created == 0);
     }
 }
+
+}  // namespace test_no_allocation

@@ -9,6 +9,8 @@
 #include <limits>
 #include <string>
 
+namespace test_requests {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -163,3 +165,5 @@ TEST_SUITE("step/requests")
         CHECK(world.state_hash() == before);
     }
 }
+
+}  // namespace test_requests

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_systems {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -85,3 +87,5 @@ TEST_SUITE("step/systems")
         for (int w = 0; w < 2; ++w) CHECK(world.rod(w).pos(0) == tips[w]);
     }
 }
+
+}  // namespace test_systems

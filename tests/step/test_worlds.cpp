@@ -11,6 +11,8 @@
 #include <cstring>
 #include <memory>
 
+namespace test_worlds {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -326,3 +328,5 @@ TEST_SUITE("step/worlds")
         CHECK(world.state_hash() == before);
     }
 }
+
+}  // namespace test_worlds

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <string>
 
+namespace test_batch_answer {
+
 using namespace seldinger;
 
 namespace {
@@ -111,3 +113,5 @@ TEST_SUITE("study/batch_answer")
         CHECK(std::count(units.begin(), units.end(), '\n') == std::count(head.begin(), head.end(), ',') + 2);
     }
 }
+
+}  // namespace test_batch_answer

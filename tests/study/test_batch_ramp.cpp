@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+namespace test_batch_ramp {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -101,3 +103,5 @@ keys = [{t_s = 0.0, advance_m = 5000.0}]
         CHECK(hashes("part") == hashes("whole"));
     }
 }
+
+}  // namespace test_batch_ramp

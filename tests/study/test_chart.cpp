@@ -1,6 +1,6 @@
 // A chart from end to end on a wire soft enough that every method, explicit too, computes its swing in milliseconds.
 
-#include "study/chart.h"
+#include "lab/chart.h"
 
 #include "core/error.h"
 #include "support/temporary_folder.h"
@@ -11,6 +11,8 @@
 #include <cmath>
 #include <fstream>
 #include <set>
+
+namespace test_chart {
 
 using namespace seldinger;
 
@@ -187,3 +189,5 @@ TEST_SUITE("study/chart_models")
                                              "wall edge 2.8 mm"});
     }
 }
+
+}  // namespace test_chart

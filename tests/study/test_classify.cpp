@@ -10,6 +10,8 @@
 #include <functional>
 #include <numbers>
 
+namespace test_classify {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -284,3 +286,5 @@ TEST_SUITE("study/classify")
         CHECK(verdict.readings.energy_made < 0.02 * end.elastic);
     }
 }
+
+}  // namespace test_classify

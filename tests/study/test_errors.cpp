@@ -1,7 +1,7 @@
 // Errors of a run against a reference, on samples made by hand, and the file that keeps them.
 
 #include "study/errors.h"
-#include "study/pareto.h"
+#include "lab/pareto.h"
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
@@ -10,6 +10,8 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+
+namespace test_errors {
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -142,3 +144,5 @@ TEST_SUITE("study/pareto")
                              (p.cost < points[i].cost || p.error < points[i].error)));
     }
 }
+
+}  // namespace test_errors

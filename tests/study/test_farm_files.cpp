@@ -11,6 +11,8 @@
 #include <limits>
 #include <string>
 
+namespace test_farm_files {
+
 using namespace seldinger;
 
 namespace {
@@ -107,3 +109,5 @@ TEST_SUITE("study/farm files")
         CHECK(refusal([&] { (void)read_rows(folder.path(), other, 1, 2); }).find("000001.rows: is of another farm") != std::string::npos);
     }
 }
+
+}  // namespace test_farm_files

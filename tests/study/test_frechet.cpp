@@ -10,6 +10,8 @@
 #include <numbers>
 #include <vector>
 
+namespace test_frechet {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -107,3 +109,5 @@ TEST_SUITE("study/frechet")
         CHECK(row.back() <= d + spacing);
     }
 }
+
+}  // namespace test_frechet

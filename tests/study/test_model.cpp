@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+namespace test_model {
+
 using namespace seldinger;
 
 namespace {
@@ -129,3 +131,5 @@ TEST_SUITE("study/model")
         CHECK(available_in(free).schemes.size() == 4);
     }
 }
+
+}  // namespace test_model

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace test_peaks {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -81,3 +83,5 @@ TEST_SUITE("study/peaks")
         CHECK(std::isinf(peaks_left({})[0]));
     }
 }
+
+}  // namespace test_peaks

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <vector>
 
+namespace test_plan_reference {
+
 using namespace seldinger;
 using seldinger::test::about;
 
@@ -72,3 +74,5 @@ TEST_SUITE("study/plan_reference")
         CHECK(falls({1e-9}, 1e-8));  // but that it has arrived
     }
 }
+
+}  // namespace test_plan_reference

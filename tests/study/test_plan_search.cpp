@@ -11,6 +11,8 @@
 #include <map>
 #include <vector>
 
+namespace test_plan_search {
+
 using namespace seldinger;
 using seldinger::test::about;
 
@@ -297,19 +299,19 @@ TEST_SUITE("study/plan_search")
     TEST_CASE("property: what is left out of a wall is named once, and a rigid one leaves nothing to choose")
     {
         Scene scene = small_scene();
-        const auto of_wall = [](const std::vector<Choice>& all) {
-            return std::count_if(all.begin(), all.end(), [](const Choice& choice) { return choice.of_wall; });
+        const auto of_wall = [](const std::vector<PlanChoice>& all) {
+            return std::count_if(all.begin(), all.end(), [](const PlanChoice& choice) { return choice.of_wall; });
         };
         CHECK(of_wall(choices_in(scene)) == 0);
         scene.vessel.elastic = true;
         const std::vector<double> walls = {8e-3, 5.6e-3, 4e-3};
-        const std::vector<Choice> all = choices_in(scene, walls);
+        const std::vector<PlanChoice> all = choices_in(scene, walls);
         CHECK(of_wall(all) == 4);
         CHECK(all.front().of_wall);  // first: it decides what every later trial costs
         // of the choices that are made already, those whose way back leads elsewhere: what a plan lists as left out
         const auto left_out = [&](const Model& chosen) {
             std::vector<std::string> names;
-            for (const Choice& choice : all) {
+            for (const PlanChoice& choice : all) {
                 Model made = chosen, undone = chosen;
                 choice.make(made);
                 choice.undo(undone);
@@ -333,7 +335,7 @@ TEST_SUITE("study/plan_search")
         const SearchGrid grid = search_grid(reference_with(201, 1e-3), 1.0 / 30, 1.0 / 30);
         const auto named = [](const Scene& scene, const Model& chosen) {  // as the planner does it
             std::vector<std::pair<std::string, Model>> names;
-            for (const Choice& choice : choices_in(scene)) {
+            for (const PlanChoice& choice : choices_in(scene)) {
                 Model made = chosen, fuller = chosen;
                 choice.make(made);
                 if (label(made) != label(chosen)) continue;
@@ -372,7 +374,7 @@ TEST_SUITE("study/plan_search")
         one_step.coaxial = CoaxialSpec::Model::Merged;
         CHECK(!why_not(one_step, coaxial_scene()).empty());
         const Scene smooth = coaxial_scene("mu_static = 0.0\nmu_sliding = 0.0\n");
-        for (const Choice& choice : choices_in(smooth)) {
+        for (const PlanChoice& choice : choices_in(smooth)) {
             CHECK(choice.simpler.find("lumen_friction") == std::string::npos);
             CHECK(choice.fuller.find("lumen_friction") == std::string::npos);
         }
@@ -513,3 +515,5 @@ TEST_SUITE("study/plan_search")
         CHECK_FALSE(search_rate(from, grid, 1e-9, trials, always));
     }
 }
+
+}  // namespace test_plan_search

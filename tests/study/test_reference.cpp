@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 
+namespace test_reference {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -177,3 +179,5 @@ TEST_SUITE("study/reference")
         CHECK(at(reference.uncertainty, Observable::Tip) > (0.01 - 0.01 / 8) / std::sqrt(10.0));
     }
 }
+
+}  // namespace test_reference

@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace test_result_table {
+
 using namespace seldinger;
 
 TEST_SUITE("study/result_table")
@@ -83,3 +85,5 @@ TEST_SUITE("study/result_table")
         CHECK(std::filesystem::file_size(file) == 19);
     }
 }
+
+}  // namespace test_result_table

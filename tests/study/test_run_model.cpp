@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace test_run_model {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -205,3 +207,5 @@ TEST_SUITE("study/run_watch")
         CHECK(run.verdict.readings.energy_made < 0.01 * 1.25e-3);
     }
 }
+
+}  // namespace test_run_model

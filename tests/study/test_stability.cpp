@@ -1,6 +1,6 @@
 // The stability study: what its maps cover, how cells are judged and cut short, and the default method at their far corners.
 
-#include "study/stability.h"
+#include "lab/stability.h"
 
 #include "core/error.h"
 #include "support/approx.h"
@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+
+namespace test_stability {
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -239,3 +241,5 @@ TEST_SUITE("study/stability")
         CHECK_THROWS_AS((void)map_of_scene(folder.path() / "none.toml", "wire.bend_nm2", {1.0}), Error);
     }
 }
+
+}  // namespace test_stability

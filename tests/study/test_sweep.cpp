@@ -10,6 +10,8 @@
 #include <cmath>
 #include <set>
 
+namespace test_sweep {
+
 using namespace seldinger;
 
 namespace {
@@ -134,3 +136,5 @@ TEST_SUITE("study/sweep")
         CHECK(complaint(keys).find("is more than 1000 keys") != std::string::npos);
     }
 }
+
+}  // namespace test_sweep

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace test_wall_edges {
+
 using namespace seldinger;
 using seldinger::test::about;
 
@@ -96,3 +98,5 @@ TEST_SUITE("study/wall_edges")
         CHECK(edges.of_level(9, 1.5) == 0.0005);
     }
 }
+
+}  // namespace test_wall_edges

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 
+namespace test_aortic_arch {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -92,3 +94,5 @@ TEST_SUITE("vessel/aortic_arch")
         CHECK_THROWS_AS((void)load_vessel(spec), Error);
     }
 }
+
+}  // namespace test_aortic_arch

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_branches {
+
 using namespace seldinger;
 
 namespace {
@@ -95,3 +97,5 @@ TEST_SUITE("vessel/branches")
         CHECK(branches.locate(arch.centreline, end(4)).branch == 4);
     }
 }
+
+}  // namespace test_branches

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <numbers>
 
+namespace test_centreline {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -143,3 +145,5 @@ TEST_SUITE("vessel/centreline")
         }
     }
 }
+
+}  // namespace test_centreline

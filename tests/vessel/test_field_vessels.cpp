@@ -11,6 +11,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_field_vessels {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -191,3 +193,5 @@ TEST_SUITE("vessel/field_vessels")
         CHECK(far < 27.5e-3);
     }
 }
+
+}  // namespace test_field_vessels

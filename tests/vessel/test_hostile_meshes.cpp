@@ -13,6 +13,8 @@
 #include <numbers>
 #include <random>
 
+namespace test_hostile_meshes {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -208,3 +210,5 @@ TEST_SUITE("vessel/hostile_meshes")
         CHECK(has(refusal(plates), "too tangled: filling its holes"));
     }
 }
+
+}  // namespace test_hostile_meshes

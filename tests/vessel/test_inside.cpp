@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+namespace test_inside {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -90,3 +92,5 @@ TEST_SUITE("vessel/inside")
         CHECK(beside.normal.dot(-Vec3::UnitY()) > 0.99);
     }
 }
+
+}  // namespace test_inside

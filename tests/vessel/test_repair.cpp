@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <limits>
 
+namespace test_repair {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -233,3 +235,5 @@ TEST_SUITE("vessel/repair")
               0);
     }
 }
+
+}  // namespace test_repair

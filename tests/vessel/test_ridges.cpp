@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_ridges {
+
 using namespace seldinger;
 
 namespace {
@@ -58,3 +60,5 @@ TEST_SUITE("vessel/ridges")
         CHECK(mean_ridge_angle({}, 0) == 0);
     }
 }
+
+}  // namespace test_ridges

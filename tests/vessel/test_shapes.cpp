@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <numbers>
 
+namespace test_shapes {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -133,3 +135,5 @@ TEST_SUITE("vessel/shapes")
         CHECK_THROWS_AS((void)load_vessel(skew), Error);
     }
 }
+
+}  // namespace test_shapes

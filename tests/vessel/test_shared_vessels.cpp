@@ -14,6 +14,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_shared_vessels {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -150,3 +152,5 @@ TEST_SUITE("vessel/shared_vessels")
         for (std::size_t k = 2; k < all.size(); ++k) CHECK(all[k].radius <= all[k - 1].radius);
     }
 }
+
+}  // namespace test_shared_vessels

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_subdivide {
+
 using namespace seldinger;
 
 namespace {
@@ -126,3 +128,5 @@ TEST_SUITE("vessel/subdivide")
         }
     }
 }
+
+}  // namespace test_subdivide

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+namespace test_tree {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -270,3 +272,5 @@ TEST_SUITE("vessel/tree")
         CHECK(elsewhere == 0);
     }
 }
+
+}  // namespace test_tree

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+namespace test_camera {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -83,3 +85,5 @@ TEST_SUITE("view/camera")
         }
     }
 }
+
+}  // namespace test_camera

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 
+namespace test_colour {
+
 using namespace seldinger;
 
 TEST_SUITE("view/colour")
@@ -84,3 +86,5 @@ TEST_SUITE("view/colour")
         CHECK(round_force_up(8.1e-4) == doctest::Approx(1e-3).epsilon(1e-12));
     }
 }
+
+}  // namespace test_colour

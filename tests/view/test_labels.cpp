@@ -14,6 +14,8 @@
 #include <random>
 #include <set>
 
+namespace test_labels {
+
 using namespace seldinger;
 
 namespace {
@@ -422,3 +424,5 @@ TEST_SUITE("view/labels")
         CHECK((truth.instruments[1].contacts[1].force + Vec3(0.1, 0, 0.5)).norm() < 1e-15);
     }
 }
+
+}  // namespace test_labels

@@ -9,6 +9,8 @@
 
 #include <cstring>
 
+namespace test_model_export {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -124,3 +126,5 @@ TEST_SUITE("view/model_export")
         CHECK_THROWS_AS(write_gltf("/nowhere/model.glb", model), Error);
     }
 }
+
+}  // namespace test_model_export

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <sstream>
 
+namespace test_render {
+
 using namespace seldinger;
 using namespace seldinger::test;
 namespace fs = std::filesystem;
@@ -371,3 +373,5 @@ TEST_SUITE("view/render")
         check_refused(dir.path, {}, ExitCode::BadFile, "radius");
     }
 }
+
+}  // namespace test_render

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <random>
 
+namespace test_renderer {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -281,3 +283,5 @@ TEST_SUITE("view/renderer")
         }
     }
 }
+
+}  // namespace test_renderer

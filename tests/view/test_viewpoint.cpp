@@ -5,6 +5,8 @@
 #include "view/viewpoint.h"
 #include "view_fixtures.h"
 
+namespace test_viewpoint {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -120,3 +122,5 @@ TEST_SUITE("view/viewpoint")
         CHECK(lightness(load_colour(0.5)) > lightness(load_colour(0.2)));
     }
 }
+
+}  // namespace test_viewpoint

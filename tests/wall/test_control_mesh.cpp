@@ -21,6 +21,8 @@
 #include <random>
 #include <set>
 
+namespace test_control_mesh {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -503,3 +505,5 @@ TEST_SUITE("wall/patients")
         }
     }
 }
+
+}  // namespace test_control_mesh

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_loop_surface {
+
 using namespace seldinger;
 
 namespace {
@@ -322,3 +324,5 @@ TEST_SUITE("wall/loop_surface")
         CHECK(refused(WallMesh{}, "no triangles"));
     }
 }
+
+}  // namespace test_loop_surface

@@ -5,6 +5,8 @@
 #include <doctest/doctest.h>
 #include <Eigen/Eigenvalues>
 
+namespace test_shell {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -254,3 +256,5 @@ TEST_SUITE("wall/shell")
         CHECK_THROWS_AS((void)Shell(s, loaded).assemble(), Error);
     }
 }
+
+}  // namespace test_shell

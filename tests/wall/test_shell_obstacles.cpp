@@ -7,6 +7,8 @@
 #include <doctest/doctest.h>
 #include <Eigen/Eigenvalues>
 
+namespace test_shell_obstacles {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -169,3 +171,5 @@ TEST_SUITE("wall/shell_obstacles")
             }
     }
 }
+
+}  // namespace test_shell_obstacles

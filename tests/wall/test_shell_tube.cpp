@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_shell_tube {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -212,3 +214,5 @@ TEST_SUITE("wall/shell")
             }
     }
 }
+
+}  // namespace test_shell_tube

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_wall_compliance {
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -118,3 +120,5 @@ TEST_SUITE("wall/wall_compliance")
         CHECK_THROWS_AS((void)WallCompliance(Shell(closed, spec)).factor(0), Error);
     }
 }
+
+}  // namespace test_wall_compliance

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <memory>
 
+namespace test_wall_dynamics {
+
 using namespace seldinger;
 
 namespace {
@@ -161,3 +163,5 @@ TEST_CASE("a saved wall goes on with the same bits, and a damaged one is refused
     at = bytes.data();
     CHECK_THROWS_AS(resumed.restore(at, bytes.data() + bytes.size() / 2), Error);
 }
+
+}  // namespace test_wall_dynamics

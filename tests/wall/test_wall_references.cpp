@@ -12,6 +12,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_wall_references {
+
 using namespace seldinger;
 
 namespace {
@@ -197,3 +199,5 @@ TEST_SUITE("wall/wall_references")
         CHECK(down(tube(0.16, 0.003, 6000), 0.13, 5e-4, 0.4, -R, 1e9) == doctest::Approx(0.0001441608164571522).epsilon(0.02));
     }
 }
+
+}  // namespace test_wall_references

@@ -1,6 +1,7 @@
 // From a run's folder to pictures, films and DICOM files.
 #include "view/xray/fluoro_run.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "io/dicom_write.h"
 #include "io/film_write.h"
@@ -255,10 +256,10 @@ void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, La
 PictureFiles render_fluoro(const fs::path& dir, const std::vector<FluoroOptions>& views, const FrameProgress& progress)
 {
     for (const FluoroOptions& view : views) check(view.arm);
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     std::size_t done = 0;
     const auto drawn = [&](std::size_t all) {
-        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+        const std::chrono::duration<double> passed = Clock::now() - start;
         if (progress) progress(++done, all, passed.count());
     };
     std::vector<FluoroOptions> own;  // outlives the sessions

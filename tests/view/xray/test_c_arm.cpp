@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_c_arm {
+
 using namespace seldinger;
 
 TEST_SUITE("view/xray/c_arm")
@@ -50,3 +52,5 @@ TEST_SUITE("view/xray/c_arm")
             CHECK_THROWS_AS(set_angles(arm, bad), Error);
     }
 }
+
+}  // namespace test_c_arm

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace test_detector {
+
 using namespace seldinger;
 
 namespace {
@@ -140,3 +142,5 @@ TEST_SUITE("view/xray/detector")
         CHECK(subtracted_levels(signal, signal)[1] == 2048);
     }
 }
+
+}  // namespace test_detector

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_fluoroscope {
+
 using namespace seldinger;
 
 namespace {
@@ -151,3 +153,5 @@ TEST_SUITE("view/xray/fluoroscope")
         CHECK(worst < 2e-5);  // exponents of about 5 in single precision, polynomial 3e-7
     }
 }
+
+}  // namespace test_fluoroscope

@@ -9,6 +9,8 @@
 
 #include <fstream>
 
+namespace test_materials {
+
 using namespace seldinger;
 
 TEST_SUITE("view/xray/materials")
@@ -86,3 +88,5 @@ TEST_SUITE("view/xray/materials")
         CHECK_THROWS_AS((void)tube_spectrum(151), Error);
     }
 }
+
+}  // namespace test_materials

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <numbers>
 
+namespace test_paths {
+
 using namespace seldinger;
 
 namespace {
@@ -203,3 +205,5 @@ TEST_SUITE("view/xray/paths")
         REQUIRE(checked == 11);
     }
 }
+
+}  // namespace test_paths

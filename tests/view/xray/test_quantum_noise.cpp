@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_quantum_noise {
+
 using namespace seldinger;
 
 namespace {
@@ -103,3 +105,5 @@ TEST_SUITE("view/xray/quantum_noise")
         }
     }
 }
+
+}  // namespace test_quantum_noise

@@ -1,5 +1,5 @@
 // Picks the points of least cost for their error out of a list.
-#include "study/pareto.h"
+#include "lab/pareto.h"
 
 #include <algorithm>
 #include <cmath>

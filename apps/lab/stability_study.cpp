@@ -1,5 +1,5 @@
 // Which cells of the stability maps are wanted and not yet in the table, the threads that run them, and the summary.
-#include "stability_study.h"
+#include "lab/stability_study.h"
 
 #include "core/error.h"
 #include "core/file_io.h"
@@ -289,7 +289,7 @@ std::vector<std::string> doubts(const StabilityWork& work, const ResultTable& ta
     return lines;
 }
 
-std::string scene_of(const StabilityMap& map, const std::filesystem::path& dir)
+std::string map_scene(const StabilityMap& map, const std::filesystem::path& dir)
 {
     return map.source.empty() ? (dir / "scenes" / (map.name + ".toml")).string() : map.source.string();
 }
@@ -351,7 +351,7 @@ std::string stability_summary(const StabilityWork& work, const ResultTable& tabl
                 const Row* row = table.find(key_of(map, default_method(), dt, value));
                 if (!row || (*row)[outcome_column] == name(Outcome::Hold)) continue;
                 broken += fmt::format("default does not hold: {} at {} s, {} = {}\n  seldinger run {} {}\n",
-                                      (*row)[outcome_column], dt, map.axis, value, scene_of(map, dir), (*row)[set_column]);
+                                      (*row)[outcome_column], dt, map.axis, value, map_scene(map, dir), (*row)[set_column]);
             }
     }
     return text + broken;

@@ -1,5 +1,5 @@
 // Rows and columns of device.csv, kernels.csv and scenes.csv, and the share of its roof that each kernel reaches.
-#include "bench_report.h"
+#include "lab/bench_report.h"
 
 #include "commit.h"
 #include "core/file_io.h"
@@ -19,8 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // A table is a list of rows, a row a list of named cells: the same for CSV and JSON.
-using Row = Json;
-using Table = std::vector<Row>;
+using Table = std::vector<Json>;
 
 std::string compiler()
 {
@@ -38,7 +37,7 @@ double rounded(double x)  // four digits: no timing has more
     return std::stod(fmt::format("{:.4g}", std::round(x / unit) * unit));
 }
 
-Row origin(const BenchResults& r)
+Json origin(const BenchResults& r)
 {
     return {
         {"date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())))},
@@ -52,7 +51,7 @@ Table device_table(const BenchResults& r)
 {
     Table table;
     for (const device::Peaks& p : r.peaks) {
-        Row row = origin(r);
+        Json row = origin(r);
         row.update({{"lane", p.queue},
                     {"compute_units", r.device.compute_units},
                     {"gb_per_s", rounded(p.bandwidth / 1e9)},
@@ -75,7 +74,7 @@ Table kernel_table(const BenchResults& r)
 {
     Table table;
     for (const kernel_bench::KernelTiming& t : r.kernels) {
-        Row row = origin(r);
+        Json row = origin(r);
         row.update({{"kernel", t.kernel},
                     {"precision", t.float32 ? "float32" : "float64"},
                     {"lane", t.queue},
@@ -96,7 +95,7 @@ Table scene_table(const BenchResults& r)
 {
     Table table;
     for (const SceneTiming& s : r.scenes) {
-        Row row = origin(r);
+        Json row = origin(r);
         row.update({{"scene", s.scene},
                     {"steps", s.steps},
                     {"triangles", s.triangles},
@@ -180,7 +179,7 @@ std::string bench_json(const BenchResults& r)
     const auto same = origin(r);
     const auto bare = [&](Table table) {  // what is the same in all rows stands above them
         Json list = Json::array();
-        for (Row& row : table) {
+        for (Json& row : table) {
             for (const auto& [name, value] : same.items()) row.erase(name);
             list.push_back(row);
         }

@@ -1,8 +1,8 @@
 // Builds the list of models of a chart: grids of nodes and steps, contact choices, adaptive, explicit, published, baselines.
-#include "study/chart_models.h"
+#include "lab/chart_models.h"
 
 #include "scene/scene_names.h"
-#include "study/published.h"
+#include "lab/published.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -1,9 +1,9 @@
 // The table of built-in benchmarks and their refinements, and the benchmark of a user's scene.
-#include "study/benchmarks.h"
+#include "lab/benchmarks.h"
 
 #include "core/error.h"
 #include "scene/toml_table.h"
-#include "study/elastica.h"
+#include "lab/elastica.h"
 
 #include <fmt/format.h>
 #include <algorithm>

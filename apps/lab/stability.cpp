@@ -3,10 +3,10 @@
 
 #include "assets.h"
 #include "command_line.h"
-#include "commands.h"
+#include "lab/lab_commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
-#include "stability_study.h"
+#include "lab/stability_study.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>

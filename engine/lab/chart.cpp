@@ -1,8 +1,8 @@
 // Runs a chart's models and references scene by scene, compares, and writes chart.csv and references.csv.
-#include "study/chart.h"
+#include "lab/chart.h"
 
 #include "core/error.h"
-#include "study/pareto.h"
+#include "lab/pareto.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

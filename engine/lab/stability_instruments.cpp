@@ -1,12 +1,12 @@
 // Maps of several instruments: inside each other (F20) and beside each other (F21).
-#include "study/stability_parts.h"
+#include "lab/stability_parts.h"
 
 #include <fmt/format.h>
 
 namespace seldinger::stability_parts {
 namespace {
 
-using Folder = std::filesystem::path;
+namespace fs = std::filesystem;
 
 /// A catheter of 5 F and a wire of 0.035 inch in it, fed together round the bend, the wire ahead of the catheter and back again.
 StabilityMap inside_each_other(const char* name, const char* title, const char* model)
@@ -50,7 +50,7 @@ order = ["catheter", "wire"]
 )" + fmt::format("model = \"{}\"\n", model) +
                 std::string(bend).substr(0, std::string(bend).find("[feed]"));
     map.static_load = map.hand_is_steady = false;  // a wire that is drawn back lets the catheter's tip go
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         const double end = duration * pace;
         return Texts{
             fmt::format("scene.duration_s={}", end),
@@ -93,7 +93,7 @@ StabilityMap channel()
     map.scene = head("channel") + one("left") + one("right") + "[contact]\ninstruments = true\n" +
                 "[vessel]\nshape = \"tube\"\nradius_m = 0.002\nlength_m = 0.05\norigin = [-0.005, 0.0, 0.0]\ntriangles = 3000\n";
     map.static_load = map.hand_is_steady = false;  // wires that buckle snap
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         const double end = duration * pace;
         Texts texts = {fmt::format("scene.duration_s={}", end), fmt::format("vessel.radius_m={}", value * radius)};
         for (int k = 0; k < 2; ++k) {

@@ -1,8 +1,8 @@
 #pragma once
 // Speed against accuracy: the same scenes under every model, with cost and error of each.
 
-#include "study/benchmarks.h"
-#include "study/chart_models.h"
+#include "lab/benchmarks.h"
+#include "lab/chart_models.h"
 #include "study/run_store.h"
 
 #include <array>

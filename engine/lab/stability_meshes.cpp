@@ -1,5 +1,5 @@
 // Builds the maps' walls (damaged bend, stenosis, septum, fork) and writes them as PLY files, once.
-#include "study/stability_meshes.h"
+#include "lab/stability_meshes.h"
 
 #include "io/mesh_file.h"
 #include "vessel/shapes.h"
@@ -12,11 +12,11 @@
 namespace seldinger {
 namespace {
 
-using Folder = std::filesystem::path;
+namespace fs = std::filesystem;
 
-void write_once(const Folder& folder, const std::string& name, const auto& make)
+void write_once(const fs::path& folder, const std::string& name, const auto& make)
 {
-    if (!std::filesystem::exists(folder / name)) write_mesh(folder / name, make(), "mm");
+    if (!fs::exists(folder / name)) write_mesh(folder / name, make(), "mm");
 }
 
 SweptTube straight_tube(const Vec3& from, const Vec3& to, double radius, const auto& narrowed)
@@ -138,19 +138,19 @@ std::string carina_mesh_name() { return "carina.ply"; }
 std::string stenosis_mesh_name(double value) { return fmt::format("stenosis-{}.ply", value); }
 std::string septum_mesh_name(double value) { return fmt::format("septum-{}.ply", value); }
 
-void write_damaged_mesh(const Folder& folder, double share)
+void write_damaged_mesh(const fs::path& folder, double share)
 {
     write_once(folder, damaged_mesh_name(share), [&] { return spoilt(bend_wall(), share); });
 }
 
-void write_carina_mesh(const Folder& folder) { write_once(folder, carina_mesh_name(), fork); }
+void write_carina_mesh(const fs::path& folder) { write_once(folder, carina_mesh_name(), fork); }
 
-void write_stenosis_mesh(const Folder& folder, double throat, double value)
+void write_stenosis_mesh(const fs::path& folder, double throat, double value)
 {
     write_once(folder, stenosis_mesh_name(value), [&] { return narrowed_tube(throat); });
 }
 
-void write_septum_mesh(const Folder& folder, double thickness, double value)
+void write_septum_mesh(const fs::path& folder, double thickness, double value)
 {
     write_once(folder, septum_mesh_name(value), [&] { return two_tubes(thickness); });
 }

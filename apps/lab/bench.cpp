@@ -2,9 +2,9 @@
 // [--quiet]
 
 #include "assets.h"
-#include "bench_report.h"
+#include "lab/bench_report.h"
 #include "command_line.h"
-#include "commands.h"
+#include "lab/lab_commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
 #include "core/note.h"
@@ -20,7 +20,7 @@
 namespace seldinger::apps {
 namespace {
 
-struct Options {
+struct BenchArguments {
     std::filesystem::path dir;
     std::vector<std::filesystem::path> scenes;
     int device = -1, repeat = 3;
@@ -30,7 +30,7 @@ struct Options {
 constexpr long quick_steps = 600;
 
 /// One line on stderr; nothing when it is not a terminal.
-void show(const Options& options, const std::string& doing)
+void show(const BenchArguments& options, const std::string& doing)
 {
     if (!options.quiet && isatty(STDERR_FILENO)) note(fmt::format("\r\033[K{}", doing));
 }
@@ -41,7 +41,7 @@ void stop_when_asked()
     if (stop_asked_for() != 0) throw Error(ExitCode::TimeLimit, "stopped; nothing was written");
 }
 
-void check_folder(const Options& options)
+void check_folder(const BenchArguments& options)
 {
     if (options.dir.empty() || options.overwrite) return;
     for (const char* file : bench_files)
@@ -52,7 +52,7 @@ void check_folder(const Options& options)
 }
 
 /// Peaks and kernels, in double and in float.
-void measure_kernels(const Options& options, BenchResults& results)
+void measure_kernels(const BenchArguments& options, BenchResults& results)
 {
     using namespace device;
     kernel_bench::KernelBenchOptions how;
@@ -80,7 +80,7 @@ void measure_kernels(const Options& options, BenchResults& results)
     stop_when_asked();
 }
 
-void measure_scenes(const Options& options, BenchResults& results)
+void measure_scenes(const BenchArguments& options, BenchResults& results)
 {
     std::vector<std::filesystem::path> files = options.scenes;
     if (files.empty())
@@ -103,7 +103,7 @@ void measure_scenes(const Options& options, BenchResults& results)
     }
 }
 
-ExitCode bench(const Options& options)
+ExitCode bench(const BenchArguments& options)
 {
     const StopSignal listening;
     const FileLock lock = options.dir.empty() ? FileLock() : FileLock::of_folder(options.dir);
@@ -137,7 +137,7 @@ ExitCode bench(const Options& options)
 
 void add_bench(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<BenchArguments>();
     CommandLine* command = app.add_subcommand("bench", "time an OpenCL device: its peaks, every kernel, whole scenes");
     command
         ->add_option("-o", options->dir,

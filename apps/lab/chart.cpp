@@ -1,10 +1,10 @@
 // seldinger chart [--quick] [-o DIR] [--scenes NAME|FILE …] [--processor-time] [--overwrite] [--device N] [--quiet]
 
 #include "command_line.h"
-#include "study/chart.h"
+#include "lab/chart.h"
 #include "assets.h"
 #include "baselines/baselines.h"
-#include "commands.h"
+#include "lab/lab_commands.h"
 #include "core/file_lock.h"
 #include "core/folder.h"
 #include "core/note.h"
@@ -21,13 +21,13 @@
 namespace seldinger::apps {
 namespace {
 
-struct Options {
+struct ChartArguments {
     ChartOptions chart;
     bool overwrite = false, quiet = false;
 };
 
 /// One line on stderr; nothing when it is not a terminal.
-void show(const std::string& doing)
+void show_model(const std::string& doing)
 {
     if (isatty(STDERR_FILENO)) note(fmt::format("\r\033[K{}", doing));
 }
@@ -39,18 +39,18 @@ void forget(const std::filesystem::path& dir)
     for (const char* file : {"runs.csv", "chart.csv", "references.csv"}) (void)folder.remove(file);
 }
 
-ExitCode chart(Options& options)
+ExitCode chart(ChartArguments& options)
 {
     const StopSignal listening;
     ChartOptions& what = options.chart;
     what.scenes_folder = assets_folder() / "scenes";
     what.baselines = baselines::all();
     what.stop = [] { return stop_asked_for() != 0; };
-    if (!options.quiet) what.progress = show;
+    if (!options.quiet) what.progress = show_model;
     const FileLock lock = FileLock::of_folder(what.dir);
     if (options.overwrite) forget(what.dir);
     const ChartResult result = make_chart(what);
-    if (!options.quiet) show("");
+    if (!options.quiet) show_model("");
     const std::string dir = what.dir.string();
     if (result.interrupted)
         throw Error(stop_asked_for() == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
@@ -69,7 +69,7 @@ ExitCode chart(Options& options)
 
 void add_chart(CommandLine& app, Command& chosen)
 {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<ChartArguments>();
     CommandLine* command = app.add_subcommand("chart", "speed against accuracy: the same scenes under every model");
     command->add_flag("--quick", options->chart.quick, "fewer models, shorter scenes: minutes instead of an hour");
     command

@@ -1,5 +1,5 @@
 // Finds the clamp's moment of the extensible elastica by bisection and integrates the shape from there.
-#include "study/elastica.h"
+#include "lab/elastica.h"
 
 #include <algorithm>
 #include <array>

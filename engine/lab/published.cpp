@@ -1,5 +1,5 @@
 // The published method's choices as printed, and its best settings by benchmark as bench/published_at_best.py found them.
-#include "study/published.h"
+#include "lab/published.h"
 
 #include <algorithm>
 #include <iterator>
@@ -7,7 +7,7 @@
 namespace seldinger {
 namespace {
 
-constexpr double ms = 1e-3, display = 1.0 / 60;  // [s]
+constexpr double millisecond = 1e-3, display = 1.0 / 60;  // [s]
 
 /// One winner of the search (bench/results/chart/published_best.csv). 0: as the scene has it.
 struct Best {
@@ -25,17 +25,17 @@ using enum FrictionLaw;
 // The first two are for scenes that were not searched: without damping of contact, whose factor is infinite where contact persists,
 // and in long steps on a soft wall.
 constexpr Best winners[] = {
-    {"", false, 1 * ms, 101, Sign, 1},
+    {"", false, 1 * millisecond, 101, Sign, 1},
     {"", true, display, 101, Smooth, 1, 1e4, 500},
-    {"capstan", false, 0.5 * ms, 101, StickSlip, 1, 1e5, 0, 10},
+    {"capstan", false, 0.5 * millisecond, 101, StickSlip, 1, 1e5, 0, 10},
     {"capstan", true, display, 201, Sign, 0.9, 1e4},
-    {"experiment1", false, 0.5 * ms, 201, StickSlip, 0.9, 1e4, 500},
+    {"experiment1", false, 0.5 * millisecond, 201, StickSlip, 0.9, 1e4, 500},
     {"experiment1", true, display, 201, Smooth, 1, 1e4, 500},
-    {"whip", false, 0.5 * ms, 201, StickSlip, 0.5, 1e5, 69.66, 100, 2.67e-4},
+    {"whip", false, 0.5 * millisecond, 201, StickSlip, 0.5, 1e5, 69.66, 100, 2.67e-4},
     {"whip", true, display, 201, StickSlip, 1, 1e4, 69.66, 100, 2.67e-4},
-    {"siphon", false, 0.5 * ms, 101, Smooth, 1, 1e6, 69.66, 10, 2.67e-4},
+    {"siphon", false, 0.5 * millisecond, 101, Smooth, 1, 1e6, 69.66, 10, 2.67e-4},
     {"siphon", true, display, 101, StickSlip, 0.5},
-    {"coronary", false, 0.5 * ms, 101, StickSlip, 1, 1e5, 0, 100, 2.67e-4},
+    {"coronary", false, 0.5 * millisecond, 101, StickSlip, 1, 1e5, 0, 100, 2.67e-4},
     {"coronary", true, display, 101, Smooth, 0.5, 1e4, 0, 0, 2.67e-4},
 };
 

@@ -1,5 +1,5 @@
 // Output of a chart: two tables for programs, a summary for people.
-#include "study/chart.h"
+#include "lab/chart.h"
 
 #include "study/result_table.h"
 

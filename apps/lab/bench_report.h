@@ -3,7 +3,7 @@
 
 #include "roofline/kernel_bench.h"
 #include "roofline/peaks.h"
-#include "study/scene_bench.h"
+#include "lab/scene_bench.h"
 
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
 // The usual wire, bend and feeds of the stability maps.
-#include "study/stability_parts.h"
+#include "lab/stability_parts.h"
 
 #include <fmt/format.h>
 #include <cmath>

@@ -1,9 +1,9 @@
 // The stability maps' methods and steps, the scene of a cell, and who cannot run it; stability_maps.cpp has the maps.
-#include "study/stability.h"
+#include "lab/stability.h"
 
 #include "core/error.h"
 #include "core/file_io.h"
-#include "study/published.h"
+#include "lab/published.h"
 #include "study/run_model.h"
 
 #include <fmt/format.h>

@@ -1,22 +1,19 @@
 // Times whole scenes: repeats, median, stages, device counts after a warm-up.
-#include "study/scene_bench.h"
+#include "lab/scene_bench.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "scene/key_frames.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
 namespace seldinger {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-struct OneRun {
+struct TimedRun {
     double wall = 0;
     StageTimes stages;
 };
@@ -32,11 +29,11 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
     const WorldSetup setup = make_setup(scene, device_index);
     const KeyFrames key_frames(scene);
     timing.triangles = setup.mesh.triangles.size();
-    std::vector<OneRun> runs;
+    std::vector<TimedRun> runs;
     for (int r = 0; r < repeats; ++r) {
         World world(setup);
-        if (r == 0) timing.load = since(loading);
-        OneRun run;
+        if (r == 0) timing.load = seconds_since(loading);
+        TimedRun run;
         DeviceCounts warm;
         long newton = 0;
         const auto begin = Clock::now();
@@ -54,7 +51,7 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
             if (k == 100) warm = world.device_counts();
             account(step(world, key_frames.control(), scene.step_length(k)), k);
         }
-        run.wall = since(begin);
+        run.wall = seconds_since(begin);
         runs.push_back(run);
         if (r + 1 < repeats) continue;
         const double steps = static_cast<double>(std::max(timing.steps, 1l));
@@ -70,9 +67,9 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
         timing.programs = static_cast<long>(end.programs_built - warm.programs_built);
         timing.state_hash = world.state_hash();
     }
-    std::sort(runs.begin(), runs.end(), [](const OneRun& a, const OneRun& b) { return a.wall < b.wall; });
+    std::sort(runs.begin(), runs.end(), [](const TimedRun& a, const TimedRun& b) { return a.wall < b.wall; });
     const double steps = static_cast<double>(std::max(timing.steps, 1l));
-    const OneRun& middle = runs[runs.size() / 2];
+    const TimedRun& middle = runs[runs.size() / 2];
     timing.rate = steps / middle.wall;
     timing.lowest = steps / runs.back().wall;
     timing.highest = steps / runs.front().wall;

@@ -1,15 +1,16 @@
 #pragma once
 // Parts of the stability maps: the usual wire, bend and feeds, and lists of values. Private to the maps.
 
-#include "study/stability.h"
+#include "lab/stability.h"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 namespace seldinger::stability_parts {
 
 using Texts = std::vector<std::string>;
-using Folder = std::filesystem::path;
+namespace fs = std::filesystem;
 
 inline constexpr double duration = 2.0 / 3;  // a whole number of steps of 1/30 s, 1/60 s and (almost) of the decimal ones [s]
 inline constexpr double radius = 4.445e-4;   // of the wire [m]

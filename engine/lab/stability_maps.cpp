@@ -2,9 +2,9 @@
 // scene, fed round a bend whose outer wall it meets at once. Sizes are chosen so that a cell costs a fraction of a second at 1
 // ms.
 
-#include "study/stability.h"
-#include "study/stability_meshes.h"
-#include "study/stability_parts.h"
+#include "lab/stability.h"
+#include "lab/stability_meshes.h"
+#include "lab/stability_parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -26,7 +26,7 @@ StabilityMap axial()
     map.scene +=
         "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
         "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n";
-    map.set = [](double value, double, double, const Folder&) { return Texts{fmt::format("wire.stretch_n={}", value)}; };
+    map.set = [](double value, double, double, const fs::path&) { return Texts{fmt::format("wire.stretch_n={}", value)}; };
     return map;
 }
 
@@ -39,7 +39,7 @@ StabilityMap fold()
         "place = { shape = \"arc\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0], bend_radius_m = 1.0 }\n"
         "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n";
     // 8 edges, each turned against the last; energy of a fold is bounded, so a soft wire
-    map.set = [](double value, double, double, const Folder&) {
+    map.set = [](double value, double, double, const fs::path&) {
         const double edge = 0.08 / 8;
         return Texts{"wire.nodes=9", "wire.bend_nm2=1e-6", "wire.twist_nm2=7.7e-7",
                      fmt::format("wire.place.bend_radius_m={}", edge / (value * std::numbers::pi / 180))};
@@ -56,7 +56,7 @@ StabilityMap twist()
         "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
         "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nturn = [[0.0, 0.0], [1.0, 0.0]]\n"
         "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\nspin = true\n";
-    map.set = [](double value, double, double, const Folder&) {
+    map.set = [](double value, double, double, const fs::path&) {
         return Texts{fmt::format("hold.0.turn=[[0.0, 0.0], [{}, {}]]", duration, 32 * value)};
     };
     return map;
@@ -68,7 +68,7 @@ StabilityMap stiffness()
 {
     StabilityMap map = fed_map("stiffness", "F2 F3", "contact stiffness, by the wall's modulus",
                                "stiffness of the wall, of nominal", decades(0.1, 1e3, 2));
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return fed(pace, Texts{fmt::format("vessel.youngs_pa={}", 1e6 * value)});
     };
     return map;
@@ -81,7 +81,7 @@ StabilityMap speed()
     map.static_load = false;  // a tip at 1 m/s hits
     // the slow ones do not get far: the wall is a twentieth of a millimetre ahead; the fast ones come to a halt after 4 cm, which
     // is watched too
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         constexpr double start = 0.0162;
         const double length = std::min(0.04, value * duration), time = length / value;
         std::string keys = fmt::format("{{t_s=0.0, advance_m={}}}, {{t_s={}, advance_m={}}}", start, time * pace, start + length);
@@ -94,7 +94,7 @@ StabilityMap bending()
 {
     StabilityMap map = fed_map("bending", "F11", "bending stiffness, from a thread to a rod; EA stays",
                                "bending stiffness [N m^2]", decades(1e-7, 1e-2));
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return fed(pace, {fmt::format("wire.bend_nm2={}", value), fmt::format("wire.twist_nm2={}", 0.77 * value)});
     };
     return map;
@@ -104,7 +104,7 @@ StabilityMap ratio()
 {
     StabilityMap map =
         fed_map("ratio", "F11", "a tip so many times softer than the shaft", "shaft over tip stiffness", decades(1, 1e4));
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return fed(pace, {"wire.bend_nm2=1e-3", "wire.twist_nm2=7.7e-4",
                           fmt::format("wire.section=[{{from_tip_m=[0.0, 0.02], bend_nm2={}, twist_nm2={}}}]", 1e-3 / value,
                                       7.7e-4 / value)});
@@ -117,7 +117,7 @@ StabilityMap friction()
     StabilityMap map =
         fed_map("friction", "F8", "friction; sgn(v) chatters", "sliding friction coefficient", {0, 0.05, 0.1, 0.2, 0.4, 0.7, 1});
     map.logarithmic = false;
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return fed(
             pace, {fmt::format("contact.mu_sliding={}", value), fmt::format("contact.mu_static={}", std::min(1.0, 1.2 * value))});
     };
@@ -128,7 +128,7 @@ StabilityMap spacing()
 {
     StabilityMap map = fed_map("spacing", "F5", "edges against the bend's radius of 12 mm", "edge length over bend radius",
                                {0.05, 0.1, 0.2, 0.4, 0.8, 1.6});
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return fed(pace,
                    {fmt::format("wire.nodes={}", std::max(3L, std::lround(0.08 / (value * 0.012)) + 1)), "wire.bend_nm2=1e-5",
                     "wire.twist_nm2=7.7e-6", "vessel.bend_radius_m=0.012", "vessel.angle_deg=150.0", "vessel.radius_m=0.003"});
@@ -141,7 +141,7 @@ StabilityMap offset()
     StabilityMap map =
         fed_map("offset", "F14", "the scene stands so far from the origin", "distance from the origin [m]", {0, 0.1, 1, 10, 100});
     map.logarithmic = false;
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return fed(pace, Texts{fmt::format("vessel.origin=[{0}, {0}, {0}]", value / std::sqrt(3.0))});
     };
     return map;
@@ -152,7 +152,7 @@ StabilityMap strokes()
     StabilityMap map = fed_map("strokes", "F15", "push 3 cm, then pull and push 5 mm, so many times a second",
                                "strokes per second [1/s]", {0.5, 1, 2, 4, 8, 16});
     map.static_load = map.hand_is_steady = false;  // a hand that turns round at once hits
-    map.set = [](double value, double, double, const Folder&) {
+    map.set = [](double value, double, double, const fs::path&) {
         std::string keys = "{t_s=0.0, advance_m=0.0155}, {t_s=0.4, advance_m=0.045}";
         const double half = 0.5 / value, end = 0.4 + std::max(duration, 1 / value);
         int k = 1;
@@ -169,7 +169,7 @@ StabilityMap whip()
         fed_map("whip", "F9", "a curved tip is turned in the bend and lets go", "tip curvature [1/m]", {1, 25, 50, 100, 200});
     map.static_load = false;  // torque is stored and released
     map.logarithmic = false;
-    map.set = [](double value, double, double, const Folder&) {
+    map.set = [](double value, double, double, const fs::path&) {
         const double end = 0.4 + duration;
         return Texts{
             fmt::format("scene.duration_s={}", end),
@@ -190,7 +190,7 @@ StabilityMap triangles()
     StabilityMap map = fed_map("triangles", "F5", "fed round a narrow bend whose facets are so large",
                                "triangle's leg over wire radius", {0.1, 0.25, 0.6, 1.5, 4, 9, 20});
     // a lumen of 4 radii; at 20 an arc of 120 degrees is left with four facets along and eight around it
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         constexpr double leg = 20 * radius, lumen = 4 * radius;  // of the coarsest
         constexpr double length = leg / 2 + 4 * leg + leg / 2, least_around = 8;
         const double around = std::max(least_around, 2 * std::numbers::pi * lumen / (value * radius));
@@ -219,7 +219,7 @@ StabilityMap soft_wall()
     constexpr double nominal = 0.4e6;  // of a thoracic aorta [Pa]
     StabilityMap map = fed_map("soft-wall", "F18", "fed round a bend with an elastic wall", "modulus of the wall, of nominal",
                                decades(1e-2, 1e2));
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return yielding(nominal * value, fed(pace, {"vessel.thickness_m=0.00082", "vessel.wall_edge_m=0.0015", "wire.nodes=65",
                                                     "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"}));
     };
@@ -232,7 +232,7 @@ StabilityMap snug()
                                "bending stiffness, of 1e-4 N m^2", decades(1, 100, 2));
     map.static_load = false;  // the tube's bend presses, not a load; the wire's radius is the limit
     // 35 mm on a circle of half a metre, a lumen of 1.2 radii, 0.1 MPa: the wire straightens the tube by at most 0.33 mm
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         Texts texts = feed(0.03, duration, pace, 0.006);
         texts.insert(texts.end(), {"wire.length_m=0.045", "wire.nodes=46", fmt::format("wire.bend_nm2={}", 1e-4 * value),
                                    fmt::format("wire.twist_nm2={}", 7.7e-5 * value),
@@ -252,7 +252,7 @@ StabilityMap approach()
         "place = { shape = \"straight\", base = [-0.04, 0.0, 0.0004495], direction = [1.0, 0.0, 0.0] }\nvelocity_m_s = [0.0, "
         "0.0, 0.0]\n"
         "[vessel]\nshape = \"plane\"\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.1\ntriangles = 200\n";
-    map.set = [](double value, double, double, const Folder&) {
+    map.set = [](double value, double, double, const fs::path&) {
         // 5 um above the floor; no weight would be felt for 1 ms on the way, so it starts at its speed
         return Texts{fmt::format("wire.velocity_m_s=[0.0, 0.0, {}]", -value)};
     };
@@ -268,7 +268,7 @@ StabilityMap buckling()
         "[[hold]]\nat = \"tip\"\nposition = true\n"
         "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0]]\n"
         "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.1\ntriangles = 3000\n";
-    map.set = [](double value, double, double pace, const Folder&) {
+    map.set = [](double value, double, double pace, const fs::path&) {
         return Texts{fmt::format("vessel.radius_m={}", value * radius), "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6",
                      fmt::format("scene.duration_s={}", duration * pace),
                      fmt::format("hold.1.move=[[0.0, 0.0, 0.0, 0.0], [{}, 0.008, 0.0, 0.0]]", duration * pace)};
@@ -286,7 +286,7 @@ StabilityMap alternating()
         "[[link]]\nat = 0.02\nanchor = [0.07, 0.0, 0.0]\nstiffness_n_m = 1.0\nmove = [[0.0, 0.0, 0.0, 0.0]]\n"
         "[vessel]\nshape = \"tube\"\nradius_m = 0.002\nlength_m = 0.1\ntriangles = 3000\n";
     // a soft spring to an anchor a metre off is a force that hardly knows where the wire is
-    map.set = [](double value, double dt, double, const Folder&) {
+    map.set = [](double value, double dt, double, const fs::path&) {
         std::string rows;
         const long steps = std::min(200L, std::lround(duration / dt));
         for (long k = 0; k <= steps; ++k)
@@ -308,7 +308,7 @@ std::string file_vessel(const char* feed_point, const char* direction)
         feed_point, direction);
 }
 
-Texts with_mesh(Texts texts, const Folder& folder, const std::string& mesh)
+Texts with_mesh(Texts texts, const fs::path& folder, const std::string& mesh)
 {
     texts.push_back(fmt::format("vessel.mesh='{}'", std::filesystem::absolute(folder / mesh).string()));
     return texts;
@@ -320,10 +320,10 @@ StabilityMap damage()
                               "share of spoilt triangles", {0, 0.01, 0.02, 0.05, 0.1, 0.2});
     map.logarithmic = false;
     map.scene += file_vessel("[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]");
-    map.set = [](double value, double, double pace, const Folder& folder) {
+    map.set = [](double value, double, double pace, const fs::path& folder) {
         return with_mesh(fed(pace), folder, damaged_mesh_name(value));
     };
-    map.write_meshes = [values = map.values](const Folder& folder) {
+    map.write_meshes = [values = map.values](const fs::path& folder) {
         for (const double value : values) write_damaged_mesh(folder, value);
     };
     return map;
@@ -335,7 +335,7 @@ StabilityMap carina()
                               "tip off the carina's middle, of the lumen's radius", {0, 0.05, 0.1, 0.2, 0.4});
     map.logarithmic = false;
     map.scene += file_vessel("[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]");
-    map.set = [](double value, double, double pace, const Folder& folder) {
+    map.set = [](double value, double, double pace, const fs::path& folder) {
         Texts texts = feed(0.06, duration, pace);
         texts.insert(texts.end(), {fmt::format("feed.point=[0.0, {}, 0.0]", value * carina_radius), "wire.bend_nm2=1e-5",
                                    "wire.twist_nm2=7.7e-6"});
@@ -352,12 +352,12 @@ StabilityMap stenosis()
     map.logarithmic = false;
     map.static_load = false;  // overlap is what is asked for here; the radius is the limit
     map.scene += file_vessel("[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]");
-    map.set = [](double value, double, double pace, const Folder& folder) {
+    map.set = [](double value, double, double pace, const fs::path& folder) {
         Texts texts = feed(0.04, duration, pace);
         texts.insert(texts.end(), {"wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"});
         return with_mesh(std::move(texts), folder, stenosis_mesh_name(value));
     };
-    map.write_meshes = [values = map.values](const Folder& folder) {
+    map.write_meshes = [values = map.values](const fs::path& folder) {
         for (const double value : values) write_stenosis_mesh(folder, value * radius, value);
     };
     return map;
@@ -368,12 +368,12 @@ StabilityMap septum()
     StabilityMap map = map_of("septum", "F13", "two lumens side by side: the neighbour's wall must not push",
                               "thickness of the common wall over wire radius", {0.05, 0.2, 0.5, 1, 2});
     map.scene += file_vessel("[0.0, 0.0, 0.0]", "[0.995, 0.0, -0.1]");
-    map.set = [](double value, double, double pace, const Folder& folder) {
+    map.set = [](double value, double, double pace, const fs::path& folder) {
         Texts texts = feed(0.05, duration, pace);
         texts.insert(texts.end(), {"wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"});
         return with_mesh(std::move(texts), folder, septum_mesh_name(value));
     };
-    map.write_meshes = [values = map.values](const Folder& folder) {
+    map.write_meshes = [values = map.values](const fs::path& folder) {
         for (const double value : values) write_septum_mesh(folder, value * radius, value);
     };
     return map;

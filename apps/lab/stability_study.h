@@ -2,7 +2,7 @@
 // Runs the cells of the stability maps that are not in the folder's table yet, on several threads.
 
 #include "study/result_table.h"
-#include "study/stability.h"
+#include "lab/stability.h"
 
 #include <filesystem>
 #include <string>
