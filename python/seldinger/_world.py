@@ -445,14 +445,14 @@ class World:
             raise ValueError(f"frame: got {len(frames)} for {len(systems)} systems; expected one number, or one for each")
         if lumen and not labels:
             raise ValueError("lumen: got labels=False; lumen is one of the labels. Fix: labels=True")
-        views = [c_arm] if c_arm is None or isinstance(c_arm, str) else list(c_arm)
-        if not views:
-            raise ValueError("c_arm: got no position; expected a text as \"LAO 30\", or several")
+        views = list(c_arm) if isinstance(c_arm, (list, tuple)) else [c_arm]
+        if not views or not all(view is None or isinstance(view, str) for view in views):
+            raise TypeError(f"c_arm: got {c_arm!r:.60}; expected a text as \"LAO 30, CRA 15\", or a list of such")
         taken = [_engine.fluoroscopy(self._world, systems, int(width), int(height), view, field, bool(noise),
                                      [f + (v << 48) for f in frames], bool(labels), bool(lumen)) for v, view in enumerate(views)]
         pictures = np.stack([one[0] for one in taken] if labels else taken, axis=1)  # [systems, views, height, width]
         truths = [list(own) for own in zip(*(one[1] for one in taken))] if labels else []
-        if len(views) == 1 and views[0] is c_arm:
+        if not isinstance(c_arm, (list, tuple)):
             pictures, truths = pictures[:, 0], [own[0] for own in truths]
         if not several:
             pictures, truths = pictures[0], truths[0] if labels else None
