@@ -188,8 +188,9 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
         if self.task.variant is None and len(self._variants) > 1:
             self._take_variants([self._variants[int(self.np_random.integers(len(self._variants)))]])
         start = int(self.np_random.integers(self.task.starts))
-        self._fleet.begin(0, (options or {}).get("start", start) % self.task.starts)
-        self._fleet.shoot(np.ones(1, bool))
+        fleet = self._fleet  # alone on its line: AsyncVectorEnv logs the traceback of an error here, and stumbles over a percent sign
+        fleet.begin(0, (options or {}).get("start", start) % self.task.starts)
+        fleet.shoot(np.ones(1, bool))
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:

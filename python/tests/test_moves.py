@@ -11,6 +11,7 @@ import pytest
 
 gymnasium = pytest.importorskip("gymnasium", reason="gymnasium is not installed: pip install gymnasium")
 
+import gymnasium.utils.env_checker  # noqa: E402
 import seldinger.gym  # noqa: E402
 from gymnasium.vector import SyncVectorEnv  # noqa: E402
 
@@ -91,9 +92,7 @@ def _(tmp_path):
 
 @move("check_env")
 def _(tmp_path):
-    from gymnasium.utils.env_checker import check_env
-    for settings in (SMALL, PIXELS):
-        check_env(gymnasium.make(ID, render_mode="rgb_array", **settings).unwrapped)
+    gymnasium.utils.env_checker.check_env(gymnasium.make(ID, render_mode="rgb_array", **SMALL).unwrapped)
 
 
 @move("close twice, render modes")
@@ -154,6 +153,19 @@ def _(tmp_path):
     stepped = "env = gymnasium.make(ID, **SMALL); env.reset(); env.step(env.action_space.sample())"
     in_a_process(tmp_path, ASYNC.format(before=stepped, env="gymnasium.make_vec(ID, num_envs=2, vectorization_mode='async', "
                                                             "vector_kwargs={'context': 'spawn'}, **SMALL)"))
+
+
+def test_a_fork_that_comes_too_late_says_what_to_do(tmp_path):
+    in_a_process(tmp_path, """
+import seldinger.gym
+gymnasium.make(ID, **SMALL).reset()
+many = gymnasium.make_vec(ID, num_envs=2, vectorization_mode='async', **SMALL)
+try:
+    many.reset(seed=1)
+except seldinger.Error as error:
+    print('done' if 'context="spawn"' in str(error) else error)
+many.close(terminate=True)
+""")
 
 
 @move("make_vec, max_episode_steps")
@@ -342,6 +354,7 @@ def _(tmp_path):
             seen, _ = single.reset()
             assert np.array_equal(many.step(np.tile(PUSH, (2, 1)))[0][0], seen)
     assert both.shape == (2, 36, 48, 6) and both.std() > 5
+    gymnasium.utils.env_checker.check_env(single, skip_render_check=True)
 
 
 # -- stable-baselines3 -----------------------------------------------------------------------------------------------------
