@@ -268,14 +268,14 @@ def task_seed(task: Navigate) -> list[int]:
 _STARTS: dict[str, list[tuple[Any, ...]]] = {}  # of the last few tasks, by what they depend on
 
 
-def starts_of(task: Navigate, overrides: Sequence[str]) -> list[tuple[Any, ...]]:
+def starts_of(task: Navigate, overrides: Sequence[str], device: int = -1) -> list[tuple[Any, ...]]:
     """Starts of one variant. A separate world makes them, so a single and a vector environment have the same bits."""
     seen = {name: value for name, value in task.identity().items() if not name.startswith("image")}
     key = repr((seen, task.start_advance, task.starts, task.start_seed, list(overrides)))
     if key not in _STARTS:
         if len(_STARTS) >= 64:
             _STARTS.clear()
-        one = Fleet(task, [overrides])
+        one = Fleet(task, [overrides], device)
         _STARTS[key] = one.make_starts()[0]
         one.close()
     return _STARTS[key]

@@ -68,7 +68,7 @@ class _OnAFleet:
             raise Error("environment: got a call after close(); expected an open environment. Fix: make a new one", 2)
         if self._made is None:
             made = fleet_of(self.task, self._own, self._device)
-            made.keep([starts_of(self.task, own) for own in self._own])
+            made.keep([starts_of(self.task, own, self._device) for own in self._own])
             if self._awaited is not None:
                 made.restore(self._awaited.fleet)
             self._made, self._awaited = made, None
@@ -273,14 +273,17 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
             last[s] = {p: part[s] for p, part in seen.items()} if isinstance(seen, dict) else seen[s]
         return {"final_obs": last, "final_info": self._info(), "_final_obs": done.copy(), "_final_info": done.copy()}
 
-    def _begin(self, which: np.ndarray) -> None:
+    def _begin(self, which: np.ndarray, chosen: Any = None) -> None:
+        """@param chosen  start of all, or of each; else the generators draw them"""
         for s in np.flatnonzero(which):
-            self._fleet.begin(int(s), int(self._random[s].integers(self.task.starts)))
+            drawn = int(self._random[s].integers(self.task.starts))
+            self._fleet.begin(int(s), drawn if chosen is None else int(np.broadcast_to(chosen, self.num_envs)[s]) % self.task.starts)
         self._ended[which] = False
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
               options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's vector environments."""
+        """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's vector environments. options:
+        {"start": k} takes that start, [num_envs] one for each; {"reset_mask": [num_envs] bool} begins some only."""
         seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed or [None] * self.num_envs
         if len(seeds) != self.num_envs:
             raise ValueError(f"seed: got {len(seeds)}; expected one or {self.num_envs}")
@@ -290,7 +293,7 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         for s, own in enumerate(seeds):
             if own is not None and which[s]:
                 self._random[s] = gymnasium.utils.seeding.np_random(int(own))[0]
-        self._begin(which)
+        self._begin(which, (options or {}).get("start"))
         self._fleet.shoot(which)
         return self._observation(), self._info()
 

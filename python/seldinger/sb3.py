@@ -44,12 +44,14 @@ class NavigateVecEnv(VecEnv):
         super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)
 
     def reset(self) -> Any:
-        """First observations of new episodes, with the seeds of `seed`."""
-        if any(self._options):
-            raise ValueError(f"options: got {self._options}; expected none. Fix: choose starts by start_seed and starts")
-        seen, info = self.env.reset(seed=self._seeds if any(s is not None for s in self._seeds) else None)
+        """First observations of new episodes, with the seeds of `seed` and the starts of `set_options({"start": k})`."""
+        if any(self._options) and any(set(own) != {"start"} for own in self._options):
+            raise ValueError(f"options: got {self._options}; expected {{\"start\": k}} for every environment, or none")
+        chosen = {"start": [own["start"] for own in self._options]} if any(self._options) else None
+        seen, info = self.env.reset(seed=self._seeds if any(s is not None for s in self._seeds) else None, options=chosen)
         self.reset_infos = self._each(info)
         self._reset_seeds()
+        self._reset_options()
         return seen
 
     def step_async(self, actions: np.ndarray) -> None:

@@ -34,7 +34,7 @@ def move(name):
 
 @pytest.mark.parametrize("name", ["make without an import", "check_env", "close twice, render modes", "make_vec sync", "make_vec async",
                                   "AsyncVectorEnv by default", "AsyncVectorEnv spawned", "make_vec, max_episode_steps", "deepcopy", "pickle",
-                                  "copies of the vector form", "save and restore", "World.restore inside", "seeds", "FlattenObservation, RescaleAction",
+                                  "copies of the vector form", "save and restore", "World.restore inside", "seeds, options of reset", "FlattenObservation, RescaleAction",
                                   "TimeLimit", "RecordEpisodeStatistics", "FrameStackObservation", "RecordVideo", "RecordVideo of the vector form",
                                   "pixels alone, views, stacks", "PPO over the vector form", "SAC over make_vec_env"])
 def test_a_usual_move(name, tmp_path):
@@ -244,7 +244,7 @@ def _(tmp_path):
     env.close()
 
 
-@move("seeds")
+@move("seeds, options of reset")
 def _(tmp_path):
     def actions_and_seen(seed):
         env = gymnasium.make(ID, **FLAT)
@@ -254,6 +254,10 @@ def _(tmp_path):
         return seen
 
     assert same(actions_and_seen(7), actions_and_seen(7)) and not same(actions_and_seen(7), actions_and_seen(8))
+    single, many = gymnasium.make(ID, **FLAT), gymnasium.make_vec(ID, num_envs=2, **FLAT)
+    starts = [single.reset(seed=0, options={"start": k})[0] for k in (0, 1)]
+    assert not same(*starts) and same(list(many.reset(seed=0, options={"start": [0, 1]})[0]), starts)
+    assert same(list(many.reset(seed=0, options={"start": 1})[0]), [starts[1]] * 2)
 
 
 # -- wrappers --------------------------------------------------------------------------------------------------------------
@@ -417,6 +421,11 @@ def test_the_adapter_is_the_vector_form():
             assert not any("terminal_observation" in infos[s] for s in np.flatnonzero(~done))
     with pytest.raises(NotImplementedError, match="Fix"):
         ours.set_attr("target", "left-carotid")
+    ours.set_options({"start": 1})
+    assert same(ours.reset(), plain.reset(options={"start": 1})[0])
+    ours.set_options({"stop": 1})
+    with pytest.raises(ValueError, match="options: got"):
+        ours.reset()
     ours.close()
     plain.close()
 
