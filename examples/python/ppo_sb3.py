@@ -74,7 +74,7 @@ def main():
     env, other = make(options.envs, options, LEARNING), make(options.evaluated, options, EVALUATION)
     # four passes over a rollout in large batches: most of the time is the simulation's
     model = PPO("CnnPolicy" if options.pixels else "MlpPolicy", env, n_steps=options.rollout, batch_size=min(1024, options.envs * options.rollout),
-                n_epochs=4, learning_rate=1e-3, gamma=0.99, seed=options.seed, device="cpu" if not options.pixels else "auto")
+                n_epochs=4, learning_rate=1e-3, policy_kwargs={"log_std_init": -0.5}, seed=options.seed, device="cpu" if not options.pixels else "auto")
     evaluation = Evaluation(other, 20_000, options.out / "success.csv")
     model.learn(options.steps, callback=evaluation)
     evaluation.measure()
