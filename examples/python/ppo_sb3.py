@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Learns to steer a wire into a branch with PPO of stable-baselines3, over the vector form.
 
-ppo_sb3.py [--target left-carotid] [--envs 64] [--steps 200000] [--pixels] [-o out/ppo]
+ppo_sb3.py [--target left-subclavian] [--envs 64] [--steps 200000] [--pixels] [-o out/ppo]
 
 Writes MODEL.zip and success.csv: the fraction of 16 other starts from which the policy arrives. --pixels: the policy sees X-ray pictures alone,
 from two sides and of the last three controls. Needs: pip install 'seldinger[sb3]'
@@ -60,7 +60,7 @@ class Evaluation(BaseCallback):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--target", default="left-carotid")
+    parser.add_argument("--target", default="left-subclavian")
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--steps", type=int, default=200_000)
     parser.add_argument("--rollout", type=int, default=64, help="controls of each environment between two updates")

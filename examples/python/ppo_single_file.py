@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """PPO in a single file of PyTorch, in the style of CleanRL: everything that happens between a wire and its policy is on this page.
 
-ppo_single_file.py [--target left-carotid] [--envs 64] [--steps 200000] [-o out/ppo-single]
+ppo_single_file.py [--target left-subclavian] [--envs 64] [--steps 200000] [-o out/ppo-single]
 
 The vector form steps all environments as systems of one world. SAME_STEP returns the first observation of the next episode with the last
 reward of the one before; what the value of a truncated episode is estimated from comes as info["final_obs"]. Writes curve.csv and policy.pt.
@@ -88,7 +88,7 @@ def update(agent, optimizer, kept, gain):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--target", default="left-carotid")
+    parser.add_argument("--target", default="left-subclavian")
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--steps", type=int, default=200_000)
     parser.add_argument("--rollout", type=int, default=64, help="controls of each environment between two updates")
