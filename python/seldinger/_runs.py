@@ -23,11 +23,11 @@ def _points_of(file: Path) -> np.ndarray:
     head, mark, blocks = data.partition(b'<AppendedData encoding="raw">\n_')
     found = re.search(rb"<Points>\s*<DataArray type=\"(\w+)\"[^>]* offset=\"(\d+)\"", head)
     if not mark or not found or found[1].decode() not in _TYPES:
-        raise Error(f"{file}: no frame of a run; expected a .vtp that `seldinger run` has written", 3)
+        raise Error(f"{file}: got no frame of a run; expected a .vtp that `seldinger run` has written", 3)
     offset = int(found[2])
     size = struct.unpack_from("<Q", blocks, offset)[0] if offset + 8 <= len(blocks) else 1 << 62
     if size % 24 or offset + 8 + size > len(blocks):
-        raise Error(f"{file}: is cut short; run again with --overwrite", 3)
+        raise Error(f"{file}: got a file that is cut short; expected a whole one. Fix: run again with --overwrite", 3)
     return np.frombuffer(blocks, _TYPES[found[1].decode()], size // 8, offset + 8).reshape(-1, 3)
 
 
@@ -59,7 +59,7 @@ class Run:
             self.summary: dict[str, Any] = json.loads((self.dir / "summary.json").read_text(encoding="utf-8"))
             self.trace = _columns((self.dir / "trace.csv").read_text(encoding="utf-8"))
         except (OSError, ValueError) as why:
-            raise Error(f"{self.dir}: holds no run that has ended ({why}); expected what `seldinger run -o` wrote", 3) from None
+            raise Error(f"{self.dir}: got a folder that holds no run that has ended ({why}); expected what `seldinger run -o` wrote", 3) from None
         self.instruments = tuple(one["name"] for one in self.summary.get("instruments", [])) or ("wire",)
         pvd = self.dir / "wire.pvd"
         frames = re.findall(r'<DataSet timestep="([^"]+)" group="" part="(\d+)"[^>]*file="([^"/]+)"', pvd.read_text(encoding="utf-8") if pvd.is_file() else "")
@@ -79,7 +79,7 @@ class Run:
         >>> numpy.savez("wire.npz", time_s=run.time, position_m=run.resample(64))
         """
         if int(n) < 2:
-            raise ValueError(f"n: {n} given, 2 or more expected")
+            raise ValueError(f"n: got {n}; expected 2 or more")
         shapes = [_resampled(points, int(n)) for points in self.shapes(instrument)]
         return np.stack(shapes) if shapes else np.empty((0, int(n), 3))
 

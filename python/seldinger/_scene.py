@@ -58,7 +58,7 @@ class Scene:
                 raise Error(f"{scene}: {getattr(why, 'strerror', None) or why}; expected a scene file, or one of "
                             f"{', '.join(scene_names())}", 3) from None
         else:
-            raise TypeError(f"scene: {type(scene).__name__} given; a name, a path, a dict or a Scene expected")
+            raise TypeError(f"scene: got {type(scene).__name__}; expected a name, a path, a dict or a Scene")
         self.overrides: list[str] = [*earlier, *_toml.overrides(overrides, set)]
 
     def __repr__(self) -> str:

@@ -115,7 +115,7 @@ def chart(scenes: Sequence[str] = (), *, quick: bool = True, dir: str | os.PathL
         The columns of the command's chart.csv, one row per scene and model; numbers are float64, an empty field NaN.
     """
     if isinstance(scenes, str):
-        raise TypeError("scenes: a list of names expected")
+        raise TypeError(f"scenes: got the text \"{scenes}\"; expected a list of names")
     if dir is None:
         with tempfile.TemporaryDirectory() as kept:
             return chart(scenes, quick=quick, dir=kept, run_limit=run_limit, reference_limit=reference_limit, device=device)

@@ -20,7 +20,7 @@ def value(x: Any, where: str = "value") -> str:
         return str(int(x))
     if isinstance(x, Real):
         if not math.isfinite(x):
-            raise ValueError(f"{where}: {x} given, a finite number expected")
+            raise ValueError(f"{where}: got {x}; expected a finite number")
         text = repr(float(x))
         return text if any(c in text for c in ".en") else text + ".0"
     if isinstance(x, (str, os.PathLike)):
@@ -31,7 +31,7 @@ def value(x: Any, where: str = "value") -> str:
         return value(x.tolist(), where)
     if isinstance(x, Sequence):
         return "[" + ", ".join(value(v, f"{where}[{i}]") for i, v in enumerate(x)) + "]"
-    raise TypeError(f"{where}: {type(x).__name__} given; bool, int, float, str, list, dict or array expected")
+    raise TypeError(f"{where}: got {type(x).__name__}; expected bool, int, float, str, list, dict or array")
 
 
 def document(scene: Mapping[str, Any]) -> str:
@@ -49,5 +49,5 @@ def document(scene: Mapping[str, Any]) -> str:
 def overrides(keywords: Mapping[str, Any], texts: Sequence[str] = ()) -> list[str]:
     """Texts of --set, then keywords: "table.key" or table__key."""
     if isinstance(texts, str):
-        raise TypeError('set: a list of texts expected, ["table.key=value", ...]')
+        raise TypeError(f'set: got the text "{texts}"; expected a list of texts, ["table.key=value", ...]')
     return [str(t) for t in texts] + [f"{key.replace('__', '.')}={value(x, key)}" for key, x in keywords.items()]

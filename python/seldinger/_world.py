@@ -138,6 +138,7 @@ class World:
         names = self._world.names()
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
         self._settled = False
+        self._held = False  # by an environment, which counts on nobody else moving it
 
     # -- description ---------------------------------------------------------------------------------------------------
 
@@ -226,6 +227,7 @@ class World:
         >>> world.step(n=10).failed
         False
         """
+        self._refuse_if_held("step", "env.step(action)")
         n = _count(n)
         dt = self._dt if dt is None else float(dt)
         if control is None:
@@ -235,6 +237,7 @@ class World:
 
     def settle(self) -> StepReport:
         """Static equilibrium of the present state (scheme = "static", start = "settled")."""
+        self._refuse_if_held("settle", "env.reset()")
         self._settled = True
         return StepReport(*self._world.settle())
 
@@ -280,6 +283,11 @@ class World:
             if self._until_reached and self.task()["reached"]:
                 break
         return self.output
+
+    def _refuse_if_held(self, call: str, instead: str) -> None:
+        if self._held:
+            raise Error(f"World.{call}: got the world of an environment; expected a world of your own, since the environment's rewards count on "
+                        f"where it left the hubs and the clock. Fix: {instead}", 2)
 
     def _check(self, report: StepReport, where: str) -> None:
         if report.failed:
@@ -353,14 +361,16 @@ class World:
         Raises
         ------
         Error
-            Code 3: not a state of such a world. The world is unchanged.
+            Code 3: not a state of such a world. The world is unchanged. Code 2: the world of an environment, which has its own
+            `restore`.
         """
         if not isinstance(state, _engine.State):
-            raise TypeError(f"state: {type(state).__name__} given; what save() returned expected")
+            raise TypeError(f"state: got {type(state).__name__}; expected what save() returned")
+        self._refuse_if_held("restore", "env.restore(env.save()), which carry hubs, clock, progress and generator too")
         self._world.restore(state)
 
     def render(self, width: int = 640, height: int = 480, *, legend: bool = True, force_scale: float = 0.0,
-               camera: tuple[Sequence[float], Sequence[float], Sequence[float]] | None = None) -> np.ndarray:
+               camera: tuple[Sequence[float], Sequence[float], Sequence[float]] | None = None, system: int = -1) -> np.ndarray:
         """A picture of the present state, [height, width, 3] uint8, drawn without a display (EGL).
 
         Parameters
@@ -373,6 +383,8 @@ class World:
             Contact force at the top of the scale [N]; 0: a round number above the largest force.
         camera : (eye, target, up)
             Points and a direction [m]; without it the camera shows the whole vessel.
+        system : int
+            The system that is drawn; -1: all in one picture.
 
         Raises
         ------
@@ -381,12 +393,12 @@ class World:
         """
         views = None if camera is None else np.asarray(camera, float)
         if views is not None and (views.shape != (3, 3) or not np.isfinite(views).all()):
-            raise ValueError(f"camera: {camera} given; (eye, target, up), each [3] and finite, expected")
-        return _engine.render(self._world, int(width), int(height), bool(legend), float(force_scale), views)
+            raise ValueError(f"camera: got {camera}; expected (eye, target, up), each [3] and finite")
+        return _engine.render(self._world, int(width), int(height), bool(legend), float(force_scale), views, int(system))
 
-    def fluoroscopy(self, width: int = 512, height: int = 512, *, system: int | Sequence[int] = 0, c_arm: str | None = None,
-                    field: float | None = None, noise: bool = True, frame: int | Sequence[int] | None = None,
-                    labels: bool = False, lumen: bool = False) -> Any:
+    def fluoroscopy(self, width: int = 512, height: int = 512, *, system: int | Sequence[int] = 0,
+                    c_arm: str | Sequence[str | None] | None = None, field: float | None = None, noise: bool = True,
+                    frame: int | Sequence[int] | None = None, labels: bool = False, lumen: bool = False) -> Any:
         """An X-ray picture of the present state, [height, width] uint16 of 12 bits (docs/fluoroscopy.md), without a display.
 
         Parameters
@@ -397,12 +409,13 @@ class World:
             The system, or several: their pictures are made in parallel, [systems, height, width].
         c_arm : str
             "LAO 30, CRA 15"; without it the scene's [carm] at the present time, LAO 0 by default. Tube, body, bones and contrast are
-            the scene's.
+            the scene's. Several, as ["LAO 30", "RAO 30"]: [views, height, width], with several systems [systems, views, height,
+            width]; the labels are lists likewise.
         field : float
             Width of the detector [m].
         noise, frame
             Quantum noise, seeded by the scene's seed and `frame` (one for each of a sequence of systems); default: the step's
-            number. The same number gives the same picture.
+            number. The same number gives the same picture. View v of several has the noise of number frame + v 2^48.
         labels : bool
             Return (picture, labels): the ground truth of the picture (docs/labels.md), a dict with the keys of a label file and
             arrays instead of lists: `image`, `camera` (`projection` [3, 4] from scene metres to pixels), `instruments`, and
@@ -429,14 +442,21 @@ class World:
         else:
             frames = [int(f) for f in frame]
         if len(frames) != len(systems):
-            raise ValueError(f"frame: {len(frames)} given for {len(systems)} systems; one number, or one for each expected")
+            raise ValueError(f"frame: got {len(frames)} for {len(systems)} systems; expected one number, or one for each")
         if lumen and not labels:
             raise ValueError("lumen: got labels=False; lumen is one of the labels. Fix: labels=True")
-        taken = _engine.fluoroscopy(self._world, systems, int(width), int(height), c_arm, field, bool(noise), frames, bool(labels), bool(lumen))
-        if not labels:
-            return taken if several else taken[0]
-        pictures, truths = taken
-        return (pictures, truths) if several else (pictures[0], truths[0])
+        views = list(c_arm) if isinstance(c_arm, (list, tuple)) else [c_arm]
+        if not views or not all(view is None or isinstance(view, str) for view in views):
+            raise TypeError(f"c_arm: got {c_arm!r:.60}; expected a text as \"LAO 30, CRA 15\", or a list of such")
+        taken = [_engine.fluoroscopy(self._world, systems, int(width), int(height), view, field, bool(noise),
+                                     [f + (v << 48) for f in frames], bool(labels), bool(lumen)) for v, view in enumerate(views)]
+        pictures = np.stack([one[0] for one in taken] if labels else taken, axis=1)  # [systems, views, height, width]
+        truths = [list(own) for own in zip(*(one[1] for one in taken))] if labels else []
+        if not isinstance(c_arm, (list, tuple)):
+            pictures, truths = pictures[:, 0], [own[0] for own in truths]
+        if not several:
+            pictures, truths = pictures[0], truths[0] if labels else None
+        return (pictures, truths) if labels else pictures
 
     # -- life ---------------------------------------------------------------------------------------------------------
 
@@ -466,11 +486,11 @@ class World:
     def _index(self, instrument: Union[int, str]) -> int:
         if isinstance(instrument, str):
             if instrument not in self._names:
-                raise Error(f"\"{instrument}\": no such instrument; there are {', '.join(self._names)}", 2)
+                raise Error(f"instrument: got \"{instrument}\"; expected one of {', '.join(self._names)}", 2)
             return self._names.index(instrument)
         k = int(instrument)
         if not 0 <= k < len(self._names):
-            raise Error(f"instrument {k}: no such instrument; there are 0 to {len(self._names) - 1}", 2)
+            raise Error(f"instrument: got {k}; expected 0 to {len(self._names) - 1}", 2)
         return k
 
     def _targets(self, control: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -488,7 +508,7 @@ class World:
             given = given.reshape(1, 2)
         _reals(given, (given.shape[0] if given.ndim == 2 else wires, 2))
         if not 1 <= given.shape[0] <= wires:
-            raise ValueError(f"control: shape {np.shape(control)} given; (2,) or ({wires}, 2) expected")
+            raise ValueError(f"control: got shape {np.shape(control)}; expected (2,) or ({wires}, 2)")
         targets[: len(given)], moves[: len(given)] = given, True
         return targets, moves
 
@@ -496,15 +516,15 @@ class World:
 def _reals(x: Any, shape: tuple[int, ...]) -> np.ndarray:
     a = np.asarray(x)
     if a.dtype.kind not in "fiu":
-        raise TypeError(f"control: numbers expected, {a.dtype} given")
+        raise TypeError(f"control: got {a.dtype}; expected numbers")
     if a.shape != shape:
-        raise ValueError(f"control: shape {a.shape} given, {shape} expected (advance [m], turn [rad])")
+        raise ValueError(f"control: got shape {a.shape}; expected {shape}: advance [m], turn [rad]")
     if not np.isfinite(a).all():
-        raise ValueError(f"control: {a.tolist()} given, finite numbers expected")
+        raise ValueError(f"control: got {a.tolist()}; expected finite numbers")
     return a.astype(np.float64)
 
 
 def _count(n: Any) -> int:
     if isinstance(n, bool) or int(n) != n or n < 1:
-        raise ValueError(f"n: {n} given, a whole number of steps from 1 on expected")
+        raise ValueError(f"n: got {n}; expected a whole number of steps, 1 or more")
     return int(n)

@@ -1,6 +1,7 @@
 """Gymnasium environments: `seldinger/Navigate-v0`, alone and as a vector of systems of one world.
 
-Importing this module registers them. It needs gymnasium (`pip install seldinger[gym]`).
+Importing this module registers them; `gymnasium.make("seldinger.gym:seldinger/Navigate-v0")` imports it by itself. It needs gymnasium
+(`pip install seldinger[gym]`).
 
 >>> import gymnasium, seldinger.gym
 >>> env = gymnasium.make("seldinger/Navigate-v0", target="left-subclavian")
@@ -8,25 +9,119 @@ Importing this module registers them. It needs gymnasium (`pip install seldinger
 >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
 >>> sorted(info)[:3]
 ['advance', 'distance', 'failed']
+>>> episode = env.unwrapped.save()                          # hubs, clock, progress and generator, too
+>>> after = env.step(env.action_space.sample())
+>>> env.unwrapped.restore(episode)
 >>> env.close()
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Optional, Union
 
 import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from ._navigate import MEASURES, Fleet, Navigate, branches, fleet_of, starts_of, target_point
+from ._errors import Error
+from ._fleet import Fleet, Fleets, checked, fleet_of, starts_of
+from ._navigate import MEASURES, Navigate, branches, target_point
 from ._world import World
 
-__all__ = ["Navigate", "NavigateEnv", "NavigateVectorEnv", "branches", "target_point"]
+__all__ = ["Episode", "Navigate", "NavigateEnv", "NavigateVectorEnv", "branches", "target_point"]
 
 
-class NavigateEnv(gymnasium.Env):
+@dataclass(frozen=True)
+class Episode:
+    """What `save()` of an environment returns: the state of its worlds, hubs, clock, progress, pictures and generators. It can be
+    pickled."""
+
+    task: dict[str, str]
+    variants: list[list[str]]
+    fleet: Any
+    generators: list[dict[str, Any]]
+    ended: Optional[np.ndarray] = None
+
+
+def _check_render_mode(render_mode: Optional[str]) -> Optional[str]:
+    if render_mode not in (None, "rgb_array"):
+        raise ValueError(f"render_mode: got \"{render_mode}\"; expected None or \"rgb_array\"")
+    return render_mode
+
+
+class _OnAFleet:
+    """The worlds behind an environment, made at the first use: who only asks for spaces starts no OpenCL, and may be forked
+    (AsyncVectorEnv). Copies and pickles carry the episode, and make their worlds when they need them."""
+
+    task: Navigate
+    _device: int
+    _own: list[list[str]]                          # overrides of each system
+    _made: Union[None, Fleet, Fleets] = None
+    _awaited: Optional[Episode] = None             # to be restored when the worlds are made
+    _ended_for_good = False
+
+    @property
+    def _fleet(self) -> Union[Fleet, Fleets]:
+        if self._ended_for_good:
+            raise Error("environment: got a call after close(); expected an open environment. Fix: make a new one", 2)
+        if self._made is None:
+            made = fleet_of(self.task, self._own, self._device)
+            made.keep([starts_of(self.task, own, self._device) for own in self._own])
+            if self._awaited is not None:
+                made.restore(self._awaited.fleet)
+            self._made, self._awaited = made, None
+        return self._made
+
+    def _let_go(self) -> None:
+        if self._made is not None:
+            self._made.close()
+        self._made = self._awaited = None
+
+    def _generators(self) -> list[np.random.Generator]:
+        raise NotImplementedError
+
+    def save(self) -> Episode:
+        """The whole episode: state of the worlds, hubs, clock, progress, pictures and generators."""
+        ended = getattr(self, "_ended", None)
+        return Episode(self.task.identity(), self._own, self._fleet.save(), [g.bit_generator.state for g in self._generators()],
+                       None if ended is None else ended.copy())
+
+    def restore(self, episode: Episode) -> None:
+        """Returns to a saved episode of this environment or of one with the same settings: what follows has the same bits.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Not an episode; one of other settings. Nothing has changed then.
+        """
+        if not isinstance(episode, Episode):
+            raise TypeError(f"episode: got {type(episode).__name__}; expected what env.save() returned")
+        own = {**self.task.identity(), "environments": str(len(self._own))}
+        other = {**episode.task, "environments": str(len(episode.variants))}
+        for name in sorted(own.keys() | other.keys()):
+            if own.get(name) != other.get(name):
+                raise ValueError(f"episode: got one with {name} = {other.get(name)}; expected {own.get(name)}. Fix: restore it into an "
+                                 "environment with the settings of the one that saved it")
+        self._take_variants(episode.variants)
+        self._fleet.restore(episode.fleet)
+        for generator, state in zip(self._generators(), episode.generators):
+            generator.bit_generator.state = state
+        if episode.ended is not None:
+            self._ended = episode.ended.copy()
+
+    def _take_variants(self, variants: list[list[str]]) -> None:
+        if variants != self._own:
+            self._let_go()
+            self._own = variants
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in self.__dict__.items() if name != "_made"}
+        return {**kept, "_awaited": self.save() if self._made is not None else self._awaited}
+
+
+class NavigateEnv(_OnAFleet, gymnasium.Env):
     """Steers a wire to a target inside a vessel.
 
     Actions
@@ -39,6 +134,7 @@ class NavigateEnv(gymnasium.Env):
         shape [3 each]: points of the wire behind the tip: path from the tip / 0.1 m, offset from the centreline in radii.
         hand [2]: force / 0.5 N, torque / 1 N mm.   wall [2]: sum of normal forces / 0.5 N, contacts / 10.
         hub [3]: advance / 0.1 m, sine and cosine of the turn.
+        image [rows, columns, channels] uint8, with `image`; with observation=() it is the observation.
 
     Reward, termination, truncation
         See `Navigate`: progress along the path, arrival, time, wall force. Terminated: arrived, or `hand_force_stop`.
@@ -46,7 +142,8 @@ class NavigateEnv(gymnasium.Env):
         `max_steps`, or a step of the engine that failed (info["failed"]).
 
     info
-        way, distance [m], hand_force, wall_force [N], hand_torque [N m], advance [m], turn [rad], time [s], failed, success.
+        way, distance [m], hand_force, wall_force [N], hand_torque [N m], advance [m], turn [rad], time [s], failed, success
+        (is_success is the same).
 
     reset(seed=s)
         Only the seeded generator draws the start: the same seed gives the same episode, bit for bit.
@@ -55,67 +152,64 @@ class NavigateEnv(gymnasium.Env):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 60}
 
     def __init__(self, render_mode: Optional[str] = None, device: int = -1, **settings: Any) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"render_mode: \"{render_mode}\" given; None or \"rgb_array\" expected")
-        self.render_mode, self._device = render_mode, device
+        self.render_mode, self._device = _check_render_mode(render_mode), device
         self.task = Navigate(**settings)
         self._variants = self.task.variants()
-        self._variant = -1
-        self._use((self.task.variant or 0) % len(self._variants))
-        self.observation_space, self.action_space = self._fleet.spaces()
-
-    def _use(self, variant: int) -> None:
-        if variant == self._variant:
-            return
-        if self._variant >= 0:
-            self._fleet.close()
-        self._variant = variant
-        self._fleet = Fleet(self.task, [self._variants[variant]], self._device)
-        self._fleet.keep([starts_of(self.task, self._variants[variant])])
+        self._own = [self._variants[(self.task.variant or 0) % len(self._variants)]]
+        self.observation_space, self.action_space = self.task.spaces()
 
     @property
     def world(self) -> World:
-        """The world, for inspection; stepping it changes the episode."""
+        """The world, for inspection. Its `step`, `settle`, `run` and `restore` are refused, as they would change the episode."""
         return self._fleet.world
+
+    def _generators(self) -> list[np.random.Generator]:
+        return [self.np_random]
 
     def _observation(self) -> Any:
         if self.task.flat:
             return self._fleet.flat()[0]
+        if self.task.pixels_alone:
+            return self._fleet.pictures[0].copy()
         seen: dict[str, np.ndarray] = {p: self._fleet.seen[0, s].copy() for p, s in self._fleet.parts.items()}
         if self.task.image is not None:
-            seen["image"] = self._fleet.images()[0]
+            seen["image"] = self._fleet.pictures[0].copy()
         return seen
 
     def _info(self) -> dict[str, Any]:
         info: dict[str, Any] = dict(zip(MEASURES, self._fleet.measured[0].tolist()))
         info["failed"] = info["failed"] > 0
-        info["success"] = not info["failed"] and info["distance"] <= self.task.target_radius
+        info["success"] = info["is_success"] = not info["failed"] and info["distance"] <= self.task.target_radius
         return info
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
         """Begins an episode. options: {"start": k} takes that start."""
         super().reset(seed=seed)
         if self.task.variant is None and len(self._variants) > 1:
-            self._use(int(self.np_random.integers(len(self._variants))))
+            self._take_variants([self._variants[int(self.np_random.integers(len(self._variants)))]])
         start = int(self.np_random.integers(self.task.starts))
-        self._fleet.begin(0, (options or {}).get("start", start) % self.task.starts)
+        fleet = self._fleet  # alone on its line: AsyncVectorEnv logs the traceback of an error here, and stumbles over a percent sign
+        fleet.begin(0, (options or {}).get("start", start) % self.task.starts)
+        fleet.shoot(np.ones(1, bool))
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """One control."""
-        reward, terminated, truncated = self._fleet.act(self._fleet.check(action, self.action_space.shape))
+        reward, terminated, truncated = self._fleet.act(checked(action, self.action_space.shape, self._fleet.wires))
+        self._fleet.shoot(np.ones(1, bool))
         return self._observation(), float(reward[0]), bool(terminated[0]), bool(truncated[0]), self._info()
 
     def render(self) -> Optional[np.ndarray]:
         """[480, 640, 3] uint8, with render_mode="rgb_array"."""
-        return self._fleet.world.render(640, 480) if self.render_mode else None
+        return self._fleet.render(640, 480)[0] if self.render_mode else None
 
     def close(self) -> None:
         """Gives the world's memory back."""
-        self._fleet.close()
+        self._let_go()
+        self._ended_for_good = True
 
 
-class NavigateVectorEnv(VectorEnv):
+class NavigateVectorEnv(_OnAFleet, VectorEnv):
     """`num_envs` environments as systems of one world (one for each vessel, where `vary` has several), with one launch of each
     stage for all. Each has the bits of a single environment (environment i: `NavigateEnv(variant=i % variants)`), resets
     included.
@@ -125,17 +219,17 @@ class NavigateVectorEnv(VectorEnv):
     """
 
     def __init__(self, num_envs: int = 1, autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
-                 render_mode: Optional[str] = None, device: int = -1, **settings: Any) -> None:
+                 render_mode: Optional[str] = None, device: int = -1, max_episode_steps: Optional[int] = None, **settings: Any) -> None:
         if num_envs < 1:
-            raise ValueError(f"num_envs: {num_envs} given, 1 or more expected")
-        self.task, self.render_mode, self.num_envs = Navigate(**settings), render_mode, int(num_envs)
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+            raise ValueError(f"num_envs: got {num_envs}; expected 1 or more")
+        if max_episode_steps is not None:  # what make_vec calls max_steps
+            settings["max_steps"] = max_episode_steps
+        self.task, self.render_mode, self.num_envs = Navigate(**settings), _check_render_mode(render_mode), int(num_envs)
+        self._device, self.autoreset_mode = device, AutoresetMode(autoreset_mode)
         self.metadata = {"render_modes": ["rgb_array"], "render_fps": 60, "autoreset_mode": self.autoreset_mode}
         variants = self.task.variants()
-        own = [variants[i % len(variants)] for i in range(num_envs)]
-        self._fleet = fleet_of(self.task, own, device)
-        self._fleet.keep([starts_of(self.task, v) for v in own])
-        self.single_observation_space, self.single_action_space = self._fleet.spaces()
+        self._own = [variants[i % len(variants)] for i in range(num_envs)]
+        self.single_observation_space, self.single_action_space = self.task.spaces()
         self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)
         self._random = [np.random.default_rng() for _ in range(num_envs)]
@@ -151,66 +245,85 @@ class NavigateVectorEnv(VectorEnv):
         """Worlds, one for each vessel."""
         return self._fleet.worlds
 
+    def _generators(self) -> list[np.random.Generator]:
+        return self._random
+
     def _observation(self) -> Any:
         if self.task.flat:
             return self._fleet.flat()
+        if self.task.pixels_alone:
+            return self._fleet.pictures.copy()
         all_parts = self._fleet.seen.copy()
         seen: dict[str, np.ndarray] = {p: all_parts[:, s] for p, s in self._fleet.parts.items()}
         if self.task.image is not None:
-            seen["image"] = self._fleet.images()
+            seen["image"] = self._fleet.pictures.copy()
         return seen
 
     def _info(self) -> dict[str, Any]:
         info: dict[str, Any] = dict(zip(MEASURES, self._fleet.measured.T.copy()))
         info["failed"] = info["failed"] > 0
         info["success"] = ~info["failed"] & (info["distance"] <= self.task.target_radius)
+        info["is_success"] = info["success"].copy()
         return {**info, **dict.fromkeys(("_" + name for name in info), np.ones(self.num_envs, bool))}
 
-    def _begin(self, which: np.ndarray) -> None:
+    def _final(self, done: np.ndarray) -> dict[str, Any]:
+        """What SAME_STEP says of the episodes that have ended: as gymnasium does, one observation for each of them, None for the others."""
+        seen, last = self._observation(), np.full(self.num_envs, None, object)
+        for s in np.flatnonzero(done):
+            last[s] = {p: part[s] for p, part in seen.items()} if isinstance(seen, dict) else seen[s]
+        return {"final_obs": last, "final_info": self._info(), "_final_obs": done.copy(), "_final_info": done.copy()}
+
+    def _begin(self, which: np.ndarray, chosen: Any = None) -> None:
+        """@param chosen  start of all, or of each; else the generators draw them"""
         for s in np.flatnonzero(which):
-            self._fleet.begin(int(s), int(self._random[s].integers(self.task.starts)))
+            drawn = int(self._random[s].integers(self.task.starts))
+            self._fleet.begin(int(s), drawn if chosen is None else int(np.broadcast_to(chosen, self.num_envs)[s]) % self.task.starts)
         self._ended[which] = False
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
               options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's vector environments."""
+        """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's vector environments. options:
+        {"start": k} takes that start, [num_envs] one for each; {"reset_mask": [num_envs] bool} begins some only."""
         seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed or [None] * self.num_envs
         if len(seeds) != self.num_envs:
-            raise ValueError(f"seed: {len(seeds)} given, one or {self.num_envs} expected")
+            raise ValueError(f"seed: got {len(seeds)}; expected one or {self.num_envs}")
         which = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs, bool)))
         if which.shape != (self.num_envs,) or which.dtype != bool:
-            raise ValueError(f"reset_mask: [{self.num_envs}] bool expected")
+            raise ValueError(f"reset_mask: got {which.dtype} {which.shape}; expected [{self.num_envs}] bool")
         for s, own in enumerate(seeds):
             if own is not None and which[s]:
                 self._random[s] = gymnasium.utils.seeding.np_random(int(own))[0]
-        self._begin(which)
+        self._begin(which, (options or {}).get("start"))
+        self._fleet.shoot(which)
         return self._observation(), self._info()
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One control of all environments. With NEXT_STEP, the step after an episode's end begins the next one and ignores its
         action."""
-        ended = self._ended.copy()
-        reward, terminated, truncated = self._fleet.act(self._fleet.check(actions, self.action_space.shape))
+        ended, everyone = self._ended.copy(), np.ones(self.num_envs, bool)
+        reward, terminated, truncated = self._fleet.act(checked(actions, self.action_space.shape, self._fleet.wires))
         final: dict[str, Any] = {}
         if self.autoreset_mode == AutoresetMode.NEXT_STEP and ended.any():
             self._begin(ended)
             reward[ended], terminated[ended], truncated[ended] = 0.0, False, False
+        self._fleet.shoot(everyone)
         done = terminated | truncated
         if self.autoreset_mode == AutoresetMode.SAME_STEP and done.any():
-            final = {"final_obs": self._observation(), "final_info": self._info(), "_final_obs": done.copy(),
-                     "_final_info": done.copy()}
+            final = self._final(done)
             self._begin(done)
+            self._fleet.shoot(done)
         else:
             self._ended = done.copy()
         return self._observation(), reward, terminated, truncated, {**self._info(), **final}
 
     def render(self) -> Optional[tuple[np.ndarray, ...]]:
-        """A picture of each world, all its systems in it."""
-        return tuple(world.render(640, 480) for world in self._fleet.worlds) if self.render_mode else None
+        """A picture [480, 640, 3] uint8 of each environment, with render_mode="rgb_array"."""
+        return tuple(self._fleet.render(640, 480)) if self.render_mode else None
 
     def close_extras(self, **_: Any) -> None:
         """Gives the world's memory back."""
-        self._fleet.close()
+        self._let_go()
+        self._ended_for_good = True
 
 
 if "seldinger/Navigate-v0" not in gymnasium.registry:

@@ -157,20 +157,38 @@ private:
     std::vector<std::vector<InstrumentMatter>> matter_;  // of each system
 };
 
-using Fluoroscopes = std::vector<std::unique_ptr<Fluoroscopy>>;
+using Lanes = std::vector<std::unique_ptr<Fluoroscopy>>;
+
+/// The fluoroscopes of the last few views, the newest first: whoever looks from two sides by turns has wall and body traced once for each.
+using Views = std::vector<Lanes>;
+constexpr std::size_t most_views = 4;
+
+Lanes& lanes_for(Handle& handle, const Ask& ask)
+{
+    auto views = std::static_pointer_cast<Views>(handle.fluoroscope);
+    if (!views) handle.fluoroscope = views = std::make_shared<Views>();
+    const auto fits = [&](const Lanes& lanes) { return !lanes.empty() && lanes.front() && lanes.front()->fits(ask); };
+    const auto found = std::ranges::find_if(*views, fits);
+    if (found != views->end()) {
+        std::rotate(views->begin(), found, found + 1);
+    } else {
+        views->insert(views->begin(), Lanes{});
+        if (views->size() > most_views) views->pop_back();
+    }
+    return views->front();
+}
 
 /// The pictures one after the other. Several threads take every so many-th each, with a fluoroscope of their own.
 std::vector<Taken> take(Handle& handle, const Ask& ask, const std::vector<Shot>& shots)
 {
     const std::shared_ptr<const Output> output = handle.output();
-    auto kept = std::static_pointer_cast<Fluoroscopes>(handle.fluoroscope);
-    if (!kept) handle.fluoroscope = kept = std::make_shared<Fluoroscopes>();
+    Lanes& kept = lanes_for(handle, ask);
     const std::size_t lanes = std::min(shots.size(), static_cast<std::size_t>(thread_slot_count()));
-    kept->resize(std::max(kept->size(), lanes));
+    kept.resize(std::max(kept.size(), lanes));
     std::vector<Taken> taken(shots.size());
     for_each_item(static_cast<int>(lanes), 1, [&](int lane) {
-        std::unique_ptr<Fluoroscopy>& scope = (*kept)[static_cast<std::size_t>(lane)];
-        if (!scope || !scope->fits(ask)) scope = std::make_unique<Fluoroscopy>(handle, ask, *output);
+        std::unique_ptr<Fluoroscopy>& scope = kept[static_cast<std::size_t>(lane)];
+        if (!scope) scope = std::make_unique<Fluoroscopy>(handle, ask, *output);
         for (auto k = static_cast<std::size_t>(lane); k < shots.size(); k += lanes)
             taken[k] = scope->look(handle.world(), *output, shots[k], ask);
     });

@@ -23,8 +23,9 @@ void check_process()
 {
     if (forked())
         throw Error(ExitCode::NoDevice,
-                    "this process was forked from one that had started OpenCL, whose threads it does not have; start it with "
-                    "multiprocessing's \"spawn\" or \"forkserver\", or make the first World after the fork");
+                    "OpenCL: got a process that was forked after OpenCL had been started, without its threads; expected a fork before the first world. "
+                    "Fix: start it with multiprocessing's \"spawn\" or \"forkserver\" (AsyncVectorEnv: context=\"spawn\"), or make the first "
+                    "World after the fork.");
 }
 
 Handle::Handle(const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides,

@@ -239,6 +239,13 @@ PYBIND11_MODULE(_engine, module)
         for (const DeviceInfo& device : list_devices()) names.emplace_back(device.name, device.platform);
         return names;
     });
+    // which hubs a scene feeds: read without a device, so that the process may still be forked
+    module.def("scene_feeds", [](const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {
+        const Scene scene = read_scene_text(text, file, overrides);
+        std::vector<bool> fed;
+        for (int k = 0; k < scene.instrument_count(); ++k) fed.push_back(scene.instrument(k).feed.on);
+        return fed;
+    });
     bind_output(module);
     bind_state(module);
     bind_world(module);

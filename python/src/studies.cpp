@@ -143,27 +143,28 @@ void aim(Picture& picture, const WireFrame& frame, const CameraPose& camera)
     picture.looked_elsewhere = camera.has_value();
 }
 
-WireFrame frame_of(const Output& output, const std::vector<std::string>& names)
+/// The wires from `first` to before `end`, those of one system or all.
+WireFrame frame_of(const Output& output, const std::vector<std::string>& names, std::size_t first, std::size_t end)
 {
     WireFrame frame;
-    for (std::size_t k = 0; k < output.wires.size(); ++k) {
+    for (std::size_t k = first; k < end; ++k) {
         WireLine line;
         line.nodes = output.wires[k].position, line.radius = output.wires[k].radius;
-        if (output.wires.size() > 1) line.name = names[k];
+        if (end - first > 1) line.name = names[k];
         frame.wires.push_back(std::move(line));
     }
     for (const ContactRow& row : output.contacts)
-        if (row.b.kind == BodyKind::Wall) frame.contacts.push_back({row.point, row.normal, row.normal_force, row.per_length, row.region + 1'000'000 * row.a.body});
-    frame.time = output.time;
-    frame.inserted = output.wires.front().readings.inserted;
-    frame.hand_force = output.wires.front().readings.hand_force;
+        if (row.b.kind == BodyKind::Wall && row.a.body >= static_cast<int>(first) && row.a.body < static_cast<int>(end)) frame.contacts.push_back({row.point, row.normal, row.normal_force, row.per_length, row.region + 1'000'000 * row.a.body});
+    frame.time = end - first == output.wires.size() ? output.time : output.wires[first].time;
+    frame.inserted = output.wires[first].readings.inserted;
+    frame.hand_force = output.wires[first].readings.hand_force;
     frame.per_length = 0;
-    for (const WireOutput& wire : output.wires) frame.per_length = std::max(frame.per_length, wire.on_wall.per_length_max);
+    for (std::size_t k = first; k < end; ++k) frame.per_length = std::max(frame.per_length, output.wires[k].on_wall.per_length_max);
     return frame;
 }
 
 py::array render(Handle& handle, int width, int height, bool legend, double force_scale,
-                 const CameraPose& camera)
+                 const CameraPose& camera, int system)
 {
     py::array_t<std::uint8_t> pixels;
     std::vector<std::uint8_t> drawn;  // a copy: once the lock is gone another thread may draw, or close the world
@@ -171,6 +172,7 @@ py::array render(Handle& handle, int width, int height, bool legend, double forc
     {
         const py::gil_scoped_release others;
         const std::lock_guard hold(handle.lock());
+        handle.check_system(system);
         const World& world = handle.world();
         auto picture = std::static_pointer_cast<Picture>(handle.companion);
         if (!picture || picture->width != width || picture->height != height || picture->legend != legend) {
@@ -185,7 +187,8 @@ py::array render(Handle& handle, int width, int height, bool legend, double forc
         const Drawing drawing{picture->renderer};
         std::vector<std::string> names;
         for (const WireSetup& wire : world.setup().wires) names.push_back(wire.name);
-        const WireFrame frame = frame_of(*handle.output(), names);
+        const auto [first, end] = system < 0 ? std::pair(0, world.wire_count()) : world.wires_of(system);
+        const WireFrame frame = frame_of(*handle.output(), names, static_cast<std::size_t>(first), static_cast<std::size_t>(end));
         aim(*picture, frame, camera);
         picture->renderer.set_force_scale(force_scale);
         picture->renderer.draw(frame);
@@ -198,7 +201,7 @@ py::array render(Handle& handle, int width, int height, bool legend, double forc
 
 #else
 
-py::array render(Handle&, int, int, bool, double, const CameraPose&)
+py::array render(Handle&, int, int, bool, double, const CameraPose&, int)
 {
     throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 }

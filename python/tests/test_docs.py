@@ -7,13 +7,15 @@ import pytest
 
 import seldinger
 
-MODULES = ["seldinger", "seldinger._errors", "seldinger._scene", "seldinger._world", "seldinger._studies", "seldinger.gym"]
+MODULES = ["seldinger", "seldinger._errors", "seldinger._scene", "seldinger._world", "seldinger._studies", "seldinger.gym", "seldinger.sb3"]
 
 
 @pytest.mark.parametrize("name", MODULES)
 def test_examples(name):
-    if name.endswith("gym"):
+    if name.endswith(("gym", "sb3")):
         pytest.importorskip("gymnasium", reason="gymnasium is not installed: pip install gymnasium")
+    if name.endswith("sb3"):
+        pytest.importorskip("stable_baselines3", reason="stable-baselines3 is not installed: pip install stable-baselines3")
     failed, tried = doctest.testmod(importlib.import_module(name))
     assert failed == 0 and tried > 0
 

@@ -99,7 +99,7 @@ def test_a_wire_is_dark_and_noise_is_drawn_by_its_number():
     assert np.array_equal(first, same) and not np.array_equal(first, other)
 
 
-@pytest.mark.parametrize("how", [{"width": 0}, {"height": -5}, {"width": 10**6}, {"c_arm": "LOA 3"}, {"c_arm": 30}, {"field": 0.0},
+@pytest.mark.parametrize("how", [{"width": 0}, {"height": -5}, {"width": 10**6}, {"c_arm": "LOA 3"}, {"c_arm": 30}, {"c_arm": []}, {"c_arm": ["LAO 30", 5]}, {"field": 0.0},
                                  {"field": float("nan")}, {"system": 1}, {"system": -1}, {"frame": -1}, {"width": 2**40}])
 def test_pictures_that_cannot_be(how):
     world = seldinger.World("aortic-arch")
@@ -120,7 +120,22 @@ def test_several_systems_have_the_pictures_that_they_have_alone():
     for picture, system, frame in zip(together, (2, 0, 1, 2), (7, 8, 9, 10)):
         assert np.array_equal(picture, world.fluoroscopy(48, 32, system=system, frame=frame))
     assert world.fluoroscopy(48, 32, system=[]).shape == (0, 32, 48)
-    with pytest.raises(ValueError, match="2 given for 3 systems"):
+    with pytest.raises(ValueError, match="got 2 for 3 systems"):
         world.fluoroscopy(48, 32, system=range(3), frame=[1, 2])
     with pytest.raises(seldinger.Error, match="no such system"):
         world.fluoroscopy(48, 32, system=[0, 3])
+
+
+def test_several_positions_of_the_c_arm_in_one_call():
+    world = seldinger.World("navigate", copies=[[], []])
+    for k in range(1, 11):
+        assert not world.step([[0.004 * k, 0.0], [0.005 * k, 0.1 * k]], n=4).failed
+    arms, how = ["LAO 30", "RAO 30", None], {"frame": [3, 9], "field": 0.3}
+    both = world.fluoroscopy(40, 30, system=[1, 0], c_arm=arms, **how)
+    assert both.shape == (2, 3, 30, 40)
+    for v, arm in enumerate(arms):
+        alone = world.fluoroscopy(40, 30, system=[1, 0], c_arm=arm, field=0.3, frame=[f + (v << 48) for f in how["frame"]])
+        assert np.array_equal(both[:, v], alone)  # noise of its own in each view
+    one, labels = world.fluoroscopy(40, 30, c_arm=arms[:2], noise=False, field=0.3, labels=True)
+    assert one.shape == (2, 30, 40) and [label["camera"]["primary_deg"] for label in labels] == pytest.approx([30.0, -30.0])
+    assert np.array_equal(one[0], world.fluoroscopy(40, 30, c_arm="LAO 30", noise=False, field=0.3))

@@ -64,6 +64,8 @@ def test_a_vector_is_its_environments(mode, vary):
         action = rng.uniform(-1, 1, (count, 2)).astype(np.float32)
         one, all_ = single.step(action), vector.step(action)
         assert all(same(x, y) for x, y in zip(one[:4], all_[:4]))
+        for s in np.flatnonzero(all_[4].get("_final_obs", [])):
+            assert same(one[4]["final_obs"][s], all_[4]["final_obs"][s])
         ends += int((one[2] | one[3]).sum())
     assert ends >= 2 * count
     single.close()
@@ -134,7 +136,7 @@ def test_fluoroscopy_is_seen_alike_alone_and_in_a_vector():
         action = rng.uniform(-1, 1, (2, 2)).astype(np.float32)
         a, b = single.step(action)[0], vector.step(action)[0]
         assert same(a, b) and vector.observation_space.contains(b)
-    assert b["image"].shape == (2, 48, 64) and b["image"].std() > 5
+    assert b["image"].shape == (2, 48, 64, 1) and b["image"].std() > 5
     single.close()
     vector.close()
 
@@ -149,5 +151,5 @@ def test_images_that_cannot_be(settings):
 def test_an_image_is_seen():
     env = seldinger.gym.NavigateEnv(image=lambda world, system: np.full((8, 8), 7, np.uint8), image_shape=(8, 8), **SMALL)
     seen, _ = env.reset(seed=0)
-    assert seen["image"].shape == (8, 8) and env.observation_space.contains(seen)
+    assert seen["image"].shape == (8, 8, 1) and env.observation_space.contains(seen)
     env.close()

@@ -19,10 +19,13 @@ def main():
         os.mkdir("bin dir")
         os.symlink(app, "bin dir/seldinger")
         done = subprocess.run(["snakemake", "--cores", "1", "--quiet", "-s", source / "examples/farm/Snakefile", "--config", f"seldinger={folder}/bin dir/seldinger",
-                               "scene=my scene.toml", "sweep=it's $(touch owned).toml", "dir=a; touch owned", "tasks=2"],
+                               "scene=my scene.toml", "sweep=it's $(touch owned).toml", "dir=a; touch owned", "tasks=2",
+                               "set=['scene.duration_s=0.002', 'scene.name=it is; touch owned']"],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
         assert done.returncode == 0, done.stdout
         assert Path("a; touch owned/results.csv").exists() and not Path("owned").exists(), os.listdir(".")
+        farm = Path("a; touch owned/farm.json").read_text()
+        assert "scene.duration_s=0.002" in farm and "it is; touch owned" in farm, farm[:2000]
         print("a workflow with blanks, quotes and semicolons in its names ran to its end")
     finally:
         os.chdir("/")
