@@ -332,7 +332,7 @@ void add_merge(CommandLine& farm_command, Command& chosen)
         farm_command.add_subcommand("merge", "merge finished tasks: results.csv of a sweep, or a film of frames");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("--video", options->video, "film of the frames, by ffmpeg")->type_name("FILE.mp4");
-    command->add_option("--fps", options->fps, "frames per second of the film (default: real time)")
+    command->add_option("--fps", options->fps, "frames per second of the film (default: real time, at least 15)")
         ->check(in_range(0.1, 240.0))
         ->type_name("N");
     command->callback([options, &chosen] { chosen = [options] { return merge(*options); }; });

@@ -110,7 +110,7 @@ std::string NpzWriter::finish() const
         file += std::string("PK\x03\x04", 4) + header + entry.name + entry.content;
     }
     if (file.size() + directory.size() > 0xffffffffull || entries_.size() > 0xffff)
-        throw Error(ExitCode::BadFile, "results.npz would be larger than 4 GiB; split the sweep");
+        throw Error(ExitCode::BadFile, "results.npz: got more than 4 GiB; expected less. Fix: split the sweep");
     const std::size_t at = file.size();
     file += directory + std::string("PK\x05\x06", 4);
     put_number(file, 0, 4);  // one disk

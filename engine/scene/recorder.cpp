@@ -66,6 +66,14 @@ std::vector<std::string> instruments_in(const std::vector<std::string>& files)
 
 bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; }
 
+ClosedEnds closed_ends_of(const World& world, const RepairReport& vessel)
+{
+    std::vector<Vec3> ways_in;
+    for (const WireSetup& wire : world.setup().wires)
+        if (wire.feed.on) ways_in.push_back(wire.feed.point);
+    return {vessel.loops, world.setup().centreline, ways_in};
+}
+
 }  // namespace
 
 void remove_old_run(const Folder& dir)
@@ -120,6 +128,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     write_file(dir_ / "scene.toml", resolved_);
     begin_traces({});
     has_wall_ = !mesh_.triangles.empty();
+    closed_ends_ = closed_ends_of(world, vessel_);
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
     const Output now = world.output(frame_parts());
     readings_ = joint_readings(now.wires);
@@ -134,6 +143,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
       dir_(std::move(dir)),
       vessel_hash_(hash_of(mesh_)),
       has_wall_(!mesh_.triangles.empty()),
+      closed_ends_(closed_ends_of(world, vessel_)),
       yields_(world.setup().vessel.elastic),
       tally_(saved.tally),
       wire_frames_(saved.wire_frames),
@@ -176,7 +186,7 @@ void Recorder::forget_lost_frames()
     if (yields_) std::erase_if(contact_frames_, is_lost("wall"));
 }
 
-void Recorder::take_in(const Output& now, const StepReport& report)
+void Recorder::take_in(const Output& now, const StepReport& report, double dt)
 {
     readings_ = joint_readings(now.wires);
     if (readings_.overlap_share > tally_.overlap_share) {
@@ -186,7 +196,7 @@ void Recorder::take_in(const Output& now, const StepReport& report)
     }
     if (std::abs(readings_.hand_force) > tally_.hand_force_max) tally_.hand_force_time = now.time;
     watch_exits(tally_.exits, now.wires, vessel_.loops, mesh_, now.time);
-    tally_.take_in(readings_, report.flags, report.newton_iterations);
+    tally_.take_in(readings_, report.flags, report.newton_iterations, dt);
     tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
     tally_.row_flags |= report.flags;
@@ -202,6 +212,7 @@ void Recorder::take_greatest(const Output& now)
         tally_.on_wall.take_in(joint_along(now.wires, &WireOutput::on_wall), now.time);
         tally_.on_instruments.take_in(joint_along(now.wires, &WireOutput::on_instruments), now.time);
     }
+    if (now.parts & Output::Contacts) closed_ends_.watch(tally_.end_touch, now);
     if (now.walls.empty() || !(now.parts & (Output::Wall | Output::WallShape))) return;
     const WallReadings& wall = now.walls[0].readings;
     tally_.wall_move.take_in(wall.move_max, wall.move_at, now.time);
@@ -211,7 +222,7 @@ void Recorder::take_greatest(const Output& now)
 void Recorder::settled(const Output& now, const StepReport& report)
 {
     const Stopwatch watch(tally_.record);
-    take_in(now, report);
+    take_in(now, report, 0);
     take_greatest(now);
     write_row(now);
     placed(now);
@@ -258,7 +269,7 @@ void Recorder::stepped(const Output& now, const StepReport& report, double secon
     tally_.steps++;
     tally_.row_steps++;
     tally_.row_time += seconds;
-    take_in(now, report);
+    take_in(now, report, scene_.step_length(static_cast<long>(tally_.steps - 1)));
     take_greatest(now);
     const bool at_rest = std::all_of(now.wires.begin(), now.wires.end(), [](const WireOutput& wire) { return wire.at_rest; });
     tally_.rest_steps = at_rest ? tally_.rest_steps + 1 : 0;

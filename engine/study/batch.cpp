@@ -186,7 +186,7 @@ void BatchWorld::settle_where_asked(std::vector<BatchRow>& rows)
     for (int k = 0; k < world_->system_count(); ++k) {
         const WireReport own = joint_report(*world_, k);
         if (!own.failed())
-            runs_[static_cast<std::size_t>(k)].tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
+            runs_[static_cast<std::size_t>(k)].tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, 0);
         if (!own.failed()) take_loads(k);
         if (own.failed() || scene_.integrator.scheme == Scheme::Static)
             finish(k, own.failed() ? RunStatus::Stopped : RunStatus::Done, rows);
@@ -217,7 +217,7 @@ std::vector<BatchRow> BatchWorld::step()
             continue;
         }
         run.tally.steps++;
-        run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
+        run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, scene_.step_length(static_cast<long>(run.tally.steps - 1)));
         if (run.tally.steps % scene_.record_every == 0) take_loads(k);
         else take_greatest_loads(k);
         follow_task(k);
@@ -256,7 +256,7 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
         std::uint8_t finished = 0;
         take_bytes(at, end, &finished, 1);
         if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
-            throw Error(ExitCode::BadFile, "the saved state counts what cannot be");
+            throw Error(ExitCode::BadFile, "got a saved state with a counter out of range; expected one that this version wrote");
         run.finished = finished != 0;
         left_ += !run.finished;
     }

@@ -136,6 +136,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     const Branches::Place place = branches.locate(world.setup().centreline, world.rod(leading_wire(world, system)).pos(0));
     const ScoreNumbers& score = tally.score;
     const double never = std::nan("");
+    const EndMean::Mean mean = tally.at_end(r);
     const auto whole = [](std::int64_t count) { return static_cast<double>(count); };
     row.numbers = {whole(place.branch),
                    place.depth,
@@ -161,9 +162,11 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
                    r.inserted,
                    r.turned,
                    r.hand_force,
+                   mean.hand,
                    r.hand_torque,
                    r.normal,
                    r.friction,
+                   mean.friction,
                    whole(r.contacts),
                    r.contact_length,
                    tip.x(),

@@ -234,7 +234,7 @@ TEST_SUITE("io/hostile_files")
                 "</PointData></Piece></PolyData></VTKFile>",
                 "x.vtp", "mm");
         });
-        CHECK(has(said, "holds no line"));
+        CHECK(has(said, "got no line"));
     }
 
     TEST_CASE("property: a centreline's places and radii are bounded, too")
