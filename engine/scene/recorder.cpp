@@ -6,6 +6,7 @@
 #include "scene/frames.h"
 #include "scene/joint_readings.h"
 #include "scene/scene_difference.h"
+#include "scene/wire_shapes.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd",
+constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd", "wire.npz",
                                      "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png",  "score.json", "score.html"};
 constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 
@@ -315,6 +316,19 @@ void Recorder::write_collections()
     if (yields_) write("wall", contact_frames_, {"wall"});
 }
 
+/// The frames as arrays. They are files that somebody may have changed: then there is a warning, and the run ends as it does.
+void Recorder::write_shapes()
+{
+    if (wire_frames_.empty()) return;
+    std::vector<std::string> series, names;
+    for (int k = 0; k < scene_.instrument_count(); ++k) series.push_back(series_of(scene_, k)), names.push_back(scene_.instrument(k).label);
+    try {
+        write_file(dir_ / "wire.npz", wire_npz(dir_, wire_frames_, series, names));
+    } catch (const Error& error) {
+        warn(fmt::format("wire.npz is not of this run's frames: {}", error.what()));
+    }
+}
+
 void Recorder::checkpoint(const World& world, RunStatus status, double wall)
 {
     const Stopwatch watch(tally_.record);
@@ -344,6 +358,7 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
         if (ended && scene_.wire_every > 0 && !due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
         if (ended && scene_.contacts_every > 0 && !due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);
         write_collections();
+        write_shapes();
         for (int k = 0; k < scene_.instrument_count(); ++k)
             write_wire_table(now.wires[static_cast<std::size_t>(k)], series_of(scene_, k));
         write_contact_table(now);

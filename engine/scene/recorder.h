@@ -72,6 +72,7 @@ private:
     void write_wire_frame(const Output& now);
     void write_contact_frame(const Output& now);
     void write_collections();
+    void write_shapes();
     [[nodiscard]] unsigned frame_parts() const;
     [[nodiscard]] std::string wall_fields(const Output& now);
     [[nodiscard]] std::string energy_fields(const EnergyLedger& ledger);

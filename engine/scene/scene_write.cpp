@@ -346,6 +346,8 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
     o.num_unless_zero("force_window_m", scene.force_window).num("force_patch_m", scene.force_patch);
     if (scene.bands) o.flag("bands", true);
+    if (scene.keep_traces) o.flag("keep_traces", true);
+    if (scene.keep_last_frame) o.flag("keep_last_frame", true);
     return out;
 }
 

@@ -499,7 +499,7 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir, 
                             1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"));
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
     std::string files;
-    for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "vessel.vtp", "scene.toml"})
+    for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "wire.npz", "vessel.vtp", "scene.toml"})
         if (std::filesystem::exists(dir / name)) files += fmt::format("{}{}", files.empty() ? "" : ", ", name);
     return text + fmt::format("  {}: {}\n", dir.string(), files) + answer_for_people(s);
 }

@@ -6,6 +6,7 @@
 #include "core/bytes.h"
 #include "scene/key_frames.h"
 #include "scene/vessel_load.h"
+#include "study/batch_keep.h"
 #include "study/batch_table.h"
 
 #include <limits>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace seldinger {
@@ -58,6 +60,8 @@ public:
     /// One step of every run that is not finished (the first settles, where the scene asks for it). @return rows of those that
     /// ended
     std::vector<BatchRow> step();
+    /// Files of runs that have ended since the last call, where the scene keeps any.
+    [[nodiscard]] KeptFiles take_kept() { return std::exchange(kept_, {}); }
     [[nodiscard]] bool finished() const { return left_ == 0; }
     [[nodiscard]] std::size_t running() const { return left_; }
     [[nodiscard]] long step_count() const { return world_->step_count(); }
@@ -74,6 +78,7 @@ private:
         double moving_until = 0;  // [s] of its own scene
         RunTally tally;
         bool finished = false;
+        std::string trace;  // of output.keep_traces
     };
     void finish(int system, RunStatus status, std::vector<BatchRow>& rows);
     [[nodiscard]] bool at_rest(int system) const;
@@ -81,6 +86,8 @@ private:
     void settle_where_asked(std::vector<BatchRow>& rows);
     void take_loads(int system);
     void take_greatest_loads(int system);
+    void keep_row(int system);
+    void keep_files(int system);
 
     void follow_task(int system);
 
@@ -89,6 +96,8 @@ private:
     KeyFrames key_frames_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
     Branches branches_;
+    std::int64_t sweep_runs_ = 0;  // later items are of half the step, and nothing is kept of them
+    KeptFiles kept_;
     std::optional<ScoreWatch> score_;  // of [task]
     std::size_t left_ = 0;  // runs not finished
     bool settled_ = false;

@@ -54,18 +54,11 @@ BatchRow::OfInstrument read_instrument(const World& world, int wire)
 /// Points at even arc lengths along a wire, tip first.
 void put_shape(const ConstRodView& rod, std::vector<float>& to)
 {
-    double length = 0;
-    for (int i = 0; i + 1 < rod.n; ++i) length += (rod.pos(i + 1) - rod.pos(i)).norm();
-    double before = 0;  // of node `i`, from the tip
-    int i = 0;
-    for (std::size_t k = 0; k < BatchRow::stations; ++k) {
-        const double s = length * static_cast<double>(k) / static_cast<double>(BatchRow::stations - 1);
-        const auto edge = [&] { return (rod.pos(i + 1) - rod.pos(i)).norm(); };
-        while (i + 2 < rod.n && s > before + edge()) before += edge(), ++i;
-        const double share = rod.n > 1 && edge() > 0 ? std::clamp((s - before) / edge(), 0.0, 1.0) : 0;
-        const Vec3 at = rod.n > 1 ? rod.pos(i) + share * (rod.pos(i + 1) - rod.pos(i)) : rod.pos(0);
-        for (const double x : {at.x(), at.y(), at.z()}) to.push_back(static_cast<float>(x));
-    }
+    std::vector<Vec3> line;
+    for (int i = 0; i < rod.n; ++i) line.push_back(rod.pos(i));
+    std::vector<double> points;
+    put_stations(line, BatchRow::stations, points);
+    for (const double x : points) to.push_back(static_cast<float>(x));
 }
 
 /// "_n_per_m", "_m2" and the like at a name's end.

@@ -242,7 +242,7 @@ TEST_SUITE("apps/labels")
         CHECK(side(20) == 4 * (200 + 22 + 4) + 4);
         check_refused(folder, "render run --view fluoro --preview s.png --video f.mp4", 2, "only the sheet");
         check_refused(folder, "render run --view fluoro --preview s.png --labels truth", 2, "only the sheet");
-        check_refused(folder, "render run --view fluoro --preview run", 3, "is a folder");
+        check_refused(folder, "render run --view fluoro --preview run", 3, "got a folder");
         check_refused(folder, "render run --view fluoro --label-vessel", 2, "--labels");
         check_refused(folder, "render run --gltf m.glb --labels truth", 2, "once for each");
         check_refused(folder, "render run --view fluoro --labels sheet.png", 3, "is a file");

@@ -365,8 +365,8 @@ TEST_SUITE("coaxial/merged holds")
         refused(0.06, {}, {hold_at(0.06, true, false, false)}, "hold[0].at: 0.06 m from the tip is outside: only 0.06 m");
         refused(0.06, {}, {hold_at(0.01, false, false, false)}, "hold[0] holds nothing");
         refused(0.06, {hold_at(0.01, true, false, false)}, {hold_at(0.0202, true, true, false)},
-                "wires[0].holds[0] and wires[1].holds[0] both hold the position of one centreline");
-        refused(0.06, {}, {hold_at(0.02, false, false, true), hold_at(0.0203, false, false, true)}, "both hold the spin");
+                "wires[0].holds[0], wires[1].holds[0]: got two holds of the position of one centreline");
+        refused(0.06, {}, {hold_at(0.02, false, false, true), hold_at(0.0203, false, false, true)}, "got two holds of the spin");
         WorldSetup each_its_spin = straight_pair(0.05, 0.06);
         each_its_spin.wires[0].holds = {hold_at(0.01, false, false, true)};
         each_its_spin.wires[1].holds = {hold_at(0.02, false, false, true)};

@@ -211,6 +211,6 @@ TEST_SUITE("coaxial/merged newmark")
         setup.wires[1].holds.push_back({});
         setup.wires[1].holds.back().at.kind = WirePoint::Kind::Tip;
         setup.wires[1].holds.back().position = true;
-        CHECK_THROWS_WITH_AS(World{setup}, doctest::Contains("wires[1].holds: is not empty, expected no holds"), Error);
+        CHECK_THROWS_WITH_AS(World{setup}, doctest::Contains("wires[1].holds: got holds; expected none"), Error);
     }
 }

@@ -3,6 +3,7 @@
 #include "scene/key_frames.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "support/error_text.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -51,7 +52,7 @@ std::string error_of(const std::string& text, const std::vector<std::string>& se
     return "";
 }
 
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::says;
 
 }  // namespace
 

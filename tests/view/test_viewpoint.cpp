@@ -56,6 +56,8 @@ TEST_SUITE("view/viewpoint")
         Camera c = f.camera(ViewFrom::Endoscopic);
         CHECK(same(c.forward(), Vec3::UnitX()));
         CHECK((c.eye - f.frame.wires[0].nodes[0]).norm() < 0.0005);
+        CHECK(c.nearest > 0);
+        CHECK(c.nearest <= 0.1 * f.frame.wires[0].radius[0]);  // a tip on the wall is one radius away from it
         f.frame.wires = {straight_wire({0, 0, 0.05}, {0, 0, 0}, 0.0004)};
         c = f.camera(ViewFrom::Endoscopic);
         CHECK(same(c.forward(), Vec3::UnitZ()));
