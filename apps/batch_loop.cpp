@@ -126,7 +126,7 @@ private:
         if (key != vessel_key_) vessel_ = load_vessel(scene.vessel);
         vessel_key_ = std::move(key);
         world_.emplace(source_, worlds_[at_], vessel_, options_.device);
-        // of the first world: what is varied is seldom the vessel. A task of a farm leaves it to the merge
+        // of the first world: the vessel is seldom varied. A task of a farm leaves it to the merge
         const bool whole = begin_ == 0 && end_ == source_.item_count();
         if (whole && at_ == 0 && !vessel_.mesh.triangles.empty()) write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
         device_ = world_->world().device_name();

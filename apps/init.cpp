@@ -129,7 +129,8 @@ std::vector<std::string> choose_way_in(const Options& options, const LoadedVesse
     return lines;
 }
 
-/// What is written runs: read and set up as `check` would. The scene is not there yet, so that no message may send anyone to it.
+/// The written scene runs: read and set up as `check` would. The scene is not there yet, so that no message may send anyone to
+/// it.
 void require_runnable(const Options& options, const std::string& text, const LoadedVessel& vessel)
 {
     try {

@@ -17,8 +17,9 @@
 // Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Slip is that
 // of its own material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
-// Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed offsets.
-// a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand is
+// Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed
+// offsets. The term a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand
+// is
 //     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
 //     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
 // Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on each

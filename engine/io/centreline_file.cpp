@@ -30,7 +30,7 @@ struct RadiusArray {
     double factor = 1;
 };
 
-/// VMTK and SimVascular write MaximumInscribedSphereRadius, 3D Slicer Radius, others what they like.
+/// VMTK and SimVascular write MaximumInscribedSphereRadius, 3D Slicer Radius, others other names.
 RadiusArray radius_of(const PolyData& data, const std::string& name)
 {
     std::string known;

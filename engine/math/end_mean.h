@@ -39,7 +39,7 @@ struct EndMean {
         if (sum.seconds > 0) sum.hand /= sum.seconds, sum.friction /= sum.seconds;
         return sum;
     }
-    /// Of bytes from a file.
+    /// Whether bytes from a file can be one.
     [[nodiscard]] bool is_sound() const
     {
         const auto finite = [](double value) { return std::isfinite(value); };

@@ -153,7 +153,7 @@ void BatchWorld::keep_row(int system)
     run.trace += kept_row(run.tally.steps, world_->time(first), joint_readings(*world_, system), world_->rod(first).pos(0));
 }
 
-/// Of a run that ends now.
+/// Keeps the files of a run that ends now.
 void BatchWorld::keep_files(int system)
 {
     Run& run = runs_[static_cast<std::size_t>(system)];

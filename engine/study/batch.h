@@ -1,7 +1,7 @@
 #pragma once
-// Many runs of one scene: runs whose scenes share vessel, time step and schemes are systems of one World, stepped in lockstep
-// with one launch per stage for all; the others get worlds of their own, one after the other. A run's bits are those of the run
-// alone.
+// Many runs of one scene. Runs whose scenes share vessel, time step and schemes are systems of one World. They are stepped in
+// lockstep, with one launch per stage for all. Other runs get worlds of their own, one after the other. A run's bits are those
+// of the run alone.
 
 #include "core/bytes.h"
 #include "scene/key_frames.h"
@@ -39,15 +39,15 @@ struct BatchSource {
 [[nodiscard]] BatchSource make_source(std::string scene_text, const std::filesystem::path& scene_file, std::vector<std::string> overrides,
                                       const std::string& sweep_text, const std::filesystem::path& sweep_file);
 
-/// What two scenes must agree in to be systems of one world, as text: everything but the wire, how it is held and fed, and the numbers
-/// of contact that are kept per sample or edge. `first` stands in for what may differ.
+/// The part that two scenes must share to be systems of one world, as text. Left out are the wire, its holds and feed, and the
+/// numbers of contact that are kept per sample or edge. `first` gives the parts that may differ.
 [[nodiscard]] std::string shared_part(Scene scene, const Scene& first);
 
-/// Reads the scene of every run, so that a mistake in any of them comes before the first step, and sorts them into worlds of at
-/// most `most_wires`: runs in increasing order, worlds by their first run. @param begin,end  only these runs
+/// Reads the scene of every run, so that a mistake in any of them comes before the first step. Sorts them into worlds of at
+/// most `most_wires`: runs in increasing order, worlds by their first run. @param begin,end only these runs
 inline constexpr std::size_t most_wires = 96;  // the records of more do not fit a core's caches: a tenth slower at a thousand
-/// @param ramp  the first world of a kind has one run, each later one twice as many as the one before: who may be stopped by a
-/// limit has a good third of what was computed as finished runs, whatever a run takes
+/// @param ramp the first world of a kind has one run, each later one twice as many as the one before. So a batch that a limit
+/// stops has a good third of its work as finished runs
 [[nodiscard]] std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin = 0,
                                                                 std::size_t end = std::numeric_limits<std::size_t>::max(),
                                                                 bool ramp = false);

@@ -210,7 +210,7 @@ std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<Ba
 std::string label_of(const Sweep& sweep, std::size_t run)
 {
     const std::vector<std::string> values = varied(sweep, run);
-    // a word says what it is, a number or a list does not
+    // a word is a label, a number or a list is not
     const bool is_word = values.size() == 1 && !as_number(values.front()) && values.front().find_first_of("[{") == std::string::npos;
     if (is_word) return values.front();
     std::string text;

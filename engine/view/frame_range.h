@@ -27,7 +27,7 @@ struct FrameChoice {
     std::filesystem::path preview;  // a sheet of some pictures with their labels drawn in, in place of all else; empty: none
 };
 
-/// What was written, and what whoever reads it should know.
+/// Written files, and warnings for their reader.
 struct PictureFiles {
     std::vector<std::filesystem::path> paths;
     std::vector<std::string> warnings;
@@ -48,7 +48,7 @@ struct FrameRange {
 
 /// Films of fewer frames a second jerk.
 inline constexpr double least_film_rate = 15;  // [1/s]
-/// What was chosen; else real time, or faster where that is below least_film_rate. [1/s]
+/// The chosen rate; else real time, or faster where real time is below least_film_rate. [1/s]
 [[nodiscard]] double film_rate(const FrameChoice& choice, const RunFolder& run, const FrameRange& range);
 
 }  // namespace seldinger

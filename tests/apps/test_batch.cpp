@@ -130,8 +130,8 @@ TEST_SUITE("apps/batch")
         CHECK(slurp(folder.path / "three/results.csv") == csv);
         CHECK(slurp(folder.path / "three/results.npz") == npz);
 
-        // a limit that is over at once lets one step through. Under a limit worlds begin with one run and double: those of one step
-        // are done after five (1, 2, 4, 8 and the 5 left), and the sixth call stops within the first of the others
+        // a limit that is over at once lets one step through. Under a limit worlds begin with one run and double. Those of one
+        // step are done after five (1, 2, 4, 8 and the 5 left), and the sixth call stops within the first of the others
         const std::string parts = "batch t.toml --vary s.toml -o parts --quiet ";
         const auto stops_after = [&](const std::string& arguments) {
             const AppResult part = run_app(folder, parts + arguments);
@@ -148,7 +148,7 @@ TEST_SUITE("apps/batch")
         CHECK(slurp(folder.path / "parts/results.csv") == csv);
         CHECK(slurp(folder.path / "parts/results.npz") == npz);
         CHECK(summary_of(folder.path / "parts")["resumes"] == 6);
-        // what is done is not run again
+        // finished runs are not run again
         const AppResult again = run_app(folder, "batch t.toml --vary s.toml -o parts --resume --json");
         CHECK(again.code == 0);
         CHECK(nlohmann::json::parse(again.out)["wire_steps"] == 20 + 20 * 300);

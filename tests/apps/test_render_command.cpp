@@ -1,4 +1,4 @@
-// seldinger render on the command line: views, exports, and what is wrong with them, in one line each and nothing half written.
+// seldinger render on the command line: views, exports, and mistakes in them: one line each, and nothing half written.
 #include "app_fixture.h"
 #include "support/skip.h"
 
@@ -83,7 +83,7 @@ TEST_SUITE("apps/render_command")
         check_refused(folder, "render run --frames 0:9 --size 64x48 --video f.avi", 3, ".mp4");
         check_refused(folder, "render run --frames 0:9 --size 64x48 --video f.mp4", 3, "apt-get install ffmpeg", "PATH=/nowhere");
         check_refused(folder, "render run --size 64x48", 5, "OpenGL", "__EGL_VENDOR_LIBRARY_FILENAMES=/nowhere/none.json");
-        // Mesa's loader would say in six lines more what it looked for; another maker's driver may draw all the same
+        // Mesa's loader would add six lines about its search; another maker's driver may draw all the same
         if (run_app(folder, "render run --size 64x48 -o other.png", "LIBGL_DRIVERS_PATH=/nowhere").code != 0)
             check_refused(folder, "render run --size 64x48", 5, "OpenGL", "LIBGL_DRIVERS_PATH=/nowhere");
         fs::remove(folder.path / "other.png");

@@ -94,8 +94,8 @@ TEST_SUITE("coaxial/merged newmark")
         }
     }
 
-    // As far in as each other they are one wire of both stiffnesses and masses, in every step, which its own equations give to the
-    // solver's tolerance; fed on together as well, but for what births leave (rod/split.h and rod/coaxial_split.h differ in rounding).
+    // Inserted equally far, they are one wire with both stiffnesses and masses, in every step and to the solver's tolerance.
+    // Fed on together as well, except for the rounding of births, in which rod/split.h and rod/coaxial_split.h differ.
     TEST_CASE("twin: a pair that swings is one wire of both")
     {
         const double length = 0.08;
@@ -128,8 +128,8 @@ TEST_SUITE("coaxial/merged newmark")
 
     // One slides along the other as the line is bent: the root of the mean square of the tip's error on its way, by steps that are halved
     // twice. Sixteen for second order (the highest modes that the load shakes are not resolved by the longest steps: within 15 %);
-    // backward Euler's four as a check. Where the end of a section goes from cell to cell a force's slope jumps, which Newmark's error
-    // sees by where in its step that is: at 0.8 m/s over seven cells what is left is between the two.
+    // backward Euler's four as a check. Where the end of a section moves from cell to cell, a force's slope jumps. Newmark's
+    // error depends on where in the step that is: at 0.8 m/s over seven cells the rest is between the two.
     TEST_CASE("analytic: second order in the step while one slides along the other")
     {
         const double time = 0.04;
@@ -163,8 +163,8 @@ TEST_SUITE("coaxial/merged newmark")
         CHECK(order(true, 0.05, 0.021) > 5);
     }
 
-    // Left alone, it swings on; while hands push, what they put in and what it has add up. What goes ahead sends waves along the line,
-    // of which a hand's mean force over a step leaves out a share: no dashpot takes them.
+    // Left alone, it swings on; while hands push, their work and its energy add up. The leading part sends waves along the
+    // line, of which a hand's mean force over a step leaves out a share: no dashpot takes them.
     TEST_CASE("property: energy is kept, and closed while one slides along the other")
     {
         WorldSetup setup = pair_of(0.05, 0.09);

@@ -162,7 +162,7 @@ TEST_SUITE("scene/mesh_file")
     TEST_CASE("analytic: a concave polygon is cut into triangles of its own area")
     {
         const TestFolder folder;
-        // an L of three unit squares; a fan from its first corner would cover what is not there
+        // an L of three unit squares; a fan from its first corner would cover empty space
         const std::string text =
             "# vtk DataFile Version 3.0\nL\nASCII\nDATASET POLYDATA\nPOINTS 6 double\n2 0 0 2 1 0 1 1 0 1 2 0 0 2 0 0 0 0\n"
             "POLYGONS 1 7\n6 0 1 2 3 4 5\n";

@@ -1,5 +1,5 @@
 // docs/scene-file.md held against the reader, both ways: every key that is read is in a table, every key in a table is read, with
-// the default, the range and the words that the table gives. What is read is asked of the reader itself.
+// the default, the range and the words that the table gives. The reader itself says which keys it knows.
 #include "core/error.h"
 #include "scene/scene.h"
 #include "support/error_text.h"

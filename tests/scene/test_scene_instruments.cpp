@@ -1,4 +1,5 @@
-// [[instrument]] and [coaxial]: what is read, that it is written back to the same scene, and one line for whatever is wrong.
+// [[instrument]] and [coaxial]: the scene that is read, that it is written back to the same scene, and one line for whatever is
+// wrong.
 #include "core/error.h"
 #include "scene/key_frames.h"
 #include "scene/scene.h"

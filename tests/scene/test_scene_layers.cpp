@@ -262,7 +262,7 @@ TEST_SUITE("scene/scene_layers")
         check_error(
             [&] { return read(wire, {"wire.preset=lunder"}); },
             {"--set wire.preset=lunder: wire.preset: no instrument is called \"lunder\"; the nearest are lunderquist-035"});
-        // what is left out is missed in the scene's own table
+        // a missing key is reported in the scene's own table
         check_error([&] { return read(timing + "[wire]\npreset = \"bentson-035\"\n"); },
                     {"scene.toml:4:1: wire.length_m: is missing"});
         // and a value beside it is wrong where it stands
