@@ -22,12 +22,12 @@
 // is
 //     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
 //     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
-// Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on each
-// hand as much as it pulls at another one, and does not act on the line. a_k is along the edges that the material lies on
-// (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface slides by 1 + kappa r, in
-// a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by friction. CoaxialSpec's mu and
-// stiffness are the separate model's. Axial inertia of sliding material is not included: all material of a place moves with the
-// line's.
+// Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on
+// each hand as much as it pulls at another one, and does not act on the line. The force a_k is along the edges that the
+// material lies on (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface
+// slides by 1 + kappa r, in a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by
+// friction. CoaxialSpec's mu and stiffness are the separate model's. Axial inertia of sliding material is not included: all
+// material of a place moves with the line's.
 
 #include "solve/coaxial_group.h"
 #include "solve/feed.h"

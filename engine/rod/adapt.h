@@ -1,9 +1,8 @@
 #pragma once
 // Adaptive nodes: finds edges that are too long for the present shape and nodes that are not needed, and changes them.
 //
-// The error of an edge of length h, as the distance by which it moves the tip (kappa: curvature; B: bending stiffness; D: jump of
-// the shear force at its nodes, which is what contact, links and point loads make; l: lever, the distance over which an error of
-// angle acts):
+// The error of an edge of length h, as the distance by which it moves the tip (kappa: curvature; B: bending stiffness; D: jump
+// of the shear force at its nodes by contact, links and point loads; l: lever, the distance over which an error of angle acts):
 //
 //     e(h) = h (kappa h)^2/24  +  l a (kappa h)^3  +  l D h^2/(12 B)                                     [m]
 //

@@ -322,11 +322,14 @@ void Recorder::write_shapes()
     if (wire_frames_.empty()) return;
     std::vector<std::string> series, names;
     for (int k = 0; k < scene_.instrument_count(); ++k) series.push_back(series_of(scene_, k)), names.push_back(scene_.instrument(k).label);
+    std::string shapes;
     try {
-        write_file(dir_ / "wire.npz", wire_npz(dir_, wire_frames_, series, names));
+        shapes = wire_npz(dir_, wire_frames_, series, names);
     } catch (const Error& error) {
-        warn(fmt::format("wire.npz is not of this run's frames: {}", error.what()));
+        warn(fmt::format("wire.npz was not written: {}", error.what()));
+        return;
     }
+    write_file(dir_ / "wire.npz", shapes);
 }
 
 void Recorder::checkpoint(const World& world, RunStatus status, double wall)

@@ -40,7 +40,7 @@ TEST_SUITE("coaxial/merged lumen")
     // A curved catheter over a straight wire at a clearance of 0.1 mm, the wire pushed: what presses is what straightens the one and
     // bends the other. `separate` finds that by contact. Friction is the part of a hand force that is not there without it. The
     // rest bends both as a change of stiffness comes in: at that change in a merged line, else spread over the length that the
-    // clearance allows. 3 % was seen, 12 where friction changes fast.
+    // clearance allows. Seen were 3 %, and 12 where friction changes fast.
     TEST_CASE("independent: friction of what presses in the lumen is that of a rod each")
     {
         const auto setup_of = [](CoaxialSpec::Model model, bool friction) {

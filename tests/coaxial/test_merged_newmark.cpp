@@ -32,7 +32,7 @@ LoadSpec at_tip(const Vec3& force, double ramp = 0)
 double mass_rate(int instruments) { return instruments * 6500 * pi * 0.25e-6; }  // [kg/m], section_of()
 
 /// First frequency of a cantilever of 3/2 `bend` and two instruments' mass over `a`, and of `bend`/2 and one's beyond, to `length`: the
-/// root of the determinant of Euler and Bernoulli's beam [Hz]. w = sums of cos, sin, cosh, sinh of k x in each part.
+/// root of the determinant of Euler and Bernoulli's beam [Hz]. Its w = sums of cos, sin, cosh, sinh of k x in each part.
 double stepped_frequency(double a, double length)
 {
     const double both = 1.5 * bend, alone = 0.5 * bend;

@@ -1,6 +1,6 @@
 #pragma once
 // What the failure suite (docs/failures.md, F1 ... F17) has in common: the two methods that are compared, and a run that is
-// watched step by step with the criteria of study/classify.h and, beside the engine's own readings, with the exact distance of
+// watched step by step. The criteria are those of study/classify.h and, beside the engine's own readings, the exact distance of
 // the axis to the wall.
 
 #include "study/classify.h"

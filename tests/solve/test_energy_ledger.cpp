@@ -47,7 +47,7 @@ TestSetup pushed_wire(bool elastic)
 
 }  // namespace
 
-// Equations hold at the ends of steps to the solver's tolerance of 1e-6 of the force scale, and contacts' own moves differ from
+// Equations hold at the ends of steps to the solver's tolerance of 1e-6 of the force scale. Contacts' own moves differ from
 // those of the nodes by the square of an edge's turn in a step (1e-3 of a radian): below 0.1 %. The promise is 1 %.
 TEST_CASE("what the hand puts in is what wire, contact and scheme have")
 {

@@ -110,8 +110,8 @@ double frequency(const Motion& motion, double expected)
     return 2 / motion.step * std::tan(0.25 * (a + b) * motion.step) / (2 * pi);
 }
 
-/// Largest angle between the wire and the line of its ends [rad], between the edges by a parabola; an edge is its arc's mean
-/// tangent, the tangent in its middle is the mean less t'' h^2/24.
+/// Largest angle between the wire and the line of its ends [rad], between the edges by a parabola. An edge is its arc's mean
+/// tangent; the tangent in its middle is the mean less t'' h^2/24.
 double steepest(const ConstRodView& rod)
 {
     const Vec3 line = (rod.pos(rod.n - 1) - rod.pos(0)).normalized();

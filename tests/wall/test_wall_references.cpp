@@ -184,8 +184,8 @@ TEST_SUITE("wall/wall_references")
         }
     }
 
-    // w0 = (1/pi) int P dk / (B k^4 + 1/(G(k) + 1/k_loc)): what 0.1 N adds to the weight that keeps the wire on the wall. 61
-    // nodes are six and eight to a decay length of (B G(0))^(1/4): 0.2 % of w0.
+    // w0 = (1/pi) int P dk / (B k^4 + 1/(G(k) + 1/k_loc)): the effect of 0.1 N beside the weight that keeps the wire on the
+    // wall. The 61 nodes are six and eight to a decay length of (B G(0))^(1/4): 0.2 % of w0.
     TEST_CASE("analytic: a stiff wire pressed into a plate, with and without a law in series, and into a tube's floor")
     {
         const auto down = [](const std::string& vessel, double length, double bend, double weight, double height, double law) {
