@@ -1,5 +1,5 @@
-// Two items of a loop that write the same number: the thread sanitizer must find this, or it would find no race of ours. With
-// `clean`, the same loop has items that write only their own data, before and after accesses of the caller.
+// Two items of a loop that write the same number: the thread sanitizer must find this race.
+// With `clean`, the same loop has items that write only their own data, before and after accesses of the caller.
 #include "core/parallel.h"
 
 #include <chrono>
