@@ -1,6 +1,7 @@
 // Resamples polylines, and gathers the frames of a run.
 #include "scene/wire_shapes.h"
 
+#include "core/error.h"
 #include "core/file_io.h"
 #include "io/npz_write.h"
 #include "io/vtp_read.h"
