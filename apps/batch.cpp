@@ -1,10 +1,11 @@
 // seldinger batch SCENE.toml --vary SWEEP.toml [-o DIR] [--set ...] [--bands] [--resume | --overwrite] [--time-limit S] [--device N]
-//                 [--threads N] [--quiet] [--json]
+//                 [--threads N] [--keep traces,last-frame] [--quiet] [--json]
 
 #include "batch_loop.h"
 #include "command_line.h"
 #include "commands.h"
 #include "core/parallel.h"
+#include "study/batch_keep.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@ struct BatchArguments {
     std::filesystem::path scene, sweep;
     RunOptions run;
     int threads = 0;
+    std::string keep;
     bool bands = false, resume = false, overwrite = false, json = false;
 };
 
@@ -41,6 +43,8 @@ ExitCode batch(BatchArguments& options)
     if (options.overwrite) what.use = FolderUse::Overwrite;
     if (what.dir.empty()) what.dir = options.scene.stem().string() + "-batch";
     if (options.bands) what.overrides.push_back("output.bands=true");
+    if (!options.keep.empty())
+        for (const std::string& setting : keep_settings(options.keep)) what.overrides.push_back(setting);
     set_thread_count(options.threads);
     const RunOutcome outcome = run_batch(options.scene, options.sweep, what);
     if (options.json) print(outcome.summary);
@@ -64,6 +68,7 @@ void add_batch(CommandLine& app, Command& chosen)
         ->type_name("table.key=value")
         ->allow_extra_args(false);
     command->add_flag("--bands", options->bands, "each run a second time with half the step: a band for each force, --set output.bands=true");
+    command->add_option("--keep", options->keep, "files of each run in DIR/runs: traces, last-frame or traces,last-frame (default: none)")->type_name("WHAT");
     auto* resume =
         command->add_flag("--resume", options->resume, "continue the batch in DIR (without one: from the start)");
     command->add_flag("--overwrite", options->overwrite, "replace what is in DIR")->excludes(resume);

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
-constexpr std::string_view magic = "SELBATC5";
+constexpr std::string_view magic = "SELBATC6";
 constexpr const char* batch_files[] = {"results.csv", "results-units.csv", "results.npz", "shapes.csv", "sweep.toml"};
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
@@ -126,7 +126,7 @@ private:
         if (key != vessel_key_) vessel_ = load_vessel(scene.vessel);
         vessel_key_ = std::move(key);
         world_.emplace(source_, worlds_[at_], vessel_, options_.device);
-        // of the first world: what is varied is seldom the vessel. A task of a farm leaves it to the merge
+        // of the first world: the vessel is seldom varied. A task of a farm leaves it to the merge
         const bool whole = begin_ == 0 && end_ == source_.item_count();
         if (whole && at_ == 0 && !vessel_.mesh.triangles.empty()) write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
         device_ = world_->world().device_name();
@@ -140,6 +140,7 @@ private:
         const auto begun = Clock::now();
         for (BatchRow& row : world_->step()) rows_.push_back(row);
         step_seconds_ += seconds_since(begun);
+        write_kept(options_.keep.path().empty() ? folder_ : options_.keep, world_->take_kept());
         totals_.stages += world_->stages();
         totals_.stages -= before;
     }
@@ -399,6 +400,7 @@ BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_tex
 void remove_batch(const Folder& folder)
 {
     remove_old_run(folder);
+    remove_kept(folder);
     for (const char* name : batch_files) (void)folder.remove(name);
 }
 

@@ -35,6 +35,7 @@ struct FarmArguments {
     std::string frames, backend = "local";
     std::optional<int> tasks;
     LocalBackend local;
+    std::string keep;
     bool bands = false, submit = false, dry_run = false;
 };
 
@@ -188,6 +189,8 @@ ExitCode farm(FarmArguments& options)
 {
     check_words(options);
     if (options.bands) options.overrides.push_back("output.bands=true");
+    if (!options.keep.empty())
+        for (const std::string& setting : keep_settings(options.keep)) options.overrides.push_back(setting);
     if (options.submit) need_slurm();
     options.dir = fs::absolute(options.dir).lexically_normal();
     if (options.backend == "slurm") check_job_scripts(options.dir, options.sbatch);
@@ -332,7 +335,7 @@ void add_merge(CommandLine& farm_command, Command& chosen)
         farm_command.add_subcommand("merge", "merge finished tasks: results.csv of a sweep, or a film of frames");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("--video", options->video, "film of the frames, by ffmpeg")->type_name("FILE.mp4");
-    command->add_option("--fps", options->fps, "frames per second of the film (default: real time)")
+    command->add_option("--fps", options->fps, "frames per second of the film (default: real time, at least 15)")
         ->check(in_range(0.1, 240.0))
         ->type_name("N");
     command->callback([options, &chosen] { chosen = [options] { return merge(*options); }; });
@@ -390,6 +393,7 @@ void add_farm(CommandLine& app, Command& chosen)
         ->type_name("table.key=value")
         ->allow_extra_args(false);
     command->add_flag("--bands", options->bands, "each run a second time with half the step, as of batch");
+    command->add_option("--keep", options->keep, "files of each run in DIR/runs, as of batch")->type_name("WHAT");
     command->add_option("--tasks", options->tasks, "how many tasks (default: 200, or one for each run or frame)")
         ->type_name("N")
         ->check(in_range(1, 1000000));

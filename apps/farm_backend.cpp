@@ -176,7 +176,7 @@ std::string job_script(const Folder& dir, const SlurmBackend& backend)
 {
     return head(dir, "task", "slurm-%A_%a.txt", backend.options) + fmt::format(R"(#SBATCH --requeue
 #SBATCH --signal=TERM@60
-# task = index in the array + what was submitted with it (an array holds some 1,000)
+# task = index in the array + an offset given at submission (an array holds some 1,000)
 task=$((SLURM_ARRAY_TASK_ID + ${{1:-0}}))
 cpus=${{SLURM_CPUS_PER_TASK:-1}}
 step="srun --ntasks=1 --cpus-per-task=$cpus"

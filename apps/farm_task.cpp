@@ -54,6 +54,7 @@ BatchPart run_part(const Folder& dir, const FarmPlan& plan, std::size_t task, co
     what.use = FolderUse::Resume;
     what.device = options.device;
     what.quiet = true;
+    what.keep = dir;
     const FarmPlan::Part part = plan.part(task);
     try {
         return run_batch_part(source, sweep_text, part.begin, part.end, own, what);

@@ -105,7 +105,7 @@ std::vector<std::string> choose_way_in(const InitArguments& options, const Loade
 {
     first.inlets = find_inlets(vessel.report.loops, vessel.centreline);
     if (first.inlets.empty())
-        throw Error(ExitCode::BadFile, fmt::format("{}: has no opening and no lumen with an axis; is it a vessel's wall?", options.mesh.string()));
+        throw Error(ExitCode::BadFile, fmt::format("{}: got a surface without an opening and without a lumen that has an axis; expected the wall of a vessel. Fix: cut the vessel's ends, or give the surface of its lumen", options.mesh.string()));
     if (static_cast<std::size_t>(std::max(0, options.inlet)) > first.inlets.size())
         throw Error(ExitCode::BadScene, fmt::format("--inlet {}: the vessel has {} way{} in", options.inlet, first.inlets.size(),
                                                     first.inlets.size() == 1 ? "" : "s"));
@@ -129,7 +129,8 @@ std::vector<std::string> choose_way_in(const InitArguments& options, const Loade
     return lines;
 }
 
-/// What is written runs: read and set up as `check` would. The scene is not there yet, so that no message may send anyone to it.
+/// The written scene runs: read and set up as `check` would. The scene is not there yet, so that no message may send anyone to
+/// it.
 void require_runnable(const InitArguments& options, const std::string& text, const LoadedVessel& vessel)
 {
     try {
@@ -145,7 +146,7 @@ void require_runnable(const InitArguments& options, const std::string& text, con
 ExitCode init(InitArguments& options)
 {
     if (options.mesh.extension() == ".toml")
-        throw Error(ExitCode::BadScene, fmt::format("{}: is a scene already; expected a mesh", options.mesh.string()));
+        throw Error(ExitCode::BadScene, fmt::format("{}: got a scene; expected a mesh. Fix: give the file of the vessel's surface, or run the scene", options.mesh.string()));
     if (options.scene.empty()) options.scene = options.mesh.stem().string() + ".toml";
     const fs::path picture = options.scene.parent_path() / (options.scene.stem().string() + "-ways-in.png");
     refuse_to_overwrite(options, picture);
@@ -160,7 +161,7 @@ ExitCode init(InitArguments& options)
     first.wire = choose_wire(first.way, options.instrument);
     const std::string text = first_scene_text(first);
     require_runnable(options, text, vessel);
-    if (options.scene.has_parent_path()) make_folder(options.scene.parent_path());
+    make_folder_of(options.scene);
     write_file(options.scene, text);
     std::string out = fmt::format("{}: units \"{}\", {}\n", printable(options.mesh.string()), first.unit, first.unit_why);
     out += fmt::format("  axes: {}\n", first.axes_why);

@@ -88,7 +88,7 @@ ExitCode export_model(const RenderArguments& options, RenderOptions& what)
     for (const auto& [file, write] : {std::pair{options.gltf, &write_gltf}, std::pair{options.usd, &write_usd}}) {
         if (file.empty()) continue;
         if (std::filesystem::is_directory(file))
-            throw Error(ExitCode::BadFile, file + ": is a folder, expected the name of a file");
+            throw Error(ExitCode::BadFile, file + ": got a folder; expected the name of a file");
         write(file, model);
         written.emplace_back(file);
     }

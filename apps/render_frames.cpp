@@ -19,7 +19,7 @@ void FrameArguments::declare(CommandLine& command)
     command.add_option("-o", output, "picture to write (default: in DIR); several frames: NAME_######.png")
         ->type_name("FILE.png");
     command.add_option("--video", video, "film to write (needs ffmpeg)")->type_name("FILE.mp4");
-    command.add_option("--fps", fps, "frames per second of the film (default: real time)")->type_name("N");
+    command.add_option("--fps", fps, "frames per second of the film (default: real time, at least 15)")->type_name("N");
     command.add_option("--labels", labels, "folder for the ground truth of every picture: NAME.json and NAME_mask.png")
         ->type_name("DIR");
     command.add_option("--labels-in", labels_in)->hidden();  // of a farm, in whose folder others write: --labels lies below it
@@ -63,7 +63,7 @@ FrameChoice FrameArguments::choice() const
         throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
     for (const std::string& file : {preview, labels_in.empty() ? labels : std::string()})
         if (!file.empty() && std::filesystem::is_directory(file) != (file == labels) && std::filesystem::exists(file))
-            throw Error(ExitCode::BadFile, fmt::format("{}: is a {}, expected the name of a {}", file, file == labels ? "file" : "folder",
+            throw Error(ExitCode::BadFile, fmt::format("{}: got a {}; expected the name of a {}", file, file == labels ? "file" : "folder",
                                                        file == labels ? "folder" : "file"));
     choice.labels = labels, choice.labels_in = labels_in, choice.label_vessel = label_vessel, choice.preview = preview;
     choice.output = output, choice.film = video;

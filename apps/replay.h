@@ -22,7 +22,7 @@ public:
     void begin(const Scene& scene, const World& world);
     [[nodiscard]] bool begun() const { return watch_.has_value(); }
     [[nodiscard]] const ScoreNumbers& score() const { return score_; }
-    /// What is asked in the next step; takes the world back to its start where the session was reset.
+    /// Input of the next step; takes the world back to its start where the session was reset.
     [[nodiscard]] const Control& next(World& world);
     /// The step that was asked has been taken.
     void stepped(const World& world);

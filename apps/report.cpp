@@ -24,7 +24,9 @@ void add_report(CommandLine& app, Command& chosen)
     command->callback([options, &chosen] {
         chosen = [options] {
             if (options->file.empty()) options->file = options->dir / "report.html";
-            write_file(options->file, report_page(options->dir));
+            const std::string page = report_page(options->dir);
+            make_folder_of(options->file);
+            write_file(options->file, page);
             print(fmt::format("{}\n", options->file.string()));
             return ExitCode::Done;
         };

@@ -48,7 +48,7 @@ std::string base64_of(const std::array<std::uint8_t, 32>& hash)
     return base64({reinterpret_cast<const char*>(hash.data()), hash.size()});
 }
 
-/// A CSV with numbers in it as {"column": [values]}, in the file's order; what is no number is text.
+/// A CSV with numbers in it as {"column": [values]}, in the file's order; other cells are text.
 Json table_of(const std::string& text)
 {
     std::istringstream lines(text);
@@ -76,7 +76,7 @@ constexpr const char* of_all[] = {"time_s", "inserted_m", "hand_force_n", "hand_
                                   "patch_force_max_n", "contact_extent_m", "contact_regions", "nodes", "step_ms", "overlap_m"};
 constexpr const char* of_one[] = {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n"};
 
-/// Of a trace, what is plotted, and no more rows than a plot shows.
+/// The plotted columns of a trace, with no more rows than a plot shows.
 Json plotted(const Json& trace, std::span<const char* const> columns)
 {
     constexpr std::size_t most_rows = 4000;
@@ -109,7 +109,7 @@ std::string nodes_of(const WireLine& wire)
     return bytes;
 }
 
-/// What the viewer is told of an instrument once; its nodes come with each frame, in the same order.
+/// What the viewer gets of an instrument once; its nodes come with each frame, in the same order.
 Json instrument_of(const WireLine& wire)
 {
     return {{"name", wire.name}, {"radius", wire.radius.empty() ? 0.0 : wire.radius.back()}};
@@ -137,7 +137,7 @@ Json playback_of(const fs::path&)
 }
 #endif
 
-/// Of several instruments, each one's trace, in their order; empty where they have none of their own.
+/// The trace of each of several instruments, in their order; empty where they have none of their own.
 Json traces_of(const Folder& dir, const Json& instruments)
 {
     Json traces = Json::array();

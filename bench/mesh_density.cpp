@@ -2,9 +2,9 @@
 //
 //     mesh_density SCENE.toml [--rounds 4] [--first 0] [--steps N] [--repeat 1] [--csv FILE] [--set table.key=value]…
 //
-// A row per round: triangles, tree build rate (two threads, median of three), resident bytes per triangle (arrays that the world
-// keeps, counted; and growth of the resident set, which counts everything), steps per second, processor time (the least of the
-// repeats; a step is one thread's work unless thousands of samples touch) and the time of each stage over the same steps.
+// A row per round: triangles; tree build rate (two threads, median of three); resident bytes per triangle; steps per second;
+// processor time; time of each stage. Resident bytes are those of the world's arrays, and the growth of the resident set.
+// Processor time is the least of the repeats. A step is one thread's work unless thousands of samples touch.
 
 #include "core/error.h"
 #include "scene/scene.h"
@@ -36,7 +36,7 @@ double processor_time()
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Memory of this process in RAM [bytes]; what was freed has been given back.
+/// Memory of this process in RAM [bytes]; freed memory has been given back.
 double resident()
 {
     malloc_trim(0);

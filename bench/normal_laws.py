@@ -50,7 +50,7 @@ def static_depth(per_metre, stiffness, exponent, limit):
 
 def law_row(app, scene, law, extra, folder):
     out = os.path.join(folder, law)
-    # a frame every so often, without changing what is simulated
+    # a frame every so often, without changing the simulation
     command = [app, "run", scene, "-o", out, "--json", "--quiet", "--set", f"contact.normal={law}", "--set", "scene.record_every=1", *extra]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:

@@ -15,8 +15,8 @@
 // Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
 //
 // The ledger (EnergyLedger) has the same numbers, and the losses that contact, damping and the scheme report. Backward Euler takes
-// (1/2) m (v - v_0)^2 of the kinetic energy. Of the elastic energy it takes the excess of its end force's work over the change:
-// F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
+// (1/2) m (v - v_0)^2 of the kinetic energy. It takes from the elastic energy the excess of its end force's work over the
+// change: F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
 //
 // Energy of splits and merges between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged separately.
 

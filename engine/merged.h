@@ -17,16 +17,17 @@
 // Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Slip is that
 // of its own material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
-// Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed offsets.
-// a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand is
+// Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed
+// offsets. The term a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand
+// is
 //     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
 //     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
-// Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on each
-// hand as much as it pulls at another one, and does not act on the line. a_k is along the edges that the material lies on
-// (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface slides by 1 + kappa r, in
-// a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by friction. CoaxialSpec's mu and
-// stiffness are the separate model's. Axial inertia of sliding material is not included: all material of a place moves with the
-// line's.
+// Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on
+// each hand as much as it pulls at another one, and does not act on the line. The force a_k is along the edges that the
+// material lies on (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface
+// slides by 1 + kappa r, in a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by
+// friction. CoaxialSpec's mu and stiffness are the separate model's. Axial inertia of sliding material is not included: all
+// material of a place moves with the line's.
 
 #include "solve/coaxial_group.h"
 #include "solve/feed.h"

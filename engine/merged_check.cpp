@@ -22,13 +22,13 @@ void check_member(const WorldSetup& setup, const CoaxialSpec& spec, int w)
 {
     const WireSetup &wire = setup.wires[w], &first = setup.wires[spec.order[0]];
     const std::string where = fmt::format("wires[{}]", w);
-    if (!wire.feed.on) refuse_merged(where + ".feed.on", "is false, expected instruments of one centreline (merged) to be fed");
+    if (!wire.feed.on) refuse_merged(where + ".feed.on", "got false; expected true, as instruments of one centreline (merged) are fed");
     if ((wire.feed.point - first.feed.point).norm() > 0 || (wire.feed.direction - first.feed.direction).norm() > 0)
-        refuse_merged(where + ".feed", "has another inlet than the outermost instrument, expected the same (merged)");
+        refuse_merged(where + ".feed", "got another inlet than the outermost instrument has; expected the same (merged)");
     if (!(wire.feed.behind >= 0 && std::isfinite(wire.feed.behind)))
-        refuse_merged(where + ".feed.behind", fmt::format("is {} m, expected a number, 0 or more", wire.feed.behind));
+        refuse_merged(where + ".feed.behind", fmt::format("got {} m; expected a number, 0 or more", wire.feed.behind));
     if (wire.wire.curvature != first.wire.curvature)
-        refuse_merged(where + ".wire.curvature", "differs from that of the outermost instrument, expected the same (merged)");
+        refuse_merged(where + ".wire.curvature", "got another value than the outermost instrument has; expected the same (merged)");
 }
 
 /// The lumen presses on its contents, which deviate by the clearance.
@@ -39,7 +39,7 @@ void check_room(const WorldSetup& setup, const CoaxialSpec& spec)
         const double radius = setup.wires[spec.order[k]].wire.largest_radius();
         if (!(lumen > radius))
             refuse_merged(fmt::format("wires[{}].wire.lumen_radius", spec.order[k - 1]),
-                   fmt::format("is {} m, expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen,
+                   fmt::format("got {} m; expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen,
                                radius));
     }
 }
@@ -50,21 +50,20 @@ void check_scheme(const WorldSetup& setup)
     const bool newton = integrator.scheme == Scheme::Newton && !integrator.conserve;
     if (!newton && integrator.scheme != Scheme::Static)
         refuse_merged("integrator",
-               "instruments of one centreline (merged) take backward Euler, Newmark's (newton) or static steps, expected one of "
-               "them");
+               "got another scheme; expected newton (backward Euler or Newmark's) or static with instruments of one centreline (merged)");
     for (std::size_t w = 0; w < setup.wires.size() && newton && integrator.newmark; ++w)
         if (!setup.wires[w].holds.empty() && merged_spec_of(setup, static_cast<int>(w)))
             refuse_merged(fmt::format("wires[{}].holds", w),
-                   "is not empty, expected no holds on instruments of one centreline (merged) with Newmark's steps: a velocity "
-                   "that a hold removes would change its sign at every step; take backward Euler, or a stiff link");
+                   "got holds; expected none on instruments of one centreline (merged) with Newmark's steps, where a velocity that a hold removes "
+                   "changes its sign at every step. Fix: take backward Euler, or a stiff link");
     if (integrator.damping_stiffness > 0)
-        refuse_merged("integrator.damping_stiffness", "is not 0, expected 0 with instruments of one centreline (merged)");
+        refuse_merged("integrator.damping_stiffness", "got another value than 0; expected 0 with instruments of one centreline (merged)");
     if (setup.instruments_touch)
         refuse_merged("instruments_touch",
-               "is on, expected it off with instruments of one centreline (merged): give each a rod of its own");
+               "got true; expected false with instruments of one centreline (merged). Fix: give each a rod (separate)");
     const Detection detection = setup.wires[0].contact.detection;
     if (!setup.mesh.triangles.empty() && detection != Detection::Swept && detection != Detection::Capsule)
-        refuse_merged("contact.detection", "expected swept or capsule with instruments of one centreline (merged)");
+        refuse_merged("contact.detection", "got another method; expected swept or capsule with instruments of one centreline (merged)");
 }
 
 }  // namespace
@@ -78,9 +77,9 @@ void check_merged(const WorldSetup& setup)
         if (spec.model != CoaxialSpec::Model::Merged) continue;
         const std::string where = fmt::format("coaxial[{}]", c);
         if (spec.order.size() > most_coaxial)
-            refuse_merged(where + ".order", fmt::format("names {} instruments, expected at most {}", spec.order.size(), most_coaxial));
+            refuse_merged(where + ".order", fmt::format("got {} instruments; expected at most {}", spec.order.size(), most_coaxial));
         for (const int w : spec.order) {
-            if (++seen[w] > 1) refuse_merged(where + ".order", fmt::format("names wire {}, which is in another one already", w));
+            if (++seen[w] > 1) refuse_merged(where + ".order", fmt::format("got wire {}, which is in another one already; expected it in one", w));
             check_member(setup, spec, w);
         }
         check_room(setup, spec);
@@ -90,7 +89,7 @@ void check_merged(const WorldSetup& setup)
     for (std::size_t w = 0; w < setup.wires.size(); ++w)
         if (setup.wires[w].feed.behind != 0 && !merged_spec_of(setup, static_cast<int>(w)))
             refuse_merged(fmt::format("wires[{}].feed.behind", w),
-                   "is not 0, expected 0 except for instruments of one centreline (merged)");
+                   "got another value than 0; expected 0 except for instruments of one centreline (merged)");
 }
 
 }  // namespace seldinger

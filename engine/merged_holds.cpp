@@ -45,8 +45,8 @@ void refuse_both(const Taken& a, const Taken& b)
                        : a.spec->spin && b.spec->spin && a.wire == b.wire ? "spin"
                                                                              : nullptr;
     if (!what) return;
-    throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds[{}] and wires[{}].holds[{}] both hold the {} of one centreline (merged) at the "
-                                                "same place: keep one of them, or place them farther apart than its node spacing",
+    throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds[{}], wires[{}].holds[{}]: got two holds of the {} of one centreline (merged) at one "
+                                                "position; expected one. Fix: keep one of them, or place them farther apart than the node spacing",
                                                 a.wire, a.index, b.wire, b.index, what));
 }
 
@@ -60,8 +60,8 @@ void take_holds(World::Impl& state, MergedGroup& group)
         const int w = group.wires()[k];
         const std::vector<HoldSpec>& specs = state.setup.wires[w].holds;
         if (!specs.empty() && !group.feed.inside)
-            throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds: nothing of the wire is inside at the start, expected the held "
-                                                        "point to be; feed some of it in (feed.advance)",
+            throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds: got a wire that is outside at the start; expected the held point inside. Fix: feed "
+                                                        "some of it in (feed.advance)",
                                                         w));
         const double offset = group.shared.rod.instrument[k].offset;
         state.holds[w].take_line_holds(specs, state.rods.view(w), offset);

@@ -28,19 +28,19 @@ namespace {
 void need_positive(double value, const std::string& where)
 {
     if (!(value > 0) || !std::isfinite(value))
-        refuse(where, fmt::format("is {}, expected a finite number greater than 0", value));
+        refuse(where, fmt::format("got {}; expected a finite number greater than 0", value));
 }
 
 void need_not_negative(double value, const std::string& where)
 {
     if (!(value >= 0) || !std::isfinite(value))
-        refuse(where, fmt::format("is {}, expected a finite number, 0 or greater", value));
+        refuse(where, fmt::format("got {}; expected a finite number, 0 or greater", value));
 }
 
 void need_finite(const Vec3& value, const std::string& where)
 {
     if (!value.allFinite())
-        refuse(where, fmt::format("is [{}, {}, {}], expected finite numbers", value.x(), value.y(), value.z()));
+        refuse(where, fmt::format("got [{}, {}, {}]; expected finite numbers", value.x(), value.y(), value.z()));
 }
 
 void check_section(const WireSection& s, const std::string& where)
@@ -53,25 +53,25 @@ void check_section(const WireSection& s, const std::string& where)
     need_not_negative(s.mu_sliding, where + ".mu_sliding");
     need_not_negative(s.mu_static, where + ".mu_static");
     if (s.mu_static < s.mu_sliding)
-        refuse(where + ".mu_static", fmt::format("is {}, expected at least mu_sliding, {}", s.mu_static, s.mu_sliding));
+        refuse(where + ".mu_static", fmt::format("got {}; expected at least mu_sliding, {}", s.mu_static, s.mu_sliding));
 }
 
 void check_wire(const WireSpec& wire, const std::string& where)
 {
     need_positive(wire.length, where + ".length");
     if (wire.nodes != 0 && wire.nodes < 2)
-        refuse(where + ".nodes", fmt::format("is {}, expected 2 or more, or 0 for nodes that come and go", wire.nodes));
+        refuse(where + ".nodes", fmt::format("got {}; expected 2 or more, or 0 for nodes that come and go", wire.nodes));
     if (wire.nodes == 0) {
         need_positive(wire.min_edge, where + ".min_edge");
         need_positive(wire.edge_error, where + ".edge_error");
         if (!(wire.max_edge >= wire.min_edge))
-            refuse(where + ".max_edge", fmt::format("is {}, expected at least min_edge, {}", wire.max_edge, wire.min_edge));
+            refuse(where + ".max_edge", fmt::format("got {}; expected at least min_edge, {}", wire.max_edge, wire.min_edge));
     }
     check_section(wire.shaft, where + ".shaft");
     for (std::size_t k = 0; k < wire.sections.size(); ++k) {
         const WireSectionRange& range = wire.sections[k];
         const std::string section = fmt::format("{}.sections[{}]", where, k);
-        if (!(range.begin < range.end)) refuse(section, fmt::format("begins at {} and ends at {}", range.begin, range.end));
+        if (!(range.begin < range.end)) refuse(section, fmt::format("got {} to {}; expected an end behind the beginning", range.begin, range.end));
         check_section(range.section, section + ".section");
     }
 }
@@ -81,11 +81,11 @@ void check_samples(const WireSetup& wire, const std::string& where)
 {
     const double radius = wire.wire.least_radius();
     if (wire.wire.length > most_slender * radius)
-        refuse(where + ".wire.length", fmt::format("is {} m, expected at most {:g} times the smallest radius, {} m",
+        refuse(where + ".wire.length", fmt::format("got {} m; expected at most {:g} times the smallest radius, {} m",
                                                    wire.wire.length, most_slender, radius));
     if (double(wire.wire.nodes) * wire.contact.samples_per_edge > most_samples)
         refuse(where + ".contact.samples_per_edge",
-               fmt::format("is {} for {} nodes, expected at most {:g} samples in all; take fewer of either",
+               fmt::format("got {} for {} nodes; expected at most {:g} samples in all; take fewer of either",
                            wire.contact.samples_per_edge, wire.wire.nodes, most_samples));
 }
 
@@ -94,18 +94,18 @@ void check_feed(const WireSetup& wire, const std::string& where)
     if (!wire.feed.on) return;
     need_finite(wire.feed.point, where + ".point");
     need_finite(wire.feed.direction, where + ".direction");
-    if (wire.feed.direction.isZero()) refuse(where + ".direction", "is zero, expected the direction in which the wire enters");
+    if (wire.feed.direction.isZero()) refuse(where + ".direction", "got zero; expected the direction in which the wire enters");
     if (!(wire.feed.advance >= 0 && wire.feed.advance <= wire.wire.length))
         refuse(where + ".advance",
-               fmt::format("is {} m, expected 0 to the wire's length, {} m", wire.feed.advance, wire.wire.length));
-    if (!std::isfinite(wire.feed.turn)) refuse(where + ".turn", "is not a finite number");
+               fmt::format("got {} m; expected 0 to the wire's length, {} m", wire.feed.advance, wire.wire.length));
+    if (!std::isfinite(wire.feed.turn)) refuse(where + ".turn", "got a number that is not finite; expected a finite one");
 }
 
 /// One set of launches serves all wires of a world.
 void check_agreement(const ContactSpec& contact, const ContactSpec& first, const std::string& where)
 {
     const auto differs = [&](const char* member) {
-        refuse(where + member, "differs from that of wires[0]; expected the same for all wires of a world (make two worlds)");
+        refuse(where + member, "got another value than wires[0]; expected the same for all wires of a world. Fix: make two worlds");
     };
     if (contact.detection != first.detection) differs(".detection");
     if (contact.normal != first.normal) differs(".normal");
@@ -118,17 +118,17 @@ void check_systems(const WorldSetup& setup)
     if (setup.systems.empty()) return;
     for (std::size_t s = 0; s < setup.systems.size(); ++s)
         if (setup.systems[s] < 1)
-            refuse(fmt::format("systems[{}]", s), fmt::format("is {}, expected one instrument at least", setup.systems[s]));
+            refuse(fmt::format("systems[{}]", s), fmt::format("got {}; expected one instrument at least", setup.systems[s]));
     const auto in_all = std::accumulate(setup.systems.begin(), setup.systems.end(), std::int64_t{0});
     if (in_all != static_cast<std::int64_t>(setup.wires.size()))
         refuse("systems",
-               fmt::format("name {} instruments in all, expected as many as there are wires, {}", in_all, setup.wires.size()));
+               fmt::format("got {} instruments in all; expected as many as there are wires, {}", in_all, setup.wires.size()));
 }
 
 /// Instruments inside each other, a rod each (D13).
 void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::string& where)
 {
-    if (nest.order.size() < 2) refuse(where + ".order", "names fewer than two instruments, expected two or more, outer first");
+    if (nest.order.size() < 2) refuse(where + ".order", "got fewer than two instruments; expected two or more, outer first");
     const auto system_of = [&](int wire) {
         int end = 0, system = 0;
         for (const int size : setup.systems)
@@ -139,24 +139,24 @@ void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::s
     for (std::size_t k = 0; k < nest.order.size(); ++k) {
         const int wire = nest.order[k];
         if (wire < 0 || wire >= static_cast<int>(setup.wires.size()))
-            refuse(where + ".order", fmt::format("names instrument {}, expected 0 to {}", wire, setup.wires.size() - 1));
+            refuse(where + ".order", fmt::format("got instrument {}; expected 0 to {}", wire, setup.wires.size() - 1));
         if (std::count(nest.order.begin(), nest.order.end(), wire) > 1)
-            refuse(where + ".order", fmt::format("names instrument {} twice", wire));
+            refuse(where + ".order", fmt::format("got instrument {} twice; expected it once", wire));
         if (system_of(wire) != system_of(nest.order[0]))
-            refuse(where + ".order", "names instruments of different systems, expected those of one (WorldSetup::systems)");
+            refuse(where + ".order", "got instruments of different systems; expected those of one (WorldSetup::systems)");
         if (nest.model != CoaxialSpec::Model::Separate || k == 0) continue;
         const double lumen = setup.wires[static_cast<std::size_t>(nest.order[k - 1])].wire.lumen_radius;
         const double radius = setup.wires[static_cast<std::size_t>(wire)].wire.largest_radius();
         if (lumen <= radius)
             refuse(fmt::format("wires[{}].wire.lumen_radius", nest.order[k - 1]),
-                   fmt::format("is {} m, expected more than the radius of the instrument inside, {} m", lumen, radius));
+                   fmt::format("got {} m; expected more than the radius of the instrument inside, {} m", lumen, radius));
     }
     need_not_negative(nest.stiffness, where + ".stiffness");
     need_not_negative(nest.mu_sliding, where + ".mu_sliding");
     need_not_negative(nest.drag, where + ".drag");
     need_not_negative(nest.viscous, where + ".viscous");
     if (nest.mu_static < nest.mu_sliding)
-        refuse(where + ".mu_static", fmt::format("is {}, expected mu_sliding, {}, at least", nest.mu_static, nest.mu_sliding));
+        refuse(where + ".mu_static", fmt::format("got {}; expected mu_sliding, {}, at least", nest.mu_static, nest.mu_sliding));
 }
 
 /// Contact between instruments.
@@ -169,9 +169,9 @@ void check_touching(const WorldSetup& setup)
     }
     if (!any) return;
     if (setup.integrator.scheme != Scheme::Newton && setup.integrator.scheme != Scheme::Static)
-        refuse("integrator.scheme", "is linearised or explicit, expected newton or static where instruments touch each other");
+        refuse("integrator.scheme", "got linearised or explicit; expected newton or static where instruments touch each other");
     if (setup.wires[0].contact.precision != Precision::Float64)
-        refuse("wires[0].contact.precision", "is float32, expected float64 where instruments touch each other");
+        refuse("wires[0].contact.precision", "got float32; expected float64 where instruments touch each other");
 }
 
 /// An elastic wall (D11).
@@ -179,23 +179,23 @@ void check_elastic_wall(const WorldSetup& setup)
 {
     const VesselSpec& vessel = setup.vessel;
     if (!(vessel.poisson >= 0 && vessel.poisson < 0.5))
-        refuse("vessel.poisson", fmt::format("is {}, expected a number from 0 to below 0.5", vessel.poisson));
+        refuse("vessel.poisson", fmt::format("got {}; expected a number from 0 to below 0.5", vessel.poisson));
     need_not_negative(vessel.support, "vessel.support");
     need_not_negative(vessel.support_damping, "vessel.support_damping");
     need_not_negative(vessel.relaxation, "vessel.relaxation");
     need_not_negative(vessel.wall_edge, "vessel.wall_edge");
     if (!std::isfinite(vessel.pressure))
-        refuse("vessel.pressure", fmt::format("is {}, expected a finite number", vessel.pressure));
+        refuse("vessel.pressure", fmt::format("got {}; expected a finite number", vessel.pressure));
     const double radius = WallModel(vessel, setup.mesh, setup.centreline).typical_lumen_radius;
     if (vessel.thickness > radius)
-        refuse("vessel.thickness", fmt::format("is {} m, expected at most the lumen's radius, {:.4g} m: the wall is a thin shell",
+        refuse("vessel.thickness", fmt::format("got {} m; expected at most the lumen's radius, {:.4g} m: the wall is a thin shell",
                                                vessel.thickness, radius));
     if (vessel.support > 0) return;
     const MeshEdges edges = find_edges(setup.mesh);
     bool has_rim = false;
     for (std::size_t k = 0; k < edges.count(); ++k) has_rim |= edges.uses(k).size() == 1;
     if (!vessel.rims_held || !has_rim)
-        refuse("vessel.support", fmt::format("is 0 and {}: nothing holds the wall in place; expected tissue or held rims",
+        refuse("vessel.support", fmt::format("got 0, and {}: nothing holds the wall in place; expected tissue or held rims",
                                              has_rim ? "rims are free" : "the mesh has no rims"));
 }
 
@@ -203,16 +203,16 @@ void check_wall(const WorldSetup& setup)
 {
     if (setup.vessel.shape == VesselShape::None && setup.mesh.triangles.empty() && !setup.vessel.elastic) return;
     if (setup.mesh.triangles.empty())
-        refuse("mesh", "has no triangles, expected the vessel's wall, repaired (or vessel.shape None)");
+        refuse("mesh", "got no triangles; expected the vessel's wall, repaired (or vessel.shape None)");
     const auto vertices = static_cast<std::int64_t>(setup.mesh.vertices.size());
     for (std::size_t t = 0; t < setup.mesh.triangles.size(); ++t)
         for (const std::int32_t v : setup.mesh.triangles[t])
             if (v < 0 || v >= vertices)
-                refuse(fmt::format("mesh.triangles[{}]", t), fmt::format("names vertex {}, expected 0 to {}", v, vertices - 1));
+                refuse(fmt::format("mesh.triangles[{}]", t), fmt::format("got vertex {}; expected 0 to {}", v, vertices - 1));
     if (const std::int64_t v = first_unusable_vertex(setup.mesh); v >= 0) {
         const std::string name = fmt::format("mesh.vertices[{}]", v);
         need_finite(setup.mesh.vertices[static_cast<std::size_t>(v)], name);
-        refuse(name, fmt::format("lies beyond {:.0f} m, which float32 cannot hold finely enough", kMostCoordinate));
+        refuse(name, fmt::format("got more than {0:.0f} m, which float32 cannot hold finely enough; expected {0:.0f} m at most", kMostCoordinate));
     }
     need_positive(setup.vessel.youngs, "vessel.youngs");
     need_positive(setup.vessel.thickness, "vessel.thickness");
@@ -225,24 +225,24 @@ void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub
     if (hub.kind == Control::Hub::Kind::Stay) return;
     const auto refuse_it = [&](const std::string& what) { refuse(fmt::format("control: instrument {}", instrument), what); };
     if (instrument >= state.wire_count()) refuse_it(fmt::format("index out of range; expected below {}", state.wire_count()));
-    if (!state.feeds[instrument].on) refuse_it("is not fed (WireSetup::feed.on is false): it has no hub that could be moved");
+    if (!state.feeds[instrument].on) refuse_it("got a move, but it is not fed and has no hub; expected WireSetup::feed.on");
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
-            refuse_it(fmt::format("key {} is at {} s, expected times that increase", k, hub.keys[k].t));
+            refuse_it(fmt::format("key {}: got {} s; expected times that increase", k, hub.keys[k].t));
     // later keys of a known path need not be satisfied by this step
     const FeedKey end = hub.kind == Control::Hub::Kind::MoveTo ? FeedKey{0, hub.advance, hub.turn}
                                                                : HubPath(hub.keys).at(state.wire_time[instrument] + dt);
     const double length = state.setup.wires[instrument].wire.length;
     if (!(end.advance >= 0 && end.advance <= length))
-        refuse_it(fmt::format("advance is {} m, expected 0 to the wire's length, {} m", end.advance, length));
-    if (!std::isfinite(end.turn)) refuse_it(fmt::format("turn is {} rad, expected a finite number", end.turn));
+        refuse_it(fmt::format("advance: got {} m; expected 0 to the wire's length, {} m", end.advance, length));
+    if (!std::isfinite(end.turn)) refuse_it(fmt::format("turn: got {} rad; expected a finite number", end.turn));
 }
 
 }  // namespace
 
 void check_setup(const WorldSetup& setup)
 {
-    if (setup.wires.empty()) refuse("wires", "a world needs at least one wire");
+    if (setup.wires.empty()) refuse("wires", "got none; expected at least one wire");
     need_finite(setup.gravity, "gravity");
     need_not_negative(setup.force_window, "force_window");
     need_positive(setup.force_patch, "force_patch");
@@ -265,7 +265,7 @@ void check_setup(const WorldSetup& setup)
 
 void check_request(const World::Impl& state, const Control& control, double dt)
 {
-    if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("is {} s, expected a finite time greater than 0", dt));
+    if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("got {} s; expected a finite time greater than 0", dt));
     for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(state, static_cast<int>(k), control.hubs()[k], dt);
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 // A chain of point masses, axial springs and bending springs, by symplectic Euler: the class of models behind most real-time
 // simulators. No twist. The clamp is a bending spring of half an edge (2 B / h) between the first edge and the clamp's direction,
-// second order in the edge length; the usual way of fixing the first two masses is first order and would flatter its rivals.
+// second order in the edge length. Fixing the first two masses, as is usual, is first order and would flatter the other
+// methods.
 
 #include "baselines/baselines.h"
 

@@ -1,6 +1,5 @@
 #pragma once
-// The exact test that every library's broad phase is followed by, where it has none of its own: the kernels'
-// (kernels/shared/segment.h).
+// The exact test after the broad phase of a library that has none: the kernels' (kernels/shared/segment.h).
 
 #include "peers.h"
 

@@ -2,11 +2,11 @@
 //
 //     mesh_peers [--triangles 30000,300000,3000000] [--queries 2000] [--repeat 5] [--csv FILE] [--only NAME]
 //
-// Queries: capsules of 5 mm and a radius of 0.5 mm that lie at the wall of the project's aortic arch at random places and in
-// random directions along it: all triangles within the radius of the axis; and the nearest point of the mesh for the same
+// Queries: capsules of 5 mm and a radius of 0.5 mm at the wall of the project's aortic arch, at random positions and in random
+// directions along it. Asked are all triangles within the radius of the axis, and the nearest point of the mesh for the same
 // middles. Two threads each. Every set is compared with the project's: a triangle that one has and the other has not must lie
-// within 1 nm of the radius (float32, GJK: 1 um). Medians of the repeats; the repeats of all libraries are interleaved, so that a
-// disturbed moment strikes all alike.
+// within 1 nm of the radius (float32, GJK: 1 um). Medians of the repeats; the repeats of all libraries are interleaved, so that
+// a disturbed moment strikes all alike.
 
 #include "exact.h"
 #include "peers.h"

@@ -35,7 +35,7 @@ public:
 
     void build(const Problem& problem) override
     {
-        // the binary tree is the problem's: what it takes to build is measured by main; here it is widened and goes to the device
+        // the binary tree is the problem's, and main measures its build time; here it is widened and goes to the device
         const seldinger::WideTree tree = seldinger::build_wide_tree(*problem.tree);
         nodes_ = upload(tree.nodes.data(), tree.nodes.size() * sizeof(tree.nodes[0]));
         vertices_ = upload(tree.vertices.data(), tree.vertices.size() * sizeof(float));

@@ -1,6 +1,6 @@
 #pragma once
-// What is asked of every library: the same queries on the same rounded mesh (the float32 vertices that the wall's tree holds, in
-// its centre's frame), the same two threads, answers in the same form.
+// Queries for every library: the same queries on the same rounded mesh (the float32 vertices that the wall's tree holds, in its
+// centre's frame), the same two threads, answers in the same form.
 
 #include "vessel/tree.h"
 
@@ -34,7 +34,7 @@ using Distances = std::vector<double>;
 struct Peer {
     std::string name;
     virtual ~Peer() = default;
-    /// Everything that is done once per mesh; what it takes is `build`.
+    /// All work that is done once per mesh; its time is `build`.
     virtual void build(const Problem& problem) = 0;
     /// Empty: the library has no such query.
     virtual bool has_sets() const { return true; }

@@ -109,7 +109,8 @@ contacts_every = 0
 def mujoco_cable(case, segments, dt, cap, damping=0.0):
     import mujoco
 
-    # each ball joint stands for h of wire, half of it on either side: the first is half a segment inside, and the piece behind it is held
+    # each ball joint represents h of wire, half of it on either side: the first is half a segment inside, and the piece behind
+    # it is held
     h = LENGTH / (segments - 0.5)
     # capsules of a chain overlap by their caps: the mass is set by hand
     mass = DENSITY * math.pi * RADIUS**2 * h

@@ -1,9 +1,9 @@
 #pragma once
-// Every contact kernel by itself on a made-up load of realistic size, with the work that it does counted: for `seldinger bench`.
+// Each contact kernel alone, on a made-up load of realistic size, with its work counted: for `seldinger bench`.
 //
-// The load: wires of 300 quadrature points and 61 nodes that lie in the wall of a tube (radius 10 mm, length 0.3 m, about 30,000
-// triangles) along helices of their own, one radius apart as quadrature points are, within a few micrometres of touching: so that
-// about half of them touch.
+// The load: wires of 300 quadrature points and 61 nodes along helices in the wall of a tube (radius 10 mm, length 0.3 m, about
+// 30,000 triangles). They lie one radius apart and within a few micrometres of touching, so that about half of the points
+// touch.
 //
 // Includes nothing of kernels/shared: those headers are compiled in double, in float and with numbers that count
 // (kernel_bench_*.cpp).

@@ -1,4 +1,4 @@
-// The kernels in double, and what does not depend on precision.
+// The kernels in double, and all code that does not depend on precision.
 #include "roofline/kernel_bench.h"
 #include "roofline/peaks.h"
 

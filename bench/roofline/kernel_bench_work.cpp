@@ -11,7 +11,7 @@ struct Tally {
 };
 Tally tally;
 
-/// A double that counts what is done with it. A float is converted where it is loaded from one of the float32 arrays, and next to
+/// A double that counts its operations. A float is converted where it is loaded from one of the float32 arrays, and next to
 /// nowhere else.
 struct Counted {
     double value;

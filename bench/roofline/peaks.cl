@@ -6,7 +6,7 @@
 #define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
 // Nothing: what a launch costs.
-//   item    none is looked at      writes  nothing
+//   item    none is read      writes  nothing
 SEL_KERNEL void peak_nothing(const uint item_count, __global float* restrict out)
 {
     if (item_count == 0xffffffffu) out[get_global_id(0)] = 0;

@@ -14,7 +14,7 @@
 namespace seldinger {
 namespace {
 
-/// Of every node of the binary tree, from the leaves up.
+/// For every node of the binary tree, from the leaves up.
 struct Span {
     std::uint32_t first, count;  // triangles below it
     // Were it the root of a wide node, that node would have `children` children and `level` levels of wide nodes from it down; 0:
@@ -66,7 +66,7 @@ struct Builder {
         add_children(roots[at], std::max<int>(spans[roots[at]].level, 1), children);
     }
 
-    /// Numbers the nodes below `at`, which has its own: siblings side by side, each followed by what is below it.
+    /// Numbers the nodes below `at`, which has its own: siblings side by side, each followed by its subtree.
     void link(std::size_t at)
     {
         std::vector<std::uint32_t> children;

@@ -1,6 +1,6 @@
 #pragma once
 // The wall's tree with eight children to a node, for queries that test them side by side (bench/wide/wide_walk.h). Made from
-// the binary tree where such queries are asked; what it finds is the same.
+// the binary tree where such queries are asked; its result is the same.
 
 #include "wide/wide_types.h"
 

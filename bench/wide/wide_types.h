@@ -1,8 +1,8 @@
 #ifndef SEL_SHARED_WIDE_TYPES_H
 #define SEL_SHARED_WIDE_TYPES_H
-// Layout of the wide tree: the wall's binary tree collapsed to nodes of eight children, whose boxes are bytes on a grid of the
-// node [Ylitie17, doi:10.1145/3105762.3105773]: eight are tested side by side, and a triangle has 3.5 bytes of nodes instead
-// of 26. Built from a WallTree by bench/wide/wide_tree.cpp.
+// Layout of the wide tree: the wall's binary tree collapsed to nodes of eight children [Ylitie17, doi:10.1145/3105762.3105773].
+// Boxes are bytes on a grid of the node, and eight are tested side by side. A triangle has 3.5 bytes of nodes instead of 26.
+// Built from a WallTree by bench/wide/wide_tree.cpp.
 #ifdef __cplusplus
     #include <cstdint>
 namespace seldinger {
@@ -11,9 +11,9 @@ using uchar = unsigned char;
 #endif
 
 #define SEL_WIDE_LEAF 8  // most triangles in a leaf
-// Entries that a walk may have to remember. Every level of wide nodes is at least three levels of the binary tree high (whose
-// depth is below 48), so that no path has more than 16 of them, and each leaves seven children behind; the last vector is stored
-// whole.
+// Entries that a walk may have to remember. Every level of wide nodes is at least three levels of the binary tree high. That
+// tree's depth is below 48, so no path has more than 16 wide nodes, and each leaves seven children behind. The last vector is
+// stored whole.
 #define SEL_WIDE_STACK 128
 
 // child: SEL_WIDE_NONE; index of a node; or, with the top bit, a leaf: bits 28-30 its triangles less one, the others the first.

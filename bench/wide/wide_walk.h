@@ -1,7 +1,7 @@
 // Walks through the wide tree: eight boxes, and then eight triangles, side by side.
 //
 // Boxes are tested in float relative to the query, with a margin that outweighs every rounding on the way: they leave out too
-// little, never too much. What is found is decided on the triangles alone, in `real`, by the same operations as one triangle at a
+// little, never too much. The result is decided on the triangles alone, in `real`, by the same operations as one triangle at a
 // time (triangle.h, segment.h).
 #ifndef SEL_SHARED_WIDE_WALK_H
 #define SEL_SHARED_WIDE_WALK_H
@@ -13,7 +13,7 @@ SEL_BEGIN
 
 #define SEL_LANE_NUMBERS mask_bits8(SEL_MASK8(0, -1, -2, -3, -4, -5, -6, -7))
 
-// Children still to be looked at: the parent, and the squared distance with the child's number in its last three bits (the bits
+// Children still to be visited: the parent, and the squared distance with the child's number in its last three bits (the bits
 // of floats that are not negative are in order like the floats).
 typedef struct WideStack {
     uint key[SEL_WIDE_STACK], parent[SEL_WIDE_STACK];

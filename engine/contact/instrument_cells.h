@@ -31,9 +31,9 @@ struct InstrumentSetup {
     [[nodiscard]] bool any() const { return from_outside || !nested.empty(); }
 };
 
-/// Young's modulus [Pa] and Poisson's ratio of a surface whose material is not given: a guidewire's jacket of soft polyurethane, 36
-/// MPa (Elasthane 80A) to 69 MPa (Texin 245). docs/coaxial.md, Surfaces, has the sources and the effect of 4 x smaller and larger
-/// values.
+/// Young's modulus [Pa] and Poisson's ratio of a surface without a given material. They are those of a guidewire's jacket of
+/// soft polyurethane: 36 MPa (Elasthane 80A) to 69 MPa (Texin 245). docs/coaxial.md, Surfaces, has the sources and the effect
+/// of 4 x smaller and larger values.
 inline constexpr double jacket_youngs = 5e7, jacket_poisson = 0.4;
 
 struct InstrumentCells {

@@ -100,8 +100,8 @@ void add_outer_product(double (&to)[InstrumentSums::size][InstrumentSums::size],
     }
 }
 
-/// What sliding friction does as the normal force N_k at one point changes. Friction mu sum N_k acts at the middle of what touches,
-/// s = sum N_k s_k / sum N_k: with r(s) its row along the slip the change is
+/// What sliding friction does as the normal force N_k at one point changes. Friction mu sum N_k acts at the middle of the
+/// contact, s = sum N_k s_k / sum N_k: with r(s) its row along the slip the change is
 ///   mu (r dN + r' (d(sum N_k s_k) - s dN)) = mu sum r(s_k) dN_k,     r(s_k) = r + (s_k - s) r',     dN_k = -slope_k g_k.
 void add_load(double (&to)[InstrumentSums::size][InstrumentSums::size], const InstrumentForce& f, const InstrumentPoint& p)
 {
@@ -133,7 +133,7 @@ void add_rows(double (&to)[InstrumentSums::size][InstrumentSums::size], int row,
 /// K = slope g g^T - force (d2 gap). With delta = x_a - c_b and e the change of b's derivative both terms are of these six numbers,
 ///   K = (delta e) (A C; C^T D) (delta e)^T,     A = slope n n^T - force (m + bend p p^T),  C = slope n turn^T - force bend p q^T,
 ///                                               D = slope turn turn^T - force bend q q^T,
-/// and a pair of nodes i, j takes delta by the weights wa_i, -wb_i of both, e by db_i.
+/// where a pair of nodes i, j takes delta by the weights wa_i, -wb_i of both, e by db_i.
 void add_point(double (&to)[InstrumentSums::size][InstrumentSums::size], const InstrumentPoint& p)
 {
     constexpr int side = InstrumentSums::side;

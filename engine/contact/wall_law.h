@@ -26,7 +26,8 @@ inline constexpr double weight_gravity = 9.81;
 /// k_f. For a rigid wire along a lumen 1/r* = 1/r - 1/R.
 [[nodiscard]] double line_stiffness(const LawSide& a, const LawSide& b);
 
-/// Point law of a wire's round tip on the bed whose line law is `line` depth^n: a bed of pressure p = c depth^(n - 1/2) carries
+/// Point law of a wire's round tip. The bed is that whose line law is `line` depth^n: a bed of pressure p = c depth^(n - 1/2)
+/// carries
 ///   line  c sqrt(2 r*) B(1/2, n + 1/2) depth^n per metre,     tip  2 pi r c depth^(n + 1/2) / (n + 1/2),
 /// which for n = 3/2, c = k_f is (D6b) and (D6c). @return stiffness [N/m^(n+1/2)] of the tip's law, exponent n + 1/2
 [[nodiscard]] double tip_stiffness(double line, double n, double wire_radius, double lumen_radius);

@@ -221,7 +221,7 @@ bool YieldingWall::take_forces(System& system) const
     return thought_of;
 }
 
-/// E, F and D from the tangents that contact has just been asked for.
+/// E, F and D from the last tangents of contact.
 /// @param among  unknowns that are counted, and wires that are left out; null: all of them, counted over the system's nodes
 void YieldingWall::linearise(const System& system, const SystemUnknowns* among, Condensed& to) const
 {

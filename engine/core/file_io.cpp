@@ -53,7 +53,9 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
 {
     const std::string path = place.path().string();
     auto fail = [&](int error) {
-        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be read: {}; check the path", path, std::strerror(error)));
+        const bool backslash = error == ENOENT && path.find('\\') != std::string::npos;
+        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be read: {}; {}", path, std::strerror(error),
+                                                   backslash ? "write / between folders, not \\" : "check the path"));
     };
     // without waiting: opening a pipe that no one writes to would never return
     const int fd = ::openat(place.start(), place.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | place.read_flags());
@@ -141,9 +143,14 @@ void make_folder(const std::filesystem::path& path)
     if (error) fail_writing(path, error.value());
 }
 
+void make_folder_of(const std::filesystem::path& file)
+{
+    if (file.has_parent_path()) make_folder(file.parent_path());
+}
+
 Folder make_own_folder(const std::filesystem::path& path)
 {
-    if (path.has_parent_path()) make_folder(path.parent_path());
+    make_folder_of(path);
     return Folder(path.parent_path()).make(path.filename().string());
 }
 

@@ -45,6 +45,8 @@ private:
 
 /// Makes a folder and its parents. @throws Error BadFile
 void make_folder(const std::filesystem::path& path);
+/// The folder of a file that a user names. @throws Error BadFile
+void make_folder_of(const std::filesystem::path& file);
 
 /// A folder below or beside one that a user gave, under a name of this program's choice. It is made if there is none. A link in its
 /// place, which somebody else may have put there, is refused. @throws Error BadFile

@@ -1,7 +1,7 @@
 #pragma once
-// Runs loops over independent items on all cores. oneTBB's pool steals work in small pieces and lets idle workers sleep. (OpenMP's
-// workers spin, and a region waits 8 ms for one that a busy neighbour keeps off its core.) Items write only their own data, so the
-// bits do not depend on the number of threads.
+// Runs loops over independent items on all cores. oneTBB's pool steals work in small pieces and lets idle workers sleep.
+// OpenMP's workers spin, and a region waits 8 ms for a worker that a busy neighbour keeps off its core. Items write only their
+// own data, so the bits do not depend on the number of threads.
 
 #include <functional>
 #include <type_traits>

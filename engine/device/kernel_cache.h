@@ -35,8 +35,8 @@ private:
 /// For the line of a build that failed: the folder, and what to do about it.
 [[nodiscard]] std::string kernel_cache_advice();
 
-/// Removes the shared objects and bitcode files of PoCL in `dir` that are shorter than they say themselves: those that lie where PoCL
-/// puts them, under the names that it gives (HH/HASH/KERNEL/SIZE/), and no links. Other things in the folder are somebody's.
+/// Removes truncated shared objects and bitcode files of PoCL in `folder`: those under PoCL's paths and names
+/// (HH/HASH/KERNEL/SIZE/), and no links. Other things in the folder are somebody's.
 /// @return the first entry under such a name that PoCL has not made: a link, a pipe, a device, a file for a folder; empty: there is none
 [[nodiscard]] std::filesystem::path clean_kernel_cache(const std::filesystem::path& dir);
 

@@ -30,7 +30,7 @@ struct RadiusArray {
     double factor = 1;
 };
 
-/// VMTK and SimVascular write MaximumInscribedSphereRadius, 3D Slicer Radius, others what they like.
+/// VMTK and SimVascular write MaximumInscribedSphereRadius, 3D Slicer Radius, others other names.
 RadiusArray radius_of(const PolyData& data, const std::string& name)
 {
     std::string known;
@@ -70,7 +70,7 @@ public:
                 previous = at;
             }
         }
-        if (points_.empty()) fail_centreline(name, "holds no line; expected the polylines of a centreline");  // lines of no points are none
+        if (points_.empty()) fail_centreline(name, "got no line; expected the polylines of a centreline. Fix: export its lines (VMTK: Centerlines, ParaView: Save Data)");  // lines of no points are none
     }
 
     Centreline tree()
@@ -96,7 +96,9 @@ private:
     int add(std::size_t i, const std::array<double, 3>& at, double r, double scale, std::map<std::array<double, 3>, int>& known)
     {
         if (!(r > 0 && r <= most_) || !std::all_of(at.begin(), at.end(), [&](double x) { return std::abs(x) <= most_; }))
-            fail_centreline(name_, fmt::format("point {}: a place within {:.0f} m and a radius above 0 are expected", i, kMostCoordinate));
+            fail_centreline(name_, fmt::format("point {}: got [{:.6g}, {:.6g}, {:.6g}] with radius {:.6g}; expected coordinates within {:.0f} m and a radius above 0. Fix: check the "
+                                    "units, or export the centreline again",
+                                    i, at[0], at[1], at[2], r, kMostCoordinate));
         const auto [it, fresh] = known.try_emplace(at, count());
         if (fresh) {
             points_.push_back(scale * Vec3(at[0], at[1], at[2]));

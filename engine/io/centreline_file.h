@@ -8,12 +8,13 @@
 
 namespace seldinger {
 
-/// Polylines of a .vtp or legacy .vtk with a radius at each point: the point array MaximumInscribedSphereRadius of VMTK, else one
-/// called Radius, else the only one with "radius" in its name, else half of one called Diameter; case does not matter.
+/// Polylines of a .vtp or legacy .vtk with a radius at each point. The radius is the point array MaximumInscribedSphereRadius
+/// of VMTK, else Radius. Else it is the only array with "radius" in its name, or half of one called Diameter. Case does not
+/// matter.
 ///
-/// Lines are joined into a graph, so that it does not matter how the file cuts them or which way each runs: points at the same
-/// coordinates are one, and an end within the lumen of another piece is joined to it. The root is the first end (point of one
-/// neighbour) of the file; a ring is cut opposite to the root.
+/// Lines are joined into a graph, so that neither the cuts of the lines nor their directions matter. Points at the same
+/// coordinates are one. An end within the lumen of another piece is joined to that piece. The root is the first end (point of
+/// one neighbour) of the file; a ring is cut opposite to the root.
 /// @throws Error BadFile
 [[nodiscard]] Centreline read_centreline(const std::filesystem::path& path, const std::string& units);
 /// Same, from the bytes of a file. @param name  of it, for messages

@@ -15,9 +15,9 @@ struct FileRemarks {
     std::string units;  // m, cm, mm, um or in; empty: not said
 };
 
-/// Reads SPACE=RAS or LPS and UNITS=mm (in any case, also UNIT, also "units: millimetres") in the places where programs put such
-/// things: the 80 bytes before a binary STL's triangles, the name of an ASCII STL's solid, comments of PLY and OBJ, the title and
-/// the FIELD data of legacy VTK, FieldData of .vtp.
+/// Reads SPACE=RAS or LPS and UNITS=mm where programs write them. Case does not matter; UNIT and "units: millimetres" count
+/// too. Binary STL: the 80 bytes before the triangles. ASCII STL: the solid's name. PLY and OBJ: comments. Legacy VTK: title
+/// and FIELD data. VTP: FieldData.
 /// @param bytes  of the file; its beginning is enough but for strings that a .vtp has in its appended data
 [[nodiscard]] FileRemarks remarks_in(std::string_view bytes, const std::filesystem::path& name);
 

@@ -59,15 +59,15 @@ pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::str
     const pid_t process = start_program(words, input, said, output);
     if (process < 0)
         throw Error(ExitCode::BadFile,
-                    fmt::format("{}: a film needs ffmpeg: {}", film.string(),
+                    fmt::format("{}: got no ffmpeg; expected it for a film: {}", film.string(),
                                 why_not_started("ffmpeg", "on Debian, as root: apt-get install ffmpeg")));
     return process;
 }
 
 std::string unfinished(const std::string& said)
 {
-    if (!said.empty()) return fmt::format("ffmpeg could not finish the film ({})", said);
-    return "ffmpeg could not finish the film; check that the disk is not full and that ffmpeg has libx264";
+    if (!said.empty()) return fmt::format("got \"{}\" from ffmpeg; expected a finished film. Fix: give another name or --size", said);
+    return "got an unfinished film from ffmpeg; expected a whole one. Fix: free some space, and check that ffmpeg has libx264";
 }
 
 const char* container_of(const std::filesystem::path& path)
@@ -76,7 +76,7 @@ const char* container_of(const std::filesystem::path& path)
     if (ending == ".mp4") return "mp4";
     if (ending == ".mov") return "mov";
     if (ending == ".mkv") return "matroska";
-    throw Error(ExitCode::BadFile, path.string() + ": expected a film's name that ends in .mp4, .mov or .mkv");
+    throw Error(ExitCode::BadFile, fmt::format("{}: got the ending \"{}\"; expected .mp4, .mov or .mkv. Fix: rename the film", path.string(), ending));
 }
 
 }  // namespace
@@ -92,10 +92,11 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, const std::vector<std:
 {
     const char* container = container_of(path);
     if (std::filesystem::is_directory(path))
-        throw Error(ExitCode::BadFile, path.string() + ": is a folder, expected the name of a film");
+        throw Error(ExitCode::BadFile, path.string() + ": got a folder; expected the name of a film. Fix: name one, for example film.mp4");
+    make_folder_of(path);
     file_.emplace(path);
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::BadFile, path.string() + ": no pipe to ffmpeg could be opened");
+    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::BadFile, path.string() + ": got no pipe to ffmpeg; expected one. Fix: close other programs, or raise the limit of open files (ulimit -n)");
     pipe_ = ends[1];
     // room for a picture of 1024 x 1024, so that the next one is drawn while ffmpeg encodes; where that is not allowed, it stays small
     (void)fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);
@@ -159,7 +160,7 @@ void FilmWriter::put(const void* pixels, std::size_t size)
     if (!gone) return;
     wait_for_end();
     const std::string said = first_line(said_);
-    fail(said.empty() ? "ffmpeg ended before the film was complete; check that the disk is not full" : unfinished(said));
+    fail(said.empty() ? "got an early end of ffmpeg; expected a whole film. Fix: free some space" : unfinished(said));
 }
 
 void FilmWriter::finish()

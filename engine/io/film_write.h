@@ -16,8 +16,8 @@ namespace seldinger {
 
 enum class FilmPixels { Grey12, Rgb };
 
-/// H.264 in MP4, frames as they come. The file appears under its name when finish() has returned, and not at all otherwise. ffmpeg is
-/// given an open file and a pipe, never a path: it would take run-10:00 for a protocol and %d for a number.
+/// H.264 in MP4, frames as they come. The file appears under its name only once finish() has returned. The encoder gets an open
+/// file and a pipe, never a path: it would take run-10:00 for a protocol and %d for a number.
 class FilmWriter {
 public:
     /// @param rate  frames per second. @throws Error BadFile: no ffmpeg, a folder by that name, an ending other than .mp4, .mkv

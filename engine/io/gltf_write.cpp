@@ -5,6 +5,7 @@
 #include "io/json_text.h"
 #include "math/eigen.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <Eigen/Geometry>
@@ -208,7 +209,8 @@ private:
 void write_gltf(const std::filesystem::path& path, const AnimatedModel& model)
 {
     if (path.extension() != ".glb")
-        throw Error(ExitCode::BadFile, path.string() + ": expected the name of a binary glTF file, ending in .glb");
+        throw Error(ExitCode::BadFile, fmt::format("{}: got the ending \"{}\"; expected .glb (binary glTF). Fix: rename the file", path.string(), path.extension().string()));
+    make_folder_of(path);
     write_file(path, Gltf(model).file());
 }
 

@@ -150,7 +150,7 @@ void require_known(const std::filesystem::path& path)
         if (extension == cad) fix = "export it from the CAD program as binary STL, in millimetres";
     for (const char* grid : {".vtu", ".vtm", ".pvd", ".vts", ".msh", ".cas"})
         if (extension == grid) fix = "extract its surface (ParaView: Extract Surface) and save that as .vtp";
-    bad_file(path, fmt::format("got format \"{}\"; .stl, .obj, .ply, .vtp or .vtk expected. Fix: {}", extension, fix));
+    bad_file(path, fmt::format("got format \"{}\"; expected .stl, .obj, .ply, .vtp or .vtk. Fix: {}", extension, fix));
 }
 
 void require_usable(const WallMesh& mesh, const std::filesystem::path& path, const std::string& units)
@@ -158,8 +158,8 @@ void require_usable(const WallMesh& mesh, const std::filesystem::path& path, con
     const std::int64_t v = first_unusable_vertex(mesh);
     if (v < 0) return;
     const Vec3 at = mesh.vertices[static_cast<std::size_t>(v)] / metres_per_unit(units);
-    bad_file(path, fmt::format("vertex {} (counted from 1) lies at [{:.6g}, {:.6g}, {:.6g}] {}; numbers within {:.0f} m are "
-                               "expected: mend the file, or check its units",
+    bad_file(path, fmt::format("vertex {} (counted from 1): got [{:.6g}, {:.6g}, {:.6g}] {}; expected numbers within {:.0f} m. Fix: check the units, or export "
+                               "the mesh again",
                                v + 1, at.x(), at.y(), at.z(), units, kMostCoordinate));
 }
 
@@ -179,7 +179,7 @@ double metres_per_unit(const std::string& units)
     if (units == "mm") return 1e-3;
     if (units == "um") return 1e-6;
     if (units == "in") return 0.0254;
-    throw Error(ExitCode::BadScene, fmt::format("units: \"{}\" given; m, cm, mm, um or in expected", units));
+    throw Error(ExitCode::BadScene, fmt::format("units: got \"{}\"; expected m, cm, mm, um or in. Fix: name the unit of the file's numbers", units));
 }
 
 WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read, double* rounding)
@@ -208,7 +208,7 @@ WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path,
     } catch (const Error& error) {
         bad_file(path, error.what());
     }
-    if (mesh.triangles.empty()) bad_file(path, "holds no triangle");
+    if (mesh.triangles.empty()) bad_file(path, "got no triangles; expected a surface. Fix: export the mesh again");
     if (rounding) *rounding = scale * float32_rounding(mesh.vertices);
     for (Vec3& v : mesh.vertices) v *= scale;
     require_usable(mesh, path, units);

@@ -24,7 +24,7 @@ namespace seldinger {
 [[nodiscard]] WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read = nullptr,
                                  double* rounding = nullptr);
 
-/// The bytes that read_mesh parses. @throws Error as there, for what can be told without parsing
+/// The bytes that read_mesh parses. @throws Error as there, where no parsing is needed to know
 [[nodiscard]] std::string read_mesh_bytes(const std::filesystem::path& path, const std::string& units);
 
 /// Same, from the bytes of a file. @param path  its name, for messages and the format

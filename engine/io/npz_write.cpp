@@ -51,9 +51,11 @@ std::string common_header(const std::string& name, const std::string& content)
 
 }  // namespace
 
-void NpzWriter::add_array(const std::string& name, const std::string& dtype, std::size_t count, std::string_view data)
+void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape, std::string_view data)
 {
-    std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({},), }}", dtype, count);
+    std::string sizes;
+    for (const std::size_t size : shape) sizes += fmt::format("{}{},", sizes.empty() ? "" : " ", size);
+    std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", dtype, sizes);
     header.append(63 - (10 + header.size()) % 64, ' ');  // data begin at a multiple of 64 bytes, after a line end
     header += '\n';
     std::string npy("\x93NUMPY\x01\x00", 8);
@@ -65,12 +67,17 @@ void NpzWriter::add_array(const std::string& name, const std::string& dtype, std
 
 void NpzWriter::add(const std::string& name, std::span<const double> values)
 {
-    add_array(name, "<f8", values.size(), {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+    add_array(name, "<f8", {values.size()}, {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+}
+
+void NpzWriter::add(const std::string& name, std::span<const double> values, const std::vector<std::size_t>& shape)
+{
+    add_array(name, "<f8", shape, {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
 }
 
 void NpzWriter::add(const std::string& name, std::span<const std::int64_t> values)
 {
-    add_array(name, "<i8", values.size(), {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+    add_array(name, "<i8", {values.size()}, {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
 }
 
 void NpzWriter::add(const std::string& name, std::span<const std::string> values)
@@ -86,7 +93,7 @@ void NpzWriter::add(const std::string& name, std::span<const std::string> values
         for (const std::uint32_t point : row) put_number(data, point, 4);
         data.append(4 * (width - row.size()), '\0');
     }
-    add_array(name, fmt::format("<U{}", width), values.size(), data);
+    add_array(name, fmt::format("<U{}", width), {values.size()}, data);
 }
 
 std::string NpzWriter::finish() const
@@ -106,7 +113,7 @@ std::string NpzWriter::finish() const
         file += std::string("PK\x03\x04", 4) + header + entry.name + entry.content;
     }
     if (file.size() + directory.size() > 0xffffffffull || entries_.size() > 0xffff)
-        throw Error(ExitCode::BadFile, "results.npz would be larger than 4 GiB; split the sweep");
+        throw Error(ExitCode::BadFile, ".npz file: got arrays of more than 4 GiB; expected less. Fix: split the sweep, or write fewer frames");
     const std::size_t at = file.size();
     file += directory + std::string("PK\x05\x06", 4);
     put_number(file, 0, 4);  // one disk

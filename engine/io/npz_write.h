@@ -12,8 +12,10 @@ namespace seldinger {
 
 class NpzWriter {
 public:
-    /// One-dimensional arrays; names are those of the loaded object's keys.
+    /// Names are those of the loaded object's keys. Arrays have one dimension unless a shape is given.
     void add(const std::string& name, std::span<const double> values);        // float64
+    /// The last index varies fastest; `shape` multiplies to the number of values.
+    void add(const std::string& name, std::span<const double> values, const std::vector<std::size_t>& shape);
     void add(const std::string& name, std::span<const std::int64_t> values);  // int64
     void add(const std::string& name, std::span<const std::string> values);   // fixed-width text, from UTF-8
     /// The file's bytes. @throws Error BadFile beyond the 4 GiB that a plain zip holds
@@ -23,7 +25,7 @@ private:
     struct Entry {
         std::string name, content;  // content: the .npy file
     };
-    void add_array(const std::string& name, const std::string& dtype, std::size_t count, std::string_view data);
+    void add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape, std::string_view data);
     std::vector<Entry> entries_;
 };
 

@@ -2,6 +2,7 @@
 #include "io/ply_read.h"
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "io/text_words.h"
 
 #include <fmt/format.h>
@@ -60,7 +61,7 @@ public:
         }
         for (const std::int64_t index : data.polys.connectivity)
             if (index < 0 || index >= static_cast<std::int64_t>(data.points.size()))
-                fail(fmt::format("a face names vertex {}, only {} exist: truncated or damaged", index, data.points.size()));
+                damaged(fmt::format("got vertex {} in a face; expected 0 to {}", index, static_cast<std::int64_t>(data.points.size()) - 1));
         return data;
     }
 
@@ -69,16 +70,17 @@ private:
     {
         throw Error(ExitCode::BadFile, fmt::format("{}: {}", name_, message));
     }
+    [[noreturn]] void damaged(const std::string& what) const { refuse_damaged(name_, what); }
 
     Scalar scalar_in(TextWords& words, std::string_view line) const
     {
         if (const auto type = scalar_named(words.word())) return *type;
-        fail(fmt::format("PLY header: \"{}\" has no known type", excerpt(line)));
+        damaged(fmt::format("PLY header: got \"{}\"; expected a type of PLY (float, double, int, uchar, ...)", excerpt(line)));
     }
 
     void read_header()
     {
-        if (TextWords(words_.line()).word() != "ply") fail("does not begin with \"ply\"");
+        if (TextWords(words_.line()).word() != "ply") fail("got no \"ply\" in its first line; expected a PLY file. Fix: name the file after its format, or export it again");
         bool format = false, end = false;
         while (!end && !words_.at_end()) {
             const std::string_view line = words_.line();
@@ -94,18 +96,18 @@ private:
             } else if (key == "end_header") {
                 end = true;
             } else if (!key.empty() && key != "comment" && key != "obj_info") {
-                fail(fmt::format("PLY header: \"{}\" is not known", excerpt(line)));
+                damaged(fmt::format("PLY header: got \"{}\"; expected format, element, property, comment or end_header", excerpt(line)));
             }
         }
-        if (!end) fail("the PLY header has no end_header: truncated");
-        if (!format) fail("the PLY header has no format");
+        if (!end) damaged("PLY header: got no end_header; expected one in a line of its own");
+        if (!format) damaged("PLY header: got no format; expected ascii, binary_little_endian or binary_big_endian");
         body_ = words_.rest();
         const auto faces = std::find_if(elements_.begin(), elements_.end(), [](const Element& e) { return e.name == "face"; });
         if (faces != elements_.end() && faces->count > 0) return;
         for (const Element& element : elements_)
             if (element.name == "tristrips")
-                fail("holds triangle strips; expected faces. Fix: open it in MeshLab or Blender and export it again");
-        fail("holds no faces; expected a surface. Fix: a cloud of points has to be meshed first (MeshLab: Surface Reconstruction)");
+                fail("got triangle strips; expected faces. Fix: open it in MeshLab or Blender and export it again");
+        fail("got no faces; expected a surface. Fix: make a mesh of the points (MeshLab: Surface Reconstruction)");
     }
 
     void read_format(std::string_view word)
@@ -113,7 +115,7 @@ private:
         if (word == "ascii") encoding_ = Encoding::Ascii;
         else if (word == "binary_little_endian") encoding_ = Encoding::Little;
         else if (word == "binary_big_endian") encoding_ = Encoding::Big;
-        else fail(fmt::format("PLY header: format \"{}\" is not known", excerpt(word)));
+        else damaged(fmt::format("PLY header: got format \"{}\"; expected ascii, binary_little_endian or binary_big_endian", excerpt(word)));
     }
 
     void read_element(TextWords& words, std::string_view line)
@@ -123,13 +125,13 @@ private:
         const std::string_view count = words.word();
         const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
         if (error != std::errc{} || end != count.data() + count.size())
-            fail(fmt::format("PLY header: \"{}\" has no count", excerpt(line)));
+            damaged(fmt::format("PLY header: got \"{}\"; expected element NAME COUNT", excerpt(line)));
         elements_.push_back(std::move(element));
     }
 
     void read_property(TextWords& words, std::string_view line)
     {
-        if (elements_.empty()) fail("PLY header: a property before any element");
+        if (elements_.empty()) damaged("PLY header: got a property first; expected an element before it");
         Property property;
         TextWords look = words;
         if (look.word() == "list") {
@@ -153,8 +155,7 @@ private:
         std::size_t each = 0;
         for (const Property& p : element.properties) each += least(p.count ? *p.count : p.type);
         if (each > 0 && element.count > room() / each)
-            fail(fmt::format("the header announces {} x {}, more than the file has bytes for: truncated or damaged",
-                             element.count, excerpt(element.name)));
+            damaged(fmt::format("got a header that announces {} x {}; expected no more than the file has bytes for", element.count, excerpt(element.name)));
     }
 
     double value(Scalar type)
@@ -162,11 +163,11 @@ private:
         if (encoding_ == Encoding::Ascii) {
             const std::string_view word = words_.word();
             if (const auto read = number(word)) return *read;
-            fail(fmt::format("\"{}\" where a number is expected; truncated or damaged", excerpt(word)));
+            damaged(fmt::format("got \"{}\"; expected a number", excerpt(word)));
         }
         char bytes[8];
         const std::size_t size = size_of(type);
-        if (body_.size() < size) fail("cut off in its data: truncated");
+        if (body_.size() < size) damaged("got the end of the file in its data; expected as many values as the header announces");
         std::memcpy(bytes, body_.data(), size);
         body_.remove_prefix(size);
         if ((encoding_ == Encoding::Little) != (std::endian::native == std::endian::little)) std::reverse(bytes, bytes + size);
@@ -202,7 +203,7 @@ private:
     {
         const double n = value(*list.count);
         if (!(n >= 0) || n != std::floor(n) || n > static_cast<double>(room() / least(list.type)))
-            fail(fmt::format("a list of {} items, more than the file has bytes for: truncated or damaged", n));
+            damaged(fmt::format("got a list that announces {} items; expected no more than the file has bytes for", n));
         return static_cast<std::size_t>(n);
     }
 
@@ -225,7 +226,7 @@ private:
             for (int d = 0; d < 3; ++d)
                 if (!element.properties[p].count && element.properties[p].name == std::string(1, static_cast<char>('x' + d)))
                     axis_of[d] = static_cast<int>(p);
-        if (std::min({axis_of[0], axis_of[1], axis_of[2]}) < 0) fail("the vertices have no x, y and z");
+        if (std::min({axis_of[0], axis_of[1], axis_of[2]}) < 0) fail("got vertices without x, y and z; expected all three. Fix: export the mesh again");
         data.points.reserve(data.points.size() + element.count);
         for (std::uint64_t i = 0; i < element.count; ++i) {
             std::array<double, 3> point{};
@@ -243,7 +244,7 @@ private:
     void read_faces(const Element& element, PolyData& data)
     {
         if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1)
-            fail("the faces have no list vertex_indices");
+            fail("got faces without a list vertex_indices; expected one. Fix: export the mesh again");
         for (std::uint64_t i = 0; i < element.count; ++i)
             for (const Property& property : element.properties) {
                 if (!is_corners(property)) {
@@ -260,7 +261,7 @@ private:
     {
         const double index = value(type);
         if (!(std::abs(index) <= 4294967295.0) || index != std::floor(index))
-            fail(fmt::format("{} where a face's vertex is expected: truncated or damaged", index));
+            damaged(fmt::format("got {}; expected the number of a face's vertex", index));
         return static_cast<std::int64_t>(index);
     }
 

@@ -56,7 +56,7 @@ void write_grey(const FilePlace& place, const GreyRows& grey)
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     const bool whole = info && encode_grey(png, info, grey, file);
     png_destroy_write_struct(&png, &info);
-    if (!whole) throw Error(ExitCode::BadFile, place.path().string() + ": could not be encoded as PNG");
+    if (!whole) throw Error(ExitCode::BadFile, place.path().string() + ": got a picture that libpng cannot encode; expected a PNG. Fix: give a smaller --size");
     write_file(place, file);
 }
 

@@ -2,6 +2,7 @@
 #include "io/stl_obj_read.h"
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "io/text_words.h"
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ double number_in(TextWords& words, const std::string& name, const std::string& w
 {
     const std::string_view word = words.word();
     if (const auto value = number(word)) return *value;
-    fail(name, fmt::format("{}: \"{}\" where a number is expected; truncated or damaged", where, excerpt(word)));
+    refuse_damaged(name, fmt::format("{}: got \"{}\"; expected a number", where, excerpt(word)));
 }
 
 std::array<double, 3> point_in(TextWords& words, const std::string& name, const std::string& where)
@@ -48,10 +49,10 @@ bool is_binary_stl(const std::string& bytes, const std::string& name)
         return true;
     if (same_word(TextWords(without_mark(bytes)).word().substr(0, 5), "solid") && has_word(bytes, "facet")) return false;
     if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
-        fail(name, "is text in UTF-16; expected plain text or binary STL. Fix: save it as UTF-8 or ASCII");
-    if (bytes.size() < stl_header) fail(name, fmt::format("{} bytes are too few for an STL file", bytes.size()));
-    fail(name, fmt::format("the header announces {} triangles, the file has room for {}: truncated or damaged",
-                           announced_triangles(bytes), (bytes.size() - stl_header) / stl_record));
+        fail(name, "got text in UTF-16; expected plain text or binary STL. Fix: save it as UTF-8 or ASCII");
+    if (bytes.size() < stl_header) refuse_damaged(name, fmt::format("got {} bytes; expected {} or more in an STL file", bytes.size(), stl_header + stl_record));
+    refuse_damaged(name, fmt::format("got a header that announces {} triangles; expected {}, as many as the file has bytes for", announced_triangles(bytes),
+                                     (bytes.size() - stl_header) / stl_record));
 }
 
 void close_polygon(PolyData& data)
@@ -66,7 +67,7 @@ PolyData parse_binary_stl(const std::string& bytes, const std::string& name)
 {
     static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
     const std::uint32_t count = announced_triangles(bytes);
-    if (count == 0) fail(name, "holds no triangle");
+    if (count == 0) fail(name, "got no triangles; expected a surface. Fix: export the mesh again");
     PolyData data;
     data.points.reserve(3 * static_cast<std::size_t>(count));
     for (std::uint32_t t = 0; t < count; ++t) {
@@ -81,7 +82,7 @@ PolyData parse_binary_stl(const std::string& bytes, const std::string& name)
 PolyData parse_ascii_stl(const std::string& bytes, const std::string& name)
 {
     // looked for from the end, where it is, before capitals are looked for everywhere
-    if (bytes.rfind("endsolid") == std::string::npos && !has_word(bytes, "endsolid")) fail(name, "ASCII STL without \"endsolid\": truncated");
+    if (bytes.rfind("endsolid") == std::string::npos && !has_word(bytes, "endsolid")) refuse_damaged(name, "got no \"endsolid\"; expected one at the end of an ASCII STL");
     PolyData data;
     TextWords words(without_mark(bytes));
     for (std::string_view word = words.word(); !word.empty(); word = words.word()) {
@@ -99,7 +100,7 @@ std::int64_t corner_of_face(std::string_view word, std::size_t vertex_count, con
     std::int64_t index = 0;
     const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), index);
     if (error != std::errc{} || end != first.data() + first.size() || index == 0)
-        fail(name, fmt::format("\"{}\" where a face's vertex is expected", excerpt(word)));
+        refuse_damaged(name, fmt::format("got \"{}\"; expected the number of a face's vertex", excerpt(word)));
     return index > 0 ? index - 1 : static_cast<std::int64_t>(vertex_count) + index;  // negative: counted back from here
 }
 
@@ -141,7 +142,7 @@ PolyData parse_obj(const std::string& bytes, const std::string& name)
     }
     for (const std::int64_t index : data.polys.connectivity)  // a face may come before its vertices
         if (index < 0 || index >= static_cast<std::int64_t>(data.points.size()))
-            fail(name, fmt::format("a face names vertex {}, only {} exist: truncated or damaged", index + 1, data.points.size()));
+            refuse_damaged(name, fmt::format("got vertex {} in a face; expected 1 to {}", index + 1, data.points.size()));
     return data;
 }
 

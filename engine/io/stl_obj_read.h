@@ -1,7 +1,6 @@
 #pragma once
-// Reads STL (binary, ASCII) and OBJ. Coordinates written as text arrive as the nearest double. If they were rounded to float32
-// first, as in most mesh libraries, a vessel a metre or more from its origin would be off by the depth to which a wire's weight
-// sinks into its wall.
+// Reads STL (binary, ASCII) and OBJ. Coordinates written as text arrive as the nearest double. Most mesh libraries round to
+// float32 first. For a vessel a metre from its origin, that error is as large as the indentation of a wire under its weight.
 
 #include "io/vtp_read.h"
 

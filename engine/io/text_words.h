@@ -1,5 +1,5 @@
 #pragma once
-// Words, lines and numbers of a text, one after the other and without copies. Numbers are the doubles nearest to what is written.
+// Words, lines and numbers of a text, one after the other and without copies. Numbers are the doubles nearest to the text.
 
 #include <charconv>
 #include <cstdlib>
@@ -21,7 +21,7 @@ public:
         while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
         return text_.substr(start, at_ - start);
     }
-    /// What is left of this line, without its end ("\n", "\r\n" or "\r"); the next call gives the next line.
+    /// The rest of this line, without its end ("\n", "\r\n" or "\r"); the next call gives the next line.
     std::string_view line()
     {
         const std::size_t start = at_;
@@ -47,7 +47,8 @@ inline std::string_view without_mark(std::string_view text)
     return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
-/// The whole of `word` as a number; nothing where it is none. Beyond the range of a double: infinity, or what is nearest to 0.
+/// The whole of `word` as a number; nothing where it is none. Beyond the range of a double: infinity, or the double nearest to
+/// 0.
 inline std::optional<double> number(std::string_view word)
 {
     if (word.starts_with('+')) word.remove_prefix(1);

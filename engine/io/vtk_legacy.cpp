@@ -2,6 +2,7 @@
 #include "io/vtk_legacy.h"
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "io/safe_cast.h"
 #include "io/text_words.h"
 
@@ -31,7 +32,7 @@ public:
                 refuse_section(key);
             }
         }
-        if (data.points.empty()) fail("no POINTS section");
+        if (data.points.empty()) damaged("got no POINTS section; expected one");
         for (const PolyCells* cells : {&data.polys, &data.strips, &data.lines, &data.verts})
             check_cells(*cells, data.points.size());
         return data;
@@ -41,6 +42,11 @@ private:
     [[noreturn]] void fail(const std::string& message) const
     {
         throw Error(ExitCode::BadFile, fmt::format("{}: {}", name_, message));
+    }
+    [[noreturn]] void damaged(const std::string& what) const { refuse_damaged(name_, what); }
+    [[noreturn]] void cut_off(const char* section, std::size_t announced, const char* what, std::size_t there) const
+    {
+        damaged(fmt::format("{} is cut off: got {} {}; expected {}", section, there, what, announced));
     }
 
     static std::string lower(std::string text)
@@ -70,16 +76,16 @@ private:
         std::size_t value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (error != std::errc{} || end != text.data() + text.size())
-            fail(fmt::format("{}: \"{}\" where a count is expected", section, excerpt(text)));
+            damaged(fmt::format("{}: got \"{}\"; expected a count", section, excerpt(text)));
         // even a digit and a blank per item would not fit: the count lies, and must not size a buffer
-        if (value > file_.size() / 2) fail(fmt::format("{} announces {} items, more than the file has bytes", section, value));
+        if (value > file_.size() / 2) damaged(fmt::format("got {}, which announces {} items; expected no more than the file has bytes for", section, value));
         return value;
     }
     [[noreturn]] void refuse_section(const std::string& key) const
     {
         fail(fmt::format("got \"{}\"; expected a section of polydata (POINTS, POLYGONS, TRIANGLE_STRIPS, LINES, VERTICES, FIELD, "
-                         "METADATA, POINT_DATA, CELL_DATA): truncated or damaged. Fix: write the file again, for example from "
-                         "ParaView as .vtp",
+                         "METADATA, POINT_DATA, CELL_DATA): the file is truncated or damaged. Fix: export it again, for example "
+                         "from ParaView as .vtp",
                          excerpt(key)));
     }
     /// @return false: not a section of the geometry
@@ -104,16 +110,16 @@ private:
 
     void read_header(PolyData& data)
     {
-        if (line().rfind("# vtk DataFile", 0) != 0) fail("does not begin with \"# vtk DataFile\"");
+        if (line().rfind("# vtk DataFile", 0) != 0) fail("got no \"# vtk DataFile\" in its first line; expected a legacy VTK file. Fix: name the file after its format, or export it again");
         data.remarks = line() + "\n";  // the title
         const std::string encoding = lower(word());
         if (encoding != "ascii" && encoding != "binary")
-            fail(fmt::format("\"{}\" where ASCII or BINARY is expected", excerpt(encoding)));
+            damaged(fmt::format("got encoding \"{}\"; expected ASCII or BINARY", excerpt(encoding)));
         binary_ = encoding == "binary";
-        if (lower(word()) != "dataset") fail("no DATASET line");
+        if (lower(word()) != "dataset") damaged("got no DATASET line; expected DATASET POLYDATA");
         const std::string kind = word();
         if (lower(kind) != "polydata")
-            fail(fmt::format("holds DATASET {}; POLYDATA is expected. Fix: extract its surface (ParaView: Extract Surface, VTK: "
+            fail(fmt::format("got DATASET {}; expected POLYDATA. Fix: extract its surface (ParaView: Extract Surface, VTK: "
                              "vtkGeometryFilter) and save that",
                              excerpt(kind)));
     }
@@ -129,7 +135,7 @@ private:
     {
         line();  // data start behind the line's end
         if ((file_.size() - at_) / sizeof(Source) < n)
-            fail(fmt::format("{} is cut off: {} values announced, {} there", section, n, (file_.size() - at_) / sizeof(Source)));
+            cut_off(section, n, "values", (file_.size() - at_) / sizeof(Source));
         std::vector<Target> result(n);
         for (std::size_t i = 0; i < n; ++i, at_ += sizeof(Source)) {
             char bytes[sizeof(Source)];
@@ -173,8 +179,8 @@ private:
         std::vector<Target> result(n);
         for (std::size_t i = 0; i < n; ++i) {
             const std::string text = word();
-            if (text.empty()) fail(fmt::format("{} is cut off: {} values announced, {} there", section, n, i));
-            if (!parse(text, result[i])) fail(fmt::format("{}: \"{}\" where a number is expected", section, excerpt(text)));
+            if (text.empty()) cut_off(section, n, "values", i);
+            if (!parse(text, result[i])) damaged(fmt::format("{}: got \"{}\"; expected a number", section, excerpt(text)));
         }
         return result;
     }
@@ -199,8 +205,7 @@ private:
             {"vtktypefloat64", Scalar::Float64}};
         for (const auto& [name, kind] : names)
             if (type == name) return kind;
-        fail(fmt::format("{}: got type \"{}\"; expected one of VTK's (float, double, int, vtktypeint64, unsigned_char, ...)", section,
-                         excerpt(type)));
+        damaged(fmt::format("{}: got type \"{}\"; expected one of VTK's (float, double, int, vtktypeint64, unsigned_char, ...)", section, excerpt(type)));
     }
     static constexpr Scalar id_type = Scalar::Int32;  // VTK writes its own indices as int, whatever their width in memory
 
@@ -212,7 +217,7 @@ private:
     void skip_bytes(std::size_t n, const char* section)
     {
         line();  // data start behind the line's end
-        if (file_.size() - at_ < n) fail(fmt::format("{} is cut off: {} bytes announced, {} there", section, n, file_.size() - at_));
+        if (file_.size() - at_ < n) cut_off(section, n, "bytes", file_.size() - at_);
         at_ += n;
     }
     /// As values(), for numbers that nobody asks for.
@@ -220,7 +225,7 @@ private:
     {
         if (binary_) return skip_bytes(bytes_of(scalar(type, "FIELD"), n), "FIELD");
         for (std::size_t i = 0; i < n; ++i)
-            if (word().empty()) fail(fmt::format("FIELD is cut off: {} values announced, {} there", n, i));
+            if (word().empty()) cut_off("FIELD", n, "values", i);
     }
 
     /// Names and ASCII strings have blanks and control characters as %20.
@@ -243,14 +248,14 @@ private:
     std::string string_value()
     {
         if (!binary_) return decoded(line());
-        if (at_ >= file_.size()) fail("FIELD is cut off in its strings");
+        if (at_ >= file_.size()) damaged("FIELD is cut off in its strings: got the end of the file; expected more bytes");
         const auto first = static_cast<unsigned char>(file_[at_]);
         const std::size_t width = first >> 6 == 3 ? 1 : first >> 6 == 2 ? 2 : first >> 6 == 1 ? 4 : 8;
-        if (file_.size() - at_ < width) fail("FIELD is cut off in its strings");
+        if (file_.size() - at_ < width) damaged("FIELD is cut off in its strings: got the end of the file; expected more bytes");
         std::uint64_t length = first & 0x3fu;
         for (std::size_t k = 1; k < width; ++k) length = length << 8 | static_cast<unsigned char>(file_[at_ + k]);
         at_ += width;
-        if (file_.size() - at_ < length) fail("FIELD is cut off in its strings");
+        if (file_.size() - at_ < length) damaged("FIELD is cut off in its strings: got the end of the file; expected more bytes");
         at_ += length;
         return file_.substr(at_ - length, std::min<std::size_t>(length, kMostRemarks));
     }
@@ -265,22 +270,22 @@ private:
             std::string name = word();
             for (; lower(name) == "metadata"; name = word()) skip_metadata();
             name = decoded(name);
-            if (name.empty()) fail(fmt::format("FIELD is cut off: {} more arrays announced", left));
+            if (name.empty()) damaged(fmt::format("FIELD is cut off: got no name; expected {} more arrays", left));
             const std::size_t components = count("FIELD"), tuples = count("FIELD");
             if (components > 0 && tuples > 8 * file_.size() / components)
-                fail(fmt::format("FIELD announces {} x {} items, more than the file has bytes", components, tuples));
+                damaged(fmt::format("got FIELD, which announces {} x {} items; expected no more than the file has bytes for", components, tuples));
             const std::size_t n = components * tuples;
             const std::string type = lower(word());
             if (type == "string" || type == "vtkstdstring" || type == "utf8_string") {
                 line();
                 for (std::size_t k = 0; k < n; ++k) {
-                    if (at_ >= file_.size()) fail(fmt::format("FIELD is cut off: {} strings announced, {} there", n, k));
+                    if (at_ >= file_.size()) cut_off("FIELD", n, "strings", k);
                     const std::string text = string_value();
                     if (remarks && remarks->size() < kMostRemarks) *remarks += name + "=" + text + "\n";
                 }
             } else if (type == "variant") {  // text in both encodings: a type number and a value each
                 for (std::size_t k = 0; k < 2 * n; ++k)
-                    if (word().empty()) fail("FIELD is cut off in its variants");
+                    if (word().empty()) cut_off("FIELD", n, "variants", k / 2);
             } else if (into) {
                 (*into)[name] = {static_cast<int>(std::max<std::size_t>(1, components)), values<double>(n, type, "FIELD")};
             } else {
@@ -307,7 +312,7 @@ private:
     bool read_attribute(const std::string& key, std::size_t n, std::map<std::string, PolyArray>& into)
     {
         const auto take = [&](const std::string& name, const std::string& type, std::size_t components) {
-            if (components > 8 * file_.size() / std::max<std::size_t>(n, 1)) fail(fmt::format("{} has {} components", excerpt(name), components));
+            if (components > 8 * file_.size() / std::max<std::size_t>(n, 1)) damaged(fmt::format("got {}, which announces {} components; expected no more than the file has bytes for", excerpt(name), components));
             into[decoded(name)] = {static_cast<int>(components), values<double>(n * components, type, "POINT_DATA")};
         };
         if (key == "scalars") {
@@ -323,7 +328,7 @@ private:
             const std::string name = word();
             const std::size_t second = count("COLOR_SCALARS");
             const bool table = key == "lookup_table";
-            if (!table && second > 8 * file_.size() / std::max<std::size_t>(n, 1)) fail("COLOR_SCALARS announces more than the file has bytes");
+            if (!table && second > 8 * file_.size() / std::max<std::size_t>(n, 1)) damaged(fmt::format("got COLOR_SCALARS, which announces {} components; expected no more than the file has bytes for", second));
             skip_values(table ? 4 * second : n * second, "unsigned_char");
         } else if (key == "texture_coordinates") {
             const std::string name = word();
@@ -344,11 +349,11 @@ private:
     {
         for (const std::int64_t index : cells.connectivity)
             if (index < 0 || index >= static_cast<std::int64_t>(point_count))
-                fail(fmt::format("a cell names point {}, only 0 to {} exist", index, point_count - 1));
+                damaged(fmt::format("got point {} in a cell; expected 0 to {}", index, point_count - 1));
         std::int64_t before = 0;
         for (const std::int64_t offset : cells.offsets) {
             if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size()))
-                fail("offsets run backwards or past the end");
+                damaged(fmt::format("got offset {} of cells; expected {} to {}", offset, before, cells.connectivity.size()));
             before = offset;
         }
     }
@@ -359,7 +364,7 @@ private:
         const std::size_t back = at_;
         if (lower(word()) == "offsets") {  // 5.1: first = offsets, second = connectivity
             cells.offsets = values<std::int64_t>(first, lower(word()), section);
-            if (lower(word()) != "connectivity") fail(fmt::format("{}: CONNECTIVITY is expected after OFFSETS", section));
+            if (lower(word()) != "connectivity") damaged(fmt::format("{}: got no CONNECTIVITY; expected it after OFFSETS", section));
             cells.connectivity = values<std::int64_t>(second, lower(word()), section);
             if (!cells.offsets.empty()) cells.offsets.erase(cells.offsets.begin());  // they begin with 0; PolyCells does not
             return;
@@ -369,7 +374,7 @@ private:
         std::size_t at = 0;
         for (std::size_t cell = 0; cell < first; ++cell) {
             if (at >= list.size() || list[at] < 0 || static_cast<std::size_t>(list[at]) > list.size() - at - 1)
-                fail(fmt::format("{}: cell {} runs past the end of the list", section, cell));
+                damaged(fmt::format("{}: got cell {}, which runs past the end of the list; expected it inside", section, cell));
             const auto n = static_cast<std::size_t>(list[at]);
             cells.connectivity.insert(cells.connectivity.end(), list.begin() + static_cast<std::ptrdiff_t>(at) + 1,
                                       list.begin() + static_cast<std::ptrdiff_t>(at + 1 + n));

@@ -2,6 +2,7 @@
 #include "io/vtp_read.h"
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "core/file_io.h"
 #include "io/safe_cast.h"
 #include "io/text_words.h"
@@ -40,8 +41,8 @@ struct FileFacts {
 void charge(const FileFacts& file, std::uint64_t bytes)
 {
     if (bytes > file.room)
-        fail(file, fmt::format("its arrays unpack to more than {} times the file's size: damaged, or made to fill the memory; "
-                               "write the mesh anew",
+        fail(file, fmt::format("got arrays that unpack to more than {0} times the file's size; expected {0} times at most: damaged, or made to fill "
+                               "the memory. Fix: export the mesh again",
                                kMostUnpacked));
     file.room -= bytes;
 }
@@ -88,7 +89,7 @@ public:
         } else {
             out += bytes_.substr(0, used);
         }
-        if (out.size() < count) fail(file_, "an array is cut short");
+        if (out.size() < count) refuse_damaged(file_.name, fmt::format("got an array of {} bytes; expected {}", out.size(), count));
         charge(file_, used);
         bytes_.remove_prefix(std::min(used, bytes_.size()));
         surplus_ += out.substr(count);
@@ -119,20 +120,21 @@ std::string take_compressed(const FileFacts& file, ByteSource& source)
     const std::uint64_t blocks = read_length(head, 0, width), full = read_length(head, 1, width),
                         last = read_length(head, 2, width);
     if (blocks == 0) return {};
-    if (blocks > most_blocks || full > (1ull << 32)) fail(file, "a compressed array has an impossible size");
+    if (blocks > most_blocks || full > (1ull << 32))
+        refuse_damaged(file.name, fmt::format("got a compressed array of {} x {} bytes; expected {} blocks of 4 GiB at most", blocks, full, most_blocks));
     const std::string sizes = source.take(blocks * width);
     std::string out;
     for (std::uint64_t i = 0; i < blocks; ++i) {
         const std::string packed = source.take(read_length(sizes, i, width));
         uLongf size = static_cast<uLongf>(i + 1 == blocks && last ? last : full);
         // zlib unpacks at most 1032-fold: a larger promise is a damaged length, and would ask for absurd memory
-        if (size > 1032 * packed.size() + 64) fail(file, "a compressed array has an impossible size");
+        if (size > 1032 * packed.size() + 64) refuse_damaged(file.name, fmt::format("got {} bytes that unpack to {}; expected 1032 times as many at most", packed.size(), size));
         charge(file, size);
         const std::size_t start = out.size();
         out.resize(start + size);
         if (uncompress(reinterpret_cast<Bytef*>(out.data() + start), &size, reinterpret_cast<const Bytef*>(packed.data()),
                        static_cast<uLong>(packed.size())) != Z_OK) {
-            fail(file, "a compressed array does not unpack");
+            refuse_damaged(file.name, "got a compressed array that does not unpack; expected data of zlib");
         }
         out.resize(start + size);
     }
@@ -144,7 +146,7 @@ std::string take_block(const FileFacts& file, std::string_view bytes, bool base6
     ByteSource source(file, bytes, base64);
     if (file.compressed) return take_compressed(file, source);
     const std::uint64_t count = read_length(source.take(file.header_bytes), 0, file.header_bytes);
-    if (count > bytes.size()) fail(file, "an array is longer than the file");
+    if (count > bytes.size()) refuse_damaged(file.name, fmt::format("got an array that announces {} bytes; expected no more than the file has", count));
     return source.take(count);
 }
 
@@ -174,7 +176,7 @@ void convert_named(const FileFacts& file, const std::string& type, const std::st
     if (type == "UInt16") return convert<std::uint16_t>(file, bytes, values);
     if (type == "Int8") return convert<std::int8_t>(file, bytes, values);
     if (type == "UInt8") return convert<std::uint8_t>(file, bytes, values);
-    fail(file, fmt::format("array of type \"{}\" cannot be read", excerpt(type)));
+    refuse_damaged(file.name, fmt::format("got an array of type \"{}\"; expected one of VTK's (Float64, Float32, Int64, UInt8, ...)", excerpt(type)));
 }
 
 template <typename Wanted>
@@ -187,7 +189,7 @@ void parse_ascii(const FileFacts& file, std::string_view text, std::vector<Wante
         Wanted v{};
         const auto [after, problem] = std::from_chars(at, end, v);
         if (problem != std::errc() || after == at)
-            fail(file, "\"" + std::string(at, std::min<std::ptrdiff_t>(16, end - at)) + "\" is not a number");
+            refuse_damaged(file.name, fmt::format("got \"{}\"; expected a number", excerpt(std::string_view(at, static_cast<std::size_t>(std::min<std::ptrdiff_t>(16, end - at))))));
         values.push_back(v);
         at = after;
     }
@@ -207,10 +209,10 @@ std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& arr
         convert_named(file, type, take_block(file, text, true), values);
     } else if (format == "appended") {
         const auto offset = array.attribute("offset").as_ullong();
-        if (offset >= file.appended.size()) fail(file, "an array lies beyond the end of the file");
+        if (offset >= file.appended.size()) refuse_damaged(file.name, fmt::format("got an array at offset {}, beyond the end of the file; expected less than {}", offset, file.appended.size()));
         convert_named(file, type, take_block(file, file.appended.substr(offset), file.appended_base64), values);
     } else {
-        fail(file, fmt::format("array format \"{}\" cannot be read", excerpt(format)));
+        refuse_damaged(file.name, fmt::format("got array format \"{}\"; expected ascii, binary or appended", excerpt(format)));
     }
     return values;
 }
@@ -259,19 +261,19 @@ void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* 
     const auto shift = static_cast<std::int64_t>(cells.connectivity.size()),
                count = static_cast<std::int64_t>(connectivity.size());
     for (const std::int64_t v : connectivity) {
-        if (v < 0 || v >= points) fail(file, std::string(kind) + " name a point that is not there");
+        if (v < 0 || v >= points) refuse_damaged(file.name, fmt::format("{}: got point {}, which is not there; expected 0 to {}", kind, v, points - 1));
         cells.connectivity.push_back(v + first_point);
     }
     std::int64_t before = 0;
     for (const std::int64_t offset : offsets) {
-        if (offset < before || offset > count) fail(file, std::string(kind) + " are damaged");
+        if (offset < before || offset > count) refuse_damaged(file.name, fmt::format("{}: got offset {}; expected {} to {}", kind, offset, before, count));
         cells.offsets.push_back(offset + shift);
         before = offset;
     }
-    if (before != count) fail(file, fmt::format("{} are damaged: offsets end at {}, {} indices are there", kind, before, count));
+    if (before != count) refuse_damaged(file.name, fmt::format("{}: got offsets that end at {}; expected the number of indices, {}", kind, before, count));
     const pugi::xml_attribute announced = piece.attribute((std::string("NumberOf") + kind).c_str());
     if (announced && announced.as_ullong() != offsets.size())
-        fail(file, fmt::format("NumberOf{} is {}, but {} are there", kind, excerpt(announced.value()), offsets.size()));
+        refuse_damaged(file.name, fmt::format("NumberOf{}: got {}; expected {}, as many as there are", kind, excerpt(announced.value()), offsets.size()));
 }
 
 void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyParts parts, PolyData& data)
@@ -280,7 +282,7 @@ void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyParts pa
     const std::vector<double> xyz = read_values<double>(file, piece.child("Points").child("DataArray"));
     const std::uint64_t count = piece.attribute("NumberOfPoints").as_ullong();
     if (xyz.size() % 3 != 0 || xyz.size() / 3 != count)  // 3 x count may be beyond 64 bits
-        fail(file, fmt::format("holds {} coordinates, expected 3 x {}", xyz.size(), count));
+        refuse_damaged(file.name, fmt::format("got {} coordinates; expected 3 x {}", xyz.size(), count));
     for (std::size_t i = 0; i < count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
     const auto points = static_cast<std::int64_t>(count);
     read_cells(file, piece, "Verts", first_point, points, data.verts);
@@ -304,7 +306,7 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name, Poly
     const std::size_t tail = bytes.find("<AppendedData");
     if (tail != std::string::npos) {
         const std::size_t opened = bytes.find('>', tail), start = bytes.find('_', opened);
-        if (start == std::string::npos) fail(file, "its appended data have no beginning");
+        if (start == std::string::npos) refuse_damaged(file.name, "got no '_' in AppendedData; expected one before the data");
         file.appended = std::string_view(bytes).substr(start + 1);
         file.appended_base64 = bytes.substr(tail, opened - tail).find("base64") != std::string::npos;
         xml = bytes.substr(0, tail) + "</VTKFile>";
@@ -312,17 +314,17 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name, Poly
     pugi::xml_document document;
     const pugi::xml_parse_result parsed = document.load_buffer(xml.data(), xml.size());
     const pugi::xml_node root = document.child("VTKFile");
-    if (!parsed || !root) fail(file, std::string("not a VTK XML file (") + parsed.description() + ")");
+    if (!parsed || !root) fail(file, fmt::format("got no VTK XML file ({}); expected one. Fix: name the file after its format, or export it again", parsed.description()));
     if (const std::string type = root.attribute("type").as_string(); type != "PolyData")
-        fail(file, fmt::format("holds \"{}\", not PolyData. Fix: extract its surface (ParaView: Extract Surface) and save that as .vtp",
+        fail(file, fmt::format("got \"{}\"; expected PolyData. Fix: extract its surface (ParaView: Extract Surface) and save that as .vtp",
                                excerpt(type)));
     if (root.attribute("byte_order").as_string("LittleEndian") != std::string("LittleEndian"))
-        fail(file, "is big-endian; expected little-endian. Fix: open it in ParaView and save it again with \"Byte Order\" little-endian");
+        fail(file, "got big-endian data; expected little-endian. Fix: open it in ParaView and save it again with \"Byte Order\" little-endian");
     file.header_bytes = root.attribute("header_type").as_string() == std::string("UInt64") ? 8 : 4;
     const std::string compressor = root.attribute("compressor").as_string();
     file.compressed = !compressor.empty();
     if (file.compressed && compressor != "vtkZLibDataCompressor")
-        fail(file, fmt::format("is compressed by {}; only zlib is read. Fix: save it again with \"Compressor Type\" ZLib or None (ParaView)",
+        fail(file, fmt::format("got data compressed by {}; expected zlib or none. Fix: save it again with \"Compressor Type\" ZLib or None (ParaView)",
                                excerpt(compressor)));
 
     PolyData data;

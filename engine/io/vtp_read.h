@@ -38,9 +38,9 @@ constexpr std::size_t kMostRemarks = 4096;  // a file may be nothing but comment
 /// before the first point.
 enum class PolyParts { All, Geometry, Remarks };
 
-/// Times the file's size that its arrays may take in memory, every value as eight bytes, with what is read to find them. VTK's own
-/// writer at its best reaches 14 with regular tubes, planes and spheres of float32 and 32-bit indices, and 4 with patients'
-/// vessels. zlib alone would reach a thousand, and many pieces on one block have no limit.
+/// Times the file's size that its arrays may take in memory, every value as eight bytes, with the bytes that are read to find
+/// them. VTK's own writer reaches 14 at best, with regular tubes, planes and spheres of float32 and 32-bit indices, and 4 with
+/// patients' vessels. Compression alone would reach a thousand, and many pieces on one block have no limit.
 constexpr std::uint64_t kMostUnpacked = 32;
 constexpr std::uint64_t kLeastUnpacked = 1 << 20;  // small files may, whatever their size [bytes]
 

@@ -2,7 +2,7 @@
 // Banded Newton matrix of a system of rods: unknowns node by node (x, y, z, theta; math/dof_map.h), half bandwidth 10.
 // Factorised in O(n) by 4x4 blocks, in place of a general sparse solver; nothing is allocated after construction.
 //
-// The pattern is that of D1-D3 and of contact: the unknowns of nodes a and b couple only when |a - b| <= 2, and then only
+// The pattern is that of D1-D3 and of contact. The unknowns of nodes a and b couple only when |a - b| <= 2, and then only
 // within the half bandwidth (x_a never meets theta_{a+2}, 11 apart).
 
 #include "math/dof_map.h"
@@ -85,10 +85,10 @@ public:
     void set_fourth(bool takes_part) { fourth_ = takes_part; }
 
     /// LDL^T of the symmetric matrix (reads the upper half), into its own storage: the matrix stays as assembled. A pivot is
-    /// raised, at least to a_kk, if no positive definite matrix could have it: below pivot_floor times its diagonal a_kk, or below
-    /// c_kj^2 / a_jj for some entry c_kj of the reduced row. The result is always positive definite, its entries stay bounded, and
-    /// the step along a raised pivot is as small as the diagonal alone would make it.
-    /// [Gill81, sec. 4.4.2.2] with the bound taken per entry, so that it does not depend on units. @return pivots raised
+    /// raised, at least to a_kk, if no positive definite matrix could have it. It is then below pivot_floor times its diagonal
+    /// a_kk, or below c_kj^2 / a_jj for some entry c_kj of the reduced row. The result is always positive definite, its entries
+    /// stay bounded, and the step along a raised pivot is as small as the diagonal alone would make it. [Gill81, sec. 4.4.2.2]
+    /// with the bound taken per entry, so that it does not depend on units. @return pivots raised
     int factor_ldlt() { return fourth_ ? factor_ldlt_of<4>() : factor_ldlt_of<3>(); }
     void solve_ldlt(std::span<double> rhs_to_x) { fourth_ ? solve_ldlt_of<4>(rhs_to_x) : solve_ldlt_of<3>(rhs_to_x); }
     /// LU with the full, unsymmetric matrix without pivoting (diagonally strong by inertia or stiffness). Takes the place

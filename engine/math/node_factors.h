@@ -4,10 +4,10 @@
 // of unknowns.
 //
 // Which blocks fill is found first (elimination tree: what a node's row leaves to the next one of its columns) and kept while the
-// pattern stays. Then node by node as in BandMatrix, by the same rules for pivots. If s blocks beside the diagonal one remain in
-// its row, a node costs s (s + 1)/2 products of 4x4 blocks (twice that in an LU). s is 2 for a single rod, 4 to 6 for two rods in
-// contact over their length, 7 to 10 for three. Two rods of 100 nodes took 70 us, their bands alone 17 us. A crossing of rods far
-// apart fills only the columns that it joins.
+// pattern stays. Then node by node as in BandMatrix, by the same rules for pivots. If s blocks beside the diagonal one remain
+// in its row, a node costs s (s + 1)/2 products of 4x4 blocks (twice that in an LU). This number is 2 for a single rod, 4 to 6
+// for two rods in contact over their length, 7 to 10 for three. Two rods of 100 nodes took 70 us, their bands alone 17 us. A
+// crossing of rods far apart fills only the columns that it joins.
 
 #include "math/band_matrix.h"
 #include "math/far_entries.h"

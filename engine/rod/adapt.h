@@ -1,16 +1,15 @@
 #pragma once
 // Adaptive nodes: finds edges that are too long for the present shape and nodes that are not needed, and changes them.
 //
-// The error of an edge of length h, as the distance by which it moves the tip (kappa: curvature; B: bending stiffness; D: jump of
-// the shear force at its nodes, which is what contact, links and point loads make; l: lever, the distance over which an error of
-// angle acts):
+// The error of an edge of length h, as the distance by which it moves the tip (kappa: curvature; B: bending stiffness; D: jump
+// of the shear force at its nodes by contact, links and point loads; l: lever, the distance over which an error of angle acts):
 //
 //     e(h) = h (kappa h)^2/24  +  l a (kappa h)^3  +  l D h^2/(12 B)                                     [m]
 //
 // first: arc against chord, what a wire that lies along a wall gains in length; second: the discrete curvature
 // (phi + a phi^3)/h of (D2) against phi/h, a = 0 for the angle and 1/12 for 2 tan(phi/2) (rod/curvature.h); third: the moment
-// taken as linear over an edge (M'' h^3/12 of angle, M'' h = D in a node's cell). A second order method with a density of error
-// c(s) h^2 needs the fewest nodes for a given sum of errors when c h^3 is the same for every edge, so each is allowed
+// taken as linear over an edge (M'' h^3/12 of angle, M'' h = D in a node's cell). A second order method has a density of error
+// c(s) h^2. It needs the fewest nodes for a given sum of errors when c h^3 is the same for every edge, so each is allowed
 // WireSpec::edge_error. An estimate by M and its differences, not by curvature, does not see a jump of stiffness: there the
 // curvature jumps, but a node's compliance is exact wherever the jump lies in its cell (rest_shape.cpp).
 //

@@ -6,8 +6,9 @@
 // the curvature jumps and M does not, wherever in a cell that is (rod/coaxial.h): the measure of rod/adapt.h holds as for a wire.
 //
 // Twist: instruments curved by nature turn each other, by a torque per length q_k(s) that begins and ends where their curves do.
-// Each node's twist is that of its cell's middle. So the angle of k is off by J h^2/(12 C_k), J being the jump of the slope of its
-// torque at the node, just as a bending angle is off by a jump of shear. That moves the tip of k by as much as it is off the axis:
+// Each node's twist is that of its cell's middle. So the angle of k is off by J h^2/(12 C_k), as a bending angle is off by a
+// jump of shear. J is the jump of the slope of its torque at the node. That moves the tip of k by as much as it is off the
+// axis:
 //
 //     e(h) = sum_k r_k J_k h^2/(12 C_k)                                                       [m]
 //

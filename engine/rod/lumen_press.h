@@ -8,10 +8,11 @@
 //
 //     J = int B |y''|^2/2 + M . y'' - w . y ds + M_e . y'(e) - Q_e . y(e),      |y| <= c,   y = y' = 0 at the hub
 //
-// a convex problem: moments M + B y'' of the inner one, and force between them only in contact. w is any other lateral load on the
-// inner one: T kappa if it is drawn round a bend. At the end e of the overlap M_e and Q_e are moment and shear of the inner
-// instrument's part beyond it; 0 if it ends there. The lumen gives by K of force per length and depth. A jump M_0 alone is a
-// couple of forces M_0/l, l = sqrt(12 B c/M_0), from one side of the lumen to the other: the force grows as 1/sqrt(c).
+// a convex problem: moments M + B y'' of the inner one, and force between them only in contact. The load w is any other lateral
+// load on the inner one: T kappa if it is drawn round a bend. At the end e of the overlap M_e and Q_e are moment and shear of
+// the inner instrument's part beyond it; 0 if it ends there. The lumen gives by K of force per length and depth. A jump M_0
+// alone is a couple of forces M_0/l, l = sqrt(12 B c/M_0), from one side of the lumen to the other: the force grows as
+// 1/sqrt(c).
 //
 // Complex numbers: the two directions across the line, in a frame carried along it in parallel.
 

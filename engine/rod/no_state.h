@@ -20,9 +20,9 @@ namespace seldinger {
     return false;
 }
 
-/// Whether the force that is left unbalanced would move a node by more than the wire's radius within the step, were nothing else to hold it: h^2 |R| / m
-/// with the wire's mean node. If contact jumps, the forces of such a state are those of the jump, not of the wire. 6e4 N have been
-/// seen, in steps of 33 us; flickering stick or creases leave 1e-3 N and move nothing by 1e-4 of its radius.
+/// Whether the unbalanced force would move a free node by more than the wire's radius within the step: h^2 |R| / m with the
+/// wire's mean node. If contact jumps, the forces of such a state are those of the jump, not of the wire. Up to 6e4 N were
+/// seen, in steps of 33 us. Flickering stick or creases leave 1e-3 N and move nothing by 1e-4 of its radius.
 /// @param residual  largest of a node [N]   @param h  of the step [s]
 [[nodiscard]] inline bool is_thrown(const ConstRodView& rod, double residual, double h)
 {

@@ -98,8 +98,8 @@ Curve curve_of(const WirePlacement& place, double wire_length, std::span<const V
         case PlaceShape::Points: {
             refuse_sharp_corners(place.points);
             const Polyline line(place.points);
-            // A line of the wire's own length, to the 5 % that a scene may differ, is what was asked for: what edges save by cutting
-            // corners they go on straight.
+            // A line of the wire's own length, to the 5 % that a scene may differ, is the asked shape: the length that edges
+            // save by cutting corners continues straight.
             return {line, 0.95 * wire_length <= line.length() * (1 + 1e-9) ? forever : line.length()};
         }
         case PlaceShape::Centreline: {

@@ -21,7 +21,7 @@ struct SplitResult {
 ///
 /// - position: cubic Hermite curve between the edge's nodes. Tangent at an inner node: that of the parabola through it and its
 ///   neighbours. At the wire's end: the clamp's if one holds the direction there, else that of natural curvature, which a free end
-///   has. Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
+///   has. Moments at the neighbours then change by O(h^2) only. The chord's middle would raise them by 1/3.
 /// - rest lengths: both new edges carry the axial force of the old one.
 /// - theta: twist per length is kept at both neighbours, the rest of the twist is at the new node.
 /// - velocity, acceleration, spin rates: linear along the wire, but that no edge is stretched by it; linear and spin momentum are

@@ -1,4 +1,4 @@
-// Ends compared by width, height and what lies behind them.
+// Compares ends by width, height and the vessel behind them.
 #include "scene/access.h"
 
 #include <fmt/format.h>

@@ -80,6 +80,11 @@ bool is_sound(const LoadTally& t)
            std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; });
 }
 
+bool is_sound(const EndTouch& t)
+{
+    return t.rows >= 0 && t.rows <= most_steps && t.wire >= 0 && t.wire < ExitTally::most_wires && is_time(t.time) && is_place(t.tip);
+}
+
 bool is_sound(const ExitTally& t)
 {
     if (t.count < 0 || t.count > ExitTally::most_exits) return false;
@@ -111,7 +116,7 @@ bool is_sound(const RunTally& t, std::int64_t most)
            std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; }) &&
            std::all_of(stages.begin(), stages.end(), is_time) && is_time(t.wall) && is_time(t.record) && is_time(t.row_time) &&
            is_set(t.wall_move) && is_set(t.wall_stress) && is_time(t.hand_force_time) && is_time(t.overlap_time) && std::all_of(std::begin(t.overlap_at), std::end(t.overlap_at), [](double x) { return std::isfinite(x); }) &&
-           is_sound(t.on_wall) && is_sound(t.on_instruments) && is_sound(t.exits) && is_sound(t.score) && t.steps <= most && t.rest_steps <= t.steps && t.row_steps <= t.steps;
+           is_sound(t.on_wall) && is_sound(t.on_instruments) && is_sound(t.exits) && is_sound(t.score) && t.end.is_sound() && is_sound(t.end_touch) && t.steps <= most && t.rest_steps <= t.steps && t.row_steps <= t.steps;
 }
 
 namespace {
@@ -137,6 +142,7 @@ void check_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     if (!is_sound(c.tally, of.steps())) refuse("is corrupt: a counter is out of range");
     for (int k = 0; k < c.tally.exits.count; ++k)
         if (c.tally.exits.exit[k].wire >= of.instrument_count()) refuse("is corrupt: an instrument index is out of range");
+    if (c.tally.end_touch.wire >= of.instrument_count()) refuse("is corrupt: an instrument index is out of range");
     if (!sound(c.wire_frames, c.tally) || !sound(c.contact_frames, c.tally)) refuse("is corrupt: a frame number is out of range");
     int tables = 1;
     for (int k = 0; k < of.instrument_count(); ++k) tables += of.instrument(k).label.empty() ? 0 : 1;

@@ -29,7 +29,7 @@ constexpr double feed_speed = 0.02;  // [m/s], a steady hand's
 // What a hand has ready, thick before thin: a supple wire for any vessel, then for narrower ones.
 constexpr const char* usual_wires[] = {"terumo-angled-035", "control-018", "coronary-soft-014"};
 
-/// Radii along the axis in the file's unit, each with the length that it stands for, the smallest first.
+/// Radii along the axis in the file's unit, each with the length that it represents, the smallest first.
 std::vector<std::pair<double, double>> lumen_sizes(const LoadedVessel& vessel, double metre)
 {
     std::vector<std::pair<double, double>> sizes;
@@ -100,7 +100,7 @@ std::vector<UnitGuess> guesses_of(const std::vector<std::pair<double, double>>& 
 std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel)
 {
     // the axis takes no unit but for a vessel's usual size: so in the one in which the box is nearest to that
-    // (micrometres: a reader refuses what is kilometres away)
+    // (micrometres: a reader refuses positions kilometres away)
     const double box = diagonal_of(read_mesh(mesh, "um")) / metres_per_unit("um");
     if (!(box > 0)) throw Error(ExitCode::BadFile, mesh.string() + ": all of it is in one place");
     VesselSpec spec;

@@ -19,8 +19,9 @@ struct UnitGuess {
     double misfit = 0;             // how unusual, as a logarithm of a ratio
 };
 
-/// Every known unit, the most likely one first: lumens of 0.3 to 20 mm with a median of 1.2 to 13 mm, in a box of 18 to 500 mm, cost
-/// nothing, and what lies outside the logarithm of its ratio; millimetres are the habit. @throws Error BadFile: no mesh, or no vessel
+/// Every known unit, the most likely one first. Lumens of 0.3 to 20 mm with a median of 1.2 to 13 mm, in a box of 18 to 500 mm,
+/// cost nothing. Sizes outside of these ranges cost the logarithm of their ratio to the bound. Millimetres are preferred.
+/// @throws Error BadFile: no mesh, or no vessel
 /// @param vessel  out: loaded in the first of them
 [[nodiscard]] std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel);
 

@@ -7,6 +7,7 @@
 #include "scene/frames.h"
 #include "scene/joint_readings.h"
 #include "scene/scene_difference.h"
+#include "scene/wire_shapes.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -19,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd",
+constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd", "wire.npz",
                                      "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png",  "score.json", "score.html"};
 constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 
@@ -64,6 +65,14 @@ std::vector<std::string> instruments_in(const std::vector<std::string>& files)
 }
 
 bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; }
+
+ClosedEnds closed_ends_of(const World& world, const RepairReport& vessel)
+{
+    std::vector<Vec3> ways_in;
+    for (const WireSetup& wire : world.setup().wires)
+        if (wire.feed.on) ways_in.push_back(wire.feed.point);
+    return {vessel.loops, world.setup().centreline, ways_in};
+}
 
 }  // namespace
 
@@ -119,6 +128,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     write_file(dir_ / "scene.toml", resolved_);
     begin_traces({});
     has_wall_ = !mesh_.triangles.empty();
+    closed_ends_ = closed_ends_of(world, vessel_);
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
     const Output now = world.output(frame_parts());
     readings_ = joint_readings(now.wires);
@@ -133,6 +143,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
       dir_(std::move(dir)),
       vessel_hash_(hash_of(mesh_)),
       has_wall_(!mesh_.triangles.empty()),
+      closed_ends_(closed_ends_of(world, vessel_)),
       yields_(world.setup().vessel.elastic),
       tally_(saved.tally),
       wire_frames_(saved.wire_frames),
@@ -175,7 +186,7 @@ void Recorder::forget_lost_frames()
     if (yields_) std::erase_if(contact_frames_, is_lost("wall"));
 }
 
-void Recorder::take_in(const Output& now, const StepReport& report)
+void Recorder::take_in(const Output& now, const StepReport& report, double dt)
 {
     readings_ = joint_readings(now.wires);
     if (readings_.overlap_share > tally_.overlap_share) {
@@ -185,7 +196,7 @@ void Recorder::take_in(const Output& now, const StepReport& report)
     }
     if (std::abs(readings_.hand_force) > tally_.hand_force_max) tally_.hand_force_time = now.time;
     watch_exits(tally_.exits, now.wires, vessel_.loops, mesh_, now.time);
-    tally_.take_in(readings_, report.flags, report.newton_iterations);
+    tally_.take_in(readings_, report.flags, report.newton_iterations, dt);
     tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
     tally_.row_flags |= report.flags;
@@ -201,6 +212,7 @@ void Recorder::take_greatest(const Output& now)
         tally_.on_wall.take_in(joint_along(now.wires, &WireOutput::on_wall), now.time);
         tally_.on_instruments.take_in(joint_along(now.wires, &WireOutput::on_instruments), now.time);
     }
+    if (now.parts & Output::Contacts) closed_ends_.watch(tally_.end_touch, now);
     if (now.walls.empty() || !(now.parts & (Output::Wall | Output::WallShape))) return;
     const WallReadings& wall = now.walls[0].readings;
     tally_.wall_move.take_in(wall.move_max, wall.move_at, now.time);
@@ -210,7 +222,7 @@ void Recorder::take_greatest(const Output& now)
 void Recorder::settled(const Output& now, const StepReport& report)
 {
     const Stopwatch watch(tally_.record);
-    take_in(now, report);
+    take_in(now, report, 0);
     take_greatest(now);
     write_row(now);
     placed(now);
@@ -257,7 +269,7 @@ void Recorder::stepped(const Output& now, const StepReport& report, double secon
     tally_.steps++;
     tally_.row_steps++;
     tally_.row_time += seconds;
-    take_in(now, report);
+    take_in(now, report, scene_.step_length(static_cast<long>(tally_.steps - 1)));
     take_greatest(now);
     const bool at_rest = std::all_of(now.wires.begin(), now.wires.end(), [](const WireOutput& wire) { return wire.at_rest; });
     tally_.rest_steps = at_rest ? tally_.rest_steps + 1 : 0;
@@ -303,6 +315,22 @@ void Recorder::write_collections()
     if (yields_) write("wall", contact_frames_, {"wall"});
 }
 
+/// The frames as arrays. They are files that somebody may have changed: then there is a warning, and the run ends as it does.
+void Recorder::write_shapes()
+{
+    if (wire_frames_.empty()) return;
+    std::vector<std::string> series, names;
+    for (int k = 0; k < scene_.instrument_count(); ++k) series.push_back(series_of(scene_, k)), names.push_back(scene_.instrument(k).label);
+    std::string shapes;
+    try {
+        shapes = wire_npz(dir_, wire_frames_, series, names);
+    } catch (const Error& error) {
+        warn(fmt::format("wire.npz was not written: {}", error.what()));
+        return;
+    }
+    write_file(dir_ / "wire.npz", shapes);
+}
+
 void Recorder::checkpoint(const World& world, RunStatus status, double wall)
 {
     const Stopwatch watch(tally_.record);
@@ -332,6 +360,7 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
         if (ended && scene_.wire_every > 0 && !due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
         if (ended && scene_.contacts_every > 0 && !due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);
         write_collections();
+        write_shapes();
         for (int k = 0; k < scene_.instrument_count(); ++k)
             write_wire_table(now.wires[static_cast<std::size_t>(k)], series_of(scene_, k));
         write_contact_table(now);

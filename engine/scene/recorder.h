@@ -9,6 +9,7 @@
 
 #include "core/file_io.h"
 #include "scene/checkpoint.h"
+#include "scene/closed_ends.h"
 
 #include <filesystem>
 #include <string>
@@ -61,7 +62,7 @@ public:
 
 private:
     void forget_lost_frames();
-    void take_in(const Output& now, const StepReport& report);
+    void take_in(const Output& now, const StepReport& report, double dt);
     [[nodiscard]] bool may_bear_most(const World& world) const;
     void take_greatest(const Output& now);
     void begin_traces(const std::vector<std::uint64_t>& kept);
@@ -71,6 +72,7 @@ private:
     void write_wire_frame(const Output& now);
     void write_contact_frame(const Output& now);
     void write_collections();
+    void write_shapes();
     [[nodiscard]] unsigned frame_parts() const;
     [[nodiscard]] std::string wall_fields(const Output& now);
     [[nodiscard]] std::string energy_fields(const EnergyLedger& ledger);
@@ -87,6 +89,7 @@ private:
     std::uint64_t vessel_hash_ = 0;
     std::string resolved_;  // the scene as the checkpoint carries it
     bool has_wall_ = false;
+    ClosedEnds closed_ends_;
     bool yields_ = false;             // and it yields
     std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
     RunTally tally_;

@@ -90,6 +90,7 @@ struct Scene : SceneInstrument {
     SceneCArm carm;                                          // how it is looked at by X-ray
     SceneContrast contrast;
     bool bands = false;  // in a batch: each run a second time with half the step
+    bool keep_traces = false, keep_last_frame = false;  // of each run of a batch
     std::vector<std::string> warnings;  // found on reading: sentences for every output
     std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
 

@@ -233,14 +233,34 @@ bool is_preset(const std::string& text)
     return of_wire && text.find('=') != std::string::npos;
 }
 
+/// The instrument's file that a node comes from; empty: the scene or an option says it.
+fs::path instrument_of(const toml::node* node)
+{
+    if (!node || !node->source().path) return {};
+    const fs::path file = full_path(*node->source().path);
+    return file.parent_path() == full_path(instrument_file("")).parent_path() ? file : fs::path();
+}
+
+/// Where a scene changes one of an instrument's two coefficients, the other keeps its ratio to it.
+void keep_friction_ratio(toml::table& wire)
+{
+    for (const auto& [changed, kept] : {std::pair("mu_sliding", "mu_static"), std::pair("mu_static", "mu_sliding")}) {
+        const fs::path file = instrument_of(wire.get(kept));
+        const std::optional<double> now = wire[changed].value<double>();
+        if (file.empty() || !now || !instrument_of(wire.get(changed)).empty()) continue;
+        const toml::table own = read_instrument(file);
+        const std::optional<double> before = own["wire"][changed].value<double>();
+        if (before && *before > 0) wire.insert_or_assign(kept, *wire[kept].value<double>() * *now / *before);
+    }
+}
+
 /// A wire shorter than its instrument is the far end of it: sections that the instrument brought end where the wire does.
 void fit_sections(toml::table& wire)
 {
     const std::optional<double> length = wire["length_m"].value<double>();
     toml::array* sections = wire["section"].as_array();
     if (!length || !(*length > 0) || !sections || sections->empty()) return;
-    const auto& source = sections->source().path;
-    if (!source || full_path(*source).parent_path() != full_path(instrument_file("")).parent_path()) return;
+    if (instrument_of(sections).empty()) return;
     for (auto at = sections->begin(); at != sections->end();) {
         toml::array* ends = at->is_table() ? (*at->as_table())["from_tip_m"].as_array() : nullptr;
         const bool two = ends && ends->size() == 2 && (*ends)[0].is_floating_point() && (*ends)[1].is_floating_point();
@@ -289,7 +309,10 @@ LayeredScene layer_scene(const std::string& text, const fs::path& file, std::spa
     }
     for (const std::string& entry : overrides)
         if (!is_preset(entry)) apply_override(scene.root, entry);
-    for_each_wire(scene.root, [](toml::table& wire, const std::string&) { fit_sections(wire); });
+    for_each_wire(scene.root, [](toml::table& wire, const std::string&) {
+        keep_friction_ratio(wire);
+        fit_sections(wire);
+    });
     return scene;
 }
 

@@ -175,12 +175,14 @@ void read_output(const toml::table& table, Scene& scene)
     // a run writes about 100 frames unless told otherwise
     const int spread = static_cast<int>(std::max(1L, (scene.steps() + 99) / 100));
     scene.wire_every = scene.contacts_every = spread;
-    const TableReader t(table, "output", {"wire_every", "contacts_every", "force_window_m", "force_patch_m", "bands"});
+    const TableReader t(table, "output", {"wire_every", "contacts_every", "force_window_m", "force_patch_m", "bands", "keep_traces", "keep_last_frame"});
     t.count("wire_every", scene.wire_every, 0, static_cast<int>(most_steps));
     t.count("contacts_every", scene.contacts_every, 0, static_cast<int>(most_steps));
     t.number("force_window_m", scene.force_window, positive);
     t.number("force_patch_m", scene.force_patch, positive);
     t.flag("bands", scene.bands);
+    t.flag("keep_traces", scene.keep_traces);
+    t.flag("keep_last_frame", scene.keep_last_frame);
 }
 
 /// What the mesh's own header says of its axes and its unit, where the scene says nothing.

@@ -90,7 +90,7 @@ void read_coaxial(const toml::table& table, Scene& scene)
     spec.model = coaxial_words[0].value;
     t.choice("model", spec.model, coaxial_words);
     if (spec.model == CoaxialSpec::Model::Merged && spec.order.size() > most_coaxial)
-        t.fail("order", fmt::format("names {} instruments, expected at most {} in one centreline; take model = \"separate\"",
+        t.fail("order", fmt::format("got {} instruments; expected at most {} in one centreline; take model = \"separate\"",
                                     spec.order.size(), most_coaxial));
     t.number("mu_static", spec.mu_static, friction_range);
     t.number("mu_sliding", spec.mu_sliding, friction_range);

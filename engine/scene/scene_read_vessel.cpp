@@ -2,6 +2,8 @@
 #include "scene/scene_read.h"
 
 #include "core/error.h"
+#include "core/printable.h"
+#include "scene/toml_parse.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -125,7 +127,9 @@ std::filesystem::path existing_file(const TableReader& t, std::string_view key, 
     if (path.empty()) path = joined;  // too long for a name, or links that go round in a circle
     if (!std::filesystem::is_regular_file(path, ignored)) {
         try {
-            t.fail(key, fmt::format("no file at {}; check the path (relative to the scene file)", path.string()));
+            const bool escaped = written.find_first_of("\b\t\n\f\r\x1b") != std::string::npos;
+            const char* advice = escaped || written.find('\\') != std::string::npos ? backslash_advice : "check the path (relative to the scene file)";
+            t.fail(key, fmt::format("no file at {}; {}", printable(path.string()), advice));
         } catch (const Error& error) {
             throw Error(ExitCode::BadFile, error.what());
         }

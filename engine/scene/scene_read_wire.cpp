@@ -77,6 +77,16 @@ void read_section(const toml::table& table, const std::string& path, WireSpec& w
     wire.sections.push_back(range);
 }
 
+/// bend_scale: bending stiffness of the shaft and all sections, and twisting stiffness with it.
+void scale_stiffness(const TableReader& t, WireSpec& wire)
+{
+    double scale = 1;
+    t.number("bend_scale", scale, positive);
+    const auto apply = [scale](WireSection& s) { s.bend_stiffness *= scale, s.twist_stiffness *= scale; };
+    apply(wire.shaft);
+    for (WireSectionRange& range : wire.sections) apply(range.section);
+}
+
 void read_points(const TableReader& t, WireSpec& wire)
 {
     std::vector<std::vector<double>> rows;
@@ -206,7 +216,7 @@ void read_wire_table(const toml::table& table, const std::string& path, std::ini
     std::vector<std::string_view> keys = {
         "length_m", "radius_m",     "density",    "nodes",     "min_edge_m",     "max_edge_m", "edge_error_m", "youngs_pa",
         "poisson",  "bend_nm2",     "twist_nm2",  "stretch_n", "mu_static",      "mu_sliding", "curvature",    "place",
-        "rest",     "velocity_m_s", "spin_rad_s", "section",   "lumen_radius_m", "preset"};
+        "rest",     "velocity_m_s", "spin_rad_s", "section",   "lumen_radius_m", "preset",   "bend_scale"};
     keys.insert(keys.end(), extra);
     const TableReader t(table, path, keys);
     WireSpec& wire = into.wire;
@@ -228,6 +238,7 @@ void read_wire_table(const toml::table& table, const std::string& path, std::ini
     read_start(t, path, fed, wire);
     for_each_table(table, "section", path + ".section",
                    [&](const toml::table& section, const std::string& where) { read_section(section, where, wire, scene); });
+    scale_stiffness(t, wire);
     check_lumen(t, wire);
 }
 

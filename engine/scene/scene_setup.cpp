@@ -20,8 +20,8 @@
 namespace seldinger {
 namespace {
 
-// A lumen this much narrower or wider than the wire [wire radii] is a mistake in units, not a vessel: the tightest stenosis that
-// is worth pushing against and the widest ventricle lie well inside.
+// A lumen this much narrower or wider than the wire [wire radii] is a mistake in units. The tightest stenosis and the widest
+// ventricle lie well inside these bounds.
 constexpr double narrowest_ratio = 0.05, widest_ratio = 1000;
 // A mesh of a vessel has no lumen of more than a decimetre and is no larger than a patient [m]. A wire does not go into a mesh
 // whose lumen is thinner than itself almost everywhere. A generated shape may be anything: a case with a closed form.
@@ -140,7 +140,7 @@ public:
     }
 
 private:
-    /// What is inside at t = 0 lies straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back what lies behind a wall.
+    /// Wire inside at t = 0 lies straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back a node behind a wall.
     void check_inside_at_start(const Scene& scene, int k, const FeedSpec& feed, double radius)
     {
         const Vec3 along = feed.direction.normalized();

@@ -38,7 +38,7 @@ public:
     TableText& flag(std::string_view key, bool v) { return raw(key, v ? "true" : "false"); }
     TableText& word(std::string_view key, std::string_view v) { return raw(key, toml_quoted(v)); }
     TableText& vector(std::string_view key, const Vec3& v) { return raw(key, vec(v)); }
-    /// Where 0 stands for "chosen by the engine" there is nothing to write.
+    /// Where 0 means "chosen by the engine", nothing is written.
     TableText& num_unless_zero(std::string_view key, double v) { return v == 0 ? *this : num(key, v); }
 
 private:
@@ -346,6 +346,8 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
     o.num_unless_zero("force_window_m", scene.force_window).num("force_patch_m", scene.force_patch);
     if (scene.bands) o.flag("bands", true);
+    if (scene.keep_traces) o.flag("keep_traces", true);
+    if (scene.keep_last_frame) o.flag("keep_last_frame", true);
     return out;
 }
 

@@ -33,7 +33,7 @@ private:
     double mark_radius_ = 0;
 };
 
-/// What one step brings to the score.
+/// Contribution of one step to the score.
 struct ScoreStep {
     double dt = 0;           // [s]
     double time = 0;         // at its end [s]
@@ -46,8 +46,8 @@ struct ScoreStep {
 /// Adds a step to the score. Reaching the target closes it.
 void add_step(const TaskSpec& task, const TaskTarget& target, const ScoreStep& step, ScoreNumbers& score);
 
-/// Keeps the scores of a world's systems. It holds what they share (target and limits); each score is the caller's, so that a checkpoint
-/// carries it.
+/// Keeps the scores of a world's systems. It holds their common part (target and limits); each score is the caller's, so that a
+/// checkpoint carries it.
 class ScoreWatch {
 public:
     /// In which steps the force on the worst patch is read, which takes a pass over the contacts.

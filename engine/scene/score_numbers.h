@@ -18,7 +18,7 @@ struct ScoreNumbers {
     double contrast = 0;          // [ml]
     double distance = -1;         // of the tip from the target [m]; -1: no target
     double reached_at_m = 0, reached_at_s = 0;  // inserted length and time when the target was reached [m], [s]
-    // what the next step goes on from
+    // state for the next step
     double tip[3] = {};           // [m]
     double inserted = 0;          // [m]
     double force_time = 0;        // integral of the wall force [N s]

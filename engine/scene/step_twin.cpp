@@ -15,19 +15,34 @@ namespace seldinger {
 
 namespace {
 
-double mean(const std::vector<double>& values)
-{
-    double sum = 0;
-    for (const double value : values) sum += value;
-    return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
+/// Steps that mean_time is.
+long mean_steps(double dt) { return std::max(1L, std::lround(StepTwin::mean_time / dt)); }
 
-/// The largest mean over mean_time, or over all where they are shorter.
+/// The largest mean magnitude over mean_time, or over all where they are shorter.
 double largest_mean(const std::vector<double>& values, double dt)
 {
-    RunningPeak peak(static_cast<std::size_t>(std::max(1L, std::lround(StepTwin::mean_time / dt))));
-    for (const double value : values) peak.add(value);
+    RunningPeak peak(static_cast<std::size_t>(mean_steps(dt)));
+    for (const double value : values) peak.add(std::abs(value));
     return peak.value();
+}
+
+/// The largest difference between means over mean_time of a run and of a twin with steps of 1/parts as long.
+double largest_difference(const std::vector<double>& run, const std::vector<double>& twin, double dt, int parts)
+{
+    const std::size_t wide = std::min(static_cast<std::size_t>(mean_steps(dt)), run.size());
+    const auto p = static_cast<std::size_t>(parts);
+    double sum = 0, most = 0;  // of run - twin over the last `wide` steps
+    const auto difference = [&](std::size_t k) {
+        double of_step = run[k];
+        for (std::size_t j = 0; j < p; ++j) of_step -= twin[p * k + j] / parts;
+        return of_step;
+    };
+    for (std::size_t k = 0; k < run.size(); ++k) {
+        sum += difference(k);
+        if (k >= wide) sum -= difference(k - wide);
+        if (k + 1 >= wide) most = std::max(most, std::abs(sum) / static_cast<double>(wide));
+    }
+    return most;
 }
 
 // No band is narrower than this share of its value. Windows begin at the state of the run. They see neither the effect of its
@@ -69,6 +84,7 @@ StepTwin::StepTwin(const Scene& scene, const World& run, long taken)
 {
     estimate_.from_step = taken;
     estimate_.dt = scene.dt;
+    estimate_.window_steps = std::max(least_steps, mean_steps(scene.dt));
     open(run, taken);
 }
 
@@ -86,12 +102,12 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     const auto begun = Clock::now();
     ++window_.steps;
     ++seen_;
-    window_.hand.push_back(std::abs(readings.hand_force));
+    window_.hand.push_back(readings.hand_force);
     window_.friction.push_back(readings.friction);
-    hand_release_.add(window_.hand.back());
+    hand_release_.add(std::abs(readings.hand_force));
     friction_release_.add(readings.friction);
     window_.tip = run.rod(0).pos(0);
-    if (taken % window_steps == 0) {
+    if (taken % estimate_.window_steps == 0) {
         close();
         open(run, taken);
     }
@@ -113,12 +129,13 @@ void StepTwin::close()
 StepTwin::Examined StepTwin::examine(const Window& window, int parts)
 {
     // no window: the run has none, or was never above zero, which a twin of nothing says too
-    if (window.steps == 0) return {0, 0, 0, 0, parts, closed_ > 0};
-    Examined twin{0, 0, 0, 0, parts, false};
+    Examined twin;
+    twin.parts = parts;
+    twin.found = window.steps == 0 && closed_ > 0;
+    if (window.steps == 0) return twin;
     if (!world_) world_ = std::make_unique<World>(run_.setup());
     const long lead = parts > 2 ? window.lead : 0;
     world_->restore_state(lead > 0 ? window.earlier : window.state);
-    std::vector<double> hand, friction;
     for (long k = -lead * parts; k < parts * window.steps; ++k) {
         const long of_run = window.first + (k + lead * parts) / parts - lead;
         const StepReport report = step(*world_, key_frames_.control(), scene_.step_length(of_run) / parts);
@@ -129,16 +146,16 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
         }
         if (k < 0) continue;
         const WireReadings now = joint_readings(*world_, 0);
-        hand.push_back(std::abs(now.hand_force));
-        friction.push_back(now.friction);
+        twin.hand.push_back(now.hand_force);
+        twin.friction.push_back(now.friction);
     }
-    twin = {mean(hand), mean(friction), largest_mean(hand, scene_.dt / parts), largest_mean(friction, scene_.dt / parts), parts, true};
+    twin.hand_peak = largest_mean(twin.hand, scene_.dt / parts);
+    twin.friction_peak = largest_mean(twin.friction, scene_.dt / parts);
+    twin.found = true;
     ++estimate_.windows;
     const auto worst = [&](ErrorBand& so_far, double value, double other) {
         so_far.band = std::max(so_far.band, margin(parts) * std::abs(value - other));
     };
-    worst(estimate_.hand, mean(window.hand), twin.hand);
-    worst(estimate_.friction, mean(window.friction), twin.friction);
     worst(estimate_.hand_peak, window.hand_peak, twin.hand_peak);
     worst(estimate_.friction_peak, window.friction_peak, twin.friction_peak);
     other_hand_peak_ = std::max(other_hand_peak_, twin.hand_peak);
@@ -160,15 +177,44 @@ StepTwin::Examined StepTwin::examine_largest(const Window& window, Finer finer)
     return fine;
 }
 
+EndMean::Mean StepTwin::end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction, int parts) const
+{
+    EndMean mean;
+    for (std::size_t k = 0; k < hand.size(); ++k)
+        mean.add(hand[k], friction[k], scene_.step_length(window.first + static_cast<long>(k) / parts) / parts);
+    return mean.mean();
+}
+
+void StepTwin::set_end(const Window& end, const Examined& twin)
+{
+    const EndMean::Mean value = end_of(end, end.hand, end.friction, 1);
+    estimate_.end_seconds = value.seconds;
+    estimate_.hand = {value.hand, 0, 0, false};
+    estimate_.friction = {value.friction, 0, 0, false};
+    if (!twin.found) return;
+    const EndMean::Mean other = end_of(end, twin.hand, twin.friction, twin.parts);
+    const auto least = [&](const std::vector<double>& run, const std::vector<double>& fine) {
+        return margin(twin.parts) * largest_difference(run, fine, scene_.dt, twin.parts);
+    };
+    estimate_.hand = band_of(value.hand, other.hand, twin.parts, least(end.hand, twin.hand), hand_history);
+    estimate_.friction = band_of(value.friction, other.friction, twin.parts, least(end.friction, twin.friction), friction_history);
+}
+
 ErrorEstimate StepTwin::finish(Finer finer)
 {
     const auto begun = Clock::now();
-    // the last whole window tells more of the end than a few steps do
-    constexpr long enough = window_steps / 2;
-    const Window before = last_;
-    const bool short_end = window_.steps < enough && last_.steps > 0;
-    close();  // what is left of the last one; a short one leaves the whole one before it as the end
-    const Window end = short_end ? before : last_;
+    // a few steps say little of the end: the whole window before them is added
+    const bool short_end = window_.steps < estimate_.window_steps / 2 || window_.steps < mean_steps(scene_.dt);
+    Window end = short_end && last_.steps > 0 ? last_ : window_;
+    if (short_end && last_.steps > 0 && window_.steps > 0) {
+        end.steps += window_.steps;
+        end.hand.insert(end.hand.end(), window_.hand.begin(), window_.hand.end());
+        end.friction.insert(end.friction.end(), window_.friction.begin(), window_.friction.end());
+        end.tip = window_.tip;
+    }
+    end.hand_peak = largest_mean(end.hand, scene_.dt);
+    end.friction_peak = largest_mean(end.friction, scene_.dt);
+    close();
     const Examined of_end = examine(end, 2), of_hand = examine_largest(best_hand_, finer);
     const bool same = best_friction_.first == best_hand_.first && best_friction_.steps == best_hand_.steps;
     const Examined of_friction = same ? of_hand : examine_largest(best_friction_, finer);
@@ -177,8 +223,7 @@ ErrorEstimate StepTwin::finish(Finer finer)
     const auto set = [](ErrorBand& band, const Examined& of, double value, double twin, double more, double history) {
         band = of.found ? band_of(value, twin, of.parts, std::max(band.band, more - value), history) : ErrorBand{value, 0, 0, false};
     };
-    set(estimate_.hand, of_end, mean(end.hand), of_end.hand, 0, hand_history);
-    set(estimate_.friction, of_end, mean(end.friction), of_end.friction, 0, friction_history);
+    set_end(end, of_end);
     set(estimate_.hand_peak, of_hand, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_, hand_history);
     set(estimate_.friction_peak, of_friction, best_friction_.friction_peak, of_friction.friction_peak, other_friction_peak_, friction_history);
     if (of_hand.found) widen(estimate_.hand_peak, hand_release_);
@@ -204,9 +249,9 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
                                        "state, the band is +- {:.2g} N; make scene.dt_s smaller",
                                        what, band.value, 1e3 * e.dt, 1e3 * e.dt / band.parts, band.twin, band.band));
     };
-    look("the mean hand force at the end", e.hand);
+    look("the hand force at the end (20 ms mean)", e.hand);
     look("the largest hand force (20 ms mean)", e.hand_peak);
-    look("the mean friction at the end", e.friction);
+    look("the friction at the end (20 ms mean)", e.friction);
     look("the largest friction (20 ms mean)", e.friction_peak);
     return list;
 }

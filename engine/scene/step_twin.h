@@ -1,7 +1,7 @@
 #pragma once
 // Estimate of the time-step error in a run's forces and tip, by the run itself.
 //
-// The run is cut into windows of window_steps steps. Some are computed again in a separate world, from the state at their
+// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Some are computed again in a separate world, from the state at their
 // beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
 // far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
 // and the band is
@@ -10,9 +10,11 @@
 //
 // 3 |Q(h) - Q(h/2)| for halves: the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994,
 // doi:10.1115/1.2910291; order 1, ratio 2). The band of each reading is the largest of all windows: other windows may behave like
-// any of them. Compared are means over a window (hand force, friction), the largest mean over mean_time in a window (peaks), and
-// the tip's place at its end. Single values of a wire that sticks, slips and strikes differ however short the step is, and a hand
-// that starts at once feels more the shorter the step.
+// any of them. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
+// of a wire that sticks, slips and strikes differ however short the step is.
+//
+// Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their bands come from
+// the last window alone: the largest difference of any two such means in it.
 //
 // For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
 // oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the
@@ -27,6 +29,7 @@
 // The twin is a separate world: the run's bits are those of a run without it.
 
 #include "engine.h"
+#include "math/end_mean.h"
 #include "scene/key_frames.h"
 #include "scene/release_watch.h"
 
@@ -53,7 +56,9 @@ struct ErrorEstimate {
     double seconds = 0;            // that it took
     double dt = 0;                 // of the run [s]
     int finest = 2;                // parts of a step of the run in the shortest of a twin
-    ErrorBand hand, hand_peak, friction, friction_peak;  // means over the last window; largest 20 ms means of the run [N]
+    long window_steps = 0;
+    double end_seconds = 0;        // that the means at the end span
+    ErrorBand hand, hand_peak, friction, friction_peak;  // 20 ms means: at the end, signed; the largest [N]
     double tip = 0;                                      // [m]
 };
 
@@ -64,13 +69,13 @@ class StepTwin {
 public:
     /// Whether the largest forces are taken again with fine_step too: a run of a thousand steps of 17 ms costs two to three times as much with it.
     enum class Finer { Never, WhereCheap, Always };
-    static constexpr int window_steps = 50;
+    static constexpr long least_steps = 50;  // of a window
     static constexpr int periodic = 20;  // a twin of a window costs two: a tenth of the run's time
     static constexpr double safety = 1.5;           // times r/(r - 1)
     static constexpr double fine_step = 2.5e-4;     // [s]
     static constexpr int most_parts = 16;
     static constexpr double cheap = 0.1;            // of the run's steps
-    static constexpr double mean_time = 0.02;     // [s]
+    static constexpr double mean_time = EndMean::span;  // [s]
     static constexpr double wanted = 0.2;         // band over value that counts as resolved
     static constexpr double least_force = 1e-3;   // bands below are resolved: forces that no hand feels [N]
 
@@ -86,16 +91,20 @@ private:
     struct Window {
         std::vector<std::uint8_t> state, earlier;  // at its beginning; at that of the window before it
         long first = 0, steps = 0, lead = 0;       // lead: steps of the window before it
-        std::vector<double> hand, friction;       // of each step [N]
+        std::vector<double> hand, friction;       // of each step, a pull is negative [N]
         double hand_peak = 0, friction_peak = 0;  // largest means [N]
         Vec3 tip = Vec3::Zero();                  // at its end [m]
     };
     struct Examined {
-        double hand, friction, hand_peak, friction_peak;  // of the twin [N]
+        double hand_peak = 0, friction_peak = 0;  // of the twin [N]
         int parts = 2;
         bool found = false;
+        std::vector<double> hand, friction;  // of each of its steps
     };
     void open(const World& run, long taken);
+    [[nodiscard]] EndMean::Mean end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction, int parts) const;
+    /// Hand force and friction at the end, with their bands.
+    void set_end(const Window& end, const Examined& twin);
     void close();
     /// @param parts  of each of the run's steps; of more than two the window before is taken again too
     Examined examine(const Window& window, int parts);

@@ -42,8 +42,9 @@ Json estimate_json(const ErrorEstimate& e)
     };
     return {{"windows", e.windows},
             {"failed_windows", e.failed},
-            {"window_steps", StepTwin::window_steps},
+            {"window_steps", e.window_steps},
             {"peak_mean_s", StepTwin::mean_time},
+            {"end_mean_s", e.end_seconds},
             {"steps", e.steps},
             {"shortest_step_s", e.dt / e.finest},
             {"from_step", e.from_step},
@@ -138,6 +139,10 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     out["contacts_max"] = tally.contacts_max;
     number.set("friction_max_n", tally.friction_max);
     number.set("hand_force_n", r.hand_force);
+    const EndMean::Mean end = tally.at_end(r);
+    number.set("hand_force_mean_n", end.hand);
+    number.set("friction_mean_n", end.friction);
+    number.set("end_mean_s", end.seconds);
     number.set("hand_force_max_n", tally.hand_force_max);
     number.set("hand_force_max_at_s", tally.hand_force_time);
     number.set("hand_torque_nm", r.hand_torque);
@@ -228,6 +233,7 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                                    tally.overlap_at[2]));
     if (notes.vessel)
         for (const std::string& sentence : exit_sentences(tally.exits, notes.vessel->loops, *notes.scene)) list.push_back(sentence);
+    if (const std::string touch = describe(tally.end_touch, *notes.scene); !touch.empty()) list.push_back(touch);
     if (notes.estimate)
         for (const std::string& sentence : unresolved(*notes.estimate)) list.push_back(sentence);
     if (tally.outside_steps > 0)
@@ -271,8 +277,15 @@ std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
 
 std::string task_json(const Scene& scene, const ScoreNumbers& score) { return json_text(task_of(scene, score)); }
 
-void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_iterations)
+EndMean::Mean RunTally::at_end(const WireReadings& last) const
 {
+    const EndMean::Mean mean = end.mean();
+    return mean.seconds > 0 ? mean : EndMean::Mean{last.hand_force, last.friction, 0};
+}
+
+void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_iterations, double dt)
+{
+    if (dt > 0) end.add(readings.hand_force, readings.friction, dt);
     contacts_max = std::max<std::int64_t>(contacts_max, readings.contacts);
     newton_max = std::max<std::int64_t>(newton_max, newton_iterations);
     halved_steps += (flags & StepHalved) != 0;
@@ -394,6 +407,16 @@ std::string estimate_for_people(const Json& e)
                        e.at("window_steps").get<int>(), 1e3 * shortest, 1e3 * e.at("tip_band_m").get<double>(), more);
 }
 
+/// What the forces of the closing line are means of.
+std::string means_for_people(double end_seconds, bool has_bands)
+{
+    if (end_seconds == 0) return "equilibrium";
+    const std::string at_end = fmt::format("{:.3g} ms", 1e3 * end_seconds);
+    if (!has_bands) return fmt::format("at the end the mean of {}, largest of single steps; error of the step not estimated", at_end);
+    const std::string largest = fmt::format("{:.3g} ms", 1e3 * StepTwin::mean_time);
+    return fmt::format("means of {}{}; ± error of the step", largest, at_end == largest ? "" : ", at the end of " + at_end);
+}
+
 /// Hand and friction, with their bands where the run has any.
 std::string forces_for_people(const Json& s)
 {
@@ -404,10 +427,11 @@ std::string forces_for_people(const Json& s)
         return newtons(e.at("value").get<double>(), e.at("band").get<double>());
     };
     const bool is_release = has_bands && s.at("error_estimate").at("hand_force_peak_n").value("sudden_release", false);
-    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {}{}\n", force("hand_force_n", "hand_force_n"),
+    const double span = s.value("end_mean_s", 0.0);
+    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {} ({})\n", force("hand_force_n", "hand_force_mean_n"),
                        force("hand_force_peak_n", "hand_force_max_n"), is_release ? " as the wire springs free" : "",
                        force("friction_peak_n", "friction_max_n"),
-                       has_bands ? " (means of 20 ms; ± error of the step)" : " (single steps; error of the step not estimated)");
+                       means_for_people(span, has_bands));
 }
 
 /// What became of the task, or where the tip is.
@@ -475,7 +499,7 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir, 
                             1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"));
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
     std::string files;
-    for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "vessel.vtp", "scene.toml"})
+    for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "wire.npz", "vessel.vtp", "scene.toml"})
         if (std::filesystem::exists(dir / name)) files += fmt::format("{}{}", files.empty() ? "" : ", ", name);
     return text + fmt::format("  {}: {}\n", dir.string(), files) + answer_for_people(s);
 }

@@ -2,6 +2,8 @@
 // summary.json: the results of a run, as one JSON object and as a few lines for people.
 
 #include "engine.h"
+#include "math/end_mean.h"
+#include "scene/closed_ends.h"
 #include "scene/exits.h"
 #include "scene/scene.h"
 #include "scene/score.h"
@@ -66,12 +68,16 @@ struct RunTally {
     StageTimes stages;  // sums [s]
     double record = 0;  // writing, summed [s]
     ScoreNumbers score;         // of [task]
+    EndMean end;                // hand force and friction, over every step
+    EndTouch end_touch;         // rows
     // since the last row of trace.csv
     std::int64_t row_newton = 0, row_flags = 0, row_steps = 0;
     double row_time = 0;  // [s]
 
-    /// Adds one wire's step to the counts and maxima; `steps` and times are the caller's.
-    void take_in(const WireReadings& readings, unsigned flags, int newton_iterations);
+    /// Adds one wire's step to counts, maxima and means; `steps` and times are the caller's. @param dt  0: an equilibrium [s]
+    void take_in(const WireReadings& readings, unsigned flags, int newton_iterations, double dt);
+    /// Hand force and friction over the last 20 ms; of an equilibrium its own.
+    [[nodiscard]] EndMean::Mean at_end(const WireReadings& last) const;
     /// Flags that are seen only where a state is read (WireOutput::report), counted unless a step of the row has said so.
     void note_read(unsigned flags);
 };

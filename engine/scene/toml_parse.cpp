@@ -1,6 +1,7 @@
 // Scans for depth, outside of texts and comments, then parses.
 #include "scene/toml_parse.h"
 
+#include "core/error.h"
 #include "core/file_io.h"
 #include "scene/toml_table.h"
 
@@ -26,6 +27,15 @@ std::size_t behind_text(std::string_view text, std::size_t at)
     return text.size();
 }
 
+/// Editors of Windows write it under the name "Unicode".
+void refuse_utf16(std::string_view text, const std::string& name)
+{
+    const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+    const bool ascii_in_pairs = text.size() > 1 && ((text[0] == '\0') != (text[1] == '\0'));
+    if (marked || ascii_in_pairs)
+        throw Error(ExitCode::BadScene, name + ": got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
+}
+
 }  // namespace
 
 std::size_t too_deep(std::string_view text)
@@ -47,6 +57,7 @@ std::size_t too_deep(std::string_view text)
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file)
 {
     const std::string name = file.string();
+    refuse_utf16(text, name);
     if (const std::size_t deep = too_deep(text); deep != std::string_view::npos) {
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(deep), '\n');
         toml::source_region where;
@@ -57,7 +68,8 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
     try {
         return toml::parse(text, name);
     } catch (const toml::parse_error& error) {
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; fix the syntax", error.description()));
+        const bool is_escape = error.description().find("escape") != std::string_view::npos;
+        fail_at(error.source(), "", fmt::format("is not TOML: {}; {}", error.description(), is_escape ? backslash_advice : "fix the syntax"));
     }
 }
 

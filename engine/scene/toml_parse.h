@@ -15,6 +15,9 @@ namespace seldinger {
 /// How deep brackets may stand in brackets, and how many parts a dotted key may have. A scene has five and two.
 inline constexpr int most_toml_depth = 32;
 
+/// The fix for paths that were written as on Windows.
+inline constexpr const char* backslash_advice = "in double quotes a backslash begins an escape: write paths with /, or in single quotes";
+
 /// Where `text` is nested deeper, as a byte; npos where it is not.
 [[nodiscard]] std::size_t too_deep(std::string_view text);
 

@@ -204,7 +204,7 @@ void TableReader::fail(std::string_view key, std::string_view message) const
 
 void TableReader::wrong(const toml::node& at, std::string_view key, std::string_view expected) const
 {
-    fail_at(at.source(), full(key), fmt::format("expected {}, got {}", expected, shown(at)));
+    fail_at(at.source(), full(key), fmt::format("got {}; expected {}", shown(at), expected));
 }
 
 double TableReader::checked(const toml::node& at, std::string_view key, const Range& range) const

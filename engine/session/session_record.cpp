@@ -133,7 +133,7 @@ RecordWriter::RecordWriter(const std::filesystem::path& path, const RecordHeader
             throw Error(ExitCode::BadScene,
                         fmt::format("{}: exists, is not a record and would be overwritten; choose another file with --record", path.string()));
     }
-    if (path.has_parent_path()) make_folder(path.parent_path());
+    make_folder_of(path);
     file_ = AppendFile(path, 0);
     const std::string text = header_text(header);
     const auto length = static_cast<std::uint32_t>(text.size());

@@ -30,8 +30,8 @@ struct WebRequest {
 
 enum class Admission { Welcome, WrongHost, WrongOrigin, WrongToken };
 
-/// A page of another site that a browser shows may neither open the socket (its Origin is not ours) nor have its own name point here (its
-/// Host is not ours) [RFC 6455, sec. 10.2]. Programs send no Origin, and need the token like anyone where there is one.
+/// A page of another site may neither open the socket (its Origin is not ours) nor have its own name point here (its Host is
+/// not ours) [RFC 6455, sec. 10.2]. Programs send no Origin, and need the token like anyone where there is one.
 [[nodiscard]] Admission admit(const WebRequest& request, std::string_view bound_to, std::string_view token);
 
 /// How an address is written in a URL: one of version 6 in brackets.

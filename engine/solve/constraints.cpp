@@ -73,8 +73,8 @@ double twist_to_end(const RodView& rod, int node)
 
 }  // namespace
 
-// At an inner node the mean of the two edges; at an end the straight continuation of the turning from edge to edge, since
-// the edge's own tangent and director are those of its middle.
+// At an inner node the mean of the two edges. At an end the straight continuation of the turning from edge to edge, since the
+// edge's own tangent and director are those of its middle.
 NodeFrame node_frame(const RodView& rod, int node)
 {
     const int last = rod.n - 2;

@@ -8,8 +8,8 @@
 // then on a node is born at the inlet whenever an edge is inside, and taken out where it is pulled back to there. There, and only
 // there, a change of the node set changes nothing. A base edge of length l -> 0 lies along the sleeve. With it the clamp's half
 // cell l/2 and the node's cell (l + h)/2 are the half cell h/2 that clamped the edge of length h before. Shape, forces, energy
-// and contacts of every sample are the same up to terms of order l/h of a polygon's own error (kappa h)^2. l is base_born of an
-// edge or the feed of a step, whichever is more.
+// and contacts of every sample are the same up to terms of order l/h of a polygon's own error (kappa h)^2. Here l is base_born
+// of an edge or the feed of a step, whichever is more.
 //
 // The speed of the tipward wire does jump there. Rest length fed into the base edge pushes along it, at an angle phi = kappa h/2 to
 // the sleeve, and after the birth along the sleeve. So the same feed moves the wire slower by v phi^2/2.

@@ -2,13 +2,13 @@
 // Forces on the wires as the solver sees them: one interface for all that adds to residual and tangent (contact with the wall or
 // with another instrument), and the list of them in Newton's method.
 //
-// A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step, and in a sub-step likewise:
+// A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step and in each sub-step:
 //
-//   begin_step, prepare                     start of the step is remembered; what may act is found
-//     evaluate                              at each trial; the questions below speak of that trial
+//   begin_step, prepare                     start of the step is remembered, possible contacts are found
+//     evaluate                              at each trial; the questions below are about that trial
 //       admissible, add, feasible_step ...  residual and tangent, limits of the next trial
 //     take                                  the trial becomes the base of the next ones
-//   refine                                  outer update, once Newton has converged (multipliers); Newton goes on where asked
+//   refine                                  outer update, once Newton has converged (multipliers); Newton's method continues where asked
 //   commit                                  the last trial is the accepted state
 //
 // Optional functions have an empty default.

@@ -38,8 +38,8 @@ void LinearModel::set_shift_weights()
     }
 }
 
-// After a step that had to be shortened, the symmetric tangent, which goes downhill; but not where symmetric means wrong: half of
-// EA on the edges' mean directions and half on those of their ends.
+// After a shortened step, the symmetric tangent, which goes downhill. Not with half of EA on the edges' mean directions and
+// half on those of their ends, where a symmetric tangent is wrong.
 void LinearModel::factorise(bool shortened, const ForceTerms& terms)
 {
     bool loaded = problem_.unsymmetric();

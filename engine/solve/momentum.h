@@ -3,8 +3,8 @@
 //
 //   held + weight + contact + loads + fed = d/dt sum_i m_i v_i
 //
-// Every term is gathered where it is reported from (reactions of the solver, contact forces of the device's sums, velocities of
-// the state), so that `error` tells whether the numbers a user reads belong together. The solver's residual on the free nodes
+// Every term is taken from the place that reports it: reactions of the solver, contact forces of the device's sums, velocities
+// of the state. So `error` tells whether the numbers that a user reads belong together. The solver's residual on the free nodes
 // bounds the error: |error| <= sqrt(3) n force_residual and rounding.
 //
 // A fed wire's last node stands still at the inlet while material passes through it: its velocity is the material's, and its half

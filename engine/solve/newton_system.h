@@ -4,9 +4,9 @@
 //
 // Direction (linear_model.cpp). The geometric stiffness of stretching is taken at the tension that the *linear* equations of the
 // previous iteration predict, not at the tension of the trial shape. A step that turns an edge by phi lengthens it by phi^2/2, and
-// EA phi^2/2 is a spurious tension larger than any real force. With it the next direction is far too stiff sideways and every step
-// needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the mixed equations in position and tension;
-// same solution, since both tensions agree there; mixed_tension.h.)
+// EA phi^2/2 is a spurious tension larger than any real force. With it the next direction is far too stiff sideways and every
+// step needs extra iterations. [Magisano17] has mixed integration points, which equal Newton's method on the mixed equations in
+// position and tension (mixed_tension.h). The solution is the same, since both tensions agree there.
 //
 // Step length (step_acceptance.cpp). There is no potential (friction), and no residual norm fits stretching and bending at once. A
 // trial is taken when one of two conditions holds. Either the simplified Newton correction A^-1 R(q + alpha d) of those mixed

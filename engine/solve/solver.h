@@ -62,8 +62,8 @@ public:
     [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
     /// Reaction at prescribed unknown i of the wire [N or N m]: the force that the hold exerts on it.
     [[nodiscard]] double reaction(int wire, int unknown) const;
-    /// Move of a node of a wire along `direction` per force on it in that direction, by the equations of the last step [m/N]. 0 if
-    /// nothing was factorised or factors are not kept (linearised, explicit).
+    /// Move of a node of a wire along `direction` per force on it in that direction, by the equations of the last step [m/N].
+    /// It is 0 if nothing was factorised or factors are not kept (linearised, explicit).
     [[nodiscard]] double compliance(int wire, int node, const Vec3& direction);
     /// Tension of the base edge that the state has beyond the one that was solved for: 0 but for linearised steps [N].
     [[nodiscard]] double base_tension_excess(int wire) const;

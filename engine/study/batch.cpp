@@ -116,7 +116,7 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
 }
 
 BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> runs, LoadedVessel vessel, int device)
-    : left_(runs.size())
+    : sweep_runs_(static_cast<std::int64_t>(source.sweep.run_count())), left_(runs.size())
 {
     std::vector<Scene> scenes;
     for (const std::size_t run : runs) {
@@ -136,10 +136,40 @@ void BatchWorld::finish(int system, RunStatus status, std::vector<BatchRow>& row
 {
     Run& run = runs_[static_cast<std::size_t>(system)];
     if (status == RunStatus::Done) take_loads(system);
+    keep_files(system);
     rows.push_back(make_row(run.index, status, *world_, system, run.tally, branches_));
     run.finished = true;
     world_->retire(system);
     --left_;
+}
+
+/// A row of the kept trace.
+void BatchWorld::keep_row(int system)
+{
+    Run& run = runs_[static_cast<std::size_t>(system)];
+    if (!scene_.keep_traces || run.index >= sweep_runs_) return;
+    const int first = world_->wires_of(system).first;
+    if (run.trace.empty()) run.trace = kept_header();
+    run.trace += kept_row(run.tally.steps, world_->time(first), joint_readings(*world_, system), world_->rod(first).pos(0));
+}
+
+/// Keeps the files of a run that ends now.
+void BatchWorld::keep_files(int system)
+{
+    Run& run = runs_[static_cast<std::size_t>(system)];
+    if (run.index >= sweep_runs_) return;
+    const bool has_row = run.tally.steps > 0 ? run.tally.steps % scene_.record_every == 0 : !run.trace.empty();
+    if (!has_row) keep_row(system);
+    std::vector<WireOutput> wires;
+    if (scene_.keep_last_frame) {
+        Output now;
+        world_->read(now, Output::Shape);
+        const auto [first, end] = world_->wires_of(system);
+        wires.assign(now.wires.begin() + first, now.wires.begin() + end);
+    }
+    KeptFiles files = kept_files(run.index, scene_, run.trace, wires);
+    std::move(files.begin(), files.end(), std::back_inserter(kept_));
+    run.trace.clear();
 }
 
 /// Force per length and the like of a system's accepted state.
@@ -186,8 +216,8 @@ void BatchWorld::settle_where_asked(std::vector<BatchRow>& rows)
     for (int k = 0; k < world_->system_count(); ++k) {
         const WireReport own = joint_report(*world_, k);
         if (!own.failed())
-            runs_[static_cast<std::size_t>(k)].tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
-        if (!own.failed()) take_loads(k);
+            runs_[static_cast<std::size_t>(k)].tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, 0);
+        if (!own.failed()) take_loads(k), keep_row(k);
         if (own.failed() || scene_.integrator.scheme == Scheme::Static)
             finish(k, own.failed() ? RunStatus::Stopped : RunStatus::Done, rows);
     }
@@ -217,8 +247,8 @@ std::vector<BatchRow> BatchWorld::step()
             continue;
         }
         run.tally.steps++;
-        run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
-        if (run.tally.steps % scene_.record_every == 0) take_loads(k);
+        run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, scene_.step_length(static_cast<long>(run.tally.steps - 1)));
+        if (run.tally.steps % scene_.record_every == 0) take_loads(k), keep_row(k);
         else take_greatest_loads(k);
         follow_task(k);
         bool done = run.tally.steps >= scene_.steps() || (scene_.until == Until::Reached && run.tally.score.reached);
@@ -238,6 +268,9 @@ void BatchWorld::save(std::vector<std::uint8_t>& bytes) const
     for (const Run& run : runs_) {
         put_bytes(bytes, &run.tally, 1);
         put_bytes(bytes, &run.finished, 1);
+        const std::uint64_t length = run.trace.size();
+        put_bytes(bytes, &length, 1);
+        put_bytes(bytes, run.trace.data(), run.trace.size());
     }
     const std::vector<std::uint8_t> state = world_->save_state();
     const std::uint64_t size = state.size();
@@ -256,8 +289,13 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
         std::uint8_t finished = 0;
         take_bytes(at, end, &finished, 1);
         if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
-            throw Error(ExitCode::BadFile, "the saved state counts what cannot be");
+            throw Error(ExitCode::BadFile, "got a saved state with a counter out of range; expected one that this version wrote");
         run.finished = finished != 0;
+        std::uint64_t length = 0;
+        take_bytes(at, end, &length, 1);
+        if (length > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "the saved state is longer than the file");
+        run.trace.resize(length);
+        take_bytes(at, end, run.trace.data(), run.trace.size());
         left_ += !run.finished;
     }
     std::uint64_t size = 0;

@@ -1,11 +1,12 @@
 #pragma once
-// Many runs of one scene: runs whose scenes share vessel, time step and schemes are systems of one World, stepped in lockstep
-// with one launch per stage for all; the others get worlds of their own, one after the other. A run's bits are those of the run
-// alone.
+// Many runs of one scene. Runs whose scenes share vessel, time step and schemes are systems of one World. They are stepped in
+// lockstep, with one launch per stage for all. Other runs get worlds of their own, one after the other. A run's bits are those
+// of the run alone.
 
 #include "core/bytes.h"
 #include "scene/key_frames.h"
 #include "scene/vessel_load.h"
+#include "study/batch_keep.h"
 #include "study/batch_table.h"
 
 #include <limits>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace seldinger {
@@ -37,15 +39,17 @@ struct BatchSource {
 [[nodiscard]] BatchSource make_source(std::string scene_text, const std::filesystem::path& scene_file, std::vector<std::string> overrides,
                                       const std::string& sweep_text, const std::filesystem::path& sweep_file);
 
-/// What two scenes must agree in to be systems of one world, as text: everything but the wire, how it is held and fed, and the numbers
-/// of contact that are kept per sample or edge. `first` stands in for what may differ.
+/// The part that two scenes must share to be systems of one world, as text. Left out are the wire, its holds and feed, and the
+/// numbers of contact that are kept per sample or edge. `first` gives the parts that may differ.
 [[nodiscard]] std::string shared_part(Scene scene, const Scene& first);
 
-/// Reads the scene of every run, so that a mistake in any of them comes before the first step, and sorts them into worlds of at
-/// most `most_wires`: runs in increasing order, worlds by their first run. @param begin,end  only these runs
-inline constexpr std::size_t most_wires = 96;  // the records of more do not fit a core's caches: a tenth slower at a thousand
-/// @param ramp  the first world of a kind has one run, each later one twice as many as the one before: who may be stopped by a
-/// limit has a good third of what was computed as finished runs, whatever a run takes
+inline constexpr std::size_t most_wires = 96;  // of a world; the records of more do not fit a core's caches: 10 % slower at 1,000
+
+/// Reads the scene of every run, so that a mistake in any of them comes before the first step. Sorts them into worlds of at
+/// most `most_wires`: runs in increasing order, worlds by their first run.
+/// @param begin,end  only these runs
+/// @param ramp  the first world of a kind has one run, each later one twice as many as the one before. So a batch that a limit
+/// stops has a good third of its work as finished runs
 [[nodiscard]] std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin = 0,
                                                                 std::size_t end = std::numeric_limits<std::size_t>::max(),
                                                                 bool ramp = false);
@@ -58,6 +62,8 @@ public:
     /// One step of every run that is not finished (the first settles, where the scene asks for it). @return rows of those that
     /// ended
     std::vector<BatchRow> step();
+    /// Files of runs that have ended since the last call, where the scene keeps any.
+    [[nodiscard]] KeptFiles take_kept() { return std::exchange(kept_, {}); }
     [[nodiscard]] bool finished() const { return left_ == 0; }
     [[nodiscard]] std::size_t running() const { return left_; }
     [[nodiscard]] long step_count() const { return world_->step_count(); }
@@ -74,6 +80,7 @@ private:
         double moving_until = 0;  // [s] of its own scene
         RunTally tally;
         bool finished = false;
+        std::string trace;  // of output.keep_traces
     };
     void finish(int system, RunStatus status, std::vector<BatchRow>& rows);
     [[nodiscard]] bool at_rest(int system) const;
@@ -81,6 +88,8 @@ private:
     void settle_where_asked(std::vector<BatchRow>& rows);
     void take_loads(int system);
     void take_greatest_loads(int system);
+    void keep_row(int system);
+    void keep_files(int system);
 
     void follow_task(int system);
 
@@ -89,6 +98,8 @@ private:
     KeyFrames key_frames_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
     Branches branches_;
+    std::int64_t sweep_runs_ = 0;  // later items are of half the step, and nothing is kept of them
+    KeptFiles kept_;
     std::optional<ScoreWatch> score_;  // of [task]
     std::size_t left_ = 0;  // runs not finished
     bool settled_ = false;

@@ -54,18 +54,11 @@ BatchRow::OfInstrument read_instrument(const World& world, int wire)
 /// Points at even arc lengths along a wire, tip first.
 void put_shape(const ConstRodView& rod, std::vector<float>& to)
 {
-    double length = 0;
-    for (int i = 0; i + 1 < rod.n; ++i) length += (rod.pos(i + 1) - rod.pos(i)).norm();
-    double before = 0;  // of node `i`, from the tip
-    int i = 0;
-    for (std::size_t k = 0; k < BatchRow::stations; ++k) {
-        const double s = length * static_cast<double>(k) / static_cast<double>(BatchRow::stations - 1);
-        const auto edge = [&] { return (rod.pos(i + 1) - rod.pos(i)).norm(); };
-        while (i + 2 < rod.n && s > before + edge()) before += edge(), ++i;
-        const double share = rod.n > 1 && edge() > 0 ? std::clamp((s - before) / edge(), 0.0, 1.0) : 0;
-        const Vec3 at = rod.n > 1 ? rod.pos(i) + share * (rod.pos(i + 1) - rod.pos(i)) : rod.pos(0);
-        for (const double x : {at.x(), at.y(), at.z()}) to.push_back(static_cast<float>(x));
-    }
+    std::vector<Vec3> line;
+    for (int i = 0; i < rod.n; ++i) line.push_back(rod.pos(i));
+    std::vector<double> points;
+    put_stations(line, BatchRow::stations, points);
+    for (const double x : points) to.push_back(static_cast<float>(x));
 }
 
 /// "_n_per_m", "_m2" and the like at a name's end.
@@ -136,6 +129,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     const Branches::Place place = branches.locate(world.setup().centreline, world.rod(leading_wire(world, system)).pos(0));
     const ScoreNumbers& score = tally.score;
     const double never = std::nan("");
+    const EndMean::Mean mean = tally.at_end(r);
     const auto whole = [](std::int64_t count) { return static_cast<double>(count); };
     row.numbers = {whole(place.branch),
                    place.depth,
@@ -161,9 +155,11 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
                    r.inserted,
                    r.turned,
                    r.hand_force,
+                   mean.hand,
                    r.hand_torque,
                    r.normal,
                    r.friction,
+                   mean.friction,
                    whole(r.contacts),
                    r.contact_length,
                    tip.x(),
@@ -214,7 +210,7 @@ std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<Ba
 std::string label_of(const Sweep& sweep, std::size_t run)
 {
     const std::vector<std::string> values = varied(sweep, run);
-    // a word says what it is, a number or a list does not
+    // a word is a label, a number or a list is not
     const bool is_word = values.size() == 1 && !as_number(values.front()) && values.front().find_first_of("[{") == std::string::npos;
     if (is_word) return values.front();
     std::string text;

@@ -2,6 +2,7 @@
 // The results of a batch: one row per run, as CSV and as NumPy's .npz.
 
 #include "scene/summary.h"
+#include "scene/wire_shapes.h"
 #include "vessel/branches.h"
 #include "study/sweep.h"
 
@@ -51,9 +52,11 @@ inline constexpr BatchColumn batch_columns[] = {{"branch", true, ColumnKind::Out
                                                 {"inserted_m", false},
                                                 {"turned_rad", false},
                                                 {"hand_force_n", false, ColumnKind::Last, true},
+                                                {"hand_force_mean_n", false, ColumnKind::Last, true},
                                                 {"hand_torque_nm", false, ColumnKind::Last, true},
                                                 {"normal_n", false, ColumnKind::Last, true},
                                                 {"friction_n", false, ColumnKind::Last, true},
+                                                {"friction_mean_n", false, ColumnKind::Last, true},
                                                 {"contacts", true},
                                                 {"contact_length_m", false, ColumnKind::Last, true},
                                                 {"tip_x_m", false, ColumnKind::Last, true},
@@ -93,7 +96,7 @@ struct BatchRow {
     std::array<char, 16> state_hash{};                       // as summary.json of the run alone
     std::vector<OfInstrument> instruments;                   // of the system's, in the order of instrument_columns
     /// Final shape of each instrument: x, y, z of `stations` points at even arc lengths, tip first [m].
-    static constexpr std::size_t stations = 64;
+    static constexpr std::size_t stations = shape_stations;
     std::vector<float> shape;
 };
 

@@ -2,7 +2,7 @@
 // Whether a run held, and if not, how it failed: the measured criteria of the stability map (docs/stability.md), from what every
 // step reports. One watch per wire; it sees each step once, keeps a handful of numbers, and has no say in the run.
 //
-//   blow-up   a value is not finite, or kinetic energy that nothing has paid for (below)
+//   blow-up   a value is not finite, or kinetic energy that no work accounts for (below)
 //   gave up   a sub-step found no state, or missed the tolerance and took its best trial
 //   escape    a node or an edge was outside the lumen
 //   overlap   deeper than twice the law's static indentation under the scene's load, or than the wire's radius

@@ -131,7 +131,7 @@ private:
         if (goals_.force_tolerance > 0)
             message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
         if (goals_.peaks.asked()) message += ", " + peaks_known_to(reference);
-        // what is planned is compared with the reference: half of the tolerance is the reference's own
+        // the plan is compared with the reference: half of the tolerance is the reference's own
         const bool shape_known = shape <= least_certainty * goals_.tolerance;
         std::string missing = shape_known ? "" : "shape to " + as_length(least_certainty * goals_.tolerance);
         const auto miss = [&](const std::string& what) { missing += (missing.empty() ? "" : ", ") + what; };

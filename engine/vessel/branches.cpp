@@ -16,7 +16,7 @@ std::vector<int> child_counts(const Centreline& line)
     return children;
 }
 
-/// Of every point, summed from the root outwards; a parent may stand behind its child.
+/// Arc length of every point, summed from the root outwards; a parent may come after its child in the list.
 std::vector<double> lengths_from_root(const Centreline& line)
 {
     std::vector<double> length(line.points.size(), -1);

@@ -1,9 +1,10 @@
 #pragma once
 // The branches of a vessel, one numbering for tasks, tables, Python and pages.
 //
-// A branch is what lies behind the last fork on the path from the root to an end of the centreline. Branches count from 1 in the order in
-// which they leave on that path; the end of the trunk (the longest path) counts last. A point belongs to a branch from its mouth on, where
-// the branch has left the lumen's ball about its fork; before that it is in the vessel that the branch leaves.
+// A branch is the part behind the last fork on the path from the root to an end of the centreline. Branches count from 1 in the
+// order in which they leave on that path; the end of the trunk (the longest path) counts last. A point belongs to a branch from
+// its mouth on, where the branch has left the lumen's ball about its fork; before that it is in the vessel that the branch
+// leaves.
 
 #include "vessel/centreline.h"
 
@@ -19,7 +20,7 @@ public:
     [[nodiscard]] int count() const { return static_cast<int>(own_.size()); }
     /// Points of branch `number` (from 1) behind its last fork, from the fork outwards: indices into the centreline. Never empty.
     [[nodiscard]] const std::vector<int>& points(int number) const { return own_[static_cast<std::size_t>(number - 1)]; }
-    /// Of a point along the centreline from its root [m].
+    /// Arc length of a point along the centreline from its root [m].
     [[nodiscard]] double from_root(int point) const { return from_root_[static_cast<std::size_t>(point)]; }
 
     struct Place {

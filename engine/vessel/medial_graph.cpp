@@ -28,8 +28,8 @@ struct Ball {
 using Met = std::array<std::int64_t, 40>;
 
 /// Places whose distance to the wall took long to find, because much of the wall is equally far from them: the middle of a sphere.
-/// Samples of such a wall ask for the same place again and again, and each would look at all of it. What is known of one place
-/// bounds the distance of those beside it.
+/// Samples of such a wall ask for the same place again and again, and each would look at all of it. A point's distance bounds
+/// those of its neighbours.
 class TiedPlaces {
 public:
     static constexpr std::uint64_t kMany = 3000;  // nodes and triangles; a patient's wall takes dozens to hundreds

@@ -40,7 +40,7 @@ void count(const WallMesh& mesh, RepairReport& report)
     for (const auto& chain : boundary_chains(mesh, edges)) report.loops.push_back(describe_loop(mesh, chain));
     const std::vector<bool> main = vertices_of_largest(mesh, label);
     const auto rank = [&](const BoundaryLoop& loop) { return main.empty() || main[static_cast<std::size_t>(loop.vertices[0])]; };
-    // the largest part first, which is the vessel and not a crumb; then the widest: the way in is usually there
+    // the largest part first: the vessel, not a crumb. Then the widest, where the inlet usually is
     std::stable_sort(report.loops.begin(), report.loops.end(), [&](const BoundaryLoop& a, const BoundaryLoop& b) {
         return rank(a) != rank(b) ? rank(a) : a.radius > b.radius;
     });

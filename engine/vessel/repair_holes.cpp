@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t kLongestHole = 200;  // vertices; filling is cubic in it
 
-/// A hole is a loop of at most four edges (no one models a lumen with four facets), or one of at most twelve edges and a third of
-/// the lumen's radius (too coarse to be a branch that anyone means to enter), or a loop in the plane of the wall around it: at
-/// the end of a tube the wall's normals are square to the loop's, at a hole they are along it (mean |cosine| above 0.6; a tube
-/// cut at 45 degrees reaches 0.45) - and clearly smaller than the lumen, since a hole of the lumen's own width in a flat cap is a
-/// cap cut open on purpose.
+/// A hole is one of these. (1) A loop of at most four edges: no one models a lumen with four facets. (2) A loop of at most
+/// twelve edges and 1/3 of the lumen's radius: too coarse for a branch that anyone means to enter. Or (3) a loop in the plane
+/// of the wall around it that is clearly smaller than the lumen. At the end of a tube the wall's normals are square to the
+/// loop's, at a hole they are along it. The bound is a mean |cosine| of 0.6; a tube cut at 45 degrees reaches 0.45. A hole of
+/// the lumen's own width in a flat cap is a cap cut open on purpose.
 /// @param facing  mean |cosine| between the loop's normal and those of the triangles along it
 /// @param lumen_radius  2 V / A of its component: the radius of a tube with that volume and wall [m]
 bool is_hole(const BoundaryLoop& loop, double facing, double lumen_radius)

@@ -20,7 +20,7 @@ constexpr double largest_ratio = 1.8;  // of the areas, as of the radii: a coron
 constexpr double most_uneven = 2.5;    // the wall's thickness at 90 % of the places, in medians
 constexpr std::size_t samples = 200;
 
-/// Triangles grouped by smooth neighbours: what is reached without crossing an edge that turns by more than a rim's angle.
+/// Groups of triangles that are joined without crossing an edge that turns by more than a rim's angle.
 std::vector<std::int32_t> smooth_patches(const WallMesh& mesh, const MeshEdges& edges)
 {
     std::vector<std::int32_t> opposite = opposite_half_edges(mesh, edges), label(mesh.triangles.size(), -1), stack;

@@ -16,6 +16,7 @@ struct Camera {
     Vec3 target = Vec3::Zero();  // [m] the centre of the picture
     Vec3 up = {0, 0, 1};         // need not be square to the line of sight
     double fov_y = 0.35;         // full vertical angle [rad]; 0.35 = 20 deg, a long lens
+    double nearest = 0;          // what is nearer to the eye is cut away [m]; 0: 2 % of the distance to the target
 
     [[nodiscard]] Vec3 right() const { return (target - eye).cross(up).normalized(); }
     [[nodiscard]] Vec3 forward() const { return (target - eye).normalized(); }

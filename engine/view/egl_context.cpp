@@ -75,7 +75,7 @@ SystemNeeds needs_of_opengl() { return {"OpenGL", std::size_t{700} << 20, std::m
 constexpr const char* how_to_install =
     "; install Mesa's software renderer, on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri";
 
-/// epoxy opens the libraries by itself when they are first used, and ends the process if one is missing.
+/// epoxy opens the libraries at their first use, and ends the process if one is missing.
 void require_libraries()
 {
     const auto present = [](const char* name) { return ::dlopen(name, RTLD_LAZY | RTLD_LOCAL) != nullptr; };

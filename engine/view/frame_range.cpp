@@ -31,7 +31,7 @@ std::filesystem::path picture_path(const std::filesystem::path& dir, const Frame
     }
     const std::filesystem::path whole = choice.output.empty() ? dir / fmt::format("{}.png", alone) : choice.output;
     if (std::filesystem::is_directory(whole))
-        throw Error(ExitCode::BadFile, whole.string() + ": is a folder, expected the name of a picture, e.g. picture.png");
+        throw Error(ExitCode::BadFile, whole.string() + ": got a folder; expected the name of a picture, e.g. picture.png");
     return whole;
 }
 
@@ -39,7 +39,7 @@ double film_rate(const FrameChoice& choice, const RunFolder& run, const FrameRan
 {
     if (choice.rate > 0) return choice.rate;
     const double span = run.frames[range.last].time - run.frames[range.first].time;
-    return span > 0 ? std::clamp(static_cast<double>(range.count() - 1) / span, 1.0, 60.0) : 15.0;
+    return span > 0 ? std::clamp(static_cast<double>(range.count() - 1) / span, least_film_rate, 60.0) : least_film_rate;
 }
 
 }  // namespace seldinger

@@ -20,14 +20,14 @@ struct FrameChoice {
     bool numbered = false;         // NAME_######.png of one frame too
     bool resume = false;           // pictures that are there already stay
     std::filesystem::path film;    // empty: none
-    double rate = 0;               // of the film [1/s]; 0: as fast as it happened, 1 to 60
+    double rate = 0;               // of the film [1/s]; 0: film_rate() decides
     std::filesystem::path labels;  // folder of the labels beside each picture (label_files.h); empty: none
     std::filesystem::path labels_in;  // the folder that `labels` lies below, reached through no link; empty: `labels` is a path of its own
     bool label_vessel = false;     // the lumen's thickness too
     std::filesystem::path preview;  // a sheet of some pictures with their labels drawn in, in place of all else; empty: none
 };
 
-/// What was written, and what whoever reads it should know.
+/// Written files, and warnings for their reader.
 struct PictureFiles {
     std::vector<std::filesystem::path> paths;
     std::vector<std::string> warnings;
@@ -46,6 +46,9 @@ struct FrameRange {
 [[nodiscard]] std::filesystem::path picture_path(const std::filesystem::path& dir, const FrameChoice& choice, const char* alone,
                                                  const char* series, std::size_t index);
 
+/// Films of fewer frames a second jerk.
+inline constexpr double least_film_rate = 15;  // [1/s]
+/// The chosen rate; else real time, or faster where real time is below least_film_rate. [1/s]
 [[nodiscard]] double film_rate(const FrameChoice& choice, const RunFolder& run, const FrameRange& range);
 
 }  // namespace seldinger

@@ -131,6 +131,7 @@ void draw_sheet(Drawing& drawing, const RenderOptions& options, const FrameRange
         warnings.take_in(truth);
         sheet.add(pixels, truth, fmt::format("frame {}", index));
     }
+    make_folder_of(options.preview);
     sheet.write(options.preview);
 }
 

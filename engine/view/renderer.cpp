@@ -246,7 +246,7 @@ View Renderer::Impl::main_view() const
     view.camera = camera;
     view.viewport = layout.main;
     const double reach = (camera.target - camera.eye).norm();
-    view.nearest = 0.02 * reach;
+    view.nearest = camera.nearest > 0 ? camera.nearest : 0.02 * reach;
     view.farthest = 4 * reach;
     return view;
 }

@@ -46,7 +46,7 @@ WallMesh read_wall(const FilePlace& file)
         for (std::int64_t k = begin + 1; k + 1 < end; ++k) mesh.triangles.push_back({corner(begin), corner(k), corner(k + 1)});
         begin = end;
     }
-    if (mesh.triangles.empty()) fail(path, "holds no triangle");
+    if (mesh.triangles.empty()) fail(path, "got no triangles; expected a surface. Fix: run again with --overwrite");
     return mesh;
 }
 
@@ -86,7 +86,7 @@ std::vector<Listed> read_collection(const FilePlace& place)
         const std::string file = node.attribute("file").as_string();
         // files of this folder, each once: a short list would name a long file a million times, or one of somebody else's
         if (file.empty() || file.find('/') != std::string::npos)
-            fail(pvd, fmt::format("names \"{}\", expected files beside it", file));
+            fail(pvd, fmt::format("got \"{}\"; expected files beside it", file));
         if (!names.insert(file).second) fail(pvd, fmt::format("names \"{}\" twice", file));
         list.push_back({node.attribute("timestep").as_double(), pvd.parent_path() / file, node.attribute("name").as_string()});
     }

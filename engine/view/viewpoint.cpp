@@ -71,7 +71,9 @@ Camera from_tip(const Scenery& s, const WireFrame& frame)
     while (i + 1 < nodes.size() && (nodes[i] - nodes[0]).norm() < 5e-3) ++i;
     const Vec3 forward = (nodes[0] - nodes[i]).normalized();
     Camera camera;
-    camera.eye = nodes[0] + frame.wires[0].radius[0] * forward;
+    const double radius = frame.wires[0].radius[0];
+    camera.eye = nodes[0] + radius * forward;
+    camera.nearest = 0.1 * radius;  // the wall that the tip lies on is one radius away
     camera.target = camera.eye + tip_reach * forward;
     camera.up = std::abs(forward.dot(s.patient.head)) < 0.9 ? s.patient.head : Vec3(-s.patient.back);
     camera.fov_y = 90 * degree;

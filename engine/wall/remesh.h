@@ -2,10 +2,10 @@
 // Isotropic remeshing of a wall: edges as long as a field asks for, triangles near to equilateral, vertices on the fine surface
 // and on its rims [Botsch04].
 //
-// First the fine mesh is thinned out: its short edges go, an end of each staying where it is, in passes of growing length, which
-// takes microseconds an edge whatever the size of the mesh. Then rounds of: split edges longer than 4/3 of the target, collapse
-// those shorter than 4/5, turn edges towards six neighbours, move vertices to the middle of their triangles and back onto the
-// wall. No change may turn a triangle against the wall's normals.
+// First the fine mesh is thinned out. Its short edges go in passes of growing length, and one end of each stays. This takes
+// microseconds an edge whatever the size of the mesh. Then rounds of: split edges longer than 4/3 of the target, collapse those
+// shorter than 4/5, turn edges towards six neighbours, move vertices to the middle of their triangles and back onto the wall.
+// No change may turn a triangle against the wall's normals.
 
 #include "wall/edge_field.h"
 #include "wall/edit_mesh.h"

@@ -83,9 +83,9 @@ WallEdge choose_wall_edge(const WallModel& wall)
 
 double factor_bytes(double vertices)
 {
-    // Blocks of 3 x 3 per vertex in the factor after approximate minimum degree, for a tube, a plane and an aortic arch. 29 to 38
-    // at 600 to 1,200 vertices, 61 at 2,500, 95 at 7,000, 104 at 14,000. They grow like log V, as nested dissection says [George
-    // 1973, doi:10.1137/0710032]. Each entry has 8 bytes and its row's index 4.
+    // Blocks of 3 x 3 per vertex in the factor after approximate minimum degree, for a tube, a plane and an aortic arch. They
+    // are 29 to 38 at 600 to 1,200 vertices, 61 at 2,500, 95 at 7,000, 104 at 14,000. They grow like log V, as nested
+    // dissection says [George 1973, doi:10.1137/0710032]. Each entry has 8 bytes and its row's index 4.
     const double blocks = std::max(30.0, 16 * std::log2(std::max(vertices, 2.0)) - 110);
     return 9 * 12 * vertices * blocks;
 }

@@ -10,7 +10,7 @@
 // Nodes of the tree near listed quadrature points.
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] index of a quadrature point; models, places [points]; nodes [nodes][3] [m]; wall
-//   writes  near_nodes [points][slots], counts [points], found [item_count]: how many hold what is within radius + reach + slack,
+//   writes  near_nodes [points][slots], counts [points], found [item_count]: how many hold the wall within radius + reach + slack,
 //           also beyond `slots`; 0: nothing is; clearances [points]
 SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                              __global const QuadratureModel* restrict models, __global const QuadraturePlace* restrict places,

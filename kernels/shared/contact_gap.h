@@ -1,7 +1,7 @@
 // From a point of the wire's axis and the triangles near it to at most two contact points: gap and normal.
 //
-// The wall is the exact triangle mesh: the answer depends neither on how facets are subdivided in their own planes (a shared edge
-// counts once, since only the nearest point counts) nor on triangle order.
+// The wall is the exact triangle mesh. The result depends neither on triangle order nor on subdivision of facets in their own
+// planes. A shared edge counts once, since only the nearest point counts.
 //   * contact point 0: the nearest point of the wall. Where two facets meet in a valley the nearest point jumps from one to the
 //     other; there the depth is a smooth maximum over facets (smooth_maximum.h).
 //   * contact point 1: the nearest point of the opposite wall of a narrow lumen (opposite_wall.h).

@@ -292,10 +292,10 @@ SEL_FN SelfDamping damping_at(real rate, Closing closing, const LawContext* c)
     return damping;
 }
 
-// The speed v- at which the damping of a strand of mass m per metre is critical at a depth: f beta/v- = 2 sqrt(m df/d(depth)). f =
-// k depth^n, so v- = (beta/2) sqrt(k depth^(n + 1)/(n m)). An impact never comes to it: at its deepest it is 0.46 beta of the
-// speed of the impact (n = 3/2). At the depth under the own weight it is the floor of instrument_law.h; a knot's contacts carry a
-// hundred thousand times that, and with that floor they would be damped over many steps.
+// The speed v- at which the damping of a strand of mass m per metre is critical at a depth: f beta/v- = 2 sqrt(m df/d(depth)).
+// With f = k depth^n, v- = (beta/2) sqrt(k depth^(n + 1)/(n m)). An impact never comes to it: at its deepest it is 0.46 beta of
+// the speed of the impact (n = 3/2). At the depth under the own weight it is the floor of instrument_law.h; a knot's contacts
+// carry a hundred thousand times that, and with that floor they would be damped over many steps.
 SEL_FN real critical_speed(real depth, real line_mass, QuadratureModel m)
 {
     if (depth <= 0) return 0;

@@ -18,9 +18,9 @@ SEL_BEGIN
 
 // count == 0: inner node, children at left_or_first and left_or_first + 1 (always behind their parent).
 // count  > 0: leaf, SEL_LEAF_TRIANGLES(count) triangles from left_or_first on, in leaf order. The other 29 bits are the leaf's
-// slab: between which two planes its triangles lie. A box round a slanting piece of wall is as thick as it is wide; the slab is
-// as thin as the wall is flat, so that a point near the wall sees which of many small leaves can be nearest to it. (Slabs of
-// inner nodes were tried: a third fewer boxes, but as much work in slabs.)
+// slab: between which two planes its triangles lie. A box round a slanting piece of wall is as thick as it is wide. The slab is
+// as thin as the wall is flat, so that a point near the wall sees which of many small leaves can be nearest. Slabs of inner
+// nodes save 1/3 of the boxes and cost as much work in slabs.
 //   bits 3-12, 13-22   unit normal n = (2a, 2b, 1 - c)/(1 + c), c = a^2 + b^2 (stereographic, either sign): a, b by SEL_SLAB_TURN
 //        23-31         k > 0: |n . (x - centre of the box)| <= (k - 1)/510 of the sum of the box's half extents; 0: no slab
 #define SEL_HAS_SLAB(count) ((count) >> 23)

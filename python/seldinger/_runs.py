@@ -76,7 +76,7 @@ class Run:
 
         >>> import numpy, seldinger                                             # doctest: +SKIP
         >>> run = seldinger.load_run("arch-run")
-        >>> numpy.savez("wire.npz", time_s=run.time, position_m=run.resample(64))
+        >>> numpy.savez("shapes.npz", time_s=run.time, position_m=run.resample(200))
         """
         if int(n) < 2:
             raise ValueError(f"n: got {n}; expected 2 or more")

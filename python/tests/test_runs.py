@@ -62,6 +62,9 @@ def test_shapes_are_those_of_the_tables(folder):
     even = run.resample(30)
     assert even.shape == (len(run.time), 30, 3)
     assert np.array_equal(even[:, 0], [points[0] for points in shapes])
+    with np.load(folder / "R/wire.npz") as file:
+        assert np.array_equal(file["time_s"], run.time)
+        assert np.allclose(file["position_m"], run.resample(64), rtol=0, atol=1e-12)
     # chords of a smooth wire: even within a percent, and no point farther from the nodes than half an edge
     steps = np.linalg.norm(np.diff(even[-1], axis=0), axis=1)
     assert np.ptp(steps) < 0.01 * steps.mean()

@@ -87,8 +87,8 @@ inline AppResult run_app(const ScratchFolder& folder, const std::string& argumen
     return app_result(status, slurp(out), slurp(err));
 }
 
-/// Starts `seldinger arguments` in `folder`, sends `signal` once the file `table` has more than `rows` lines, and waits. What is
-/// started gives way to who watches it, so that it does not come to its end unseen on a busy machine.
+/// Starts `seldinger arguments` in `folder`, sends `signal` once the file `table` has more than `rows` lines, and waits. The
+/// process has a low priority, so that the watcher sees it run on a busy machine.
 /// @return code: the exit code, or minus the signal that ended it
 inline AppResult run_and_signal(const fs::path& folder, const std::vector<std::string>& arguments, const fs::path& table,
                                 long rows, int signal)
@@ -185,8 +185,8 @@ inline std::string two_instruments(const std::string& model)
            "[vessel]\nshape = \"tube\"\nradius_m = 0.003\nlength_m = 0.1\ntriangles = 2000\n";
 }
 
-/// A wire fed into a tube of 5 mm radius and 0.1 m length, slanting to the floor: it touches after some 5 mm and slides along it.
-/// 4 mm are inside at the start.
+/// A wire fed into a tube of 5 mm radius and 0.1 m length, slanting to the floor. It touches after some 5 mm and slides along
+/// it. 4 mm are inside at the start.
 inline std::string tube_scene(double duration = 0.3)
 {
     return fmt::format(R"([scene]

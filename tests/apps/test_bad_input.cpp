@@ -1,5 +1,5 @@
-// Whatever is wrong with the command line, the scene, the mesh, the folder or the device: the exact exit code, one line on
-// stderr that names what is at fault, nothing on stdout, and no run begun.
+// Mistakes in the command line, scene, mesh, folder or device: the exact exit code, one line on stderr that names the fault,
+// nothing on stdout, and no run begun.
 
 #include "apps/app_fixture.h"
 #include "support/skip.h"
@@ -187,7 +187,7 @@ TEST_SUITE("apps/bad_input")
         // a bad scene does not cost the old run, even with --overwrite
         refused(folder, "run s.toml -o E --overwrite --set wire.radius_m=0", 2, "wire.radius_m");
         CHECK(slurp(folder.path / "E" / "summary.json") == before);
-        // the scene itself is not overwritten by what is resolved from it
+        // the scene itself is not overwritten by its resolved form
         fs::create_directory(folder.path / "own");
         fs::copy_file(folder.path / "s.toml", folder.path / "own" / "scene.toml");
         refused(folder, "run own/scene.toml -o own --overwrite", 2, "own");
@@ -217,7 +217,7 @@ TEST_SUITE("apps/bad_input")
         const auto rows = csv_rows(folder.path / "D" / "trace.csv");
         REQUIRE(rows.size() > 100);
         for (const auto& row : rows) REQUIRE(row.size() == rows[0].size());
-        // with room again, the run goes on and ends as if nothing had been
+        // with room again, the run continues and ends with the same bits
         CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
         CHECK(run_app(folder, "run s.toml -o whole").code == 0);
         CHECK(summary_of(folder.path / "D")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);

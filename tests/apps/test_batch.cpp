@@ -76,6 +76,46 @@ TEST_SUITE("apps/batch")
         CHECK(contacts > 20);
     }
 
+    TEST_CASE("property: what is kept of each run is what that run alone writes, in one piece, in parts and by a farm")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.06));
+        folder.write("s.toml", "[vary]\n\"scene.duration_s\" = [0.05, 0.06]\n\"wire.bend_nm2\" = [1.0e-5, 3.0e-5]\n");
+        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B --keep traces,last-frame --bands --quiet").code == 0);
+        for (const Row& row : results(folder.path / "B")) {
+            const std::string stem = fmt::format("B/runs/{:06}", std::stoi(row.at("run")));
+            REQUIRE(run_app(folder, fmt::format("run t.toml -o R --overwrite --quiet --set scene.duration_s={} --set wire.bend_nm2={}",
+                                                row.at("scene.duration_s"), row.at("wire.bend_nm2"))).code == 0);
+            const auto kept = csv_rows(folder.path / (stem + ".csv")), alone = csv_rows(folder.path / "R/trace.csv");
+            REQUIRE(kept.size() == alone.size());
+            for (std::size_t c = 0; c < kept[0].size(); ++c) {
+                const auto same = std::find(alone[0].begin(), alone[0].end(), kept[0][c]) - alone[0].begin();
+                REQUIRE(same < std::ssize(alone[0]));
+                for (std::size_t k = 1; k < kept.size(); ++k) CHECK(kept[k][c] == alone[k][static_cast<std::size_t>(same)]);
+            }
+            const std::string last = slurp(folder.path / fmt::format("R/wire_{:06}.vtp", std::stol(row.at("steps"))));
+            CHECK(!last.empty());
+            CHECK(slurp(folder.path / (stem + "_wire.vtp")) == last);
+        }
+        CHECK(std::distance(fs::directory_iterator(folder.path / "B/runs"), {}) == 8);  // none of half the step
+        const auto same_as_whole = [&](const char* other) {
+            for (const auto& file : fs::directory_iterator(folder.path / "B/runs"))
+                CHECK(slurp(folder.path / other / "runs" / file.path().filename()) == slurp(file.path()));
+        };
+        const std::string parts = "batch t.toml --vary s.toml -o P --keep traces,last-frame --bands --quiet ";
+        REQUIRE(run_app(folder, parts + "--time-limit 1e-6").code == 75);
+        REQUIRE(run_app(folder, parts + "--resume --time-limit 1e-6").code == 75);
+        REQUIRE(run_app(folder, parts + "--resume").code == 0);
+        same_as_whole("P");
+        REQUIRE(run_app(folder, "farm t.toml --vary s.toml -o F --tasks 3 --keep traces,last-frame --quiet").code == 0);
+        same_as_whole("F");
+        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B --overwrite --quiet").code == 0);
+        CHECK_FALSE(fs::exists(folder.path / "B/runs"));
+        const AppResult wrong = run_app(folder, "batch t.toml --vary s.toml -o W --keep frames");
+        CHECK(wrong.code == 2);
+        CHECK(wrong.err.find("--keep: got \"frames\"; expected traces, last-frame") != std::string::npos);
+    }
+
     TEST_CASE("property: the table's bytes depend neither on threads nor on stops")
     {
         const ScratchFolder folder;
@@ -92,8 +132,8 @@ TEST_SUITE("apps/batch")
         CHECK(slurp(folder.path / "three/results.csv") == csv);
         CHECK(slurp(folder.path / "three/results.npz") == npz);
 
-        // a limit that is over at once lets one step through. Under a limit worlds begin with one run and double: those of one step
-        // are done after five (1, 2, 4, 8 and the 5 left), and the sixth call stops within the first of the others
+        // a limit that is over at once lets one step through. Under a limit worlds begin with one run and double. Those of one
+        // step are done after five (1, 2, 4, 8 and the 5 left), and the sixth call stops within the first of the others
         const std::string parts = "batch t.toml --vary s.toml -o parts --quiet ";
         const auto stops_after = [&](const std::string& arguments) {
             const AppResult part = run_app(folder, parts + arguments);
@@ -110,7 +150,7 @@ TEST_SUITE("apps/batch")
         CHECK(slurp(folder.path / "parts/results.csv") == csv);
         CHECK(slurp(folder.path / "parts/results.npz") == npz);
         CHECK(summary_of(folder.path / "parts")["resumes"] == 6);
-        // what is done is not run again
+        // finished runs are not run again
         const AppResult again = run_app(folder, "batch t.toml --vary s.toml -o parts --resume --json");
         CHECK(again.code == 0);
         CHECK(nlohmann::json::parse(again.out)["wire_steps"] == 20 + 20 * 300);
@@ -257,7 +297,7 @@ print("same")
         says("f.toml --vary none.toml -o B", 3, "none.toml");
         says("none.toml --vary s.toml -o B", 3, "none.toml");
         folder.write("bad.toml", "[vary]\n\"wire.nodes\" = [21]\n\"wire.density\" = [6450.0, -1.0]\n");
-        says("f.toml --vary bad.toml -o B", 2, "bad.toml:3: vary.wire.density: run 1: wire.density: expected a number above 0");
+        says("f.toml --vary bad.toml -o B", 2, "bad.toml:3: vary.wire.density: run 1: wire.density: got -1.0; expected a number above 0");
         folder.write("typo.toml", "[vary]\n\"wire.densty\" = [6450.0]\n");
         says("f.toml --vary typo.toml -o B", 2, "nearest known one is wire.density");
         says("f.toml --vary s.toml -o B --threads 0", 2, "threads");

@@ -1,4 +1,4 @@
-// seldinger bench: what it writes, what it refuses.
+// seldinger bench: its files and refusals.
 
 #include "apps/app_fixture.h"
 

@@ -55,7 +55,7 @@ void check_refused(const ScratchFolder& folder, const std::string& words, int co
     CHECK_MESSAGE(result.err.find(part) != std::string::npos, result.err);
 }
 
-/// Stands in for Slurm: each index of the array in turn, as a job of its own; a task that asks to be requeued is run again.
+/// Replaces Slurm: each index of the array in turn, as a separate job; a task that asks to be requeued is run again.
 constexpr const char* fake_sbatch = R"(#!/bin/bash
 echo "$@" >> "$FAKE/calls"
 array=; words=()

@@ -15,7 +15,7 @@ using namespace seldinger::test;
 
 namespace {
 
-/// One printable line on stderr, exit 2 or 3. A minute is no measure of speed: it is for what does not end.
+/// One printable line on stderr, exit 2 or 3. A minute is no measure of speed: it catches endless loops.
 void is_refused(const ScratchFolder& folder, const std::string& arguments, const std::string& names = "")
 {
     CAPTURE(arguments);

@@ -177,7 +177,7 @@ TEST_SUITE("apps/init_command")
         const AppResult none = run_app(folder, "check s.toml --set feed.inlet=7");
         CHECK(none.code == 2);
         CHECK(has(none.err, "2 ways in"));
-        // what is wrong is named by its meaning
+        // the fault is named by its meaning
         const AppResult diameter = run_app(folder, "check s.toml --set wire.diameter_in=0.035");
         CHECK(diameter.code == 2);
         CHECK(has(diameter.err, "wire.radius_m"));

@@ -1,4 +1,4 @@
-// `seldinger instruments`, `run --wire`: the list, a run with another instrument, and what is refused.
+// `seldinger instruments`, `run --wire`: the list, a run with another instrument, and refusals.
 #include "app_fixture.h"
 #include "scene/instruments.h"
 
@@ -35,7 +35,7 @@ TEST_SUITE("apps/instruments_command")
         const auto summary = summary_of(folder.path / "a");
         CHECK(summary.at("state_hash") == summary_of(folder.path / "b").at("state_hash"));
         CHECK(summary.at("model").dump().find("coronary-soft-014") != std::string::npos);
-        // and what was written runs to the same bits
+        // and the written scene runs to the same bits
         CHECK(run_app(folder, "run a/scene.toml -o c --quiet").code == 0);
         CHECK(summary.at("state_hash") == summary_of(folder.path / "c").at("state_hash"));
     }

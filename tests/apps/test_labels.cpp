@@ -1,4 +1,4 @@
-// seldinger render --labels, --preview and labels --coco: files, views, farms, and what is refused.
+// seldinger render --labels, --preview and labels --coco: files, views, farms, and refusals.
 #include "app_fixture.h"
 #include "io/coco_write.h"
 #include "io/png_read.h"
@@ -43,7 +43,7 @@ std::map<std::string, std::string> contents_of(const fs::path& dir)
     return all;
 }
 
-/// Only pictures and labels of a farm's folder; a process that is killed as it writes leaves a file of its own name, NAME.PID.tmp.
+/// Only pictures and labels of a farm's folder; a process that is killed as it writes leaves a file NAME.PID.tmp.
 std::map<std::string, std::string> pictures_of(const fs::path& dir)
 {
     std::map<std::string, std::string> all = contents_of(dir);
@@ -185,7 +185,7 @@ TEST_SUITE("apps/labels")
         CHECK_MESSAGE(drawn.err.find("warning: the field cuts off wire") != std::string::npos, drawn.err);
         const AppResult coarse = run_app(folder, "render run --view fluoro --size 64x64 --field 0.5 -o a.png --labels truth");
         CHECK_MESSAGE(coarse.err.find("may have gaps") != std::string::npos, coarse.err);
-        // where they are looked at first, and where a farm's labels come together
+        // where they are read first, and where a farm's labels come together
         const AppResult sheet = run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --preview sheet.png");
         CHECK_MESSAGE(sheet.err.find("warning: the field cuts off wire") != std::string::npos, sheet.err);
         REQUIRE(run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --frames 4:6 -o b.png --labels cut --quiet")
@@ -244,7 +244,7 @@ TEST_SUITE("apps/labels")
         CHECK(side(20) == 4 * (200 + 22 + 4) + 4);
         check_refused(folder, "render run --view fluoro --preview s.png --video f.mp4", 2, "only the sheet");
         check_refused(folder, "render run --view fluoro --preview s.png --labels truth", 2, "only the sheet");
-        check_refused(folder, "render run --view fluoro --preview run", 3, "is a folder");
+        check_refused(folder, "render run --view fluoro --preview run", 3, "got a folder");
         check_refused(folder, "render run --view fluoro --label-vessel", 2, "--labels");
         check_refused(folder, "render run --gltf m.glb --labels truth", 2, "once for each");
         check_refused(folder, "render run --view fluoro --labels sheet.png", 3, "is a file");

@@ -1,4 +1,4 @@
-// The real `seldinger live`: what it leaves on disk, its replay, a kill in the middle, and what it refuses, in one line each.
+// The real `seldinger live`: its files, its replay, a kill in the middle, and refusals, in one line each.
 
 #include "apps/background_app.h"
 #include "session/session.h"

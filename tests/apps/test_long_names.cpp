@@ -87,7 +87,7 @@ TEST_SUITE("apps/long names")
             for (std::size_t at = 0; (at = several.find("\"wire\"", at)) != std::string::npos; at += name.size() + 2)
                 several.replace(at, 6, "\"" + name + "\"");
             refused(several, "instrument.1.name: expected 1 to 40");
-            // what is only shown may be as long as it likes
+            // a text that is only shown may have any length
             folder.write("name.toml", free_scene().replace(free_scene().find("falling"), 7, name));
             CHECK(run_app(folder, fmt::format("run name.toml -o N{} --quiet", length)).code == 0);
             CHECK(run_app(folder, fmt::format("report N{}", length)).code == 0);

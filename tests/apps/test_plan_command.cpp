@@ -1,4 +1,4 @@
-// seldinger plan: what it writes, what it refuses and how, and Ctrl-C half-way.
+// seldinger plan: its files, its refusals, and Ctrl-C half-way.
 
 #include "apps/app_fixture.h"
 
@@ -42,7 +42,7 @@ void one_line(const AppResult& result, int code, const std::string& what)
     CHECK(result.err.find(what) != std::string::npos);
 }
 
-/// Without a budget to speak of, so that the machine's speed has no say in how far a search gets.
+/// A budget that never ends, so that the search does not depend on the machine's speed.
 AppResult run_plan(const ScratchFolder& folder, const std::string& arguments)
 {
     return run_app(folder, "plan " + arguments + " --budget 1e5");
@@ -67,7 +67,7 @@ TEST_SUITE("apps/plan")
         const AppResult run = run_app(folder, "run planned.toml -o out");
         CAPTURE(run.err);
         REQUIRE(run.code == 0);
-        // the model that was chosen, and what it was chosen for
+        // the chosen model and its goal
         CHECK(summary_of(folder.path / "out")["nodes"].get<int>() == plan["chosen"]["nodes"].get<int>());
         CHECK(slurp(folder.path / "out" / "summary.json").find("by seldinger plan for shape within 1 mm rms") !=
               std::string::npos);
@@ -87,7 +87,7 @@ TEST_SUITE("apps/plan")
         CHECK(plan["left_out"].empty());
         CHECK(seldinger::read_scene(folder.path / "planned.toml").dt <= 1e-3 * (1 + 1e-9));
         CHECK(plan["pilots"].get<int>() < whole["pilots"].get<int>() / 2);
-        // what was kept serves: the same model at once
+        // the kept runs serve: the same model at once
         const AppResult again = run_plan(folder, "t.toml --tolerance 1mm --rate 1000 --enough 1 --json");
         CHECK(plan_of(again)["chosen"]["error_m"] == plan["chosen"]["error_m"]);
         one_line(run_plan(folder, "t.toml --tolerance 1mm --enough 0.5"), 2, "--rate");

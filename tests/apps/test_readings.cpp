@@ -1,6 +1,8 @@
 // What a run says of its readings: the band of its step, exits, a last step that is shorter, friction that was raised.
 #include "apps/app_fixture.h"
 
+#include <cmath>
+
 namespace test_readings {
 
 using namespace seldinger::test;
@@ -32,6 +34,12 @@ TEST_SUITE("apps/readings")
         CHECK_FALSE(b.contains("error_estimate"));
         CHECK(a["error_estimate"]["windows"].get<int>() >= 1);
         CHECK(with.out.find("error of the step") != std::string::npos);
+        // means over 20 ms, of which whole steps are 21 with the shorter last one or 20: in both runs, with and without bands
+        CHECK(a["end_mean_s"].get<double>() == doctest::Approx(0.02).epsilon(0.08));
+        CHECK(a["error_estimate"]["end_mean_s"] == a["end_mean_s"]);
+        CHECK(a["error_estimate"]["hand_force_n"]["value"].get<double>() == doctest::Approx(a["hand_force_mean_n"].get<double>()).epsilon(1e-12));
+        CHECK(a["error_estimate"]["friction_n"]["value"].get<double>() == doctest::Approx(a["friction_mean_n"].get<double>()).epsilon(1e-12));
+        CHECK(b["hand_force_mean_n"] == a["hand_force_mean_n"]);
         // 500 ms in steps of 3 ms: 166 of them, and one of 2 ms
         CHECK(a["steps"].get<int>() == 167);
         CHECK(a["simulated_s"].get<double>() == doctest::Approx(0.5).epsilon(1e-12));
@@ -44,6 +52,45 @@ TEST_SUITE("apps/readings")
         CHECK(a["outside_max_m"].get<double>() == 0);
         CHECK(a["contact_regions_max"].get<int>() >= 1);
         CHECK(a["force_per_length_max_n_per_m"].get<double>() > 0);
+    }
+
+    TEST_CASE("property: a tip on the closed end of a mesh is a warning with place and time; one that stops before it is none")
+    {
+        const ScratchFolder folder;
+        // a tube of 4 cm along x, open at 0 and closed by a fan at its end
+        constexpr int around = 24, along = 20;
+        std::string obj;
+        for (int i = 0; i <= along; ++i)
+            for (int k = 0; k < around; ++k)
+                obj += fmt::format("v {} {} {}\n", 40.0 * i / along, 4 * std::cos(2 * M_PI * k / around), 4 * std::sin(2 * M_PI * k / around));
+        obj += "v 40 0 0\n";
+        for (int k = 0; k < around; ++k) {
+            const int next = (k + 1) % around;
+            for (int i = 0; i < along; ++i)
+                obj += fmt::format("f {} {} {} {}\n", 1 + i * around + k, 1 + (i + 1) * around + k, 1 + (i + 1) * around + next, 1 + i * around + next);
+            obj += fmt::format("f {} {} {}\n", 1 + along * around + k, 1 + (along + 1) * around, 1 + along * around + next);
+        }
+        folder.write("capped.obj", obj);
+        const auto scene = [](double depth) {
+            return fmt::format("[scene]\nduration_s = 0.4\ndt_s = 0.002\nrecord_every = 5\n"
+                               "[wire]\nlength_m = 0.08\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = 1e4\nnodes = 41\n"
+                               "[vessel]\nmesh = \"capped.obj\"\nunits = \"mm\"\n[feed]\ninlet = \"auto\"\n"
+                               "keys = [{{ t_s = 0.0, advance_m = 0.02 }}, {{ t_s = 0.4, advance_m = {} }}]\n",
+                               depth);
+        };
+        folder.write("into.toml", scene(0.042));
+        folder.write("before.toml", scene(0.036));
+        const AppResult into = run_app(folder, "run into.toml -o A"), before = run_app(folder, "run before.toml -o B");
+        CAPTURE(into.err);
+        REQUIRE(into.code == 0);
+        REQUIRE(before.code == 0);
+        CAPTURE(into.out);
+        // 55 mm/s from 20 mm: the tip is at 40 mm after 0.364 s, its surface a radius earlier; rows are 10 ms apart
+        const std::size_t said = into.out.find("the tip pressed on a closed end of the vessel from 0.3");
+        CHECK(said != std::string::npos);
+        CHECK(before.out.find("closed end") == std::string::npos);
+        const auto warnings = nlohmann::json::parse(slurp(folder.path / "A/summary.json"))["warnings"].dump();
+        CHECK(warnings.find("Cut the mesh open there") != std::string::npos);
     }
 
     TEST_CASE("friction: a mu_static below mu_sliding is refused where it is given, raised and told where it is not")

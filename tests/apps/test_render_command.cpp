@@ -1,4 +1,4 @@
-// seldinger render on the command line: views, exports, and what is wrong with them, in one line each and nothing half written.
+// seldinger render on the command line: views, exports, and mistakes in them: one line each, and nothing half written.
 #include "app_fixture.h"
 #include "support/skip.h"
 
@@ -57,6 +57,11 @@ TEST_SUITE("apps/render_command")
         REQUIRE(run_app(folder, "render run --gltf m.glb --usd m.usda").code == 0);
         CHECK(slurp(folder.path / "m.glb").substr(0, 4) == "glTF");
         CHECK(slurp(folder.path / "m.usda").find("20: [") != std::string::npos);  // the last frame's time, in milliseconds
+        // folders that are not there are made
+        CHECK(run_app(folder, "render run --gltf a/new/folder/of/models.glb").code == 0);
+        CHECK(fs::exists(folder.path / "a/new/folder/of/models.glb"));
+        CHECK(run_app(folder, "report run -o reports/run.html").code == 0);
+        CHECK(fs::exists(folder.path / "reports/run.html"));
     }
 
     TEST_CASE("regression: bad input is one line and leaves no file")
@@ -73,14 +78,14 @@ TEST_SUITE("apps/render_command")
         check_refused(folder, "render run --view fluoro --camera orbit", 2, "not for an X-ray picture");
         check_refused(folder, "render run --force-max 20", 2, "no unit");
         check_refused(folder, "render run --fps 10", 2, "--video");
-        check_refused(folder, "render run -o folder.png", 3, "is a folder");
-        check_refused(folder, "render run --gltf folder.dcm", 3, "is a folder");
+        check_refused(folder, "render run -o folder.png", 3, "got a folder");
+        check_refused(folder, "render run --gltf folder.dcm", 3, "got a folder");
         check_refused(folder, "render run --gltf m.obj", 3, ".glb");
-        check_refused(folder, "render run --view fluoro --size 64x64 --dicom folder.dcm", 3, "is a folder");
+        check_refused(folder, "render run --view fluoro --size 64x64 --dicom folder.dcm", 3, "got a folder");
         check_refused(folder, "render run --frames 0:9 --size 64x48 --video f.avi", 3, ".mp4");
         check_refused(folder, "render run --frames 0:9 --size 64x48 --video f.mp4", 3, "apt-get install ffmpeg", "PATH=/nowhere");
         check_refused(folder, "render run --size 64x48", 5, "OpenGL", "__EGL_VENDOR_LIBRARY_FILENAMES=/nowhere/none.json");
-        // Mesa's loader would say in six lines more what it looked for; another maker's driver may draw all the same
+        // Mesa's loader would add six lines about its search; another maker's driver may draw all the same
         if (run_app(folder, "render run --size 64x48 -o other.png", "LIBGL_DRIVERS_PATH=/nowhere").code != 0)
             check_refused(folder, "render run --size 64x48", 5, "OpenGL", "LIBGL_DRIVERS_PATH=/nowhere");
         fs::remove(folder.path / "other.png");
@@ -93,7 +98,7 @@ TEST_SUITE("apps/render_command")
         if (!folder.draws) return;
         if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0) return skip("no ffmpeg");
         // files of half a kilobyte at most: the film's header alone is larger
-        check_refused(folder, "render run --frames 0:10 --size 320x240 --video f.mp4", 3, "could not finish the film", "ulimit -f 1;");
+        check_refused(folder, "render run --frames 0:10 --size 320x240 --video f.mp4", 3, "from ffmpeg; expected a", "ulimit -f 1;");
         CHECK_FALSE(fs::exists(folder.path / "f.mp4"));
         CHECK_FALSE(fs::exists(folder.path / "f.mp4.part"));
         REQUIRE(run_app(folder, "render run --frames 0:10 --size 320x240 --video f.mp4").code == 0);

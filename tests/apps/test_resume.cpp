@@ -24,7 +24,7 @@ void same_run(const fs::path& a, const fs::path& b)
     CHECK(summary_of(a)["state_hash"] == summary_of(b)["state_hash"]);
     CHECK(summary_of(a)["status"] == "done");
     CHECK(timeless(a / "trace.csv") == timeless(b / "trace.csv"));
-    for (const char* file : {"wire.csv", "contacts.csv", "wire.pvd", "contacts.pvd", "scene.toml"}) {
+    for (const char* file : {"wire.csv", "contacts.csv", "wire.pvd", "wire.npz", "contacts.pvd", "scene.toml"}) {
         CAPTURE(file);
         CHECK(slurp(a / file) == slurp(b / file));
     }

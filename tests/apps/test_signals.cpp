@@ -10,7 +10,7 @@ using namespace seldinger::test;
 
 namespace {
 
-/// Ended at once: the exit code of the signal, one line, and nothing that speaks of a run that was saved.
+/// Ended at once: the exit code of the signal, one line, and no word of a saved run.
 void ended(BackgroundApp& app, int signal, const fs::path& dir)
 {
     app.send(signal);

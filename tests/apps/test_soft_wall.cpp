@@ -18,8 +18,8 @@ AppResult drawn(const ScratchFolder& folder, const std::string& keys, double dur
     return run_app(folder, fmt::format("run soft.toml -o D --overwrite --quiet --set scene.duration_s={}", duration));
 }
 
-// Feet found anew carry a node to another place by terms of second order in the dent's slope; where that put a wire deeper into the
-// wall than its law may have it, there was no state to go on from, however short the step.
+// New feet move a node by terms of second order in the dent's slope. Where that put a wire deeper into the wall than its law
+// allows, no step was short enough to continue.
 constexpr const char* first = R"(
 {t_s=0.0,advance_m=0.0,turn_rad=0.0},{t_s=1.0,advance_m=0.28,turn_rad=0.0},
 {t_s=1.0394,advance_m=0.29369,turn_rad=1.2473},{t_s=1.0873,advance_m=0.29347,turn_rad=0.9572},

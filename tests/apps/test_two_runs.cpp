@@ -1,4 +1,4 @@
-// Two commands that write into one folder: the second is refused, the first one's results are what they are alone.
+// Two commands that write into one folder: the second is refused, the first has the results that it has alone.
 
 #include "apps/background_app.h"
 
@@ -10,7 +10,7 @@ using namespace seldinger::test;
 
 namespace {
 
-/// One line that names the place and who has it, exit 3.
+/// One line that names the folder and its owner, exit 3.
 void is_refused(const AppResult& second, const std::string& place, pid_t by)
 {
     CAPTURE(second.err);

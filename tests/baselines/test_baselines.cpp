@@ -1,4 +1,4 @@
-// The baselines of the charts against solutions that are known: a comparison is fair only when each method does what it can.
+// The baselines of the charts against solutions that are known: a comparison is fair only when each method does its best.
 
 #include "baselines/baselines.h"
 #include "core/error.h"

@@ -42,8 +42,8 @@ TEST_SUITE("device/peaks")
         CHECK(calls == 1 + (1 + 100 + 10000) + 3 * 1000000);
     }
 
-    // The load is a tube of 30,000 triangles; edges of its triangles are some 1.2 mm long, the wire's quadrature point looks 0.67
-    // mm round its axis, 0.44 mm above the wall: a disc of 0.5 mm round its foot.
+    // The load is a tube of 30,000 triangles with edges of some 1.2 mm. A quadrature point of the wire sees 0.67 mm round its
+    // axis and lies 0.44 mm above the wall: it sees a disc of 0.5 mm round its foot.
     TEST_CASE("property: the counted work is that of the load")
     {
         device::Context context;
@@ -62,8 +62,8 @@ TEST_SUITE("device/peaks")
         const auto of = [&](const char* kernel) {
             return *std::find_if(work.begin(), work.end(), [&](const auto& w) { return w.kernel == kernel; });
         };
-        // every quadrature point has BVH nodes, here leaves: looked at twice (six floats), for the nearest and for the blend, and
-        // a triangle (nine) at least twice
+        // every quadrature point has BVH nodes, here leaves: read twice (six floats), for the nearest and for the blend, and a
+        // triangle (nine) at least twice
         CHECK(of("contact_evaluate").pairs > 1);
         CHECK(of("contact_evaluate").pairs < 24);
         CHECK(of("contact_evaluate").pairs == of("contact_find").pairs);

@@ -1,4 +1,4 @@
-// The wide tree's promises: every triangle in one leaf, every box round what is in it, few nodes, bounded depth.
+// The wide tree's promises: every triangle in one leaf, every box round its contents, few nodes, bounded depth.
 #include "vessel/mesh_fixtures.h"
 #include "vessel/tree.h"
 #include "wide/wide_tree.h"
@@ -21,7 +21,7 @@ struct Seen {
     bool inside = true, ordered = true;
 };
 
-/// Visits what is below child k of a node and within its box, given as the grid's lines in double.
+/// Visits the subtree of child k of a node and within its box, given as the grid's lines in double.
 void visit(const WallTree& tree, const WideTree& wide, std::uint32_t at, int depth, Seen& seen)
 {
     const WideNode& node = wide.nodes[at];

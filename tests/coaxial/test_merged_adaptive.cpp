@@ -1,4 +1,4 @@
-// Adaptive nodes of instruments that share one centreline: against even fine ones, against a wire alone, energy, what is saved.
+// Adaptive nodes of instruments that share one centreline: against even fine ones, against a wire alone, energy, saved states.
 
 #include "coaxial/merged_fixture.h"
 #include "merged.h"
@@ -92,8 +92,8 @@ int nodes_of(const World& world) { return std::max(world.rod(0).n, world.rod(1).
 
 TEST_SUITE("coaxial/merged adaptive")
 {
-    // An edge moves the tip by edge_error at most, as it is estimated; a jump of natural curvature by D in a cell of length h
-    // puts the nodes beside it off the axis by D h^2/8 (the first moment of the jump about the node).
+    // An edge moves the tip by edge_error at most, by its estimate. A jump of natural curvature by D in a cell of length h puts
+    // the nodes beside it off the axis by D h^2/8 (the first moment of the jump about the node).
     TEST_CASE("property: at rest the tips are where those of a fine even line are, with fewer nodes")
     {
         const auto at_rest = [](double edge) {
@@ -149,10 +149,10 @@ TEST_SUITE("coaxial/merged adaptive")
         }
     }
 
-    // A tip is off by edge_error an edge, and by what edges of h that lie against the wall cut the corner: kappa h^2/8 = 56 um at
-    // kappa = 25 /m, h = (24 e/kappa^2)^(1/3). What hands push with is what bends the line round the corner, by as far as the
-    // wall lets it: 56 um of 3.1 mm of clearance, and a force of bending goes with the cube of a length: 5 %. (How the sum is
-    // shared out follows the moment at the catheter's tip, of first order in the edge there, with even nodes too: rod/coaxial.h.)
+    // A tip is off by edge_error an edge, and by the sagitta of edges of h that lie against the wall: kappa h^2/8 = 56 um at
+    // kappa = 25 /m, h = (24 e/kappa^2)^(1/3). The force of the hands bends the line round the corner, as far as the wall lets
+    // it: 56 um of 3.1 mm of clearance. A bending force goes with the cube of a length: 5 %. The share of each hand follows the
+    // moment at the catheter's tip, of first order in the edge there, with even nodes too (rod/coaxial.h).
     TEST_CASE(
         "property: round a bend as fine even nodes, beside a rigid wall and one that yields, with energy and momentum closed")
     {
@@ -183,7 +183,7 @@ TEST_SUITE("coaxial/merged adaptive")
         }
     }
 
-    // Each edge by itself, of a line that moves and is twisted.
+    // Each edge alone, of a line that moves and is twisted.
     TEST_CASE("property: an edge split, and its node merged away again, keep what the instruments carry")
     {
         World world(in_air(0.05, 0.06, 2e-3, Scheme::Newton));
@@ -228,17 +228,17 @@ TEST_SUITE("coaxial/merged adaptive")
             const SplitResult split = split_coaxial_edge(state.rods, group.wires(), shared.rod, shared.base, edge, 0.4);
             const Carried now = carried(edge), other = carried(edge + 1);
             CHECK((now.momentum - old.momentum).norm() < 1e-12 * mass * speed);
-            // the catheter, which ends within the line, is short of what was added until its offset is set anew
+            // the catheter, which ends within the line, is short of the added length until its offset is set anew
             CHECK(std::abs(now.spin[0] - old.spin[0]) < 1e-9 * old.spun[0] + std::abs(split.rest_length_added) * old.dense[0]);
             CHECK(std::abs(now.spin[1] - old.spin[1]) < 1e-9 * old.spun[1]);
-            // lengths carry the force but for how a stiffness may change inside of what was one edge
+            // lengths carry the force but for how a stiffness may change inside the former edge
             CHECK(std::abs(now.force - old.force) < 1e-3 * std::abs(old.force) + 1e-12 * stretch);
             CHECK(std::abs(other.force - old.force) < 1e-3 * std::abs(old.force) + 1e-12 * stretch);
             CHECK(std::abs(now.length - old.length - split.rest_length_added) < 1e-15);
             CHECK(std::abs(split.rest_length_added) < h * std::pow(30 * h, 2));
             refresh_group(state, group);
-            // a cell in which a natural curvature of stiffness B jumps by D has its mean, of a variance of D^2/4 at most; one that
-            // is new at the tip is bent as both ends together are at rest there
+            // A cell in which a natural curvature of stiffness B jumps by D has its mean, with a variance of D^2/4 at most. A
+            // cell that is new at the tip is bent as both ends together are at rest there
             double born = 0;
             for (const auto& [s, bend, jump] : {std::tuple(0.02, 1e-4, 25.0), {0.03, 2e-4, 15.0}, {0.06, 2e-4, 15.0}})
                 if (s > from - h && s < from + 2 * h) born += 0.5 * bend * jump * jump / 4 * h;

@@ -199,10 +199,10 @@ TEST_SUITE("coaxial/merged contact")
         setup.coaxial[0].order = {0};
         CHECK(message(setup).find("coaxial[0].order: names fewer than two instruments") != std::string::npos);
         setup.coaxial[0].order = {0, 2};
-        CHECK(message(setup).find("names instrument 2, expected 0 to 1") != std::string::npos);
+        CHECK(message(setup).find("got instrument 2; expected 0 to 1") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.systems = {1, 1};
-        CHECK(message(setup).find("names instruments of different systems") != std::string::npos);
+        CHECK(message(setup).find("got instruments of different systems") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.integrator.newmark = true;
         CHECK(message(setup).empty());

@@ -1,4 +1,4 @@
-// Instruments that share one centreline pushed and drawn through each other: energy, hands, who leads, what is saved.
+// Instruments that share one centreline pushed and drawn through each other: energy, hands, the leader, saved states.
 
 #include "coaxial/merged_fixture.h"
 
@@ -49,7 +49,7 @@ int follow(World& world, const std::vector<Way>& ways, double dt, int first, int
     return failed;
 }
 
-// The wire goes out of the catheter and turns, comes back into it, and the catheter goes on over it and back
+// The wire goes out of the catheter and turns, comes back into it, and the catheter moves on over it and back
 const std::vector<Way> through_each_other = {{0, 0.05, 0.06, 0},     {0.3, 0.05, 0.09, 1.0},  {0.6, 0.07, 0.09, 1.0},
                                              {0.9, 0.07, 0.05, 1.0}, {1.2, 0.08, 0.05, -0.5}, {1.5, 0.05, 0.08, 0}};
 
@@ -77,9 +77,10 @@ TEST_SUITE("coaxial/merged feeding")
         }
     }
 
-    // The elastic force that drives a knee out of what straightens it: per length that both are bent against each other they store
-    // B_r kappa^2/2, B_r = B B'/(B + B'), whatever else bends them, and the knee alone nothing. Virtual work: that is what the hands feel,
-    // opposite to each other, as long as the mouth is within the knee. A change of section within a cell is exact.
+    // The elastic force that drives a knee out of the instrument that straightens it. Bent against each other, both store B_r
+    // kappa^2/2 per length, B_r = B B'/(B + B'), whatever else bends them; the knee alone stores nothing. Virtual work: that is
+    // what the hands feel, opposite to each other, as long as the mouth is within the knee. A change of section within a cell
+    // is exact.
     TEST_CASE("analytic: a knee is driven out of a sheath by half of what both store per length")
     {
         const double sheath = 8e-4, bend = 3.1e-4, kappa = 65.4, force = 0.5 * sheath * bend / (sheath + bend) * kappa * kappa;
@@ -120,8 +121,8 @@ TEST_SUITE("coaxial/merged feeding")
             for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.rest_length[j] < 2 * 2e-3);
             CHECK(rod.material_s[rod.n - 1] == about(w == 0 ? 0.05 : 0.052).epsilon(1e-3));
         }
-        // at each change the feed of the line goes on at the other's speed, and the half cell at the hub takes it on within a
-        // step, where readings at a step's ends do not see it
+        // At each change the feed of the line takes the other's speed, and the half cell at the hub follows within a step.
+        // Readings at a step's ends do not see it
         const double hub_mass = 2 * 6500 * pi * 0.5e-3 * 0.5e-3 * 1e-3, speed = 2e-3 * 2 * pi / 0.04;
         CHECK(std::abs(world.readings(0).energy.open()) < 1.1 * 80 * 0.5 * hub_mass * speed * speed);
     }
@@ -149,7 +150,7 @@ TEST_SUITE("coaxial/merged feeding")
         CHECK(together.state_hash(1) == alone_too.state_hash(0));
     }
 
-    // Both from the introducer; alone in it the wire is what it is without a catheter that has not come yet
+    // Both from the introducer; alone in it the wire has the bits of one without a catheter
     TEST_CASE("property: from the introducer on, and a wire alone in the group is a wire")
     {
         WorldSetup setup = catheter_and_wire(0, 0);
@@ -180,7 +181,8 @@ TEST_SUITE("coaxial/merged feeding")
         CHECK(world.rod(0).material_s[world.rod(0).n - 1] == about(0.04).epsilon(1e-3));
     }
 
-    // Hand and clamp are joined by the twist of what lies between: torque = C (hand's turn - clamp's)/length, which gets shorter.
+    // Hand and clamp are joined by the twist of the length between: torque = C (hand's turn - clamp's)/length, which gets
+    // shorter.
     TEST_CASE("property: what lies behind the inlet twists, and is as long as has not been pushed in")
     {
         WorldSetup setup =

@@ -1,5 +1,5 @@
-// Friction between instruments that share one centreline, by its laws per length: what hands feel, what is twisted, where energy
-// goes. The law itself: tests/contact/test_coaxial_slip.cpp; of what presses in the lumen: test_merged_lumen.cpp.
+// Friction between instruments that share one centreline, by its laws per length: hand forces, twist, energy. The law itself:
+// tests/contact/test_coaxial_slip.cpp; of what presses in the lumen: test_merged_lumen.cpp.
 
 #include "coaxial/friction_fixture.h"
 #include "contact/coaxial_friction.h"
@@ -25,7 +25,7 @@ double lag(const World& world, int wire) { return world.readings(wire).turned + 
 
 TEST_SUITE("coaxial/merged friction")
 {
-    // Dry: q L whatever the speed; a film: c L v. To rounding of what is fed, and of line's elasticity beside it
+    // Dry: q L whatever the speed; a film: c L v. To rounding of the fed length, and of line's elasticity beside it
     TEST_CASE("analytic: an instrument pushed through another one is held by q L + c L v, and holds that one")
     {
         const double overlap = 0.05, speed = 0.02, drag = 0.4, film = 3.0;
@@ -51,8 +51,8 @@ TEST_SUITE("coaxial/merged friction")
         World inside(straight_pair(0.08, 0.03, 0.4, 0));
         const WireReadings drawn = move(inside, 1, -0.02, 0, 50, 1e-3);
         CHECK(drawn.hand_force == about(-0.4 * 0.029).epsilon(1e-3));
-        // a sheath of 30 mm, a catheter drawn back to 20 in it, a wire 60 in: the wire rubs on the catheter over 20, on the sheath
-        // over the 10 beyond it; catheter and sheath are at rest and do not rub on each other
+        // a sheath of 30 mm, a catheter drawn back to 20 in it, a wire 60 in: The wire rubs on the catheter over 20, on the
+        // sheath over the 10 beyond it. Catheter and sheath are at rest and do not rub on each other
         const WireSpec one = instrument_of({{0.4, bend, 0}}, 0.5);
         WorldSetup setup = merged_setup({one, one, one}, {0.03, 0.02, 0.06}, 2e-3, Scheme::Newton);
         setup.coaxial[0].drag = 0.5;
@@ -63,8 +63,8 @@ TEST_SUITE("coaxial/merged friction")
         CHECK(world.readings(0).hand_force == about(-0.5 * 0.01).epsilon(1e-3));
     }
 
-    // A shaft with a torque m per length: C theta'' = m, twisted by m L^2/(2 C) from its free end to its hub, where it takes m L. Of
-    // whole edges that is exact: h/C (m h (1 + ... + (N - 1)) + N m h/2).
+    // A shaft with a torque m per length: C theta'' = m, twisted by m L^2/(2 C) from its free end to its hub, where it takes m
+    // L. Exact for whole edges: h/C (m h (1 + ... + (N - 1)) + N m h/2).
     TEST_CASE("analytic: turned in another one it lags by r q L^2/(2 C), and turns that one by as much of its own")
     {
         const double length = 0.1, drag = 2.0;
@@ -90,8 +90,9 @@ TEST_SUITE("coaxial/merged friction")
         CHECK(inner.hand_force == about(2.0 * 0.1 * push / size).epsilon(1e-3));
     }
 
-    // Relative angles diffuse: phi'' = (1/C_i + 1/C_o) c r^2 d(phi)/dt, of which the slowest mode, a quarter of a wave from hub to
-    // tip, is left after a while; in backward Euler by 1/(1 + rate h) a step. Of the discrete modes it is off by (pi h/4L)^2/3.
+    // Relative angles diffuse: phi'' = (1/C_i + 1/C_o) c r^2 d(phi)/dt. The slowest mode, a quarter of a wave from hub to tip,
+    // is left after a while; in backward Euler it shrinks by 1/(1 + rate h) a step. It differs from the discrete modes by (pi
+    // h/4L)^2/3.
     TEST_CASE("analytic: in a film, twist fades as by diffusion")
     {
         const double length = 0.1, film = 4e3, dt = 1e-3;
@@ -146,8 +147,9 @@ TEST_SUITE("coaxial/merged friction")
         CHECK(world.readings(0).energy_made < 0.01 * ledger.friction);
     }
 
-    // Cells are the outer one's: what they remember does not know of nodes. Stuck and turned, both are fed by 22 mm together. What has
-    // come in since has not slipped, and what is stuck twists both on as it gets farther from the hands: a part of the torque is left.
+    // Cells are the outer one's: their memory does not depend on nodes. Stuck and turned, both are fed by 22 mm together. The
+    // length that has come in since has not slipped, and the stuck length twists both on as it gets farther from the hands: a
+    // part of the torque is left.
     TEST_CASE("property: what is remembered goes along with the instruments, not with nodes")
     {
         const auto torque_after = [](double edge, bool adaptive) {

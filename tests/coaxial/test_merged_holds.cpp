@@ -45,8 +45,9 @@ TEST_SUITE("coaxial/merged holds")
 {
     // Two straight instruments, in as far as each other, are one wire of both stiffnesses and both densities. At a node of both lines
     // the clamp is the single wire's in the turn of a cell's half, phi: what differs is of order phi^2 (2 tan(phi/2) and chords), which
-    // is 1e-4 here. A spin held without the direction turns about the mean of both tangents, the one that was held and the one that
-    // is, by half the torque on either edge, and of a single wire by all of it on one: half an edge off, so that this halves with the edges.
+    // is 1e-4 here. A spin held without the direction turns about the mean of the held tangent and the present one, with half
+    // of the torque on either edge. A single wire has all of it on one edge: half an edge off, so that this halves with the
+    // edges.
     TEST_CASE("twin: a held pair is one held wire of both stiffnesses")
     {
         struct Apart {
@@ -103,9 +104,9 @@ TEST_SUITE("coaxial/merged holds")
         CHECK(apart(5, 1e-3).places == about(0.5 * apart(5, 2e-3).places).epsilon(0.05));
     }
 
-    // Lifted by d, so far from the hub: 3 B d/a^3, or 12 B d/a^3 with its direction held. A place between nodes is on a chord and its
-    // clamp is in a cell: (edge/a)^2 = 1/900 of the way, and a twentieth of that in stiffness; least_share puts a clamp off by half
-    // a hundredth of an edge, which is 3 * 0.005/30 of the force.
+    // Lifted by d, so far from the hub: 3 B d/a^3, or 12 B d/a^3 with its direction held. A position between nodes is on a
+    // chord and its clamp is in a cell: (edge/a)^2 = 1/900 of the distance, and 5 % of that in stiffness. The least share puts
+    // a clamp off by 0.5 % of an edge, which is 3 * 0.005/30 of the force.
     TEST_CASE("analytic: reactions at places between nodes")
     {
         const double length = 0.1, height = 1e-5;  // (tension adds with its square: 3e-4 of the force)
@@ -125,8 +126,8 @@ TEST_SUITE("coaxial/merged holds")
             }
     }
 
-    // The outer one's tip is held up while the inner one goes on through it, over node after node; and the inner one's tip while the
-    // outer one comes: a cantilever of B over b and B/3 beyond, to the inner one's tip at x.
+    // The outer tip is held up while the inner instrument moves through it, over node after node; and the inner tip while the
+    // outer one comes. Both are a cantilever of B over b and B/3 beyond, to the inner one's tip at x.
     TEST_CASE("analytic: a place stays where it is held as the instruments slide")
     {
         const double a = 0.06, height = 1e-5;
@@ -162,8 +163,8 @@ TEST_SUITE("coaxial/merged holds")
         }
     }
 
-    // Pulled forwards by d: the line is stretched by both EA; what pulls is the held one's own hand's to hold. (On
-    // its edge's chord the place is stiffer by what the edge gives within, at b(1 - b) of its length: 0.19 % here.)
+    // Pulled forwards by d: the line is stretched by both EA, and the hand of the held instrument bears the pull. The hold on
+    // its edge's chord is stiffer by the compliance of the edge, at b(1 - b) of its length: 0.19 % here.
     TEST_CASE("analytic: the hand of the one that is held holds what its hold pulls along")
     {
         const double length = 0.06, pulled = 1e-6;
@@ -367,8 +368,8 @@ TEST_SUITE("coaxial/merged holds")
         refused(0.06, {}, {hold_at(0.06, true, false, false)}, "hold[0].at: 0.06 m from the tip is outside: only 0.06 m");
         refused(0.06, {}, {hold_at(0.01, false, false, false)}, "hold[0] holds nothing");
         refused(0.06, {hold_at(0.01, true, false, false)}, {hold_at(0.0202, true, true, false)},
-                "wires[0].holds[0] and wires[1].holds[0] both hold the position of one centreline");
-        refused(0.06, {}, {hold_at(0.02, false, false, true), hold_at(0.0203, false, false, true)}, "both hold the spin");
+                "wires[0].holds[0], wires[1].holds[0]: got two holds of the position of one centreline");
+        refused(0.06, {}, {hold_at(0.02, false, false, true), hold_at(0.0203, false, false, true)}, "got two holds of the spin");
         WorldSetup each_its_spin = straight_pair(0.05, 0.06);
         each_its_spin.wires[0].holds = {hold_at(0.01, false, false, true)};
         each_its_spin.wires[1].holds = {hold_at(0.02, false, false, true)};

@@ -53,8 +53,8 @@ TEST_SUITE("coaxial/merged lead")
             World::Impl& state = world.impl();
             take_control(state, made.control(), Crossing::dt);
             const double after = lead_change_after(state, *state.merged.front(), Crossing::dt);
-            // within a hundredth of either end what is gained may be put before the tip; the cut is where the catheter is
-            // ahead by 1e-6 of an edge
+            // within 1 % of either end the gained length may be put before the tip; the cut is where the catheter is ahead by
+            // 1e-6 of an edge
             const double late = 1e-6 * 2e-3 / (Crossing::pushed + Crossing::drawn);
             if (crossing > 0.99) CHECK(after == 0);
             else if (crossing < 0.01) CHECK(after == about(0.01 * Crossing::dt).epsilon(1e-12));
@@ -84,8 +84,9 @@ TEST_SUITE("coaxial/merged lead")
         }
     }
 
-    // What is put straight before the tip of a curved catheter is bent by k too little: B k^2/2 a metre, which is added to the wire's
-    // energy by no work. Of a cut step it is the 1e-6 of an edge by which the cut is late; of one that is not, what is gained in it.
+    // Length put straight before the tip of a curved catheter is bent by k too little: B k^2/2 a metre, which is added to the
+    // wire's energy by no work. For a cut step it is the 1e-6 of an edge by which the cut is late; of one that is not, the
+    // length gained in it.
     TEST_CASE("property: the lead changes without energy out of nothing")
     {
         const double curvature = 15, bend = 2e-4;

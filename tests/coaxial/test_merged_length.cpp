@@ -1,4 +1,4 @@
-// What is inside is as long as it has been fed, by steps from rest to rest whatever their length in time is.
+// The inserted length is the fed one, by steps from rest to rest whatever their length in time is.
 
 #include "coaxial/merged_fixture.h"
 #include "merged.h"
@@ -37,8 +37,9 @@ double most_off(const WorldSetup& setup, const std::vector<double>& from, const 
 
 TEST_SUITE("coaxial/merged length")
 {
-    // Hanging and curved, so that births at the hub are at an angle to it and leave rest length over: a share (kappa h)^2/24 of an edge
-    // of 4 to 10 mm each, 0.2 to 8 um at 25/m, and as many as are made within a step until the next one takes them back.
+    // Hanging and curved, so that births at the hub are at an angle to it and leave a surplus of rest length. It is (kappa
+    // h)^2/24 of an edge of 4 to 10 mm each, 0.2 to 8 um at 25/m, for each birth within a step, until the next step takes it
+    // back.
     TEST_CASE("property: static steps leave a line as long as it is in")
     {
         const WireSpec catheter = instrument_of(0.6, 2e-4, 1.5e-4, 0.03, 15), wire = instrument_of(0.8, 1e-4, 7.7e-5, 0.02, 25);

@@ -32,7 +32,7 @@ double height(const World& world, int wire, double s) { return material_at(world
 TEST_SUITE("coaxial/merged loads")
 {
     // A cantilever of B over `a` and of B/3 beyond it, to `x`: F x^3/3 by parts. A load between nodes and a change inside an edge
-    // are exact to (edge/length)^2; gone on with, the line is as long as its births leave it, to a thousandth.
+    // are exact to (edge/length)^2; gone on with, the line is as long as its births leave it, to 0.1 %.
     TEST_CASE("analytic: a force on an instrument's material bends the line where that is, as it goes on")
     {
         const double a = 0.05, force = 2e-4;

@@ -17,7 +17,7 @@ using namespace seldinger::test;
 
 namespace {
 
-/// Friction by what presses, and what comes to rest soon.
+/// Friction by the pressing force, of instruments that come to rest soon.
 void rub_on_lumen(WorldSetup& setup, double mu)
 {
     setup.integrator.damping_mass = 100;
@@ -40,9 +40,9 @@ void pull_at_tip(WorldSetup& setup, const Vec3& force, double ramp)
 TEST_SUITE("coaxial/merged lumen")
 {
     // A curved catheter over a straight wire at a clearance of 0.1 mm, the wire pushed: what presses is what straightens the one and
-    // bends the other. `separate` finds that by contact. Friction is what a hand feels more than without it; the rest, which bends both
-    // as a change of stiffness comes in, is in a merged line where that is, and spread over the clearance's way where it is not.
-    // 3 % was seen, 12 where friction changes fast.
+    // bends the other. `separate` finds that by contact. Friction is the part of a hand force that is not there without it. The
+    // rest bends both as a change of stiffness comes in: at that change in a merged line, else spread over the length that the
+    // clearance allows. Seen were 3 %, and 12 where friction changes fast.
     TEST_CASE("independent: friction of what presses in the lumen is that of a rod each")
     {
         const auto setup_of = [](CoaxialSpec::Model model, bool friction) {
@@ -91,7 +91,7 @@ TEST_SUITE("coaxial/merged lumen")
         CHECK(with.back() == about(contact.back()).epsilon(0.05));
     }
 
-    // Euler's T e^(mu phi). The wire is soft: what bends it presses by less than a thousandth of that. In the clearance it goes round on
+    // Euler's T e^(mu phi). The wire is soft: its bending force is less than 0.1 % of that. In the clearance it goes round on
     // the inside, c/R shorter. The tension is a step behind, which is at rest by then.
     TEST_CASE("analytic: a soft wire drawn through a curved catheter, with a weight at its tip")
     {

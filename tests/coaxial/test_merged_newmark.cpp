@@ -34,7 +34,7 @@ LoadSpec at_tip(const Vec3& force, double ramp = 0)
 double mass_rate(int instruments) { return instruments * 6500 * pi * 0.25e-6; }  // [kg/m], section_of()
 
 /// First frequency of a cantilever of 3/2 `bend` and two instruments' mass over `a`, and of `bend`/2 and one's beyond, to `length`: the
-/// root of the determinant of Euler and Bernoulli's beam [Hz]. w = sums of cos, sin, cosh, sinh of k x in each part.
+/// root of the determinant of Euler and Bernoulli's beam [Hz]. Its w = sums of cos, sin, cosh, sinh of k x in each part.
 double stepped_frequency(double a, double length)
 {
     const double both = 1.5 * bend, alone = 0.5 * bend;
@@ -96,8 +96,8 @@ TEST_SUITE("coaxial/merged newmark")
         }
     }
 
-    // As far in as each other they are one wire of both stiffnesses and masses, in every step, which its own equations give to the
-    // solver's tolerance; fed on together as well, but for what births leave (rod/split.h and rod/coaxial_split.h differ in rounding).
+    // Inserted equally far, they are one wire with both stiffnesses and masses, in every step and to the solver's tolerance.
+    // Fed on together as well, except for the rounding of births, in which rod/split.h and rod/coaxial_split.h differ.
     TEST_CASE("twin: a pair that swings is one wire of both")
     {
         const double length = 0.08;
@@ -130,8 +130,8 @@ TEST_SUITE("coaxial/merged newmark")
 
     // One slides along the other as the line is bent: the root of the mean square of the tip's error on its way, by steps that are halved
     // twice. Sixteen for second order (the highest modes that the load shakes are not resolved by the longest steps: within 15 %);
-    // backward Euler's four as a check. Where the end of a section goes from cell to cell a force's slope jumps, which Newmark's error
-    // sees by where in its step that is: at 0.8 m/s over seven cells what is left is between the two.
+    // backward Euler's four as a check. Where the end of a section moves from cell to cell, a force's slope jumps. Newmark's
+    // error depends on where in the step that is: at 0.8 m/s over seven cells the rest is between the two.
     TEST_CASE("analytic: second order in the step while one slides along the other")
     {
         const double time = 0.04;
@@ -165,8 +165,8 @@ TEST_SUITE("coaxial/merged newmark")
         CHECK(order(true, 0.05, 0.021) > 5);
     }
 
-    // Left alone, it swings on; while hands push, what they put in and what it has add up. What goes ahead sends waves along the line,
-    // of which a hand's mean force over a step leaves out a share: no dashpot takes them.
+    // Left alone, it swings on; while hands push, their work and its energy add up. The leading part sends waves along the
+    // line, of which a hand's mean force over a step leaves out a share: no dashpot takes them.
     TEST_CASE("property: energy is kept, and closed while one slides along the other")
     {
         WorldSetup setup = pair_of(0.05, 0.09);
@@ -213,7 +213,7 @@ TEST_SUITE("coaxial/merged newmark")
         setup.wires[1].holds.push_back({});
         setup.wires[1].holds.back().at.kind = WirePoint::Kind::Tip;
         setup.wires[1].holds.back().position = true;
-        CHECK_THROWS_WITH_AS(World{setup}, doctest::Contains("wires[1].holds: is not empty, expected no holds"), Error);
+        CHECK_THROWS_WITH_AS(World{setup}, doctest::Contains("wires[1].holds: got holds; expected none"), Error);
     }
 }
 

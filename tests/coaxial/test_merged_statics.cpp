@@ -151,7 +151,7 @@ TEST_SUITE("coaxial/merged statics")
         }
     }
 
-    // 15_coaxial/torsion_snap: the branch ends at a base angle of 317.748 deg, the tip being at 71.538, and goes on at 355.671.
+    // 15_coaxial/torsion_snap: the branch ends at a base angle of 317.748 deg, the tip being at 71.538, and resumes at 355.671.
     TEST_CASE("analytic: snapping")
     {
         World world(merged_setup({instrument_of(1, 2e-4, 1.5e-4, 0.15, 10), instrument_of(1, 1e-4, 7.7e-5, 0.17, 15)},

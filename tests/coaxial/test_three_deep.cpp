@@ -93,7 +93,7 @@ TEST_SUITE("coaxial/three_deep")
                 worst = std::max(worst, out_of_lumen(world.rod(1), world.rod(0), 1.1e-3 - 0.83e-3));
                 worst = std::max(worst, out_of_lumen(world.rod(2), world.rod(1), 0.55e-3 - 0.4445e-3));
             }
-            // overlaps are at most half a wall (instrument_law.h); polygons of edges up to 10 mm stand for curves of 40 mm radius
+            // overlaps are at most half a wall (instrument_law.h); polygons of edges up to 10 mm replace curves of 40 mm radius
             if (separate) CHECK(worst < 0.5 * (1.33e-3 - 1.1e-3) + 0.01 * 0.01 / 8 / 0.04);
             for (int w = 0; w < 3; ++w) {
                 CAPTURE(w);

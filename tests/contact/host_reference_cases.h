@@ -1,7 +1,7 @@
 // The bodies of the reference tests, compiled once in double (test_host_reference.cpp) and once in float
-// (test_host_reference_float32.cpp, where `seldinger` is another namespace). Every kernel runs against a plain loop over the same
-// shared functions; the arithmetic is the same operation by operation (contraction off on both sides, divisions and roots
-// correctly rounded), so the bits are the same.
+// (test_host_reference_float32.cpp, where `seldinger` is another namespace). Every kernel runs against a plain loop over the
+// same shared functions. The arithmetic is the same operation by operation (contraction off, divisions and roots correctly
+// rounded), so the bits are the same.
 #pragma once
 
 #include "contact/host_reference_layer.h"

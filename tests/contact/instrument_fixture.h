@@ -77,7 +77,7 @@ inline WorldSetup touching(std::vector<WireSetup> wires)
     return made;
 }
 
-/// Of contact on a wire as a whole [N].
+/// Sum of the contact forces on a wire [N].
 inline Vec3 contact_force(const World& world, int wire)
 {
     Vec3 sum = Vec3::Zero();

@@ -1,5 +1,5 @@
 #pragma once
-// Nodes of one rod, for tests of what lies on its curve (kernels/shared/spline.h).
+// Nodes of one rod, for tests of points on its curve (kernels/shared/spline.h).
 
 #include "shared/spline.h"
 

@@ -1,4 +1,4 @@
-// Friction between instruments that share a centreline as a force term: its tangent, and what it does to what.
+// Friction between instruments that share a centreline as a force term: its tangent and its effects.
 
 #include "contact/coaxial_friction.h"
 #include "coaxial/merged_fixture.h"

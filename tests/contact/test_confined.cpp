@@ -1,8 +1,9 @@
-// Wires confined by a wall, against solutions computed apart from the engine (elastica shooting with its two exact invariants,
-// energy of the buckled rod): contact forces in a circular bend, force to push and pull a wire round it, buckling in a tube.
+// Wires confined by a wall, against solutions computed apart from the engine: elastica shooting with its two exact invariants,
+// energy of the buckled rod. Cases: contact forces in a circular bend, force to push and pull a wire round it, buckling in a
+// tube.
 //
-// In a bend N ~ B / (R sqrt(12 c R)): overlap adds to the clearance c, so the wall is made a thousand times stiffer than an
-// artery (2.5 um of overlap in 2 mm). Forces are summed over contacts less than 4 mm apart on the same side.
+// In a bend N ~ B / (R sqrt(12 c R)). Overlap adds to the clearance c, so the wall is 1,000 times stiffer than an artery (2.5
+// um of overlap in 2 mm). Forces are summed over contacts less than 4 mm apart on the same side.
 
 #include "support/world_fixture.h"
 
@@ -219,7 +220,8 @@ TEST_SUITE("contact/confined")
     // Reference 08, tube_buckling_tip: EI = 1e-6, w = 6.3 mN/m, clearance 1.3 mm, pinned at 0.3 m: five half waves at 4.509 mN.
     // The wire is pushed together below that and bent into five half waves by five small side forces. To the angle a/r of a mode
     //   EI k^4 + w/r - F k^2 = (2/L) sum |q| / a,
-    // so the stiffness falls linearly with F, and is none at the buckling load. 8 degrees: many facets of 1.8, yet small.
+    // so the stiffness falls linearly with F, and is none at the buckling load. A turn of 8 degrees is many facets of 1.8, yet
+    // small.
     TEST_CASE("analytic: sinusoidal buckling of a wire on the floor of a tube of 200 facets")
     {
         constexpr double length = 0.3, clearance = 0.0013, weight = 0.0063, bend = 1e-6, soft = 20;

@@ -152,8 +152,8 @@ TEST_SUITE("contact/contact_point")
                 const double depth = r - (r - overlap) * std::cos(std::numbers::pi / around);
                 const ContactPointPair t = contacts_at(soup, v3(0.0101, 0, sign * rho), r);
                 CAPTURE(overlap);
-                // at the same distance from both, the smooth maximum adds eps/4, also where the nearest point lies on a diagonal
-                // that two triangles of the other facet share; eps = 0.002 r 2 sin(pi / n)
+                // At the same distance from both, the smooth maximum adds eps/4. So it does where the nearest point lies on a
+                // diagonal that two triangles of the other facet share. Here eps = 0.002 r 2 sin(pi / n)
                 const double bias = 0.25 * 0.002 * r * 2 * std::sin(std::numbers::pi / around);
                 CHECK(std::abs(t.first.depth - depth - bias) <= rounding);
                 const vec3 n = (1 / norm(t.first.normal)) * t.first.normal;

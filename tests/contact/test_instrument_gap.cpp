@@ -265,7 +265,7 @@ TEST_SUITE("contact/instrument_gap")
 
     TEST_CASE("derivative: gap at the mouth of a catheter that does not turn, Hessian")
     {
-        // directions that move the catheter's first edge as a whole: its plane does not turn
+        // directions that translate the catheter's first edge: its plane does not turn
         for (unsigned seed = 1; seed <= 5; ++seed) {
             TwoEdges pair = near_pair(seed, SEL_TOUCH_INSIDE);
             const double shift = pair.point_of_material_of_a().x + 0.15e-3;

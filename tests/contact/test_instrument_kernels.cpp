@@ -103,7 +103,7 @@ bool same(const T& a, const T& b)
     return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-/// Of what is meant to be read: points that push, and friction where it acts.
+/// Compares outputs with a meaning: points that push, and friction where it acts.
 bool same_force(const InstrumentForce& a, const InstrumentForce& b, const InstrumentPoint* points_a, const InstrumentPoint* points_b)
 {
     if (a.count != b.count || a.flags != b.flags || a.depth != b.depth || a.normal_sum != b.normal_sum || a.stored != b.stored)

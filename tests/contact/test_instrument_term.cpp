@@ -213,7 +213,7 @@ TEST_SUITE("contact/instrument_term")
     {
         for (const double exponent : {1.0, 1.5}) {
             CAPTURE(exponent);
-            // the ends of what touches move, and points with them
+            // the ends of the contact move, and points with them
             Term side_by_side(coil(2.9e-3, 2e-3), false, 0, exponent);
             for (unsigned seed = 1; seed <= 3; ++seed) CHECK(tangent_error(side_by_side, 0, seed) < 3e-2);
             for (const double bent : {200.0, 600.0, 900.0, 1000.0, 1100.0}) {  // [1/m]: 1/D is 1000
@@ -222,7 +222,8 @@ TEST_SUITE("contact/instrument_term")
                 double size = 0;
                 for (const double r : hooked.residual(0)) size += std::abs(r);
                 REQUIRE(size > 0);
-                // the shape of what touches changes with the motion, most where it is about to split: Newton's method gains a factor of ten
+                // the shape of the contact changes with the motion, most where it is about to split: Newton's method gains a
+                // factor of ten
                 for (unsigned seed = 1; seed <= 2; ++seed) CHECK(tangent_error(hooked, 0, seed) < (bent < 500 ? 2e-2 : 0.15));
             }
         }
@@ -241,7 +242,7 @@ TEST_SUITE("contact/instrument_term")
     {
         Term nested(on_lumen, true, 0.1);
         for (int i = 4 * nodes_each; i < 8 * nodes_each; i += 4) nested.unknown(i) += 2e-4;
-        // the load at the middle of a cell alone misses 3.5e-2; what is left is the motion of the Gauss points and of the normal
+        // the load at the middle of a cell alone misses 3.5e-2; the rest is the motion of the Gauss points and of the normal
         for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(nested, 1e-3, seed, 1e-10) < 1.5e-2);
     }
 

@@ -1,4 +1,4 @@
-// A cell that touches all along is taken as a whole (instrument_cell.h): what it exerts, and that nothing jumps within a step.
+// A cell that touches all along is taken as one (instrument_cell.h): its force, and that nothing jumps within a step.
 
 #include "contact/spline_rod.h"
 #include "shared/instrument_block.h"
@@ -108,7 +108,7 @@ double largest_jump(const SplineRod& rod)
     return most;
 }
 
-/// Force and its moment by a sum over many places, each looked for by itself.
+/// Force and its moment by a sum over many points, each searched for alone.
 std::pair<double, double> summed(const Lying& lying, int cell)
 {
     constexpr int parts = 2000;
@@ -125,9 +125,9 @@ std::pair<double, double> summed(const Lying& lying, int cell)
 
 }  // namespace
 
-// By Gauss at four points depth^(3/2) is right to 2.1e-4 where the least depth is a fourth of the largest (a parabola, the worst of
-// three shapes that were looked at); a jump of curvature at a knot adds 1.5 [kappa] l^2/2700 over the depth, and there are two knots of each rod
-// at most in a cell. The pieces end at knots. The sum that both are held against is right to (1/2000)^2.
+// Four Gauss points integrate depth^(3/2) to 2.1e-4 where the least depth is 1/4 of the largest (a parabola, the worst of three
+// shapes). A jump of curvature at a knot adds 1.5 [kappa] l^2/2700 over the depth. A cell has two knots of each rod at most.
+// The pieces end at knots. The sum that both are held against is right to (1/2000)^2.
 TEST_CASE("instrument whole: force and its middle are those of the pieces, and of a sum over the cell")
 {
     int tried = 0;
@@ -158,8 +158,9 @@ TEST_CASE("instrument whole: force and its middle are those of the pieces, and o
     CHECK(worst > 1e-6);  // they do differ: the two rules are not one
 }
 
-// Its points lie fixed in the material: the force is minus the slope of what they store, wherever the rods go within the step, with
-// all of the points in touch, some, or none. By differences of 1e-9 m, of which the fourth derivatives leave 1e-18/depth^2 of 3e-6 m: 1e-7.
+// Its points lie fixed in the material: the force is minus the slope of their energy, wherever the rods go within the step,
+// with all of the points in touch, some, or none. By differences of 1e-9 m, of which the fourth derivatives leave 1e-18/depth^2
+// of 3e-6 m: 1e-7.
 TEST_CASE("instrument whole: forces are the slope of one energy, which does not jump as a cell lifts")
 {
     Lying lying(3e-6, 1e-6, 3);
@@ -198,7 +199,8 @@ TEST_CASE("instrument whole: forces are the slope of one energy, which does not 
     CHECK(last == 0);  // and off it is
 }
 
-// Where a cell lies over the plane of the mouth, or its end is less than a fourth as deep as its middle, it is looked through.
+// Where a cell lies over the plane of the mouth, or its end is less than 1/4 as deep as its middle, the cell is searched
+// through.
 TEST_CASE("instrument whole: not at a mouth, nor where it hardly touches")
 {
     Lying lying(3e-6, 0, 1);

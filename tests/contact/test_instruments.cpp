@@ -1,4 +1,4 @@
-// Wires that touch each other: reference cases 16_rod_rod, and what must hold of any such contact.
+// Wires that touch each other: reference cases 16_rod_rod, and properties of any such contact.
 
 #include "contact/instrument_fixture.h"
 

@@ -211,8 +211,8 @@ TEST_SUITE("contact/law")
         }
     }
 
-    // Drawn over a corner by more than its radius in a step, a sphere that had no contact yet is deep in it on the corner's far side:
-    // along the normal there the move leads away. Taken as such it had no force, and no step after it a state.
+    // A sphere without contact is drawn over a corner by more than its radius in a step. It is then deep in the corner's far
+    // side, and along the normal there the move leads away. Taken as such it had no force, and no step after it a state.
     TEST_CASE("analytic: a sphere that a move brings deep into a corner is refused, one that was as deep before is not")
     {
         LawContext c{};
@@ -240,8 +240,8 @@ TEST_SUITE("contact/law")
         CHECK_FALSE(refused(v3(0, 0, 0)));              // it lies there
     }
 
-    // A fold of a segmented mesh, sharper than a point of the axis moves in a step: what it comes to lies behind the nearest facet, which it
-    // has not touched, and which therefore pushes nobody.
+    // A fold of a segmented mesh that is sharper than a point of the axis moves in a step. The point arrives behind the nearest
+    // facet, which it has not touched and which therefore does not push.
     TEST_CASE("analytic: a point that a step brings into a sharp fold of the wall is refused, one that comes out of it or never was in front is not")
     {
         OneQuadraturePoint point(line_model(steel(), {}, wall(), INFINITY, 1e-3));
@@ -314,7 +314,7 @@ TEST_SUITE("contact/law")
                 CHECK((now[0].flags & SEL_CONTACT_STUCK) == 0);
                 CHECK(ff == about(0.25 * fn).epsilon(1e-6));
                 CHECK(f.sliding_sum == about(ff).epsilon(1e-9));
-                // the anchor is dragged after the wire: what is left of the slip is what the cone holds
+                // the anchor is dragged after the wire: the rest of the slip is the cone's
                 CHECK(kt * std::hypot(now[0].slip[0], now[0].slip[1]) == about(0.25 * fn).epsilon(1e-6));
             }
             CHECK(ff <= 0.25 * fn * (1 + 1e-9));

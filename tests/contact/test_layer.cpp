@@ -1,4 +1,4 @@
-// kernels/shared/layer.h: the published layer, its box, its rays, and what it does wrong.
+// kernels/shared/layer.h: the published layer, its box, its rays, and its errors.
 
 #include "contact/wall_fixture.h"
 

@@ -1,5 +1,5 @@
-// Force of a straight wire held rigidly into a wall: what it is, and that it does not depend on how the wall's facets are cut.
-// (The total of a free wire always equals its weight and shows nothing.)
+// Force of a straight wire held rigidly into a wall: its value, and that it does not depend on how the wall's facets are cut.
+// The total of a free wire always equals its weight and shows nothing.
 
 #include "contact/held_wire.h"
 #include "contact/wall_law.h"

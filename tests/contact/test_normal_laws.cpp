@@ -372,11 +372,11 @@ TEST_SUITE("contact/normal_laws")
                 CHECK((report.flags & StepBestEffort) == 0);
                 check(report);
             }
-            // clamped and pinned, 20.19 B / L^2 = 80.8 mN, and the plane's friction of what is left of the buckling's swing
+            // clamped and pinned, 20.19 B / L^2 = 80.8 mN, and the plane's friction of the rest of the buckling's swing
             CHECK(world.readings(0).hand_force == about(20.19 * 1e-5 / (0.05 * 0.05)).epsilon(0.15));
             CHECK(world.readings(0).overlap < 0.99 * 0.4445e-3 / 2);
         };
-        // a wall as it is, a tenth and a hundredth of it, half a degree off the line
+        // a wall as it is, 10 % and 1 % of it, half a degree off the line
         for (const double stiffness : {1.5e8, 1e7, 1e6})
             push(stiffness, 0.01, [](const StepReport& report) { CHECK(report.sub_steps == 1); });
         // exactly on it: nothing leads out of the line, and the step must find the way itself

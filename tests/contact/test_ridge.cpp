@@ -53,8 +53,8 @@ Soup pyramid()
 
 }  // namespace
 
-// Central differences are exact to 1e-6 of the largest entry (one_quadrature_point.h). What is left out without ridges is f/d across the
-// ridge, beside a slope of 1.5 f/depth: 2/3 of depth/d = 1/40, of which 1/100 and more must show.
+// Central differences are exact to 1e-6 of the largest entry (one_quadrature_point.h). The part that is missing without ridges
+// is f/d across the ridge, beside a slope of 1.5 f/depth: 2/3 of depth/d = 1/40, of which 1/100 and more must show.
 TEST_CASE("ridge: the tangent has how the normal turns over a ridge and a corner")
 {
     for (const Soup& soup : {roof(), pyramid()})

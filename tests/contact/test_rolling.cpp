@@ -158,8 +158,8 @@ TEST_SUITE("contact/rolling")
                 continue;
             }
             const double driven = at.slides ? mu * gravity : (at.torque - rests) / (1.5 * rig.mass * r);
-            // 1 - depth/depth_max in the law makes K 0.1 % less, a thirtieth of what drives the wire at 1.03 K w. (The first half
-            // is left out: while the rolling spring winds up, nothing holds the wire yet, and it takes that speed along.)
+            // The factor 1 - depth/depth_max in the law makes K 0.1 % less, 1/30 of the drive at 1.03 K w. The first half is
+            // left out: while the rolling spring winds up, nothing holds the wire, and it keeps that speed.
             CHECK(path.driven == about(driven).epsilon(at.torque < 2 * rests ? 0.05 : 0.01));
             if (at.slides) CHECK(path.spin * r > path.speed * 1.01);
             else CHECK(path.spin * r == about(path.speed).epsilon(1e-3));

@@ -128,9 +128,9 @@ TEST_SUITE("contact/sliding")
     // A wire of 1 g, pressed on by 20 mN, pulled by a spring of 10 N/m whose end moves at 5 mm/s: A = (mu_s - mu_d) N / k,
     // slip lasts (2/w)(pi - atan(A w/V)), w^2 = k/m, stick 2A/V; force falls from mu_s N to (2 mu_d - mu_s) N.
     // The steady cycle is that of the formula; the first stroke begins from anchors as settled. Backward Euler damps a slip by
-    // pi w dt/2 = 0.4 %; the tip's own law (D6c), which a block has not, lets parts yield before others; and so does friction's
-    // moment: pulled on its axis and held at its surface the wire presses 6 mu r/L more on its front end than in the middle, less
-    // on the other, which yields first. Therefore a thin wire: 0.6 %.
+    // pi w dt/2 = 0.4 %. The tip's own law (D6c), which a block has not, lets parts slip before others. So does friction's
+    // moment: pulled on its axis and held at its surface, the wire presses 6 mu r/L more on its front end than in the middle,
+    // less on the other, which slips first. Therefore a thin wire: 0.6 %.
     TEST_CASE("analytic: pulled by a spring it sticks and slips with the period and stroke of the mass-spring model")
     {
         constexpr double dt = 2.5e-5, length = 0.05, k = 10, mass = 1e-3, load = 0.02, speed = 0.005, mu_static = 0.48,

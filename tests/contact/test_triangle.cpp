@@ -66,8 +66,8 @@ TEST_SUITE("contact/triangle")
     TEST_CASE("property: nearest distance agrees with a search over face and edges, slivers included")
     {
         Draw draw;
-        // Both answers solve a quotient whose divisor is (twice the area)^2 or an edge's square; a height of `flat` times the
-        // base costs eps / flat of the position across the sliver, but a point that is off along the sliver is still on it: the
+        // Both answers solve a quotient whose divisor is (twice the area)^2 or an edge's square. A height of `flat` times the
+        // base costs eps / flat of the position across the sliver. But a point that is off along the sliver is still on it: the
         // distance stays good to a few eps over flat of the height itself.
         for (double flat : {1.0, 1e-2, 1e-4, 1e-6}) {
             double worst = 0;

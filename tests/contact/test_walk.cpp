@@ -1,4 +1,4 @@
-// Nodes of the tree in the place of lists of triangles: what is left out must not matter, and little must be left to look at.
+// Nodes of the tree in place of lists of triangles: the nodes that are left out must not matter, and few must remain.
 
 #include "contact/wall_fixture.h"
 #include "shared/clearance.h"
@@ -34,7 +34,7 @@ struct Random {
     double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng); }
 };
 
-/// Every triangle as a BVH node of its own, with a box that nothing is outside of: nothing is left out.
+/// Every triangle as a separate BVH node, with a box that holds everything: nothing is left out.
 struct Everything {
     std::vector<TreeNode> nodes;
     std::vector<uint> near_nodes;
@@ -124,8 +124,8 @@ TEST_SUITE("contact/walk")
         REQUIRE(outside > 30);
     }
 
-    // Quadrature points that wander off from where their lists were found, and ask at every step: what is within the list's
-    // range, and what is not, both come up.
+    // Quadrature points that wander off from where their lists were found, and ask at every step: points within the list's
+    // range, and points beyond it, both come up.
     TEST_CASE("property: where a sphere says that nothing is touched, no triangle is within radius and reach")
     {
         Random draw;

@@ -84,8 +84,8 @@ TestSetup lowered_wire()
 
 }  // namespace
 
-// Hetenyi: w0 = q / (8 D beta^3), beta^4 = k_s / 4 D. The tolerance is that of the control mesh (an edge of a third of the decay
-// length of 6.1 mm and of two thirds); a floppy wire (its own decay length on this bed is 4 mm) keeps the load even.
+// Hetenyi: w0 = q / (8 D beta^3), beta^4 = k_s / 4 D. The tolerance is that of the control mesh (edges of 1/3 and 2/3 of the
+// decay length of 6.1 mm). A floppy wire (its own decay length on this bed is 4 mm) keeps the load even.
 TEST_CASE("a line load sinks into a plate as Hetenyi has it, whatever the two meshes")
 {
     const double q = 1.0, d = 1e6 * std::pow(0.0015, 3) / (12 * (1 - 0.45 * 0.45)), beta = std::pow(1e6 / (4 * d), 0.25);
@@ -250,8 +250,8 @@ Vec3 slope_near(const World& world, const Vec3& place, double reach)
 
 // A weight presses a dent beside a wire that lies across its side on both ends, without friction. What the wire feels is normal
 // to the wall where that has gone: f_x/f_z = -dz/dx (D11a); with the unmoved wall's normal it would be 0. Second order of the
-// slope is 0.1 % here; the plane through what lies within 2 mm of a dent that decays over 6 mm misses (2/6)^2/8 = 1.4 % of its
-// slope, and where the wire's own furrow bends over its 0.4 mm of width as much again of that: 15 % is four times both.
+// slope is 0.1 % here. The plane through the wall within 2 mm of a dent that decays over 6 mm misses (2/6)^2/8 = 1.4 % of its
+// slope. The wire's own furrow, 0.4 mm wide, misses as much again of its slope: 15 % is four times both.
 TEST_CASE("a wire on the side of a dent is pushed along the normal of the moved wall")
 {
     TestSetup setup = wire_on_plate(0.5, 5e-4, 0.003, 12000);

@@ -1,4 +1,4 @@
-// Every source file opens with a line that says what it is for, so that a listing of first lines is a map of the project.
+// Every source file opens with a line that says its purpose, so that a listing of first lines is a map of the project.
 
 #include <doctest/doctest.h>
 

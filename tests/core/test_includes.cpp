@@ -1,4 +1,4 @@
-// The folders' order (style guide, "who may include whom"), kept true by reading every #include line.
+// The folders' order (CONTRIBUTING.md), kept true by reading every #include line.
 
 #include <doctest/doctest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// folder -> folders it may include; "step" stands for the files of engine/ itself. No exceptions.
+// folder -> folders it may include; "step" means the files of engine/ itself. No exceptions.
 const std::map<std::string, std::set<std::string>> below = {
     {"shared", {}},
     {"core", {"shared"}},

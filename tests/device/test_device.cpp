@@ -1,4 +1,4 @@
-// What the step loop does on the device, the bits it gives on each, and what is said when something is wrong.
+// What the step loop does on the device, the bits it gives on each, and the messages when something is wrong.
 
 #include "support/skip.h"
 #include "support/world_fixture.h"

@@ -84,8 +84,8 @@ inline WallMesh stenosis(double radius, double neck, double at, double width, do
         length, rows, around);
 }
 
-/// A trunk along x of 40 mm and 4 mm radius that divides into two branches of 2.8 mm at +-35 degrees in the x-z plane; the carina
-/// is a saddle at about x = 43 mm whose edge runs along y.
+/// A trunk along x of 40 mm and 4 mm radius that divides into two branches of 2.8 mm at +-35 degrees in the x-z plane. The
+/// carina is a saddle at about x = 43 mm whose edge runs along y.
 inline WallMesh bifurcation(int triangles = 8000)
 {
     const auto line = [](Vec3 from, const Vec3& step, int count, double radius) {

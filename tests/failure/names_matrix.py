@@ -190,7 +190,7 @@ def try_obstacle(bench, command, kind, name):
     if kind in ("pipe", "device") and (not os.path.lexists(path) or stat.S_IFMT(os.lstat(path).st_mode) != what): return f"the {kind} is gone"
     if not said_well(done): return "no answer" if done is None else f"exit {done.returncode}: {done.stderr[-300:]!r}"
     for path, (form, rest) in listing("D").items():
-        # a second name of a file is that file: who can read it can read the other
+        # a second name of a file is that file: a reader of one is a reader of both
         if form == stat.S_IFREG and SECRET in rest and kind != "hard link": return f"{path!r} tells what somebody keeps to himself"
     return None
 

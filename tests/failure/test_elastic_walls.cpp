@@ -1,5 +1,5 @@
-// The rows of the other files again beside an elastic wall, of 0.1 and 1 MPa, and wires fed at 0.1 to 100 cm/s: inside the
-// lumen where the wall has moved to, and no step without a solution. A few of them for every run of the tests; all of them, which
+// The rows of the other files beside an elastic wall of 0.1 and 1 MPa, and wires fed at 0.1 to 100 cm/s. They stay inside the
+// lumen of the moved wall, and no step is without a solution. A few of them for every run of the tests; all of them, which
 // bench/wall_hard.py makes a table of, on demand.
 
 #include "failure/hard_vessels.h"
@@ -244,8 +244,8 @@ TEST_SUITE("failure/elastic_walls")
         }
     }
 
-    // Newton's first way to the equilibrium leads nowhere here; the next ones begin at the start again, wire and wall. What is found
-    // bears the weight: plane and wire turn by the dent's slope at most, 20 um over 5 mm.
+    // Newton's first way to the equilibrium leads nowhere here; the next ones begin at the start again, wire and wall. The feet
+    // that are found bear the weight: plane and wire turn by the dent's slope at most, 20 um over 5 mm.
     TEST_CASE("property: a wire settles on a tilted plane of 0.1 MPa, however many nodes it has")
     {
         constexpr double tilt = 0.1;

@@ -1,5 +1,5 @@
-// Folders that somebody else has made or can write to: links, second names, locks and names that lead elsewhere. What lies outside is as
-// it was afterwards, and is not told. Names x commands as a whole: names_matrix.py.
+// Folders that somebody else has made or can write to: links, second names, locks and names that lead elsewhere. Files outside
+// are unchanged afterwards, and are not shown. All names x commands: names_matrix.py.
 
 #include "apps/app_fixture.h"
 #include "core/error.h"

@@ -57,7 +57,7 @@ TEST_SUITE("failure/reproducers")
                 CHECK(verdict.readings.hand_force > 4);  // pushed hard: 4 pi^2 B / L^2 = 0.4 N would do to buckle it
                 if (law == NormalLaw::Barrier) CHECK(verdict.readings.overlap == 0);
             }
-            // samples keep r - depth_max = r / 2 from the wall; between two of them a bent edge bulges by less than a tenth
+            // samples keep r - depth_max = r / 2 from the wall; between two of them a bent edge bulges by less than 10 %
             CHECK(o.nearest > 0.4 * 0.6e-3);
         }
     }

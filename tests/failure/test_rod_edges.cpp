@@ -1,4 +1,4 @@
-// F11, F16 and bad input: the wire at the edges of what can be asked of it. Clear errors or right answers, never NaN.
+// F11, F16 and bad input: the wire at the limits of its input. Clear errors or right answers, never NaN.
 
 #include "core/error.h"
 #include "scene/scene.h"

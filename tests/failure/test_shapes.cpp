@@ -15,8 +15,8 @@ namespace {
 
 constexpr double radius = 0.4445e-3, pi = std::numbers::pi;
 
-/// The farthest that a stretch of the wire winds one way round the axis of a tube along x, nodes near the ends left out [rad]: a helix
-/// may turn back half-way, as a telephone cord does.
+/// The farthest that a stretch of the wire winds one way round the axis of a tube along x [rad]. Nodes near the ends are left
+/// out. A helix may turn back half-way, as a telephone cord does.
 double winding(const ConstRodView& rod)
 {
     double sum = 0, least = 0, most = 0;

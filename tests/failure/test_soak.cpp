@@ -51,7 +51,7 @@ void check_flat(const Held& before, const Held& after)
 {
     MESSAGE("memory " << before.memory_kb << " -> " << after.memory_kb << " kB, threads " << before.threads << " -> " << after.threads
                       << ", handles " << before.handles << " -> " << after.handles);
-    // a sanitizer's allocator keeps 256 MB of what was freed, to notice who still uses it
+    // a sanitizer's allocator keeps 256 MB of freed memory, to notice a later use
     if (allocations_are_counted()) CHECK(after.memory_kb <= before.memory_kb + slack_kb);
     CHECK(after.threads <= before.threads);
     CHECK(after.handles <= before.handles);
@@ -80,7 +80,7 @@ void move(Control& control, long k)
     control.move_to(0, start * (deep + stroke * wave(phase)), turns * wave(phase + 0.25));
 }
 
-/// What is compared from cycle to cycle: forces, energies, where the tip is, and what the ledger has grown by.
+/// Compared from cycle to cycle: forces, energies, where the tip is, and what the ledger has grown by.
 const std::array<std::string, 9> names = {"hand force",     "hand torque", "normal force", "friction",   "elastic energy",
                                           "tip x",          "tip z",       "energy put in", "energy open"};
 using Reading = std::array<double, std::tuple_size_v<decltype(names)>>;

@@ -63,7 +63,7 @@ struct Pressed {
     std::vector<ContactRow> end;
 };
 
-/// @param apart  along one wire, from where on it is looked at as another [m]
+/// @param apart along one wire, from where on it counts as another [m]
 Pressed press(World& world, const Control& control, double dt, int steps, double apart)
 {
     const int wires = world.wire_count();
@@ -144,7 +144,7 @@ double most_curved(const ConstRodView& rod)
     return most;
 }
 
-/// What is the same all along a wire that nothing rubs, whatever pushes it aside: its energy does not say where along it one is
+/// Constant along a wire without friction, whatever pushes it aside: its energy does not say where along it one is
 /// [Clauvelin09]. H = n.t + B kappa^2/2, of stretch N/EA counted as N + N^2/(2 EA), less what contact stores per length there.
 struct Balance {
     double least = INFINITY, most = -INFINITY;  // of H at inner nodes [N]
@@ -175,7 +175,7 @@ std::string tell(const Pressed& seen)
 }
 
 /// The law lets two surfaces overlap by half a radius and no more (instrument_law.h), so axes stay 1.5 radii apart; they are
-/// looked at as polygons, each off its curve by its sag.
+/// taken as polygons, each off its curve by its sag.
 void check_apart(const Pressed& seen, double radius)
 {
     CHECK(seen.nearest > 1.5 * radius - 2 * seen.sag);
@@ -262,8 +262,8 @@ TEST_SUITE("failure/touching_wires")
         made.wires = {fed_wire(coil, {0.0005, 0, 0}, 0.05)};
         World world(that_touch(made));
         const KeyFrames keys(made.keys());
-        // the tip goes straight for the pole of the sac, a point in which 32 facets end, and is there from 0.34 to 0.38 s: forces jump by
-        // 0.1 mN from facet to facet, and whether a step of h/512 ends beside a jump or on it is chance
+        // The tip moves straight to the pole of the sac, a point in which 32 facets end, and is there from 0.34 to 0.38 s.
+        // Forces jump by 0.1 mN from facet to facet, and whether a step of h/512 ends beside a jump or on it is chance
         Pressed at_pole = press(world, keys.control(), 1e-3, 400, 20 * 0.15e-3);
         CHECK(at_pole.best_effort <= 20);
         at_pole.best_effort = 0;
@@ -277,8 +277,8 @@ TEST_SUITE("failure/touching_wires")
 
     TEST_CASE("property: an overhand knot drawn tight, until its strands touch all along")
     {
-        // what a tight one takes up is some ten diameters [Pieranski]: with 9.7 left it is closed on itself, its strands bent beyond the
-        // curvature 1/(2 r) at which the nearest place of a point of the other strand splits in two
+        // A tight knot takes some ten diameters [Pieranski]. With 9.7 left it is closed on itself. Its strands are bent beyond
+        // the curvature 1/(2 r) at which the nearest place of a point of the other strand splits in two
         const double r = 0.18e-3;
         for (const double mu : {0.0, 0.1}) {
             CAPTURE(mu);

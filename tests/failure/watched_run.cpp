@@ -161,7 +161,7 @@ Outcomes watch(TestSetup setup, const Method& method, double dt, int steps, doub
 Outcomes watch_row(const char* row, const TestSetup& setup, const Method& method, double dt, int steps)
 {
     WatchedRun run(setup, method, dt);
-    // a method that is jammed is not worth the hundreds of sub-steps with which it goes on: the third such step is its last
+    // a jammed method is not worth hundreds of sub-steps: the third such step is its last
     int left = 3;
     run.run(steps, [&](FedWorld& world) {
         return method.scheme != Scheme::Linearised || world.report(0).sub_steps < 256 || --left > 0;

@@ -1,6 +1,6 @@
 #pragma once
 // What the failure suite (docs/failures.md, F1 ... F17) has in common: the two methods that are compared, and a run that is
-// watched step by step with the criteria of study/classify.h and, beside the engine's own readings, with the exact distance of
+// watched step by step. The criteria are those of study/classify.h and, beside the engine's own readings, the exact distance of
 // the axis to the wall.
 
 #include "study/classify.h"
@@ -36,8 +36,8 @@ inline constexpr Method explicit_steps{"explicit", Scheme::Explicit, Detection::
 
 void use(TestSetup& setup, const Method& method);
 
-/// What a run came to: the verdict per wire, and what the fixture measured itself. Distances are to the wall where it is: beside
-/// one that yields the lumen is made anew each time it is looked at. What such a wall gives back is work on the wire.
+/// What a run came to: the verdict per wire, and what the fixture measured itself. Distances are to the wall where it is:
+/// beside an elastic one the lumen is made anew for each check. What such a wall gives back is work on the wire.
 struct Outcomes {
     std::vector<Verdict> wires;
     double nearest = 1;    // least signed distance of any point of any axis to the wall, openings left aside [m]; < 0: outside

@@ -21,7 +21,7 @@ void read_as(Bytes bytes, const char* name)
     (void)remarks_in(text_of(bytes), name);  // refuses nothing
 }
 
-/// As vessel_load.cpp and the `vessel` command do. What is said of a mesh that is taken has to be a number.
+/// As vessel_load.cpp and the `vessel` command do. Every reading of an accepted mesh has to be a number.
 void prepare(const std::string& bytes, const char* name)
 {
     answer([&] {

@@ -1,4 +1,5 @@
-// Fuzz targets of what a run, a live session and a farm save: their checksums are put right, so that what is behind them is reached.
+// Fuzz targets of what a run, a live session and a farm save: their checksums are put right, so that the code behind them is
+// reached.
 #include "fuzz_saved.h"
 #include "fuzz_support.h"
 
@@ -119,7 +120,8 @@ void farm(Bytes bytes)
     read_plan(parts[0], parts[1]);
 }
 
-/// What a study goes on from: a trajectory without its checksum, compared with itself, or, after a first byte of 'r', a table of results.
+/// Saved files of a study: a trajectory without its checksum, compared with itself, or, after a first byte of 'r', a table of
+/// results.
 void kept(Bytes bytes)
 {
     const bool is_table = !bytes.empty() && bytes[0] == 'r';

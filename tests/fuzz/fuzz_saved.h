@@ -42,7 +42,7 @@ inline std::string sealed(std::string_view magic, std::string_view payload)
 
 inline std::string unsealed(const std::string& file) { return file.substr(16, file.size() - 24); }
 
-/// A live record (session/session_record.h) without the checksums of its blocks, with them; what is no whole block stays as it is.
+/// A live record (session/session_record.h) without the checksums of its blocks, with them; an incomplete block stays as it is.
 inline std::string with_sums(std::string_view rest)
 {
     std::string file;

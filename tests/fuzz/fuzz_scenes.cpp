@@ -57,7 +57,7 @@ keys = [ {t_s = 0.0, advance_m = 0.004}, {t_s = 1.0, advance_m = 0.084} ]
 
 }  // namespace
 
-/// The scene, what it includes as "part.toml", and settings of --set a line each.
+/// The scene, its include "part.toml", and settings of --set a line each.
 void scene(Bytes bytes)
 {
     const std::vector<std::string> parts = parts_of(bytes, 3);

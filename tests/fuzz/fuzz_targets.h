@@ -1,6 +1,6 @@
 #pragma once
-// What is fed with any bytes: each reader of what comes from outside. An Error is an answer; anything else that is thrown, and whatever
-// the sanitizers see, is a crash. Where a checksum guards a file it is put right first, so that what lies behind it is reached.
+// Each reader of outside data, fed with any bytes. An Error is an answer; anything else that is thrown, and whatever the
+// sanitizers see, is a crash. Where a checksum guards a file it is put right first, so that the code behind it is reached.
 
 #include <cstddef>
 #include <cstdint>

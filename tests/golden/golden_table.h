@@ -7,7 +7,7 @@
 
 namespace seldinger::test {
 
-/// One wire: a scene, what is set in it, and the hash of its state at the end.
+/// One wire: a scene, its settings, and the hash of its state at the end.
 struct GoldenRow {
     std::string hash;                   // 16 hex digits, as state_hash in summary.json
     std::string duration;               // [s], or "whole": as the scene has it

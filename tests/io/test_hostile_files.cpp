@@ -1,5 +1,5 @@
-// Mesh files that were made to crash, hang or fill the memory: each kind as a small one of our own. What lies on the other side
-// of each bound is read.
+// Mesh files that were made to crash, hang or fill the memory: each kind as a small one of our own. Files on the other side of
+// each bound are read.
 #include "core/error.h"
 #include "io/centreline_file.h"
 #include "io/mesh_file.h"
@@ -26,7 +26,7 @@ using namespace seldinger;
 
 namespace {
 
-/// "" when it was read, else what was said.
+/// "" when it was read, else the message.
 template <class Work>
 std::string refusal(const Work& work)
 {
@@ -236,7 +236,7 @@ TEST_SUITE("io/hostile_files")
                 "</PointData></Piece></PolyData></VTKFile>",
                 "x.vtp", "mm");
         });
-        CHECK(has(said, "holds no line"));
+        CHECK(has(said, "got no line"));
     }
 
     TEST_CASE("property: a centreline's places and radii are bounded, too")

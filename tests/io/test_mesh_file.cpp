@@ -164,7 +164,7 @@ TEST_SUITE("scene/mesh_file")
     TEST_CASE("analytic: a concave polygon is cut into triangles of its own area")
     {
         const TestFolder folder;
-        // an L of three unit squares; a fan from its first corner would cover what is not there
+        // an L of three unit squares; a fan from its first corner would cover empty space
         const std::string text =
             "# vtk DataFile Version 3.0\nL\nASCII\nDATASET POLYDATA\nPOINTS 6 double\n2 0 0 2 1 0 1 1 0 1 2 0 0 2 0 0 0 0\n"
             "POLYGONS 1 7\n6 0 1 2 3 4 5\n";
@@ -200,10 +200,10 @@ TEST_SUITE("scene/mesh_file")
             head + "BINARY\nDATASET POLYDATA\nPOINTS 4 float\n" + points + "\nPOLYGONS 4 16\n" + cells + "\n";
         check_tetrahedron(read_mesh(folder.write("binary.vtk", binary), "mm"), 1e-3);
         CHECK(refusal(folder.write("cut.vtk", binary.substr(0, binary.size() - 20))).find("cut off") != std::string::npos);
-        CHECK(refusal(folder.write("grid.vtk", head + "ASCII\nDATASET UNSTRUCTURED_GRID\n")).find("POLYDATA is expected") !=
+        CHECK(refusal(folder.write("grid.vtk", head + "ASCII\nDATASET UNSTRUCTURED_GRID\n")).find("expected POLYDATA") !=
               std::string::npos);
         CHECK(refusal(folder.write("lie.vtk", head + "ASCII\nDATASET POLYDATA\nPOINTS 4000000000 float\n1 2 3\n"))
-                  .find("more than") != std::string::npos);
+                  .find("no more than") != std::string::npos);
     }
 
     TEST_CASE("property: ASCII STL, and polygons of a PLY")
@@ -293,32 +293,32 @@ TEST_SUITE("scene/mesh_file")
         // nothing to read of an element without properties, however many there are
         CHECK(ply(ascii + "element nothing 18446744073709551615\n" + three + vertices + one + faces + end + points + "3 0 1 2\n")
                   .empty());
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "200 0 1 2\n").find("list of 200") !=
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "200 0 1 2\n").find("announces 200 items") !=
               std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 3\n").find("names vertex 3") !=
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 3\n").find("got vertex 3 in a face; expected 0 to 2") !=
               std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 -1\n").find("names vertex -1") !=
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 -1\n").find("got vertex -1 in a face") !=
               std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 1e300\n").find("is expected") !=
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 1e300\n").find("expected the number of a face's vertex") !=
               std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1\n").find("is expected") != std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "-3 0 1 2\n").find("list of -3") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1\n").find("expected a number") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "-3 0 1 2\n").find("announces -3 items") != std::string::npos);
         CHECK(ply(ascii + three + vertices + one + faces + end + "0 0 x\n").find("announces") != std::string::npos);
         CHECK(ply(ascii + three + vertices + one + faces + end + "0 0 x\n" + points + "3 0 1 2\n").find("\"x\"") !=
               std::string::npos);
-        CHECK(ply(ascii + three + "property float x\n" + one + faces + end + points).find("no x, y and z") != std::string::npos);
+        CHECK(ply(ascii + three + "property float x\n" + one + faces + end + points).find("without x, y and z") != std::string::npos);
         CHECK(ply(ascii + three + vertices + one + "property list uchar int other\n" + end + points + "3 0 1 2\n")
                   .find("vertex_indices") != std::string::npos);
-        CHECK(ply(ascii + three + "property real x\n" + end).find("no known type") != std::string::npos);
-        CHECK(ply(ascii + "property float x\n" + end).find("before any element") != std::string::npos);
+        CHECK(ply(ascii + three + "property real x\n" + end).find("expected a type of PLY") != std::string::npos);
+        CHECK(ply(ascii + "property float x\n" + end).find("expected an element before it") != std::string::npos);
         CHECK(ply("ply\n" + three + vertices + one + faces + end + points + "3 0 1 2\n").find("no format") != std::string::npos);
         CHECK(ply(ascii + three + vertices + end + points).find("no faces") != std::string::npos);
         CHECK(ply(ascii + three + vertices).find("end_header") != std::string::npos);
         const auto obj = [&](const std::string& text) { return refusal(folder.write("lie.obj", text)); };
         CHECK(obj("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").empty());  // a face before its vertices
-        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n").find("names vertex 4") != std::string::npos);
-        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n").find("names vertex") != std::string::npos);
-        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n").find("face's vertex is expected") != std::string::npos);
+        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n").find("got vertex 4 in a face; expected 1 to 3") != std::string::npos);
+        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n").find("got vertex") != std::string::npos);
+        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n").find("expected the number of a face's vertex") != std::string::npos);
         CHECK(obj("v 0 0 0\nv 1 0\n").find("vertex 2") != std::string::npos);
         CHECK(obj("g nothing\n").find("no triangle") != std::string::npos);
         CHECK(refusal(folder.write("c.stl",
@@ -365,8 +365,8 @@ TEST_SUITE("scene/mesh_file")
         CHECK(refusal(vtp_with("0 2 1 0 1 3", "0 2 1 0 1 7")).find("not there") != std::string::npos);
         CHECK(refusal(vtp_with("0 2 1 0 1 3", "0 2 1 0 1 -1")).find("not there") != std::string::npos);
         CHECK(refusal(vtp_with("3 6 9 12", "3 9 6 12")).find("damaged") != std::string::npos);
-        CHECK(refusal(vtp_with("0 0 0 1 0 0", "0 0 0 x 0 0")).find("is not a number") != std::string::npos);
-        CHECK(refusal(vtp_with("type=\"PolyData\"", "type=\"ImageData\"")).find("not PolyData") != std::string::npos);
+        CHECK(refusal(vtp_with("0 0 0 1 0 0", "0 0 0 x 0 0")).find("expected a number") != std::string::npos);
+        CHECK(refusal(vtp_with("type=\"PolyData\"", "type=\"ImageData\"")).find("expected PolyData") != std::string::npos);
         CHECK(refusal(folder.write("no.vtp", "hello")).find("XML") != std::string::npos);
         std::string zlib = sample("inline_zlib");
         const std::size_t at = zlib.find("eF5j");  // where the first zlib stream begins

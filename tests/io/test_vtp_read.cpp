@@ -151,19 +151,19 @@ TEST_SUITE("core/vtp_read")
     TEST_CASE("regression: damage is named and never read past")
     {
         const std::array<std::string, 3> good = {"0 0 0 1.5 0 0 0 -2.25 1e-3", "0 1 2", "3"};
-        check_damaged("", "not a VTK XML file");
-        check_damaged("<VTKFile type=\"UnstructuredGrid\"/>", "not PolyData");
+        check_damaged("", "got no VTK XML file");
+        check_damaged("<VTKFile type=\"UnstructuredGrid\"/>", "expected PolyData");
         check_damaged(file("", {ascii, ascii, ascii}, {"0 0 0 1.5", good[1], good[2]}), "expected 3 x 3");
         check_damaged(file("", {ascii, ascii, ascii}, {"0 0 0 1.5 zero", good[1], good[2]}), "\"zero");
-        check_damaged(file("", {ascii, ascii, ascii}, {good[0], "0 1 7", good[2]}), "a point that is not there");
+        check_damaged(file("", {ascii, ascii, ascii}, {good[0], "0 1 7", good[2]}), "which is not there");
         check_damaged(file("", {ascii, ascii, ascii}, {good[0], good[1], "9"}), "damaged");
         check_damaged(file("compressor=\"vtkLZ4DataCompressor\"", {ascii, ascii, ascii}, good), "vtkLZ4DataCompressor");
         const std::string far = "format=\"appended\" offset=\"100000\"";
         check_damaged(file("", {far, ascii, ascii}, good, "<AppendedData encoding=\"raw\">_xx</AppendedData>"), "beyond the end");
         const std::string cut = base64(head<std::uint32_t>({72}) + blocks[0].substr(0, 66));
         const std::string huge = base64(head<std::uint32_t>({4000000000u}));
-        check_damaged(file("", {binary, ascii, ascii}, {cut, good[1], good[2]}), "cut short");
-        check_damaged(file("", {binary, ascii, ascii}, {huge, good[1], good[2]}), "longer than the file");
+        check_damaged(file("", {binary, ascii, ascii}, {cut, good[1], good[2]}), "got an array of");
+        check_damaged(file("", {binary, ascii, ascii}, {huge, good[1], good[2]}), "announces 4000000000 bytes");
     }
 }
 

@@ -137,7 +137,7 @@ TEST_SUITE("solve/band_matrix")
             }
     }
 
-    // Sylvester: an indefinite matrix has a pivot that is not positive. The raised factorisation stands for a definite matrix,
+    // Sylvester: an indefinite matrix has a pivot that is not positive. The raised factorisation is that of a definite matrix,
     // so that the direction it gives always goes downhill: x . rhs > 0.
     TEST_CASE("property: an indefinite matrix has its pivots raised and still gives descent")
     {

@@ -53,7 +53,7 @@ Columns between(int a, int b)
     return columns;
 }
 
-/// Of a symmetric or unsymmetric C, row by row.
+/// For a symmetric or unsymmetric C, row by row.
 std::vector<double> rows_of(const MatrixXd& c)
 {
     std::vector<double> rows;
@@ -109,7 +109,7 @@ TEST_SUITE("math/banded_solver")
         for (int i = 0; i < size; ++i) CHECK(x[i] == y[i]);
     }
 
-    // errors: eps times the condition of what is solved, at most a few hundred here
+    // errors: eps times the condition of the system, at most a few hundred here
     TEST_CASE("analytic: far nodes joined by springs, against the dense matrix")
     {
         std::mt19937 rng(2);

@@ -1,4 +1,4 @@
-// Unknowns beside the band against the dense matrix that they stand for.
+// Unknowns beside the band against the dense matrix of the same system.
 
 #include "math/banded_solver.h"
 

@@ -159,7 +159,7 @@ TEST_SUITE("math/node_factors")
         REQUIRE(negative == 4);
         CHECK(solver.factor_unsymmetric() == negative);
         CHECK(miss(solved(solver, any_vector()), a.partialPivLu().solve(any_vector())) < 1e-10);
-        // LDL^T raises as many at least, and what it solves with is positive definite
+        // LDL^T raises as many at least, and its factor is positive definite
         CHECK(solver.factor_symmetric() >= negative);
         CHECK(any_vector().dot(solved(solver, any_vector())) > 0);
         // a zero row: no factors
@@ -247,7 +247,7 @@ TEST_SUITE("math/node_factors")
         for (int i = 0; i < size; ++i) CHECK(x[i] == y[i]);
     }
 
-    // two in turn reach four nodes ahead, and what is eliminated fills no more than that; one after the other, the second rod's
+    // two in turn reach four nodes ahead, and the eliminated ones fill no more than that; one after the other, the second rod's
     // nodes stay coupled with all that the first one has left
     TEST_CASE("property: nodes in turn fill a narrow strip, one rod after the other nearly everything")
     {

@@ -16,7 +16,7 @@ namespace seldinger::testing {
 using std::numbers::pi;
 using test::about;
 
-/// Of one stiffness, curved over a part at its tip. [N m^2], [1/m], [m]
+/// A wire of one stiffness, curved over a part at its tip. [N m^2], [1/m], [m]
 inline WireSpec instrument_spec(double length, double bend, double twist, double curved = 0, double curvature = 0)
 {
     WireSpec spec;
@@ -36,7 +36,7 @@ inline WireSpec instrument_spec(double length, double bend, double twist, double
 
 class Coaxial {
 public:
-    /// Straight from the origin along +x, with the tip of the longest at node 0; all angles 0, where a natural curvature (k, 0)
+    /// Straight from the origin along +x, with the tip of the longest at node 0 and all angles 0. A natural curvature (k, 0)
     /// bends towards +y and one that is turned by `angle` towards (cos, -sin) in (y, z).
     /// @param inserted  beyond the sleeve [m]
     Coaxial(std::vector<WireSpec> instruments, const std::vector<double>& inserted, int edges)

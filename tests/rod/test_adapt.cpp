@@ -1,4 +1,4 @@
-// engine/rod/adapt.cpp: what is refined, what is coarsened, what stays; and that it comes to an end.
+// engine/rod/adapt.cpp: refined edges, coarsened edges, kept edges; and that it ends.
 
 #include "rod/adapt.h"
 #include "rod/rod_fixture.h"

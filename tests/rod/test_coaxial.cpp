@@ -14,7 +14,7 @@ using namespace seldinger::testing;
 
 namespace {
 
-/// Of random stiffness and natural curvature in sections [begin, end] of its length; scaled so that all is of order 1.
+/// Random stiffness and natural curvature in sections [begin, end] of its length, scaled so that all is of order 1.
 WireSpec random_spec(std::mt19937& rng, double length, int sections, bool curved)
 {
     std::uniform_real_distribution<double> sign(-1, 1), positive(0.5, 1.5);

@@ -254,7 +254,7 @@ TEST_SUITE("rod/coaxial cases")
         CHECK_FALSE(stable_at_pi(0.13777 * (1 + 2e-4)));
     }
 
-    // 15_coaxial/torsion_snap: the branch ends at a base angle of 317.748 deg, the tip being at 71.538 deg, and goes on at
+    // 15_coaxial/torsion_snap: the branch ends at a base angle of 317.748 deg, the tip being at 71.538 deg, and resumes at
     // 355.671
     TEST_CASE("analytic: snapping")
     {
@@ -276,7 +276,7 @@ TEST_SUITE("rod/coaxial cases")
         CHECK(std::abs(tip - 355.671) < 0.5);
     }
 
-    // What lies straight behind the sleeve as a compliance there, or as a part of the centreline
+    // The straight length behind the sleeve as a compliance there, or as a part of the centreline
     TEST_CASE("equal: twist of what is still behind the inlet")
     {
         Vec3 tips[2];

@@ -80,7 +80,7 @@ std::vector<std::vector<RodClamp>> clamp_sets(const OneWire& wire)
     };
 }
 
-/// A step of random size `size` in every unknown, and what it does.
+/// A step of random size `size` in every unknown, and its work.
 struct Step {
     RodFrames before;
     std::vector<double> turned;

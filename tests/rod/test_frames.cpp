@@ -134,7 +134,7 @@ TEST_SUITE("rod/frames")
             }
     }
 
-    // The reference twist follows a slow loop of the shape past pi: what is wound in must come out again
+    // The reference twist follows a slow loop of the shape past pi, and returns to its start
     TEST_CASE("property: reference twist is continuous over many turns")
     {
         // three edges; the last swings around a cone about the middle one while the first swings the other way
@@ -158,7 +158,7 @@ TEST_SUITE("rod/frames")
             last = wire.rod.ref_twist[2];
         }
         CHECK(largest_jump < 0.01);
-        // each turn of the cone of half angle 0.5 winds by its solid angle, 2 pi (1 - cos 0.5); transport is that of the
+        // Each turn of the cone of half angle 0.5 winds by its solid angle, 2 pi (1 - cos 0.5). Transport is that of the
         // 1000-sided cone, an area smaller by the order of (2 pi/1000)^2
         CHECK(std::abs(last) == about(4 * 2 * pi * (1 - std::cos(0.5))).epsilon(1e-4));
     }

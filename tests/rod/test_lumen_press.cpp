@@ -37,8 +37,9 @@ double in_all(const LumenPress& press)
 
 TEST_SUITE("rod/lumen press")
 {
-    // From one side of the lumen to the other over l, where B y'' falls from M to 0: M l^2/(6 B) = 2 c. The rim's place gives by
-    // F/(K h), which adds to 2 c, and l is whole places: F is less by a quarter of F/(K h c), and off by a place at either end, 2 h/l.
+    // From one side of the lumen to the other over l, where B y'' falls from M to 0: M l^2/(6 B) = 2 c. The rim's node gives by
+    // F/(K h), which adds to 2 c, and l is a whole number of nodes. F is less by a quarter of F/(K h c), and off by a place at
+    // either end, 2 h/l.
     TEST_CASE("analytic: a moment that comes in at a mouth is a couple over sqrt(12 B c/M)")
     {
         for (const double moment : {2e-4, 5e-4, 1e-3})

@@ -1,4 +1,4 @@
-// rod/no_state.h: what is drawn out or crushed, what is only short and misplaced, and what a residual throws.
+// rod/no_state.h: states drawn out or crushed, states only short and misplaced, and what a residual throws.
 
 #include "rod/no_state.h"
 

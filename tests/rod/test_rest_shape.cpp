@@ -46,7 +46,7 @@ TEST_SUITE("rod/rest_shape")
         set_rest_shape(wire.rod, spec, false);
         const RodView& rod = wire.rod;
 
-        // node 2 at 0.2 stands for 0.15..0.25, edge 1 for 0.1..0.2; 0.02 and 0.07 of them are tip
+        // node 2 at 0.2 covers 0.15..0.25, edge 1 for 0.1..0.2; 0.02 and 0.07 of them are tip
         CHECK(rod.bend_stiffness[2] == about(0.1 / (0.02 / 1e-3 + 0.08 / 1.0)));
         CHECK(rod.twist_stiffness[2] == about(0.1 / (0.02 / 2e-3 + 0.08 / 0.8)));
         CHECK(rod.rest_kappa1[2] == about(20 * 0.02));

@@ -248,9 +248,8 @@ TEST_SUITE("rod/split")
         CHECK(twist[2] < 0.1 * twist[0]);
     }
 
-    // The base edge of a wire that slides out of a sleeve along its own arc: a node born at the sleeve changes forces by the
-    // length of the new base edge against the old (the polygon's own error times that), and no edge is stretched by what it does
-    // to speeds.
+    // The base edge of a wire that slides out of a sleeve along its own arc. A node born at the sleeve changes forces by the
+    // polygon's error times the ratio of the new and old base edge. Its change of speeds stretches no edge.
     TEST_CASE(
         "property: a node born at the sleeve leaves moments, speeds and lengths as they are, the more the nearer it is born")
     {
@@ -277,7 +276,7 @@ TEST_SUITE("rod/split")
             // between the last nodes no length changes; the base edge grows as fast as the new node leaves it
             CHECK(std::abs(rod.tangent(9).dot(rod.vel(10) - rod.vel(9))) < 1e-14);
             CHECK(result.base_rate == about(-rod.tangent(10).dot(rod.vel(10))).epsilon(1e-12));
-            // what stays goes on as it did, but for the polygon's momentum of one node in ten
+            // the rest moves as before, except for the polygon's momentum of one node in ten
             CHECK(std::abs(rod.vel(9).norm() / speed - 1) < 0.1 * 0.05 * 0.05);
             // chord against arc: an angle kappa h/2 of 0.05, phi^2/2 of the speed
             CHECK(std::abs(result.base_rate / speed - 1) < 0.05 * 0.05 / 2 * 1.2);

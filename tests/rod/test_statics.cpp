@@ -78,8 +78,8 @@ double observed_order(double coarse, double fine) { return std::log2(coarse / fi
 
 TEST_SUITE("rod/elastic")
 {
-    // every inner node of a polygon turns by phi = 2 pi/n, and E = B f^2/(2 l): f = 2 tan(phi/2) [Bergou08, sec. 4.2.1], or phi
-    // but for 7 phi^5/1440 (rod/curvature.h; the next term is 3e-3 of that here)
+    // Every inner node of a polygon turns by phi = 2 pi/n, and E = B f^2/(2 l). Here f = 2 tan(phi/2) [Bergou08, sec. 4.2.1],
+    // or phi but for 7 phi^5/1440 (rod/curvature.h; the next term is 3e-3 of that here)
     TEST_CASE("analytic: energy of an arc of nodes")
     {
         for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent}) {

@@ -1,6 +1,5 @@
-// Two items of a loop that write the same number: what `./dev sanitize thread` must find, or it would find nothing of ours
-// either. known_race clean: the same loop with items that write what is their own, after and before what the caller writes and
-// reads.
+// Two items of a loop that write the same number: the thread sanitizer must find this race.
+// With `clean`, the same loop has items that write only their own data, before and after accesses of the caller.
 #include "core/parallel.h"
 
 #include <chrono>

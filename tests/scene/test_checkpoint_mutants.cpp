@@ -1,5 +1,5 @@
-// Checkpoints and saved states that were altered and sealed anew: each is refused in one line or run, and the world that refused
-// one is what it was. SELDINGER_MUTANTS=N tries so many of each.
+// Checkpoints and saved states that were altered and sealed anew: each is refused in one line or run, and the world that
+// refused one is unchanged. SELDINGER_MUTANTS=N tries so many of each.
 
 #include "core/bytes.h"
 #include "core/error.h"

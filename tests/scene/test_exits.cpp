@@ -1,4 +1,4 @@
-// Tips that leave through openings: which, when, and what is no exit.
+// Tips that leave through openings: which and when; and paths that are no exit.
 #include "scene/exits.h"
 
 #include "scene/scene.h"

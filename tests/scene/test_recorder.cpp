@@ -1,4 +1,4 @@
-// The parts of a recording on their own: VTK files, checkpoints, tables with numbers that are none.
+// The parts of a recording on their own: VTK files, checkpoints, tables with non-finite numbers.
 
 #include "core/error.h"
 #include "io/vtp_read.h"

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "scene/scene.h"
 #include "scene/toml_table.h"
+#include "support/error_text.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -49,7 +50,7 @@ void check_mistake(const Mistake& mistake)
         INFO(message);
         CHECK(error.code() == mistake.code);
         CHECK(message.find('\n') == std::string::npos);
-        CHECK(message.find(mistake.says) != std::string::npos);
+        CHECK(test::says(message, mistake.says));
     }
 }
 
@@ -85,6 +86,24 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({fed,
                        {"feed.keys.1.advanced_m=0.2"},
                        "feed.keys.advanced_m: unknown key; the nearest known one is feed.keys.advance_m"});
+    }
+
+    TEST_CASE("property: UTF-16 and paths with backslashes are answered with what to do")
+    {
+        std::string wide = "\xFF\xFE";
+        for (const char c : good) wide += c, wide += '\0';
+        for (const std::string& text : {wide, wide.substr(2)}) {
+            try {
+                (void)read_scene_text(text, "bad.toml", {});
+                FAIL_CHECK("was accepted");
+            } catch (const Error& error) {
+                CHECK(std::string(error.what()) == "bad.toml: got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
+            }
+        }
+        check_mistake({good + "[vessel]\nmesh = \"C:\\vessels\\a.stl\"\n", {}, "write paths with /, or in single quotes"});
+        // \t and \b are escapes: TOML, but no path
+        check_mistake({good + "[vessel]\nmesh = \"C:\\temp\\b.stl\"\n", {}, "write paths with /, or in single quotes", ExitCode::BadFile});
+        check_mistake({good + "[vessel]\nmesh = 'meshes\\a.stl'\n", {}, "write paths with /", ExitCode::BadFile});
     }
 
     TEST_CASE("property: syntax errors carry file, line and column")
@@ -186,7 +205,7 @@ TEST_SUITE("scene/scene_errors")
     TEST_CASE("property: a word that is none of the choices is answered with the choices")
     {
         check_mistake(
-            {good, {"contact.detection=rays"}, "expected one of \"swept\", \"capsule\", \"layer\", \"nodes\", got 'rays'"});
+            {good, {"contact.detection=rays"}, "got 'rays'; expected one of \"swept\", \"capsule\", \"layer\", \"nodes\""});
         for (const auto key : {"scene.until", "scene.start", "wire.rest", "wire.curvature", "integrator.scheme",
                                "integrator.spins", "contact.normal", "contact.friction", "vessel.shape"})
             check_mistake({good, {std::string(key) + "=nonsense"}, std::string(key) + ": expected one of"});

@@ -1,8 +1,10 @@
-// [[instrument]] and [coaxial]: what is read, that it is written back to the same scene, and one line for whatever is wrong.
+// [[instrument]] and [coaxial]: the scene that is read, that it is written back to the same scene, and one line for whatever is
+// wrong.
 #include "core/error.h"
 #include "scene/key_frames.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "support/error_text.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -53,7 +55,7 @@ std::string error_of(const std::string& text, const std::vector<std::string>& se
     return "";
 }
 
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::says;
 
 }  // namespace
 

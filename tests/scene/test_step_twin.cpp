@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <numeric>
@@ -20,16 +21,16 @@ using namespace seldinger;
 namespace {
 
 /// A wire fed round a bend: contact, friction, a hand that feels both.
-Scene bend(double dt)
+Scene bend(double dt, double duration = 1.2)
 {
-    return read_scene_text(fmt::format("[scene]\nduration_s = 1.2\ndt_s = {}\n"
+    return read_scene_text(fmt::format("[scene]\nduration_s = {}\ndt_s = {}\n"
                                        "[wire]\nlength_m = 0.12\nradius_m = 0.0004445\ndensity = 7900.0\nbend_nm2 = 2e-4\ntwist_nm2 = 1.5e-4\n"
                                        "stretch_n = 1e4\nnodes = 41\n"
                                        "[vessel]\nshape = \"arc\"\nradius_m = 0.004\nbend_radius_m = 0.03\nangle_deg = 90.0\nlead_in_m = 0.02\n"
                                        "lead_out_m = 0.05\ntriangles = 6000\n"
                                        "[contact]\nmu_static = 0.25\nmu_sliding = 0.2\n"
                                        "[feed]\ninlet = \"auto\"\nkeys = [{{ t_s = 0.0, advance_m = 0.0 }}, {{ t_s = 1.2, advance_m = 0.07 }}]\n",
-                                       dt),
+                                       duration, dt),
                            "bend.toml");
 }
 
@@ -67,6 +68,42 @@ Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Alw
 
 TEST_SUITE("scene/step_twin")
 {
+    TEST_CASE("property: forces at the end are means over 20 ms, so that steps of 1 and 4 ms agree within what the force changes in that time")
+    {
+        struct AtEnd {
+            ErrorEstimate estimate;
+            double change = 0, change_of_50_steps = 0;  // of the hand force over its last 20 ms and 50 steps [N]
+        };
+        const auto at_end = [](double dt) {
+            const Scene scene = bend(dt, 0.8);  // the tip is in the bend: the force rises
+            World world(make_setup(scene));
+            const KeyFrames key_frames(scene);
+            StepTwin twin(scene, world, 0);
+            std::vector<double> hand;
+            for (long k = 0; k < scene.steps(); ++k) {
+                REQUIRE_FALSE(step(world, key_frames.control(), scene.step_length(k)).failed());
+                const WireReadings now = joint_readings(world, 0);
+                hand.push_back(now.hand_force);
+                twin.stepped(world, now, k + 1);
+            }
+            const auto change = [&](double steps) {
+                const auto [low, high] = std::minmax_element(hand.end() - std::lround(steps), hand.end());
+                return *high - *low;
+            };
+            return AtEnd{twin.finish(StepTwin::Finer::Never), change(0.02 / dt), change(50)};
+        };
+        const AtEnd fine = at_end(1e-3), coarse = at_end(4e-3);
+        CHECK(fine.estimate.end_seconds == doctest::Approx(0.02).epsilon(1e-9));
+        CHECK(coarse.estimate.end_seconds == doctest::Approx(0.02).epsilon(1e-9));
+        CAPTURE(fine.estimate.hand.value);
+        CAPTURE(coarse.estimate.hand.value);
+        CAPTURE(fine.change);
+        REQUIRE(coarse.change_of_50_steps > 4 * fine.change);  // 200 ms at 4 ms: a mean of 50 steps is of another time
+        CHECK(std::abs(fine.estimate.hand.value - coarse.estimate.hand.value) <= fine.change);
+        CHECK(std::abs(fine.estimate.hand.value - coarse.estimate.hand.value) <= coarse.estimate.hand.band);
+        CHECK(std::abs(fine.estimate.friction.value - coarse.estimate.friction.value) <= coarse.estimate.friction.band);
+    }
+
     TEST_CASE("property: a run with a twin has the bits of one without")
     {
         const Told with = run(2e-3, true), without = run(2e-3, false);

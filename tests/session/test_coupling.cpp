@@ -143,7 +143,7 @@ TEST_SUITE("session/coupling")
     {
         // a force that is held for T and comes n periods late is k (1/2 + n) T of negative damping
         const double human = 3, mass = 0.15;
-        // half a newton goes 25 um into the wall: what is stable lies still there, what is not bounces off it
+        // half a newton goes 25 um into the wall: a stable coupling lies still there, another bounces off
         CHECK(swing(advance_coupling, {mass, human, 0}) < 1e-9);
         CHECK(swing(advance_coupling, {mass, human, 2}) < 1e-9);
         CouplingSpec stiff = advance_coupling;

@@ -1,4 +1,4 @@
-// What a live session receives, altered: requests, WebSocket frames and packets of a hand. It goes on.
+// What a live session receives, altered: requests, WebSocket frames and packets of a hand. The session continues.
 // SELDINGER_MUTANTS=N sends so many of each.
 
 #include "session/hand_channel.h"

@@ -82,7 +82,7 @@ TEST_SUITE("session/session")
         CHECK(summary["packets"]["accepted"] == 700);
         CHECK(summary["resets"] == 1);
         CHECK(summary["state_hash"] == hash);
-        // what is brought in is never less than what is stored and done, but for what was not foreseen of a contact
+        // the energy brought in is never less than the energy stored and dissipated, except for contacts that were not foreseen
         CHECK(summary["coupling"][0]["advance_energy_lowest_j"].get<double>() > -1e-5);
     }
 

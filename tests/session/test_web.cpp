@@ -1,4 +1,4 @@
-// Who is admitted, what a page may say, and the server's refusals over a real socket.
+// Admission, messages of a page, and the server's refusals over a real socket.
 
 #include "session/web_content.h"
 #include "session/web_policy.h"
@@ -101,7 +101,7 @@ TEST_SUITE("session/web")
         CHECK(is_token(one));
         CHECK(one.size() == 32);
         CHECK(one != other);
-        // what is taken comes through an address and a cookie
+        // accepted requests come through an address and a cookie
         for (const std::string& token : {one, std::string("0123456789-._~aZ")}) {
             CHECK(admit({"/?token=" + token, "192.168.1.5:8080", "", ""}, "0.0.0.0", token) == Admission::Welcome);
             CHECK(admit({"/ws", "192.168.1.5:8080", "", "a=b; seldinger_token=" + token}, "0.0.0.0", token) == Admission::Welcome);

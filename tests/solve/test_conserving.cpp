@@ -1,4 +1,4 @@
-// Energy-momentum steps: what they keep, at which order they converge, and where the trapezoid does not hold.
+// Energy-momentum steps: conserved quantities, order of convergence, and cases that the trapezoid fails.
 #include "solve/wire_fixture.h"
 
 namespace test_conserving {
@@ -8,7 +8,7 @@ using namespace seldinger::testing;
 
 namespace {
 
-/// Tight, so that what is seen is the scheme: each step's residual does work of the residual times the move.
+/// Tight, so that the scheme dominates: each step's residual does work of the residual times the move.
 IntegratorSpec conserving(double tolerance = 1e-11)
 {
     IntegratorSpec spec;

@@ -1,4 +1,4 @@
-// Holds, loads and links: where they act, how they move, and what is refused.
+// Holds, loads and links: where they act, how they move, and refusals.
 #include "core/error.h"
 #include "solve/feed.h"
 #include "solve/wire_fixture.h"

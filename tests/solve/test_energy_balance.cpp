@@ -1,4 +1,4 @@
-// solve/energy_balance.h on made-up numbers: what counts as made, and against what it is held.
+// solve/energy_balance.h on made-up numbers: the energy that counts as made, and its bound.
 
 #include "solve/energy_balance.h"
 #include "support/approx.h"

@@ -1,4 +1,5 @@
-// Where a wire's energy comes from and goes: each entry of the ledger is read off apart, so that what they miss is a test of all.
+// Where a wire's energy comes from and goes: each entry of the ledger is computed apart, so that the residual tests all of
+// them.
 
 #include "support/fed_world.h"
 
@@ -48,9 +49,8 @@ TestSetup pushed_wire(bool elastic)
 
 }  // namespace
 
-// Equations hold at the ends of steps to the solver's tolerance of 1e-6 of the force scale, and contacts' own moves differ from
-// those of the nodes by the square of what an edge turns in a step (1e-3 of a radian): below a thousandth. The hundredth is what
-// is promised.
+// Equations hold at the ends of steps to the solver's tolerance of 1e-6 of the force scale. Contacts' own moves differ from
+// those of the nodes by the square of an edge's turn in a step (1e-3 of a radian): below 0.1 %. The promise is 1 %.
 TEST_CASE("what the hand puts in is what wire, contact and scheme have")
 {
     for (const bool elastic : {false, true}) {
@@ -73,7 +73,7 @@ TEST_CASE("what the hand puts in is what wire, contact and scheme have")
     }
 }
 
-// Nothing but backward Euler takes from a wire that swings: what it has lost is what the scheme says it took.
+// Nothing but backward Euler takes from a wire that swings: its loss is the scheme's entry.
 TEST_CASE("the ledger of a free swing has one loss, the scheme's, which falls with the step")
 {
     double last = 0;

@@ -161,8 +161,7 @@ TEST_SUITE("solve/equilibrium")
             evaluations += rig.reports[0].evaluations;
         }
         MESSAGE(evaluations << " evaluations for six parts of one and a half turns");
-        // the moment turns the last edge as a whole: every node and the clamp's half cell have it, the wire is an arc of 59.5
-        // edges
+        // the moment turns the last edge: every node and the clamp's half cell have it, the wire is an arc of 59.5 edges
         const double radius = 0.1 / (3 * pi);
         CHECK(std::abs(rig.tip().x() - 0) < 0.02 * radius);
         CHECK(rig.tip().z() == about(2 * radius).epsilon(0.01));

@@ -21,7 +21,7 @@ struct Turned {
 };
 
 /// A wire on a plane that presses on it by `pressure` per metre, in nodes that are held sideways so that it turns in place
-/// instead of rolling off; turned at its base by a millirad a step, `forth` and then `back`.
+/// instead of rolling off. It is turned at its base by a millirad a step, `forth` and then `back`.
 std::vector<Turned> turn_on_plane(int forth, int back)
 {
     WorldSetup setup;

@@ -150,12 +150,12 @@ struct Lag {
 };
 
 /// Turns the base of a wire in a tube by `step` degrees at a time, straight for `lead`, then naturally curved for `length` in a
-/// bend of 5 cm; distal angles where asked. The reference bends its wire up to the very end, by a couple there; the last half
+/// bend of 5 cm; distal angles where asked. The reference bends its wire up to the very end, by a couple there. The last half
 /// edge of a chain has no curvature (a free end has none), so it is added to the length. So is the h/8 that a jump of curvature
-/// costs: chords that end half an edge before and after it turn by kappa h/8 and 7 kappa h/8 at nodes whose cells are curved not
-/// at all and all along. The guide must hold against the couple's forces B kappa/h, 1 N: with k = 1e8 N/m under a node the wire
-/// leaves it over (4 B h/k)^(1/4) = 0.2 mm, less than an edge; a softer guide leaves a longer end straight and the torque low by
-/// as much.
+/// costs. Chords that end half an edge before and after it turn by kappa h/8 and 7 kappa h/8 at nodes whose cells are curved
+/// not at all and all along. The guide must hold against the couple's forces B kappa/h, 1 N: with k = 1e8 N/m under a node the
+/// wire leaves it over (4 B h/k)^(1/4) = 0.2 mm, less than an edge. A softer guide leaves a longer end straight and the torque
+/// low by as much.
 /// @return where the tip snapped forward by more than 90 degrees [deg], 0: nowhere
 double check_whip(double natural, double lead, double length, int edges, int step, const std::vector<Lag>& expected)
 {
@@ -300,8 +300,8 @@ TEST_SUITE("solve/reference_rods")
                 rig.solver->equilibrium(rig.constraints, {}, rig.active, rig.reports);
                 REQUIRE(rig.reports[0].converged);
             }
-            // below it stays straight; above it throws a loop, which passes through itself (wires do not touch each other here)
-            // and takes two turns with it: the torque left is that of the angle less 4 pi
+            // Below it stays straight. Above it throws a loop, which passes through itself and takes two turns with it: wires
+            // do not touch each other here. The torque left is that of the angle less 4 pi
             const double torque = -clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
             const double left = part < 1 ? angle : angle - 4 * pi;
             CHECK(torque == about(spec.shaft.twist_stiffness * left / 0.2).epsilon(1e-3));
@@ -327,8 +327,8 @@ TEST_SUITE("solve/reference_rods")
                     rig.solver->equilibrium(rig.constraints, {}, rig.active, rig.reports);
                     REQUIRE(rig.reports[0].converged);
                 }
-                // above it the ring bends out of its plane; past B/C = 1.25 that does not end before it has passed through itself
-                // and lost two turns (wires do not touch each other here): flat again, with less torque
+                // Above it the ring bends out of its plane. Past B/C = 1.25 it passes through itself and loses two turns before
+                // it rests, as wires do not touch each other here: flat again, with less torque
                 const double torque = -clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
                 const double flat = spec.shaft.twist_stiffness * base.turn[1][1] / spec.length;
                 const double off = out_of_plane(rig.rod());
@@ -349,10 +349,10 @@ TEST_SUITE("solve/reference_rods")
     // polygon that the edges make of it has too little area for its length. To second order the discrete energy (f = phi + a
     // phi^3) is high by
     //     B (k sin(theta) delta)^2 [cos^2(theta) + 2 cos(theta) + 24 a sin^2(theta)]/24  per length,  k = delta/h,
-    // of which tension and torque leave little to compare with: 1/s*^2 = T/B - M^2/(4 B^2) is a fifth of either term. In the
-    // limit of a small loop the chain is exactly 1/s*^2 = cos(x)(T/B - 2 (1/cos(x) - 1)/h^2), tan(x) = M h/(2 B): M^2/(4 B^2)
-    // falls short by x^2/4, 6 % of 1/s*^2 with 200 edges and 27 turns. Measured there: theta 2.2 % (6.1 % with 2 tan(phi/2)),
-    // T 2.1 % (4.5 %), and 2 % of theta from 210 edges on. 15 turns: 1.1 % with 200.
+    // of which tension and torque leave little to compare with: 1/s*^2 = T/B - M^2/(4 B^2) is 1/5 of either term. In the limit
+    // of a small loop the chain is exactly 1/s*^2 = cos(x)(T/B - 2 (1/cos(x) - 1)/h^2), tan(x) = M h/(2 B): M^2/(4 B^2) falls
+    // short by x^2/4, 6 % of 1/s*^2 with 200 edges and 27 turns. Measured there: theta 2.2 % (6.1 % with 2 tan(phi/2)), T 2.1 %
+    // (4.5 %), and 2 % of theta from 210 edges on. 15 turns: 1.1 % with 200.
     TEST_CASE("analytic: localised helical buckling of a clamped, twisted wire brought together")
     {
         const WireSpec spec = uniform(9.29, 1.345, 0.789, 2e6);
@@ -415,7 +415,7 @@ TEST_SUITE("solve/reference_rods")
     }
 
     // the same tip behind 0.3 m of straight shaft, which stores the turn: snaps at 240.55 degrees, from 112.4 to 324.6. Half a
-    // degree before, where the last row but one is, angle and torque change without bound with the coupling B kappa kappa0 L1: 1
+    // degree before is the last row but one. There angle and torque change without bound with the coupling B kappa kappa0 L1: 1
     // % of torque there is 0.15 % of coupling, a twentieth of an edge.
     TEST_CASE("analytic: torque transmitted along a straight shaft to a curved tip, up to its whip and beyond")
     {

@@ -1,6 +1,6 @@
-// The reference scenes of assets/scenes/reference against their expected values, each at its stated tolerance and number of
-// edges, and the order in space of those at rest. bench/validate_rod.py has the same at more counts; what is expected came from
-// neither.
+// The reference scenes of assets/scenes/reference against their expected values. Each has its stated tolerance and number of
+// edges; those at rest show their order in space. bench/validate_rod.py has the same at more counts; the expected values came
+// from neither.
 
 #include "engine.h"
 #include "scene/scene.h"
@@ -83,7 +83,7 @@ const Motion& motion(const Json& of, int edges)
     return motion;
 }
 
-/// Peak of the windowed spectrum within a tenth of the expected frequency [Hz], freed of the trapezoid's own error.
+/// Peak of the windowed spectrum within 10 % of the expected frequency [Hz], freed of the trapezoid's own error.
 double frequency(const Motion& motion, double expected)
 {
     const std::size_t n = motion.z.size();
@@ -112,8 +112,8 @@ double frequency(const Motion& motion, double expected)
     return 2 / motion.step * std::tan(0.25 * (a + b) * motion.step) / (2 * pi);
 }
 
-/// Largest angle between the wire and the line of its ends [rad], between the edges by a parabola; an edge is its arc's mean
-/// tangent, the tangent in its middle is the mean less t'' h^2/24.
+/// Largest angle between the wire and the line of its ends [rad], between the edges by a parabola. An edge is its arc's mean
+/// tangent; the tangent in its middle is the mean less t'' h^2/24.
 double steepest(const ConstRodView& rod)
 {
     const Vec3 line = (rod.pos(rod.n - 1) - rod.pos(0)).normalized();
@@ -213,7 +213,7 @@ TEST_SUITE("solve/reference_scenes")
         REQUIRE(met >= 50);  // none may get lost
     }
 
-    // The error falls by four where edges halve, but for what is of higher order: an order of 1.9 leaves 7 % to that.
+    // The error falls by four where edges halve, except for terms of higher order: an order of 1.9 leaves 7 % to that.
     TEST_CASE("analytic: second order in space")
     {
         int counted = 0;

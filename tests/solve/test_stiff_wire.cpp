@@ -60,8 +60,8 @@ TEST_SUITE("solve/stiff_wire")
         }
     }
 
-    // Backward Euler only ever loses energy; a step's residual, at most the tolerance of the weight W at each node, does work of
-    // that times the node's move, which is less than the sag: n 1e-6 of W sag.
+    // Backward Euler only loses energy. A step's residual is at most the tolerance of the weight W at each node. It does work
+    // of that times the node's move, which is less than the sag: n 1e-6 of W sag.
     TEST_CASE("property: let go level it swings, converges at every step and gains no energy")
     {
         for (const bool conserve : {false, true})

@@ -1,4 +1,4 @@
-// Several wires solved together: what is not coupled moves as it would alone, and what couples them is solved exactly.
+// Several wires solved together: wires without coupling move as they would alone, and couplings are solved exactly.
 #include "math/banded_solver.h"
 #include "solve/system_problem.h"
 #include "solve/wire_fixture.h"
@@ -71,8 +71,8 @@ void set_apart(Rig& rig)
 TEST_SUITE("solve/systems")
 {
     // Either way every wire's residual ends below its own tolerance T, but a system's iterations are its worst wire's: the other one
-    // may be solved further than alone. Two solutions of a step with residuals below T differ by M^-1 h^2 2T at the most on a node,
-    // 2 T h/m in velocity, and the latter add up: n^2 T h^2/m after n steps. Bending holds against that, it does not add.
+    // may be solved further than alone. Two solutions of a step with residuals below T differ by M^-1 h^2 2T at most on a node,
+    // and by 2 T h/m in velocity. The latter add up: n^2 T h^2/m after n steps. Bending holds against that, it does not add.
     TEST_CASE("property: two wires that nothing couples move in one system as they do apart")
     {
         const auto swing = [](Rig& rig, std::span<const int> partition) {
@@ -157,8 +157,8 @@ TEST_SUITE("solve/systems")
         }
     }
 
-    // Momentum: what is left on the free nodes, n tolerances a step. Energy: elastic, kinetic and the spring's change by the work
-    // of those residuals, and by rounding.
+    // Momentum: the residual on the free nodes, n tolerances a step. Energy: elastic, kinetic and the spring's change by the
+    // work of those residuals, and by rounding.
     TEST_CASE("property: two free wires on a spring keep their momentum and energy")
     {
         const int n = 21;

@@ -127,7 +127,7 @@ TEST_SUITE("solve/vibration")
                     const Swing s = swing_in_mode(wire, 100, spec, mode, 1e-4 * wire.spec.length, steps, 3);
                     CHECK(s.frequency == about(wire.frequency[mode]).epsilon(0.003));
                     const double x = pi / steps;  // w h/2
-                    // the mode of the continuous wire is not quite the chain's: what it has of the others, some 1e-3 (h^2 of a
+                    // the mode of the continuous wire is not quite the chain's: its part of the others, some 1e-3 (h^2 of a
                     // mode's curvature), moves crossings by that over 2 pi of a period
                     CHECK(s.frequency == about(wire.frequency[mode] * discrete[mode] * std::atan(x) / x).epsilon(8e-4));
                 }

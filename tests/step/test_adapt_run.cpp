@@ -1,4 +1,4 @@
-// Adaptive nodes in a run: what the hand feels, what a saved state gives back, what is held, how long the wire is.
+// Adaptive nodes in a run: hand force, saved states, holds, length.
 
 #include "step_stages.h"
 #include "support/world_fixture.h"

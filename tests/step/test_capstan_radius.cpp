@@ -12,8 +12,8 @@ using namespace seldinger::test;
 namespace {
 
 /// Elastic rod of radius r drawn over a drum, its axis at R; T tension, P = p R, shares rho = r/R and friction mu:
-///     T' = mu (1 - rho) P,    rho mu P' = T - P        over the angle; moment B/R constant, shear rho mu P
-/// from force and shear of the tail at the slack end to a point force Q at the taut one, where the moment jumps by r mu Q.
+///     T' = mu (1 - rho) P, rho mu P' = T - P over the angle. The moment B/R is constant. The shear is rho mu P from force and
+///     shear of the tail at the slack end to a point force Q at the taut one, where the moment jumps by r mu Q.
 struct Drum {
     double bend, axis, rho, mu, back, wrap;
 

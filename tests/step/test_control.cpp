@@ -1,4 +1,4 @@
-// control.h through step(): a hand that is asked for step by step against a way that is known beforehand, and what is read.
+// control.h through step(): a hand that is asked step by step against a path that is known beforehand, and its readings.
 
 #include "support/world_fixture.h"
 

@@ -92,7 +92,7 @@ TEST_SUITE("step/energy_audit")
         CHECK(wrong.steps < 3000);
         CHECK((wrong.flags & StepEnergy) != 0);
         CHECK(trapezoid.report(0).failed());
-        // held against a tenth of what was turned over, and what the wire weighs
+        // held against 10 % of the energy turned over, and the wire's weight
         CHECK(wrong.kinetic < 1e-2);
         for (int i = 0; i < trapezoid.rod(0).n; ++i) CHECK(trapezoid.rod(0).pos(i).allFinite());
     }

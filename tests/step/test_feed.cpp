@@ -1,4 +1,4 @@
-// engine/solve/feed.cpp through step(): what is inside, what the hand feels, and what does not jump.
+// engine/solve/feed.cpp through step(): inserted length, hand force, and no jumps.
 
 #include "support/world_fixture.h"
 
@@ -101,8 +101,8 @@ TEST_SUITE("step/feed")
         MESSAGE(splits << " splits, hand force up to " << largest << " N");
     }
 
-    // Experiment 1: 2.0 cm/s, first touch at 3 cm. Away from births the force changes by less than a tenth of a millinewton in a
-    // step, and hands feel a tenth; splits of a base edge of 3h/2 jolted it by 1.4 mN at 1 ms, 4.6 mN at 0.25 ms.
+    // Experiment 1: 2.0 cm/s, first touch at 3 cm. Away from births the force changes by less than 0.1 mN in a step, which
+    // hands feel. Splits of a base edge of 3h/2 jolted it by 1.4 mN at 1 ms, 4.6 mN at 0.25 ms.
     TEST_CASE("property: a hand does not feel where a node is born, whatever the step, and no energy is lost there")
     {
         for (const double dt : {1e-3, 2.5e-4}) {
@@ -123,7 +123,7 @@ TEST_SUITE("step/feed")
                 REQUIRE_FALSE(step(world, dt).failed());
                 const WireReadings now = world.readings(0);
                 const double change = now.hand_force - last;
-                // the step after a birth against the one before: what it jumps by
+                // the jump from the step before a birth to the one after
                 if (since < 4) worst = std::max(worst, std::abs(change - step_before));
                 if (since >= 4) step_before = change;
                 work += std::abs(now.hand_force * (now.inserted - inserted));
@@ -170,8 +170,8 @@ TEST_SUITE("step/feed")
     }
 
     // A step of 20 ms moves 4 edges in and 3 out. The edges stay whole, the base edge within its limits, and the wire is where
-    // one that takes steps of a millisecond is: both are quasi-static, so what is left is the order of friction's path and
-    // Euler's damping.
+    // one with steps of a millisecond is. Both are quasi-static, so the rest is the order of friction's path and Euler's
+    // damping.
     TEST_CASE("property: more than an edge can be fed or pulled back in one step")
     {
         const auto end_of = [](double dt) {
@@ -213,7 +213,7 @@ TEST_SUITE("step/feed")
         const ConstRodView rod = world.rod(0);
         for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.theta[j] == about(-7.5).epsilon(1e-6));  // about the tangent tip -> hub
         CHECK(world.readings(0).turned == about(7.5));
-        // while it starts and stops the hand feels the wire's inertia; what is left is the residual that the solver leaves on an
+        // while it starts and stops the hand feels the wire's inertia; the rest is the residual that the solver leaves on an
         // edge, 1e-6 of B/L^2 times the edge, on 20 edges
         const double left = 20 * 1e-6 * 1e-5 / (0.08 * 0.08) * 0.004;
         REQUIRE(largest > 1000 * left);

@@ -1,4 +1,4 @@
-// Worlds whose contact kernels compute in float: how far they are from those in double, and what has no float32.
+// Worlds whose contact kernels compute in float: their distance from those in double, and methods without float32.
 
 #include "contact/device_records.h"
 #include "core/error.h"
@@ -49,7 +49,7 @@ TEST_SUITE("step/float32")
     }
 
     // A gap is off by some 6e-8 of the vectors that it is made of, a wire's radius and an edge: 0.03 to 0.3 nm. Depths are some
-    // um: forces are off by a thousandth at most, and each quadrature point's in its own way.
+    // um: forces are off by 0.1 % at most, and each quadrature point's in its own way.
     TEST_CASE("property: a wire fed along a tube is within 0.01 um of the one in double, and forces within a thousandth")
     {
         FedWorld exact(sliding_wire(Precision::Float64)), single(sliding_wire(Precision::Float32));

@@ -1,5 +1,5 @@
-// What the hand gives and reads at a wire's base: one sense of rotation for feed and hold, right-handed about the direction of
-// insertion, and forces along the wire's tangent at its base, to second order in the edge length.
+// Input and readings of the hand at a wire's base. Feed and hold have one sense of rotation, right-handed about the direction
+// of insertion. Forces are along the wire's tangent at its base, to second order in the edge length.
 
 #include "support/world_fixture.h"
 
@@ -135,8 +135,8 @@ TEST_SUITE("step/hand_readings")
         }
     }
 
-    // E = C angle^2 / 2L, all of it work of the hand: torque d(angle) by the trapezoid is exact for a torque that is linear in
-    // the angle; the ramp's own oscillation is left out by equilibria
+    // E = C angle^2 / 2L, all of it work of the hand. Torque d(angle) by the trapezoid is exact for a torque that is linear in
+    // the angle. The ramp's own oscillation is left out by equilibria
     TEST_CASE("analytic: the torque of a hold times the angle it turns is the energy that a twisted wire holds")
     {
         for (const WirePoint::Kind turned : {WirePoint::Kind::Base, WirePoint::Kind::Tip}) {
@@ -205,9 +205,9 @@ TEST_SUITE("step/hand_readings")
         }
     }
 
-    // Balance of moments about the direction of insertion a at the base, +x but for what the polygon's clamp is off the arc's
-    // tangent: the load's is (r x F).a, about -z F, and the hand holds against it. Exact for any polygon, since its energy does
-    // not change when wire and clamp are turned together.
+    // Balance of moments about the direction of insertion a at the base: +x, except for the angle between the polygon's clamp
+    // and the arc's tangent. The load's is (r x F).a, about -z F, and the hand holds against it. Exact for any polygon, since
+    // its energy does not change when wire and clamp are turned together.
     TEST_CASE("analytic: the torque with which a hold keeps an arc from turning under a load across its plane")
     {
         for (const int edges : {5, 20}) {

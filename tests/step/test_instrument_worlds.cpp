@@ -1,4 +1,4 @@
-// Worlds whose instruments touch each other: nothing passes, what is saved comes back, systems do not know of each other.
+// Worlds whose instruments touch each other: nothing passes, saved states come back, systems are independent.
 
 #include "contact/instrument_fixture.h"
 #include "core/parallel.h"
@@ -208,7 +208,7 @@ TEST_SUITE("step/instrument_worlds")
         set_thread_count(0);
     }
 
-    // Of two systems the one that moves far in a step is searched again in late trials, when the other is done with the step.
+    // If one of two systems moves far in a step, it is searched again in late trials, when the other is done with the step.
     TEST_CASE("property: a wire that is shot does not change the bits of a system that touches and has converged")
     {
         const auto calm = [] { return shot(0.5, true, 0.3); };

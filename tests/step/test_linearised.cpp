@@ -45,8 +45,9 @@ FedWorld dragged(Scheme scheme, FrictionLaw law)
 
 TEST_SUITE("step/linearised")
 {
-    // The hand draws with mu_sliding times the force on the wall, less what `smooth` leaves out at this speed: v/(v + 1 mm/s). One
-    // part in a thousand: what is left of the laying down after 0.2 s, and the stretch of the wire, which slides a little slower.
+    // The hand draws with mu_sliding times the force on the wall, less what `smooth` leaves out at this speed: v/(v + 1 mm/s).
+    // One part in a thousand: the rest of the laying down after 0.2 s, and the stretch of the wire, which slides a little
+    // slower.
     TEST_CASE("analytic: a wire dragged along a plane feels its friction, whatever the law and the step")
     {
         for (const FrictionLaw law : {FrictionLaw::StickSlip, FrictionLaw::Smooth, FrictionLaw::Sign})
@@ -72,10 +73,10 @@ TEST_SUITE("step/linearised")
             }
     }
 
-    // The tip is fifty times as soft as the shaft, and the base edge is split just behind the boundary: the push of what has just
-    // been fed, EA v h/l = 67 N in an edge of 3 mm, used to make the tangent too soft by a factor of 2.6, and the wire shook itself
-    // up to a kilonewton. What is allowed: the linear equations leave out how far the tangent turns within the step, of the order
-    // of EA phi^3/2 per edge, phi = h v/(10 l) at the most: 1.5 mN.
+    // The tip is 50 times as soft as the shaft, and the base edge is split just behind the boundary. The push of the fed
+    // length, EA v h/l = 67 N in an edge of 3 mm, once made the tangent too soft by a factor of 2.6. The wire then shook itself
+    // up to a kilonewton. Allowed: the linear equations leave out how far the tangent turns within the step, of the order of EA
+    // phi^3/2 per edge, phi = h v/(10 l) at the most: 1.5 mN.
     TEST_CASE("property: fed through free air across a jump of stiffness, the hand feels what converged steps say")
     {
         const auto make = [](Scheme scheme) {

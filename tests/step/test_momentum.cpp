@@ -192,8 +192,8 @@ TEST_SUITE("step/momentum")
         CHECK(now.momentum.error().norm() <= allowed_error(world));
     }
 
-    // What is fed brings its own momentum, so a straight wire gliding into nothing pulls and pushes at nothing, whenever a node
-    // comes.
+    // Fed material brings its own momentum, so a straight wire gliding into nothing pulls and pushes at nothing, whenever a
+    // node comes.
     TEST_CASE("analytic: a steady feed brings rho A v^2, and the hand needs no force for it")
     {
         const double speed = 1;

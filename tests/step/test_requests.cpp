@@ -61,22 +61,22 @@ TEST_SUITE("step/requests")
         refused([](TestSetup& s) { s.wires[1].contact.friction = FrictionLaw::Smooth; }, "wires[1].contact.friction: differs");
         refused([](TestSetup& s) { s.wires[1].contact.precision = Precision::Float32; }, "wires[1].contact.precision: differs");
         refused([](TestSetup& s) { s.mesh.triangles.clear(); }, "mesh: has no triangles");
-        refused([](TestSetup& s) { s.mesh.triangles[7][1] = 1 << 30; }, "mesh.triangles[7]: names vertex 1073741824");
+        refused([](TestSetup& s) { s.mesh.triangles[7][1] = 1 << 30; }, "mesh.triangles[7]: got vertex 1073741824");
         refused([](TestSetup& s) { s.mesh.vertices[3].x() = not_a_number; }, "mesh.vertices[3]: is [nan");
         refused([](TestSetup& s) { s.gravity.z() = not_a_number; }, "gravity: is [0, 0, nan]");
-        refused([](TestSetup& s) { s.wires[0].wire.length = 0; }, "wires[0].wire.length: is 0, expected a finite number greater than 0");
-        refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = not_a_number; }, "wires[0].wire.shaft.radius: is nan");
-        refused([](TestSetup& s) { s.wires[1].wire.shaft.bend_stiffness = -1; }, "wires[1].wire.shaft.bend_stiffness: is -1");
-        refused([](TestSetup& s) { s.wires[1].wire.shaft.mu_sliding = 0.9; }, "wires[1].wire.shaft.mu_static: is 0.25, expected at least");
-        refused([](TestSetup& s) { s.wires[1].wire.nodes = 1; }, "wires[1].wire.nodes: is 1");
+        refused([](TestSetup& s) { s.wires[0].wire.length = 0; }, "wires[0].wire.length: got 0; expected a finite number greater than 0");
+        refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = not_a_number; }, "wires[0].wire.shaft.radius: got nan");
+        refused([](TestSetup& s) { s.wires[1].wire.shaft.bend_stiffness = -1; }, "wires[1].wire.shaft.bend_stiffness: got -1");
+        refused([](TestSetup& s) { s.wires[1].wire.shaft.mu_sliding = 0.9; }, "wires[1].wire.shaft.mu_static: got 0.25; expected at least");
+        refused([](TestSetup& s) { s.wires[1].wire.nodes = 1; }, "wires[1].wire.nodes: got 1");
         refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = 1e-7; },
-                "wires[0].wire.length: is 0.1 m, expected at most 500000 times the smallest radius, 1e-07 m");
+                "wires[0].wire.length: got 0.1 m; expected at most 500000 times the smallest radius, 1e-07 m");
         refused([](TestSetup& s) { s.wires[0].wire.nodes = 20000, s.wires[0].contact.samples_per_edge = 1000; },
-                "wires[0].contact.samples_per_edge: is 1000 for 20000 nodes");
-        refused([](TestSetup& s) { s.wires[0].feed.direction = Vec3::Zero(); }, "wires[0].feed.direction: is zero");
-        refused([](TestSetup& s) { s.wires[0].feed.keys = {{0, 0.2, 0}}; }, "wires[0].feed.advance: is 0.2 m");
-        refused([](TestSetup& s) { s.systems = {1}; }, "systems: name 1 instruments in all");
-        refused([](TestSetup& s) { s.systems = {2, 0}; }, "systems[1]: is 0");
+                "wires[0].contact.samples_per_edge: got 1000 for 20000 nodes");
+        refused([](TestSetup& s) { s.wires[0].feed.direction = Vec3::Zero(); }, "wires[0].feed.direction: got zero");
+        refused([](TestSetup& s) { s.wires[0].feed.keys = {{0, 0.2, 0}}; }, "wires[0].feed.advance: got 0.2 m");
+        refused([](TestSetup& s) { s.systems = {1}; }, "systems: got 1 instruments in all");
+        refused([](TestSetup& s) { s.systems = {2, 0}; }, "systems[1]: got 0");
     }
 
     TEST_CASE("property: a wall that yields is a thin shell, and something holds it")
@@ -87,18 +87,18 @@ TEST_SUITE("step/requests")
                 change(s.vessel);
             };
         };
-        refused(elastic([](VesselSpec& v) { v.youngs = 0; }), "vessel.youngs: is 0");
-        refused(elastic([](VesselSpec& v) { v.poisson = 0.5; }), "vessel.poisson: is 0.5");
-        refused(elastic([](VesselSpec& v) { v.poisson = -0.1; }), "vessel.poisson: is -0.1");
-        refused(elastic([](VesselSpec& v) { v.thickness = 0; }), "vessel.thickness: is 0");
+        refused(elastic([](VesselSpec& v) { v.youngs = 0; }), "vessel.youngs: got 0");
+        refused(elastic([](VesselSpec& v) { v.poisson = 0.5; }), "vessel.poisson: got 0.5");
+        refused(elastic([](VesselSpec& v) { v.poisson = -0.1; }), "vessel.poisson: got -0.1");
+        refused(elastic([](VesselSpec& v) { v.thickness = 0; }), "vessel.thickness: got 0");
         refused(elastic([](VesselSpec& v) { v.thickness = 0.006; }),
-                "vessel.thickness: is 0.006 m, expected at most the lumen's radius");
-        refused(elastic([](VesselSpec& v) { v.support = -1; }), "vessel.support: is -1");
-        refused(elastic([](VesselSpec& v) { v.support_damping = -1; }), "vessel.support_damping: is -1");
-        refused(elastic([](VesselSpec& v) { v.relaxation = not_a_number; }), "vessel.relaxation: is nan");
-        refused(elastic([](VesselSpec& v) { v.pressure = not_a_number; }), "vessel.pressure: is nan");
-        refused(elastic([](VesselSpec& v) { v.wall_edge = -1; }), "vessel.wall_edge: is -1");
-        refused(elastic([](VesselSpec& v) { v.support = 0, v.rims_held = false; }), "vessel.support: is 0 and rims are free");
+                "vessel.thickness: got 0.006 m; expected at most the lumen's radius");
+        refused(elastic([](VesselSpec& v) { v.support = -1; }), "vessel.support: got -1");
+        refused(elastic([](VesselSpec& v) { v.support_damping = -1; }), "vessel.support_damping: got -1");
+        refused(elastic([](VesselSpec& v) { v.relaxation = not_a_number; }), "vessel.relaxation: got nan");
+        refused(elastic([](VesselSpec& v) { v.pressure = not_a_number; }), "vessel.pressure: got nan");
+        refused(elastic([](VesselSpec& v) { v.wall_edge = -1; }), "vessel.wall_edge: got -1");
+        refused(elastic([](VesselSpec& v) { v.support = 0, v.rims_held = false; }), "vessel.support: got 0, and rims are free");
         refused([](TestSetup& s) { s.mesh = {}, s.vessel = {}, s.vessel.elastic = true; },
                 "mesh: has no triangles");
     }
@@ -115,18 +115,18 @@ TEST_SUITE("step/requests")
             CHECK(world.state_hash() == before);
         };
         const FeedKey backwards[] = {{1, 0, 0}, {1, 0.01, 0}}, lost[] = {{0, not_a_number, 0}};
-        refuses({}, 0, "step: dt: is 0 s");
-        refuses({}, -1e-3, "step: dt: is -0.001 s");
-        refuses({}, not_a_number, "step: dt: is nan s");
-        refuses({}, std::numeric_limits<double>::infinity(), "step: dt: is inf s");
-        refuses(Control().move_to(0, not_a_number, 0), 1e-3, "control: instrument 0: advance is nan m");
-        refuses(Control().move_to(0, 0.2, 0), 1e-3, "advance is 0.2 m, expected 0 to the wire's length, 0.1 m");
-        refuses(Control().move_to(0, -1e-3, 0), 1e-3, "advance is -0.001 m");
-        refuses(Control().move_to(0, 0.01, not_a_number), 1e-3, "turn is nan rad");
-        refuses(Control().move_to(1, 0.01, 0), 1e-3, "control: instrument 1: is not fed");
+        refuses({}, 0, "step: dt: got 0 s");
+        refuses({}, -1e-3, "step: dt: got -0.001 s");
+        refuses({}, not_a_number, "step: dt: got nan s");
+        refuses({}, std::numeric_limits<double>::infinity(), "step: dt: got inf s");
+        refuses(Control().move_to(0, not_a_number, 0), 1e-3, "control: instrument 0: advance: got nan m");
+        refuses(Control().move_to(0, 0.2, 0), 1e-3, "advance: got 0.2 m; expected 0 to the wire's length, 0.1 m");
+        refuses(Control().move_to(0, -1e-3, 0), 1e-3, "advance: got -0.001 m");
+        refuses(Control().move_to(0, 0.01, not_a_number), 1e-3, "turn: got nan rad");
+        refuses(Control().move_to(1, 0.01, 0), 1e-3, "control: instrument 1: got a move, but it is not fed");
         refuses(Control().move_to(2, 0.01, 0), 1e-3, "control: instrument 2: index out of range; expected below 2");
-        refuses(Control().follow(0, backwards), 1e-3, "key 1 is at 1 s, expected times that increase");
-        refuses(Control().follow(0, lost), 1e-3, "advance is nan m");
+        refuses(Control().follow(0, backwards), 1e-3, "key 1: got 1 s; expected times that increase");
+        refuses(Control().follow(0, lost), 1e-3, "advance: got nan m");
         CHECK(message_of([] { Control().move_to(-1, 0, 0); }).find("instrument -1") != std::string::npos);
         CHECK(message_of([] { Control().follow(0, {}); }).find("a path without keys") != std::string::npos);
         REQUIRE_FALSE(step(world, 1e-3).failed());  // and goes on

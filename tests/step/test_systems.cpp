@@ -26,8 +26,8 @@ TestSetup pair_in_a_tube(bool one_system)
 
 TEST_SUITE("step/systems")
 {
-    // Newton ends when the larger of the two residuals meets the tolerance, so that the other is solved at least as well as alone:
-    // forces of both runs differ by the residuals, 1e-6 of the force scale a step.
+    // Newton's method ends when the larger of the two residuals meets the tolerance. So the other is solved at least as well as
+    // alone: forces of both runs differ by the residuals, 1e-6 of the force scale a step.
     TEST_CASE("property: instruments of one system that do not touch move as they do apart")
     {
         FedWorld apart(pair_in_a_tube(false)), together(pair_in_a_tube(true));

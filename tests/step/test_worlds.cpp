@@ -1,4 +1,4 @@
-// engine/world.cpp: wires of one world do not know of each other, and a state that was saved goes on as if nothing had been.
+// engine/world.cpp: wires of one world are independent, and a saved state continues with the same bits.
 
 #include "support/world_fixture.h"
 

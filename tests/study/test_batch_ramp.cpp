@@ -22,7 +22,7 @@ TEST_SUITE("study/batch_ramp")
         std::size_t size = 1;
         for (std::size_t w = 0; w < worlds.size(); ++w) {
             if (w + 1 < worlds.size()) CHECK(worlds[w].size() == size);
-            // what is finished before a world is begun is, but for the last size, as much as it holds less one
+            // before a world begins, as many runs are finished as it holds, less one, except for the last size
             if (size < most_wires) CHECK(all.size() + 1 >= size);
             all.insert(all.end(), worlds[w].begin(), worlds[w].end());
             size = std::min(2 * size, most_wires);
@@ -33,7 +33,7 @@ TEST_SUITE("study/batch_ramp")
         CHECK(plan_worlds(source).front().size() == most_wires);
     }
 
-    // steps of 1e-151 s: a way of four kilometres in one of them has energies that are no numbers, a wire that stays has none
+    // steps of 1e-151 s: a path of four kilometres in one of them has energies that are no numbers, a wire that stays has none
     TEST_CASE("property: a run whose readings are no numbers is stopped, and the other of its world goes on")
     {
         BatchSource source{R"([scene]

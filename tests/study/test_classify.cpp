@@ -165,8 +165,8 @@ TEST_SUITE("study/classify")
         CHECK(judge(swinging(-0.01), 500).held());
         const Verdict verdict = judge(swinging(0.01), 500);
         CHECK(verdict.outcome == Outcome::BlowUp);
-        // about a fifth of 1 mJ must have been made (1 mJ at the start, up to 1 mJ swung): 18 steps at 1 %, and it shows as
-        // kinetic energy within a quarter of a period of 10 steps
+        // About 20 % of 1 mJ must have been made (1 mJ at the start, up to 1 mJ swung), in 18 steps at 1 %. It shows as kinetic
+        // energy within a quarter of a period of 10 steps
         CHECK(verdict.first_step[static_cast<int>(Outcome::BlowUp)] > 9);
         CHECK(verdict.first_step[static_cast<int>(Outcome::BlowUp)] < 30);
     }

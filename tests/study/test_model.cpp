@@ -1,4 +1,4 @@
-// Models: what they change in a scene, how `run` is told the same, and what this build refuses.
+// Models: their changes of a scene, `like`, and refusals of this build.
 
 #include "study/model.h"
 

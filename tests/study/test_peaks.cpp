@@ -1,4 +1,4 @@
-// Peaks of a run, what is allowed of them and what refinements leave.
+// Peaks of a run: their tolerance, and their change by refinements.
 #include "study/peaks.h"
 
 #include "study/scripted_simulation.h"

@@ -176,8 +176,8 @@ TEST_SUITE("study/plan_search")
                     }
     }
 
-    // On a law that is monotone in nodes and steps the whole grid can be looked at. The walk gives up after three dearer corners
-    // and takes 3 % for noise, so that what it finds may be a little dearer than the cheapest; 10 % is what the planner promises.
+    // On a law that is monotone in nodes and steps the whole grid can be computed. The walk gives up after three dearer corners
+    // and takes 3 % for noise, so that its result may be a little dearer than the cheapest. The planner promises 10 %.
     TEST_CASE("property: in one family the search finds a place that costs at most 1.1 times the cheapest of the whole grid")
     {
         const Scene scene = small_scene();

@@ -1,4 +1,4 @@
-// The table that a study goes on with after it was stopped.
+// The table with which a stopped study continues.
 
 #include "study/result_table.h"
 

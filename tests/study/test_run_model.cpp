@@ -174,7 +174,7 @@ TEST_SUITE("study/run_watch")
     }
 
     // C phi^2 / 2L = 1.25 mJ in a wire turned by 5 rad (half of what makes it buckle): slower than torsion waves by a hundred
-    // times, so that what moves is nothing beside
+    // times, so that the motion is nothing beside
     TEST_CASE("analytic: the work of turning a held base is counted, in a real world")
     {
         const char* text = R"(

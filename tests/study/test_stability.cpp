@@ -121,8 +121,7 @@ TEST_SUITE("study/stability")
         CHECK(snug.vessel.radius == about(1.2 * snug.wire.shaft.radius));
     }
 
-    // at 20 the facets of the inner wall meet at 30 degrees; with samples a radius apart the hand's force ripples by a third
-    // there
+    // at 20 the facets of the inner wall meet at 30 degrees; with samples a radius apart the hand's force ripples by 1/3 there
     TEST_CASE("regression: over ridges of 30 degrees the hand's force does not ripple from sample to sample")
     {
         const CellResult result = cell(map_named("triangles"), "default", 1e-3, 20, ".");
@@ -132,7 +131,7 @@ TEST_SUITE("study/stability")
         CHECK(result.verdict.readings.touching > 500);
     }
 
-    // 0.01 N m^2 over 1 cm: B/L^2 is 100 N, and a millionth of it is a tenth of what counts as no force
+    // 0.01 N m^2 over 1 cm: B/L^2 is 100 N, and a millionth of it is 10 % of the least force that counts
     TEST_CASE("regression: a short stiff piece in the guide pushes no harder than the tolerance of a wire")
     {
         const CellResult result = cell(map_named("bending"), "default", 1e-4, 1e-2, ".");
@@ -170,8 +169,8 @@ TEST_SUITE("study/stability")
         }
     }
 
-    // When its tip has come into the catheter, the catheter leads; put straight before the wire's tip, which the stiff wire points at
-    // the wall, what the catheter had gained in a step of 3 ms and more went into the wall
+    // When its tip has come into the catheter, the catheter leads. The stiff wire points at the wall. The length that the
+    // catheter gained in a step of 3 ms and more was put straight before the wire's tip, and went into the wall
     TEST_CASE(
         "regression: a wire a hundred times as stiff as its catheter is drawn back into it in a bend, at steps of a display")
     {
@@ -212,7 +211,7 @@ TEST_SUITE("study/stability")
         CHECK(std::string(run_stability_cell(map, method_named("explicit"), 1e-3, 1e4, {}, ".", 60).outcome()) == "blow-up");
     }
 
-    // a saw of 4 ms, from 1 to 2 N: looked at every 2 ms it goes up and down by half its height or more, every step
+    // a saw of 4 ms, from 1 to 2 N: read every 2 ms it goes up and down by half its height or more, every step
     TEST_CASE("analytic: jitter that a force shows for being looked at rarely is none of the method's")
     {
         CellReference saw;

@@ -1,4 +1,4 @@
-// engine/study/sweep.cpp: which runs follow from a sweep file, and what is said about a wrong one.
+// engine/study/sweep.cpp: the runs of a sweep file, and messages for a wrong one.
 
 #include "core/error.h"
 #include "study/sweep.h"

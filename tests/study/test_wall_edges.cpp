@@ -59,7 +59,7 @@ TEST_SUITE("study/wall_edges")
     }
 
     // beta^4 = (E t / R^2 + k_s) / (4 D): with E = 1 MPa, D = 1.045e-4 N m, E t / R^2 = 1e7 Pa/m and k_s = 1e6 it decays over
-    // 2.482 mm, half of which is shorter than a third of the radius
+    // 2.482 mm, half of which is shorter than 1/3 of the radius
     TEST_CASE("analytic: the own edge is the one that is chosen, half the decay length of a tube")
     {
         const WallEdges edges = edges_of("wall = \"elastic\"\nyoungs_pa = 1e6");
@@ -68,9 +68,9 @@ TEST_SUITE("study/wall_edges")
         // 2 pi R L / (sqrt(3)/2 h^2) makes 4,700 vertices of it: the chosen one is longer, as 2,000 of them make it
         const double of_2000 = std::sqrt(2 * 3.14159265 * 0.01 * 0.1 / (0.5 * std::sqrt(3.0) * 2000));
         REQUIRE(of_2000 > 0.5 * decay);
-        // the mesh is a polygon's; the search for 2,000 ends within a thousandth
+        // the mesh is a polygon's; the search for 2,000 ends within 0.1 %
         CHECK(edges.own == about(of_2000).epsilon(0.01));
-        // a third of the area per vertex
+        // 1/3 of the area per vertex
         CHECK(edges.least == about(edges.own / std::sqrt(3.0)).epsilon(0.002));
     }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Relative comparison of small numbers. doctest::Approx(x) compares with epsilon * (1 + max(|a|, |b|)): for anything in newtons,
-// metres or seconds that is far below 1, its epsilon is an absolute tolerance and the check passes whatever the value.
+// Relative comparison of small numbers. The epsilon of doctest::Approx(x) is multiplied by 1 + max(|a|, |b|). For newtons,
+// metres or seconds far below 1, it is an absolute tolerance, and the check passes whatever the value.
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// How often a test tries what it draws at random: few times in every run, as many as its variable says where somebody waits for it.
+// How often a test draws at random: few times in every run, as many as its variable says where somebody waits for it.
 
 #include <cstdlib>
 

@@ -56,7 +56,7 @@ inline void append(WallMesh& mesh, const WallMesh& other)
 
 inline void flip(WallMesh& mesh, std::size_t t) { std::swap(mesh.triangles[t][1], mesh.triangles[t][2]); }
 
-/// Every triangle with three vertices of its own, as an STL has them.
+/// Every triangle has three separate vertices, as in an STL.
 inline WallMesh as_soup(const WallMesh& mesh)
 {
     WallMesh soup;

@@ -75,7 +75,7 @@ double largest_radius(const WallMesh& mesh)
     return r;
 }
 
-/// Tube with a hemisphere of its own radius at its end: all points of that are equally far from its middle.
+/// Tube with a hemisphere of its radius at its end: all points of the hemisphere are equally far from its middle.
 WallMesh hemispherical(int around, int along, double radius, double length)
 {
     WallMesh mesh = tube(radius, length, around, along);
@@ -178,7 +178,7 @@ TEST_SUITE("vessel/field_vessels")
 
     TEST_CASE("regression: a tube that ends in an exact hemisphere has an axis from its opening to the dome")
     {
-        // every query for the middle of the sphere looked at all of it: 240 million steps from 64,680 triangles on
+        // every query for the middle of the sphere visited all of it: 240 million steps from 64,680 triangles on
         WallMesh mesh = hemispherical(120, 240, 2.5e-3, 25e-3);
         RepairReport report;
         const Centreline line = axis_of(mesh, report);

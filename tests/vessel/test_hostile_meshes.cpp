@@ -1,4 +1,4 @@
-// Meshes made to crash repair and centreline, to keep them busy, or to make them tell of lumens that are not there.
+// Meshes made to crash repair and centreline, to keep them busy, or to make them report lumens that do not exist.
 #include "core/error.h"
 #include "mesh_fixtures.h"
 #include "vessel/extract_centreline.h"

@@ -1,4 +1,4 @@
-// The eight public patient vessels of the shared reference data: they load, are mended where they are broken, and their
+// The eight public patient vessels of the shared reference data: they load, are repaired where they are broken, and their
 // centrelines agree with the table beside them. Skipped where the data are not there.
 #include "mesh_fixtures.h"
 #include "io/mesh_file.h"
@@ -28,8 +28,8 @@ struct Row {  // of README.md beside the data; lengths in the file's unit
     double radius_middle, radius_most, length;
 };
 
-// Radii and lengths of the table come from another skeleton, which runs into tips where ours stops half a radius short, and
-// has its own idea of what is a branch: 20 %.
+// Radii and lengths of the table come from another skeleton, which runs into tips where ours stops half a radius short, and its
+// own definition of a branch: 20 %.
 constexpr double kAgreement = 0.2;
 constexpr Row rows[] = {
     {"tha001-arch/aorta_arch_30k.stl", "mm", 29998, 0, 5.8, 16.7, 749},

@@ -1,4 +1,4 @@
-// Loop subdivision: limits, counts and what it keeps of a tube.
+// Loop subdivision: limits, counts, and the invariants of a tube.
 
 #include "vessel/mesh_edges.h"
 #include "vessel/repair.h"

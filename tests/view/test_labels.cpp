@@ -249,9 +249,10 @@ TEST_SUITE("view/labels")
         "analytic: the middles of the mask across the wire lie within half a pixel of the centreline, thinned whole pixels "
         "within one")
     {
-        // An edge falls between two pixels' centres: each end of a run of pixels across the wire is off by at most half a pixel, and so
-        // is their middle, along the run; at right angles to the wire, times the sine between both. A bent wire's run has its middle
-        // w^2/8R tan^2 off. Thinning keeps whole pixels, of a run of even length one beside the middle: half a pixel more.
+        // An edge falls between two pixels' centres. Each end of a run of pixels across the wire is off by at most half a
+        // pixel, and so is their middle, along the run. At right angles to the wire, times the sine between both. A bent wire's
+        // run has its middle w^2/8R tan^2 off. Thinning keeps whole pixels, of a run of even length one beside the middle: half
+        // a pixel more.
         double worst = 0, worst_of_bound = 0, farthest = 0, sum = 0;
         std::vector<double> thinned;
         int sections = 0;

@@ -1,4 +1,4 @@
-// From a run's folder to PNG files, and what is said when the folder is not one.
+// From a run's folder to PNG files, and the message for another folder.
 #include "view/render.h"
 #include "view_fixtures.h"
 
@@ -205,7 +205,7 @@ TEST_SUITE("view/render")
     {
         const TemporaryFolder dir;
         write_run(dir.path, 4);
-        // forces from 5 mN in one frame to 300 mN in another: a scale by what is drawn would differ
+        // forces from 5 mN in one frame to 300 mN in another: a scale by the drawn frames would differ
         const char* forces[] = {"0.002 0.005", "0.02 0.11", "0.3 0.11", "0.001 0.003"};
         for (int k = 0; k < 4; ++k)
             write_text(dir.path / fmt::format("contacts_{:06}.vtp", k),

@@ -1,4 +1,4 @@
-// What is in the picture, checked against a pinhole camera worked out here and not by the renderer.
+// Contents of the picture, checked against a pinhole camera that is computed here and not by the renderer.
 #include "view/canvas.h"
 #include "view/colour.h"
 #include "view/legend.h"

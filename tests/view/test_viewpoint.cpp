@@ -5,6 +5,8 @@
 #include "view/viewpoint.h"
 #include "view_fixtures.h"
 
+#include <algorithm>
+
 namespace test_viewpoint {
 
 using namespace seldinger;
@@ -58,12 +60,36 @@ TEST_SUITE("view/viewpoint")
         Camera c = f.camera(ViewFrom::Endoscopic);
         CHECK(same(c.forward(), Vec3::UnitX()));
         CHECK((c.eye - f.frame.wires[0].nodes[0]).norm() < 0.0005);
+        CHECK(c.nearest > 0);
+        CHECK(c.nearest <= 0.1 * f.frame.wires[0].radius[0]);  // a tip on the wall is one radius away from it
         f.frame.wires = {straight_wire({0, 0, 0.05}, {0, 0, 0}, 0.0004)};
         c = f.camera(ViewFrom::Endoscopic);
         CHECK(same(c.forward(), Vec3::UnitZ()));
         CHECK(c.right().allFinite());
         f.frame.wires.clear();
         CHECK_THROWS_AS((void)f.camera(ViewFrom::Endoscopic), Error);
+    }
+
+    TEST_CASE("regression: the endoscopic view of a tip that lies on the wall shows wall below it, not what is behind")
+    {
+        Look look = bare_look();
+        look.background_top = look.background_bottom = 0x00ff00;
+        const auto r = renderer_or_skip(320, 240, look);
+        if (!r) return;
+        constexpr double radius = 0.0004, lumen = 0.003;
+        Fixture f;
+        f.wall = straight_tube(lumen, 0.4);
+        f.frame.wires = {straight_wire({0, 0, radius - lumen}, {-0.1, 0, radius - lumen}, radius)};
+        r->set_wall(f.wall);
+        r->set_camera(f.camera(ViewFrom::Endoscopic));
+        r->draw(f.frame);
+        int green = 0;  // the floor is one radius below the eye: in the lower half of a view 90 degrees high
+        for (int row = 150; row < 240; ++row)
+            for (int column = 0; column < 320; ++column) {
+                const Pixel p = pixel_at(*r, column, row);
+                green += p.g - std::max(p.r, p.b) > 100;
+            }
+        CHECK(green == 0);
     }
 
     TEST_CASE("property: moves depend on the frame's time; half of an orbit looks from behind, keys are met and zoomed")

@@ -377,7 +377,7 @@ TEST_SUITE("wall/control_mesh")
 
 TEST_SUITE("wall/wall_edge")
 {
-    /// What is chosen for a vessel.
+    /// The edge chosen for a vessel.
     WallEdge chosen(const VesselSpec& spec, const GeneratedVessel& vessel)
     {
         return choose_wall_edge(WallModel(spec, vessel.mesh, vessel.centreline));
@@ -415,9 +415,9 @@ TEST_SUITE("wall/wall_edge")
         ControlMeshSpec control;
         control.edge = longer.edge;
         control.centreline = &tube.centreline;
-        // the lattice found on a regular wall may be a tenth finer or coarser than asked: a quarter in vertices
+        // the lattice found on a regular wall may be 10 % finer or coarser than asked: a quarter in vertices
         CHECK(static_cast<double>(make_control_mesh(tube.mesh, control).vertices.size()) == about(2000).epsilon(0.3));
-        // a plane on nothing has no length of its own
+        // a plane without tissue has no decay length
         spec = VesselSpec{};
         spec.size = 0.03;
         spec.triangles = 2000;

@@ -207,7 +207,7 @@ TEST_SUITE("wall/loop_surface")
 
     TEST_CASE("property: interpolation puts a tube's surface on its radius")
     {
-        // through the vertices exactly; between them off by the fourth power of edge/R (1e-3 for 16 around), more beside rims,
+        // Through the vertices exactly; between them off by the fourth power of edge/R (1e-3 for 16 around). More beside rims,
         // whose phantoms bind one curvature to the other, and in the long triangles that flips leave (a chord of 0.8 R sags by
         // 0.08 R)
         for (const bool rough : {false, true}) {

@@ -1,4 +1,4 @@
-// The shell by itself: rigid motion, patches, symmetry, energies by differences, pressure modes of a tube, bad input.
+// The shell alone: rigid motion, patches, symmetry, energies by differences, pressure modes of a tube, bad input.
 #include "core/error.h"
 #include "wall_problem.h"
 
@@ -99,7 +99,7 @@ TEST_SUITE("wall/shell")
     TEST_CASE(
         "property: the elastic energy is the strain energy of the moved surface, by differences of its metric and curvature")
     {
-        // eps = d a_ab / 2 at the very points, on a regular mesh where nothing is mended away; so thick that edges do not bow
+        // eps = d a_ab / 2 at the very points, on a regular mesh, which has no corrections; so thick that edges do not bow
         WallMesh mesh = tube(1, 5, 12, 12);
         const LoopSurface s(mesh);
         ShellSpec spec;
@@ -226,7 +226,7 @@ TEST_SUITE("wall/shell")
                     level += part(z) * part(z) * dz;
                     ramps += std::pow((part(z + 1e-7) - part(z - 1e-7)) / 2e-7, 2) * dz;
                 }
-                // control values are a little larger than the surface's: measure by what it does
+                // control values are a little larger than the surface's: measure by the surface
                 const double lift = wall.displacement(u, {radius, 0, 0}).x();
                 const double around = pi * radius * (n == 0 ? 2 : 1) * lift * lift, both = n == 0 ? 1 : 1 + 1.0 / (n * n);
                 // per length 1/2 pi R (n^2 - 1) p/R of the mode, and 1/2 N_z of its ramps

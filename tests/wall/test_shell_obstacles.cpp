@@ -1,7 +1,7 @@
 // The shell obstacle course [Belytschko et al. 1985; MacNeal & Harder 1985], against converged series of the Koiter-Sanders shell
 // (the shared reference case 14b_shell_obstacles). Elements are counted per quarter side. Within 2 % at 16 of them on regular
-// meshes; on those of which three quarters of the vertices are irregular, and not relaxed, within what a line says. What was
-// measured stands beside each.
+// meshes; on those of which three quarters of the vertices are irregular, and not relaxed, within what a line says. Measured
+// values are beside each.
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>
@@ -120,7 +120,7 @@ TEST_SUITE("wall/shell_obstacles")
             CHECK(plate(4, 0, uniform) == doctest::Approx(1).epsilon(0.01));
             CHECK(plate(8, 0, uniform) == doctest::Approx(1).epsilon(0.002));
             CHECK(plate(16, 0, uniform) == doctest::Approx(1).epsilon(0.001));
-            // three quarters of the vertices irregular: without mended second derivatives 0.75, at any n
+            // three quarters of the vertices irregular: without corrected second derivatives 0.75, at any n
             CHECK(plate(8, 0.3, uniform) == doctest::Approx(1).epsilon(0.02));
             CHECK(plate(16, 0.3, uniform) == doctest::Approx(1).epsilon(0.01));
         }
@@ -143,7 +143,7 @@ TEST_SUITE("wall/shell_obstacles")
         CHECK(pinched_cylinder(16, 0.3) == doctest::Approx(1).epsilon(0.1));
     }
 
-    // R/h = 250, l^2/(R h) = 10 and 2.5. What is left is the rim's boundary layer, sqrt(R h) = 0.63 wide, of edges of 1: mean
+    // R/h = 250, l^2/(R h) = 10 and 2.5. The rest is the rim's boundary layer, sqrt(R h) = 0.63 wide, of edges of 1: mean
     // strains alone, which lock, gave 0.687, 0.973, 0.998 and on irregular meshes 0.335, 0.834, 0.984
     TEST_CASE("analytic: hemisphere with a hole")  // 0.979, 0.982, 0.998 at 8, 16, 32; irregular 0.950, 0.965, 0.988
     {

@@ -1,6 +1,6 @@
 // Elastic tubes and plates in tissue against closed forms and series [Hetenyi 1946; Timoshenko & Woinowsky-Krieger, sec. 57, 114;
 // Koiter-Sanders shell]. Numbers of the shared reference case 14_elastic_wall: E = 1 MPa, nu = 0.45, h = 1.5 mm, R = 12 mm,
-// k_s = 1e6 Pa/m. Tolerances are that case's: 2 % with control edges of a third of the decay length, 3 % under pressure.
+// k_s = 1e6 Pa/m. Tolerances are that case's: 2 % with control edges of 1/3 of the decay length, 3 % under pressure.
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// Factors of K + C/h: against Eigen's, two at once, columns, symmetry, what is held, and a wall that could fly away.
+// Factors of K + C/h: against Eigen's, two at once, columns, symmetry, holds, and a wall that could fly away.
 #include "core/error.h"
 #include "wall_problem.h"
 

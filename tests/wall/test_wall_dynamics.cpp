@@ -87,7 +87,8 @@ double largest_miss(const Plate& plate)
 }  // namespace
 
 // The memory is mu = (c_s - tau k_s)/((h + tau)(k_s + c_s/h)) = -0.043 of a displacement that no strain holds, which falls by
-// z = 0.909 in a step once it is let go. A block that begins there takes it as it was: what it misses of w in 8 steps is
+// z = 0.909 in a step once it is let go. A block that begins there takes it as it was. In 8 steps it misses, as a fraction of
+// w,
 // |mu| sum_j (1 - z^j) s^(7 - j) = 0.083, s = 0.952. (Backward Euler itself is off by 0.017 there: 0.909^8 for exp(-0.8).)
 TEST_CASE("blocks of steps follow the full solve in every step") { CHECK(largest_miss(Plate()) < 0.083); }
 

@@ -1,7 +1,7 @@
 // An elastic wall against independent solutions, from scene text to what a run reads: the cases of bench/validate_wall.py that
 // are small. Expected numbers are of the shared reference case 14_elastic_wall: E = 1 MPa, nu = 0.45, h = 1.5 mm, R = 12 mm, k_s
 // = 1e6 Pa/m [Hetenyi 1946; Timoshenko & Woinowsky-Krieger, sec. 57, 114; Koiter-Sanders shell]. Tolerances are that case's, 2 %
-// and 3 % under pressure, with control edges of a third to half of the decay length.
+// and 3 % under pressure, with control edges of 1/3 to 1/2 of the decay length.
 #include "engine.h"
 #include "scene/scene.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double R = 0.012, pi = std::numbers::pi;
 
-/// A wire that touches nothing: what is looked at is the wall under its loads.
+/// A wire that touches nothing: the subject is the wall under its loads.
 std::string parked(double height)
 {
     return fmt::format(R"([scene]
@@ -186,8 +186,8 @@ TEST_SUITE("wall/wall_references")
         }
     }
 
-    // w0 = (1/pi) int P dk / (B k^4 + 1/(G(k) + 1/k_loc)): what 0.1 N adds to the weight that keeps the wire on the wall. 61
-    // nodes are six and eight to a decay length of (B G(0))^(1/4): 0.2 % of w0.
+    // w0 = (1/pi) int P dk / (B k^4 + 1/(G(k) + 1/k_loc)): the effect of 0.1 N beside the weight that keeps the wire on the
+    // wall. The 61 nodes are six and eight to a decay length of (B G(0))^(1/4): 0.2 % of w0.
     TEST_CASE("analytic: a stiff wire pressed into a plate, with and without a law in series, and into a tube's floor")
     {
         const auto down = [](const std::string& vessel, double length, double bend, double weight, double height, double law) {

@@ -10,7 +10,7 @@
 
 namespace seldinger::test {
 
-/// The surface through the mesh's vertices, its shell, a force and what is fixed.
+/// The surface through the mesh's vertices, its shell, a force and the fixed unknowns.
 class WallProblem {
 public:
     WallProblem(const WallMesh& mesh, const ShellSpec& spec, const PrestressAt& prestress = {})
@@ -82,7 +82,7 @@ public:
         k.setFromTriplets(t.begin(), t.end());
         return k + matrices.elastic + matrices.pressure;
     }
-    /// Equilibrium with what is fixed and what the spec holds. @return [3V], empty when it has none
+    /// Equilibrium with the fixed unknowns and the holds of the spec. @return [3V], empty when it has none
     [[nodiscard]] std::vector<double> solve() const
     {
         std::vector<int> to(force.size(), -1);

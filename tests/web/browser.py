@@ -84,7 +84,7 @@ class Browser:
             raise FileNotFoundError("no chromium")
         self.folder = tempfile.mkdtemp(prefix="seldinger-web-")
         # as a Chromium without a graphics card does of itself: SwiftShader draws WebGL, the page is put together in memory. With plain
-        # "swiftshader" the whole page goes through it, at a fifth of the frames.
+        # "swiftshader" the whole page goes through it, at 1/5 of the frames.
         arguments = ["--headless=new", "--no-sandbox", "--disable-gpu-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl",
                      "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run", "--remote-debugging-port=0",
                      f"--user-data-dir={self.folder}", f"--window-size={width},{height}", "--hide-scrollbars", *more, "about:blank"]

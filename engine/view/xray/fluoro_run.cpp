@@ -44,7 +44,7 @@ public:
         if (options.mask) mask_ = std::make_unique<Fluorography>(*options.mask, options, false);
         for (const fs::path& file : {options.raw, options.dicom})
             if (fs::is_directory(file))
-                throw Error(ExitCode::BadFile, file.string() + ": is a folder, expected the name of a file");
+                throw Error(ExitCode::BadFile, file.string() + ": got a folder; expected the name of a file");
         if (!options.film.empty())
             gathered_.film = std::make_unique<FilmWriter>(options.film, options.arm.columns, options.arm.rows,
                                                           film_rate(options, main_.run(), range_));
@@ -122,6 +122,7 @@ private:
         const std::size_t frames = range_.count();
         if (!options_.raw.empty()) {
             using Shape = std::vector<std::size_t>;
+            make_folder_of(options_.raw);
             write_npy(options_.raw, gathered_.raw, frames == 1 ? Shape{rows, columns} : Shape{frames, rows, columns});
             written_.push_back(options_.raw);
         }
@@ -248,6 +249,7 @@ void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, La
         session(view).draw_on(sheet, range.first + frame, views.size() > 1 ? fmt::format("v{}, ", view + 1) : "", warnings);
         drawn(count);
     }
+    make_folder_of(views.front().preview);
     sheet.write(views.front().preview);
 }
 

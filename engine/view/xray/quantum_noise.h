@@ -6,9 +6,9 @@
 // Below M = 64, P is drawn exactly. From there on it is the expansion of Poisson's quantile about the normal's by Cornish and
 // Fisher [Cornish38, doi:10.2307/1400905], z normal:
 //   P = M + sqrt(M) z + (z^2 - 1)/6 + (z - z^3)/(72 sqrt(M))
-// Its mean is M, its variance M (1 + 1/(518 M^2)), and its skewness Poisson's up to a share of 1/M. It is not rounded to whole
-// photons, which would add 1/12 to the variance. The numbers of a pixel depend on seed, frame and position alone: the same picture
-// on any number of threads and from any first frame.
+// Its mean is M, its variance M (1 + 1/(518 M^2)). Its skewness is Poisson's up to a fraction of 1/M. It is not rounded to
+// whole photons, which would add 1/12 to the variance. The numbers of a pixel depend on seed, frame and position alone: the
+// same picture on any number of threads and from any first frame.
 
 #include "view/xray/exposure.h"
 

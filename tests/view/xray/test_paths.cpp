@@ -153,7 +153,7 @@ TEST_SUITE("view/xray/paths")
         const double a = 0.2e-3, b = 0.5e-3, length = 0.01;
         CHECK(integral({{Vec3(-0.005, 0, 0), a}, {Vec3(0.005, 0, 0), b}}) ==
               doctest::Approx(std::numbers::pi * length * (a * a + a * b + b * b) / 3).epsilon(0.005));
-        // cut at the halving planes, what is missing inside a kink is there outside [Pappus]
+        // cut at the halving planes, a volume that is missing inside a kink is there outside [Pappus]
         Device bend;
         for (int k = 0; k <= 12; ++k)
             bend.push_back({Vec3(0.004 * std::cos(0.13 * k) - 0.003, 0.001 * k * 0.1, 0.004 * std::sin(0.13 * k) - 0.002), b});

@@ -1,0 +1,54 @@
+#pragma once
+// Means of hand force and friction over the last 20 ms, in whole steps: comparable between runs with different steps.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace seldinger {
+
+/// Plain bytes, so that a checkpoint carries it. Steps shorter than a slot's time share a slot.
+struct EndMean {
+    static constexpr double span = 0.02;        // [s]
+    static constexpr double slot_time = 2e-4;   // [s]
+    static constexpr std::int64_t slots = 128;  // more than span / slot_time
+    struct Mean {
+        double hand = 0, friction = 0;  // [N]
+        double seconds = 0;             // that they span; 0: no step was added
+    };
+
+    void add(double hand_force, double friction_force, double dt)
+    {
+        if (time[last] >= (1 - 1e-9) * slot_time) {
+            last = (last + 1) % slots;
+            time[last] = hand[last] = friction[last] = 0;
+        }
+        time[last] += dt;
+        hand[last] += hand_force * dt;
+        friction[last] += friction_force * dt;
+    }
+    /// Over the whole slots, from the last one back, whose time is nearest to `span`: one at least.
+    [[nodiscard]] Mean mean() const
+    {
+        Mean sum{hand[last], friction[last], time[last]};
+        for (std::int64_t back = 1; back < slots; ++back) {
+            const std::int64_t k = (last + slots - back) % slots;
+            if (time[k] == 0 || sum.seconds + time[k] / 2 > (1 + 1e-9) * span) break;
+            sum.hand += hand[k], sum.friction += friction[k], sum.seconds += time[k];
+        }
+        if (sum.seconds > 0) sum.hand /= sum.seconds, sum.friction /= sum.seconds;
+        return sum;
+    }
+    /// Whether bytes from a file can be one.
+    [[nodiscard]] bool is_sound() const
+    {
+        const auto finite = [](double value) { return std::isfinite(value); };
+        return last >= 0 && last < slots && std::all_of(time, time + slots, [](double t) { return t >= 0 && t < 1e12; }) &&
+               std::all_of(hand, hand + slots, finite) && std::all_of(friction, friction + slots, finite);
+    }
+
+    double time[slots] = {}, hand[slots] = {}, friction[slots] = {};  // of a slot: its time [s], force times time [N s]
+    std::int64_t last = 0;                                            // the slot of the last step
+};
+
+}  // namespace seldinger

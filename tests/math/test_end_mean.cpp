@@ -1,0 +1,57 @@
+// Means over the last 20 ms: spans, whole steps, steps shorter than a slot.
+#include "math/end_mean.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+namespace test_end_mean {
+
+using namespace seldinger;
+
+namespace {
+
+/// A force that rises by 1 N/s; friction is twice that. @return after `duration`
+EndMean::Mean ramp(double dt, double duration)
+{
+    EndMean mean;
+    const long steps = std::lround(duration / dt);
+    for (long k = 1; k <= steps; ++k) mean.add(dt * static_cast<double>(k), 2 * dt * static_cast<double>(k), dt);
+    return mean.mean();
+}
+
+}  // namespace
+
+TEST_SUITE("math/end_mean")
+{
+    TEST_CASE("analytic: of a ramp the mean is its value 10 ms before the end and half a step after, for any step")
+    {
+        for (const double dt : {1e-5, 7e-5, 1e-4, 2.5e-4, 1e-3, 3e-3, 4e-3, 8e-3}) {
+            CAPTURE(dt);
+            const EndMean::Mean mean = ramp(dt, 1.2);
+            // whole steps, or whole slots of steps, nearest to 20 ms: half of one off at most
+            const double whole = std::max(dt, EndMean::slot_time + dt);
+            CHECK(std::abs(mean.seconds - EndMean::span) <= 0.5 * whole * (1 + 1e-9));
+            const double last = dt * static_cast<double>(std::lround(1.2 / dt));
+            CHECK(mean.hand == doctest::Approx(last - 0.5 * mean.seconds + 0.5 * dt).epsilon(1e-9));
+            CHECK(mean.friction == doctest::Approx(2 * mean.hand).epsilon(1e-9));
+        }
+    }
+
+    TEST_CASE("property: a step longer than the span counts alone, a short run as a whole, none as nothing, a pull as negative")
+    {
+        CHECK(ramp(0.05, 1).seconds == doctest::Approx(0.05));
+        CHECK(ramp(0.05, 1).hand == doctest::Approx(1.0));
+        CHECK(ramp(1e-3, 5e-3).seconds == doctest::Approx(5e-3));
+        CHECK(ramp(1e-3, 5e-3).hand == doctest::Approx(3e-3));
+        CHECK(EndMean{}.mean().seconds == 0);
+        EndMean pull;
+        pull.add(-2, 1, 1e-3);
+        CHECK(pull.mean().hand == doctest::Approx(-2));
+        CHECK(pull.is_sound());
+        pull.last = EndMean::slots;
+        CHECK_FALSE(pull.is_sound());
+    }
+}
+
+}  // namespace test_end_mean
