@@ -82,7 +82,7 @@ bool is_sound(const LoadTally& t)
 
 bool is_sound(const EndTouch& t)
 {
-    return t.rows >= 0 && t.rows <= most_steps && t.wire >= 0 && t.wire < ExitTally::most_wires && is_time(t.time) && is_place(t.tip);
+    return t.rows >= 0 && t.rows <= most_counted && t.wire >= 0 && t.wire < ExitTally::most_wires && is_time(t.time) && is_place(t.tip);
 }
 
 bool is_sound(const ExitTally& t)
