@@ -5,6 +5,7 @@
 #include "io/binary_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -53,8 +54,8 @@ std::string common_header(const std::string& name, const std::string& content)
 
 void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape, std::string_view data)
 {
-    std::string sizes;
-    for (const std::size_t size : shape) sizes += fmt::format("{}{},", sizes.empty() ? "" : " ", size);
+    std::string sizes = fmt::format("{}", fmt::join(shape, ", "));
+    if (shape.size() == 1) sizes += ",";
     std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", dtype, sizes);
     header.append(63 - (10 + header.size()) % 64, ' ');  // data begin at a multiple of 64 bytes, after a line end
     header += '\n';

@@ -18,6 +18,13 @@ namespace {
 /// Steps that mean_time is.
 long mean_steps(double dt) { return std::max(1L, std::lround(StepTwin::mean_time / dt)); }
 
+double mean(const std::vector<double>& values)
+{
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
 /// The largest mean magnitude over mean_time, or over all where they are shorter.
 double largest_mean(const std::vector<double>& values, double dt)
 {
@@ -156,6 +163,9 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
     const auto worst = [&](ErrorBand& so_far, double value, double other) {
         so_far.band = std::max(so_far.band, margin(parts) * std::abs(value - other));
     };
+    // a history that differs is seen in other windows, too: the last one alone gives bands that do not hold
+    worst(estimate_.hand, mean(window.hand), mean(twin.hand));
+    worst(estimate_.friction, mean(window.friction), mean(twin.friction));
     worst(estimate_.hand_peak, window.hand_peak, twin.hand_peak);
     worst(estimate_.friction_peak, window.friction_peak, twin.friction_peak);
     other_hand_peak_ = std::max(other_hand_peak_, twin.hand_peak);
@@ -189,15 +199,13 @@ void StepTwin::set_end(const Window& end, const Examined& twin)
 {
     const EndMean::Mean value = end_of(end, end.hand, end.friction, 1);
     estimate_.end_seconds = value.seconds;
-    estimate_.hand = {value.hand, 0, 0, false};
-    estimate_.friction = {value.friction, 0, 0, false};
-    if (!twin.found) return;
     const EndMean::Mean other = end_of(end, twin.hand, twin.friction, twin.parts);
-    const auto least = [&](const std::vector<double>& run, const std::vector<double>& fine) {
-        return margin(twin.parts) * largest_difference(run, fine, scene_.dt, twin.parts);
+    const auto set = [&](ErrorBand& band, double of_run, double of_twin, const std::vector<double>& run, const std::vector<double>& fine, double history) {
+        const double least = twin.found ? margin(twin.parts) * largest_difference(run, fine, scene_.dt, twin.parts) : 0;
+        band = twin.found ? band_of(of_run, of_twin, twin.parts, std::max(band.band, least), history) : ErrorBand{of_run, 0, 0, false};
     };
-    estimate_.hand = band_of(value.hand, other.hand, twin.parts, least(end.hand, twin.hand), hand_history);
-    estimate_.friction = band_of(value.friction, other.friction, twin.parts, least(end.friction, twin.friction), friction_history);
+    set(estimate_.hand, value.hand, other.hand, end.hand, twin.hand, hand_history);
+    set(estimate_.friction, value.friction, other.friction, end.friction, twin.friction, friction_history);
 }
 
 ErrorEstimate StepTwin::finish(Finer finer)

@@ -1,8 +1,8 @@
 #pragma once
 // Estimate of the time-step error in a run's forces and tip, by the run itself.
 //
-// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Some are computed again in a separate world, from the state at their
-// beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
+// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Some are computed again in a separate
+// world, from the state at their beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
 // far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
 // and the band is
 //
@@ -13,8 +13,8 @@
 // any of them. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
 // of a wire that sticks, slips and strikes differ however short the step is.
 //
-// Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their bands come from
-// the last window alone: the largest difference of any two such means in it.
+// Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their bands are the
+// largest difference of such means at any time of the last window, or of the means over any other window.
 //
 // For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
 // oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the

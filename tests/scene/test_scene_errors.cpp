@@ -112,7 +112,7 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({"[scene\n", {}, "bad.toml:1"});
         check_mistake({good + "density = 1\n", {}, "bad.toml:11"});
         check_mistake({good + "[wire]\n", {}, "bad.toml:11"});
-        check_mistake({"\xff\xfe", {}, "bad.toml:1"});
+        check_mistake({"\xff\xfe", {}, "got text in UTF-16; expected UTF-8"});
         check_mistake({"", {}, "wire: is missing"});
         check_mistake({"[wire]\n", {}, "scene: is missing"});
         check_mistake({"[[wire]]\nlength_m = 1\n", {}, "wire: expected one table [wire]"});

@@ -198,7 +198,7 @@ TEST_SUITE("scene/scene_instruments")
             order += fmt::format("{}\"n{}\"", k ? ", " : "", k);
         }
         nest += "[coaxial]\norder = [" + order + "]\n";
-        CHECK_MESSAGE(says(error_of(nest), "coaxial.order: names 5 instruments, expected at most 4"), error_of(nest));
+        CHECK_MESSAGE(says(error_of(nest), "coaxial.order: got 5 instruments; expected at most 4"), error_of(nest));
         CHECK_MESSAGE(error_of(nest, {"coaxial.model=separate"}).empty(), error_of(nest, {"coaxial.model=separate"}));
         CHECK(says(error_of(catheter_and_wire() + "[wire]\nlength_m = 0.1\n"), "wire: is the one-instrument form"));
         CHECK(says(error_of(catheter_and_wire() + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n"),

@@ -55,15 +55,15 @@ TEST_SUITE("step/requests")
 {
     TEST_CASE("property: a setup that contradicts itself is refused by a line that names the member")
     {
-        refused([](TestSetup& s) { s.wires.clear(); }, "wires: a world needs at least one wire");
-        refused([](TestSetup& s) { s.wires[1].contact.detection = Detection::Capsule; }, "wires[1].contact.detection: differs");
-        refused([](TestSetup& s) { s.wires[1].contact.normal = NormalLaw::LankaraniNikravesh; }, "wires[1].contact.normal: differs");
-        refused([](TestSetup& s) { s.wires[1].contact.friction = FrictionLaw::Smooth; }, "wires[1].contact.friction: differs");
-        refused([](TestSetup& s) { s.wires[1].contact.precision = Precision::Float32; }, "wires[1].contact.precision: differs");
-        refused([](TestSetup& s) { s.mesh.triangles.clear(); }, "mesh: has no triangles");
+        refused([](TestSetup& s) { s.wires.clear(); }, "wires: got none; expected at least one wire");
+        refused([](TestSetup& s) { s.wires[1].contact.detection = Detection::Capsule; }, "wires[1].contact.detection: got another value than wires[0]");
+        refused([](TestSetup& s) { s.wires[1].contact.normal = NormalLaw::LankaraniNikravesh; }, "wires[1].contact.normal: got another value than wires[0]");
+        refused([](TestSetup& s) { s.wires[1].contact.friction = FrictionLaw::Smooth; }, "wires[1].contact.friction: got another value than wires[0]");
+        refused([](TestSetup& s) { s.wires[1].contact.precision = Precision::Float32; }, "wires[1].contact.precision: got another value than wires[0]");
+        refused([](TestSetup& s) { s.mesh.triangles.clear(); }, "mesh: got no triangles");
         refused([](TestSetup& s) { s.mesh.triangles[7][1] = 1 << 30; }, "mesh.triangles[7]: got vertex 1073741824");
-        refused([](TestSetup& s) { s.mesh.vertices[3].x() = not_a_number; }, "mesh.vertices[3]: is [nan");
-        refused([](TestSetup& s) { s.gravity.z() = not_a_number; }, "gravity: is [0, 0, nan]");
+        refused([](TestSetup& s) { s.mesh.vertices[3].x() = not_a_number; }, "mesh.vertices[3]: got [nan");
+        refused([](TestSetup& s) { s.gravity.z() = not_a_number; }, "gravity: got [0, 0, nan]");
         refused([](TestSetup& s) { s.wires[0].wire.length = 0; }, "wires[0].wire.length: got 0; expected a finite number greater than 0");
         refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = not_a_number; }, "wires[0].wire.shaft.radius: got nan");
         refused([](TestSetup& s) { s.wires[1].wire.shaft.bend_stiffness = -1; }, "wires[1].wire.shaft.bend_stiffness: got -1");
@@ -100,7 +100,7 @@ TEST_SUITE("step/requests")
         refused(elastic([](VesselSpec& v) { v.wall_edge = -1; }), "vessel.wall_edge: got -1");
         refused(elastic([](VesselSpec& v) { v.support = 0, v.rims_held = false; }), "vessel.support: got 0, and rims are free");
         refused([](TestSetup& s) { s.mesh = {}, s.vessel = {}, s.vessel.elastic = true; },
-                "mesh: has no triangles");
+                "mesh: got no triangles");
     }
 
     TEST_CASE("property: a step that cannot be taken changes nothing")
