@@ -5,6 +5,7 @@
 #include "core/file_io.h"
 #include "scene/frames.h"
 #include "scene/scene.h"
+#include "study/batch_table.h"
 
 #include <fmt/format.h>
 
@@ -16,8 +17,6 @@ namespace seldinger {
 namespace {
 
 constexpr const char* kept_folder = "runs";
-
-std::string field(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
 
 /// 000012.csv, 000012_wire.vtp, and what a killed batch left of them.
 bool is_kept(const std::string& name)
@@ -49,8 +48,8 @@ std::string kept_header()
 
 std::string kept_row(std::int64_t step, double time, const WireReadings& r, const Vec3& tip)
 {
-    std::string row = fmt::format("{}{}{}{},{},{}", step, field(time), field(r.inserted), field(r.turned), r.nodes, r.contacts);
-    for (const double value : {r.normal, r.friction, r.hand_force, r.hand_torque, r.contact_length, tip.x(), tip.y(), tip.z()}) row += field(value);
+    std::string row = fmt::format("{}{}{}{},{},{}", step, number_field(time), number_field(r.inserted), number_field(r.turned), r.nodes, r.contacts);
+    for (const double value : {r.normal, r.friction, r.hand_force, r.hand_torque, r.contact_length, tip.x(), tip.y(), tip.z()}) row += number_field(value);
     return row + "\n";
 }
 

@@ -40,8 +40,6 @@ std::string plain(const std::string& value)
 
 std::string text_of(const std::array<char, 16>& hash) { return {hash.begin(), hash.end()}; }
 
-std::string field(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
-
 std::string column_of(const std::string& instrument, const BatchColumn& column) { return fmt::format("{}.{}", instrument, column.name); }
 
 BatchRow::OfInstrument read_instrument(const World& world, int wire)
@@ -102,6 +100,8 @@ void for_each_number(const BatchLayout& layout, One one)
 }
 
 }  // namespace
+
+std::string number_field(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
 
 const char* column_kind_word(ColumnKind kind)
 {
@@ -231,7 +231,7 @@ std::string batch_csv(const Sweep& sweep, const BatchLayout& layout, const std::
         text += fmt::format("{}", of.row->run);
         for (const std::string& value : varied(sweep, static_cast<std::size_t>(of.row->run))) text += "," + quoted(value);
         text += fmt::format(",{}", status_word(of.row->status));
-        for_each_number(layout, [&](const std::string&, ColumnKind, bool, auto&& value) { text += field(value(of)); });
+        for_each_number(layout, [&](const std::string&, ColumnKind, bool, auto&& value) { text += number_field(value(of)); });
         text += "," + text_of(of.row->state_hash) + "\n";
     }
     return text;

@@ -145,4 +145,7 @@ struct RunRows {
 /// "wire.preset=bentson-035, wire.mu_sliding=0.1"; of one key whose value is a word, the word alone.
 [[nodiscard]] std::string label_of(const Sweep& sweep, std::size_t run);
 
+/// A comma and a number; the comma alone where there is none.
+[[nodiscard]] std::string number_field(double value);
+
 }  // namespace seldinger
