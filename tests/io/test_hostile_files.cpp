@@ -256,8 +256,8 @@ TEST_SUITE("io/hostile_files")
             });
         };
         CHECK(line("10", "1").empty());
-        for (const char* place : {"nan", "2e9", "1e300"}) CHECK(has(line(place, "1"), "point 1: a place within 1000000 m"));
-        for (const char* radius : {"nan", "0", "-1", "1e300"}) CHECK(has(line("10", radius), "point 1: a place within 1000000 m"));
+        for (const char* place : {"nan", "2e9", "1e300"}) CHECK(has(line(place, "1"), "expected coordinates within 1000000 m and a radius above 0"));
+        for (const char* radius : {"nan", "0", "-1", "1e300"}) CHECK(has(line("10", radius), "expected coordinates within 1000000 m and a radius above 0"));
     }
 
     TEST_CASE("property: every hostile mesh of the shared data is refused in one line or reported within its own box")
