@@ -4,6 +4,7 @@
 
 #include "contact/programs.h"
 #include "core/parallel.h"
+#include "shared/instrument_near.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,6 +17,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// What the last trial knows of a slot; touched: in a trial before it, whose record is still there
+enum Touch : std::uint8_t { apart, touching, touched };
 
 constexpr std::size_t pool_work = 400;  // listed slots from which a launch on all cores pays (a slot takes a microsecond)
 
@@ -104,6 +108,8 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       pairs_(filled(context, cells_.pairs)),
       surfaces_(filled(context, cells_.surfaces)),
       rod_of_(filled(context, cells_.rod_of)),
+      axes_(cells_.surfaces.size() * SEL_AXIS_POINTS * 3),
+      axes_buffer_(context, axes_.size() * sizeof(double)),
       slots_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentSlot)),
       host_t0_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
       host_(host_t0_.size()),
@@ -214,7 +220,24 @@ void InstrumentContact::measure_rods()
             square = std::max(square, sum);
         }
         cells_.rods[w].longest_edge = std::sqrt(square);
+        set_axes(w);
     }
+}
+
+/// Points of the cells' axes, which cells of the same rod are compared by.
+void InstrumentContact::set_axes(int wire)
+{
+    const InstrumentRod& rod = cells_.rods[wire];
+    const SplineView view = spline_of(instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data()), rod.node, rod.count);
+    double* to = axes_.data() + 3 * SEL_AXIS_POINTS * std::size_t{rod.cell};
+    uint edge = 0;
+    for (uint k = 0; k < rod.live; ++k)
+        for (int i = 0; i < SEL_AXIS_POINTS; ++i, to += 3) {
+            const double s = rod.spacing * (k + 0.5 * i);
+            edge = edge_near(view, s, edge);
+            const SplinePlace at = spline_place(spline_at_edge(view, s, edge), view.count);
+            store_vec(to, spline_sum(view, at.node, at.w));
+        }
 }
 
 /// Whether nodes of a system have moved by half of the skin since its last search in this step.
@@ -257,7 +280,11 @@ void InstrumentContact::search(device::Queue queue)
         const CellRange cells = searched_cells(s, end);
         params_.first_cell = cells.first;
         params_.cell_count = cells.count;
-        if (cells.count > 0) find_.launch(queue, cells.count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
+        if (cells.count > 0) {
+            const std::size_t bytes = 3 * SEL_AXIS_POINTS * sizeof(double), first = cells.first * bytes;
+            context_.write(queue, axes_buffer_, axes_.data() + first / sizeof(double), cells.count * bytes, first);
+            find_.launch(queue, cells.count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, axes_buffer_, slots_);
+        }
         searched_.push_back(cells);
         const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(first_wire_[s]));
         const int last = first_wire_[end] - 1;
@@ -332,14 +359,17 @@ InstrumentContact::NodeRange InstrumentContact::nodes_between(const InstrumentRo
 }
 
 /// Nodes of b within two cells and a skin of the slot's last point. A cell is no longer, and no trial moves it farther along b
-/// without another search. @param near  a node of all that is before a's
+/// without another search. Of the same rod: those of the slot's cells. @param near  a node of all that is before a's
 InstrumentContact::NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
 {
     const InstrumentSlot& found = slots_host_[slot];
-    if (found.touch == SEL_TOUCH_SELF) return {};
     const InstrumentPair& pair = cells_.pairs[found.pair];
     const InstrumentRod &a = cells_.rods[pair.a], &b = cells_.rods[pair.b];
     const double from = a.spacing * (slot / SEL_INSTRUMENT_SLOTS - a.cell);
+    if (found.touch == SEL_TOUCH_SELF) {
+        const NodeRange own = nodes_between(a, from, from + a.spacing, near - static_cast<int>(a.node));
+        return {own, nodes_between(a, a.spacing * found.at, a.spacing * (found.at + found.cells), own.first - static_cast<int>(a.node))};
+    }
     const int edge = std::clamp(static_cast<int>(found.at), 0, static_cast<int>(b.count) - 2);
     const double *ends = nodes_.material.data() + b.node + edge, margin = 2 * a.spacing + params_.skin;
     return {nodes_between(a, from, from + a.spacing, near - static_cast<int>(a.node)),
@@ -351,9 +381,16 @@ double InstrumentContact::most_moved(NodeRange nodes) const
     return nodes.first < nodes.end ? *std::max_element(moved_.begin() + nodes.first, moved_.begin() + nodes.end) : 0.0;
 }
 
+/// How far both sides of a slot have moved since its clearance was found.
+double InstrumentContact::moved_together(std::size_t found) const
+{
+    return most_moved(near_nodes_[found].a) + most_moved(near_nodes_[found].b);
+}
+
 /// Neighbours in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial. A slot is
 /// not evaluated if the first trial of a step found it farther apart than the nodes on both sides have moved since. (This is known
-/// in a lumen only. The distance to b's curve grows by no more than the moves of its nearest point and of the searching point.)
+/// in a lumen and of one rod with itself. The distance to b's curve grows by no more than the moves of its nearest point and of the
+/// searching point.)
 void InstrumentContact::pick(std::span<const std::uint8_t> active)
 {
     picked_.clear();
@@ -366,9 +403,9 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         sums_[s].clear();
         for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) measure_moves(w);
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
-            if (cleared_[s] && clear_[k] > 0 && most_moved(near_nodes_[k].a) + most_moved(near_nodes_[k].b) < clear_[k]) {
+            if (cleared_[s] && clear_[k] > 0 && moved_together(k) < clear_[k]) {
                 // a trial before this one may have touched here: its record must not pass for the last one's, and follow() writes another
-                touches_[k] = 0;
+                if (touches_[k] == touching) touches_[k] = touched;
                 continue;
             }
             picked_.push_back(found_[k]);
@@ -390,7 +427,7 @@ void InstrumentContact::measure_moves(int wire)
 void InstrumentContact::note_clear()
 {
     for (std::size_t s = 0; s < cleared_.size(); ++s) {
-        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0;
+        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0 ? touching : apart;
         written_[s] = written_[s] || picked_of_[s] < picked_of_[s + 1];
         if (cleared_[s] || picked_of_[s] == picked_of_[s + 1]) continue;
         cleared_[s] = 1;
@@ -520,18 +557,23 @@ void InstrumentContact::note_touching(std::span<const std::uint8_t> active)
         if (active[w]) touching_[static_cast<std::size_t>(w)].clear();
     for (std::size_t k = 0; k < found_.size(); ++k) {
         const uint wire = cells_.rod_of[found_[k] / SEL_INSTRUMENT_SLOTS];
-        if (touches_[k] && active[wire]) touching_[wire].push_back(found_[k]);
+        if (touches_[k] == touching && active[wire]) touching_[wire].push_back(found_[k]);
     }
 }
 
-/// States of near slots that do not touch; trials do not write them.
+/// States of near slots that do not touch; trials do not write them. Those that are known to be too far apart have none.
 void InstrumentContact::follow(std::span<const std::uint8_t> active)
 {
     picked_.clear();
     for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
         picked_of_[s] = picked_.size();
-        for (std::size_t k = found_of_[s]; k < found_of_[s + 1] && active[first_wire_[s]] && cleared_[s]; ++k)
-            if (!touches_[k]) picked_.push_back(found_[k]);
+        if (!active[first_wire_[s]] || !cleared_[s]) continue;
+        for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) measure_moves(w);
+        for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
+            const double followed = SEL_FOLLOWED * cells_.surfaces[found_[k] / SEL_INSTRUMENT_SLOTS].radius;
+            const bool far_away = touches_[k] == apart && clear_[k] - moved_together(k) > followed;
+            if (touches_[k] != touching && !far_away) picked_.push_back(found_[k]);
+        }
     }
     picked_of_.back() = picked_.size();
     if (picked_.empty()) return;

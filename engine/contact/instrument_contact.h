@@ -83,6 +83,7 @@ private:
     void set_nodes(Nodes& nodes, const RodView& rod, int begin) const;
     void set_trial(const TrialState& trial);
     void measure_rods();
+    void set_axes(int wire);
     [[nodiscard]] bool search_is_stale(std::size_t system) const;
     struct CellRange {
         std::uint32_t first = 0, count = 0;
@@ -101,6 +102,7 @@ private:
     [[nodiscard]] NodeRange nodes_between(const InstrumentRod& rod, double from, double until, int near) const;
     [[nodiscard]] NearNodes near_nodes(std::uint32_t slot, int near) const;
     [[nodiscard]] double most_moved(NodeRange nodes) const;
+    [[nodiscard]] double moved_together(std::size_t found) const;
     void measure_moves(int wire);
     void note_clear();
     void launch(device::Queue queue, const device::Buffer& forces);
@@ -120,6 +122,8 @@ private:
     device::Kernel find_, evaluate_, evaluate_self_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
+    std::vector<double> axes_;  // [cells][SEL_AXIS_POINTS][3] at the search [m]
+    device::Buffer axes_buffer_;
     device::Buffer slots_;
     std::vector<InstrumentState> host_t0_, host_;       // the memory of the next two on a CPU
     std::vector<std::vector<std::uint32_t>> touching_;  // [wires] slots whose cells exerted something at the end of the last step
@@ -135,7 +139,7 @@ private:
     std::vector<std::uint32_t> found_, picked_;
     std::vector<std::size_t> found_of_, picked_of_;  // [systems + 1] their first
     std::vector<std::uint32_t> place_;               // [picked] in found_
-    std::vector<std::uint8_t> touches_;              // [found] at its last evaluation
+    std::vector<std::uint8_t> touches_;              // [found] a Touch: at its last evaluation
     std::vector<double> clear_;                      // [found] InstrumentForce's, at the first evaluation [m]
     std::vector<NearNodes> near_nodes_;              // [found]
     // before the last search

@@ -8,18 +8,18 @@
 
 // Stretches that each cell is near to.
 //   item    one of cell_count cells from first_cell on
-//   reads   bodies; nodes of all rods       writes  slots [cells][SEL_INSTRUMENT_SLOTS]
+//   reads   bodies; nodes of all rods; axes [cells][SEL_AXIS_POINTS][3]       writes  slots [cells][SEL_INSTRUMENT_SLOTS]
 SEL_INSTRUMENT_KERNEL void instruments_find(const InstrumentParams par, __global const InstrumentRod* restrict rods,
                                             __global const InstrumentPair* restrict pairs,
                                             __global const InstrumentSurface* restrict surfaces,
                                             __global const uint* restrict rod_of, __global const real* restrict position,
                                             __global const real* restrict material, __global const real* restrict theta,
-                                            __global InstrumentSlot* restrict slots)
+                                            __global const real* restrict axes, __global InstrumentSlot* restrict slots)
 {
     if (get_global_id(0) >= par.cell_count) return;
     const uint cell = par.first_cell + get_global_id(0);
     const SlotList list =
-        near_slots(cell, instrument_bodies(rods, pairs, surfaces, rod_of), instrument_nodes(position, material, theta), par);
+        near_slots(cell, instrument_bodies(rods, pairs, surfaces, rod_of), instrument_nodes(position, material, theta), axes, par);
     for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) slots[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
 }
 

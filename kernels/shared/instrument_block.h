@@ -216,7 +216,7 @@ SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real in
 // A cell that is near enough to touch in the next step.
 SEL_FN int is_followed(const SlotCell* its, InstrumentParams par, real depth)
 {
-    return par.follow && -depth <= (real)0.5 * its->surface_a.radius;
+    return par.follow && -depth <= SEL_FOLLOWED * its->surface_a.radius;
 }
 
 // What a cell exerts that is not known to be clear.
@@ -316,7 +316,7 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
     self.from = spline_at(self.scene.b, from_b);
     self.until = spline_at(self.scene.b, until_b);
     const InstrumentSurface surface_a = bodies.surfaces[cell], surface_b = surface_at(a, along_b, bodies.surfaces);
-    const real follows = (real)0.5 * surface_a.radius;
+    const real follows = SEL_FOLLOWED * surface_a.radius;
     now->pair = slot.pair;
     now->touch = slot.touch;
     InstrumentForce force = no_instrument_force();
@@ -324,6 +324,7 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
     const SelfTouch touch = self_touch(&self, follows);
     force.depth = -touch.deepest.gap;
     if (touch.count == 0) {
+        force.clear = max_r(touch.clear, 0);
         if (par.follow && touch.deepest.gap <= follows) follow_self(&self, &touch, par.inv_dt, a.epoch, now);
         return force;
     }

@@ -213,6 +213,7 @@ typedef struct SelfTouch {
     real from[SEL_SELF_PARTS], until[SEL_SELF_PARTS];
     uint count;
     CellMark deepest;
+    real clear;  // no point of the cell has a smaller gap; 0: not known [m]
 } SelfTouch;
 
 SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, SelfTouch* touch)
@@ -230,6 +231,8 @@ SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, Self
     touch->until[touch->count++] = until;
 }
 
+#define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/rod/no_state.h)
+
 // @param follows  gap up to which it counts how a cell that touches nothing closes [m]
 SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
 {
@@ -237,6 +240,7 @@ SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
     touch.count = 0;
     const real length = self->s1 - self->s0;
     touch.deepest = self_mark(self, self->s0 + (real)0.5 * length);
+    touch.clear = touch.deepest.gap - (real)0.5 * SEL_LONGER * length;
     if (touch.deepest.gap > follows + length && touch.deepest.gap < SEL_FAR) return touch;
     CellMark left = self_mark(self, self->s0);
     touch.deepest = left;
@@ -245,6 +249,7 @@ SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
         add_touch(self, left, right, &touch);
         left = right;
     }
+    touch.clear = touch.deepest.gap < SEL_FAR ? touch.deepest.gap - (real)0.5 * SEL_LONGER * length / SEL_SELF_PARTS : (real)0;
     return touch;
 }
 

@@ -32,6 +32,17 @@ struct Bundle {
         return instrument_bodies(cells->rods.data(), cells->pairs.data(), cells->surfaces.data(), cells->rod_of.data());
     }
     [[nodiscard]] InstrumentNodes nodes() const { return instrument_nodes(position.data(), material.data(), theta.data()); }
+    [[nodiscard]] std::vector<double> axes() const
+    {
+        std::vector<double> points;
+        for (std::size_t cell = 0; cell < cells->surfaces.size(); ++cell)
+            for (int k = 0; k < SEL_AXIS_POINTS; ++k) {
+                const InstrumentRod& rod = cells->rods[cells->rod_of[cell]];
+                const vec3 at = point_of_material(spline_of(nodes(), rod.node, rod.count), rod.spacing * (cell - rod.cell + 0.5 * k));
+                points.insert(points.end(), {at.x, at.y, at.z});
+            }
+        return points;
+    }
     [[nodiscard]] InstrumentNodes nodes_t0() const { return instrument_nodes(position_t0.data(), material.data(), theta.data()); }
 };
 
@@ -123,28 +134,30 @@ struct OnDevice {
           position(context, queue, s.position),
           material(context, queue, s.material),
           theta(context, queue, s.theta),
-          position_t0(context, queue, s.position_t0)
+          position_t0(context, queue, s.position_t0),
+          axes(context, queue, s.axes())
     {
     }
     Guarded<InstrumentRod> rods;
     Guarded<InstrumentPair> pairs;
     Guarded<InstrumentSurface> surfaces;
     Guarded<uint> rod_of;
-    Guarded<double> position, material, theta, position_t0;
+    Guarded<double> position, material, theta, position_t0, axes;
 };
 
 /// Slots by kernel and by its twin.
 std::vector<InstrumentSlot> found_by_both(device::Context& context, device::Queue queue, const Bundle& s, const OnDevice& on)
 {
     std::vector<InstrumentSlot> twin(s.states.size());
+    const std::vector<double> axes = s.axes();
     for (uint cell = 0; cell < s.par.cell_count; ++cell) {
-        const SlotList list = near_slots(cell, s.bodies(), s.nodes(), s.par);
+        const SlotList list = near_slots(cell, s.bodies(), s.nodes(), axes.data(), s.par);
         for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) twin[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
     }
     device::Kernel kernel(context, "contact/instruments.cl", "instruments_find", device::Items::Branching);
     Guarded<InstrumentSlot> slots(context, queue, std::vector<InstrumentSlot>(twin.size()));
     kernel.launch(queue, s.par.cell_count, s.par, on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(), on.rod_of.buffer(),
-                  on.position.buffer(), on.material.buffer(), on.theta.buffer(), slots.buffer());
+                  on.position.buffer(), on.material.buffer(), on.theta.buffer(), on.axes.buffer(), slots.buffer());
     CHECK(first_difference(slots.read(), twin) == -1);
     return twin;
 }
@@ -247,8 +260,9 @@ TEST_SUITE("contact/instrument_kernels")
             scene.par.follow = follow;
             std::vector<InstrumentSlot> slots(scene.states.size());
             std::vector<uint> list;
+            const std::vector<double> axes = scene.axes();
             for (uint cell = 0; cell < scene.par.cell_count; ++cell) {
-                const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), scene.par);
+                const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), axes.data(), scene.par);
                 for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
                     slots[SEL_INSTRUMENT_SLOTS * cell + k] = found.slots[k];
                     if (found.slots[k].touch == SEL_TOUCH_INSIDE || found.slots[k].touch == SEL_TOUCH_OUTSIDE)
@@ -285,8 +299,9 @@ TEST_SUITE("contact/instrument_kernels")
         Bundle scene = make_scene(5);
         scene.par.follow = 1;
         int clear = 0;
+        const std::vector<double> axes = scene.axes();
         for (uint cell = 0; cell < scene.par.cell_count; ++cell) {
-            const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), scene.par);
+            const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), axes.data(), scene.par);
             for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
                 const InstrumentSlot slot = found.slots[k];
                 if (slot.touch != SEL_TOUCH_INSIDE) continue;
