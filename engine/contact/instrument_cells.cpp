@@ -82,6 +82,7 @@ void InstrumentCells::add_cells(const WireSpec& spec)
 {
     InstrumentRod rod{};
     rod.cell = static_cast<uint>(surfaces.size());
+    narrowest.push_back(least_radius(spec));
     rod.epoch = 2;  // a record of zeros must not pass for the last step's
     const int cells = std::max(1, static_cast<int>(std::lround(spec.length / (cell_length * least_radius(spec)))));
     rod.spacing = spec.length / cells;

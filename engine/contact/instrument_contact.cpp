@@ -99,7 +99,6 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       cells_(setup),
       system_of_(setup.system_of),
       first_wire_(firsts(setup.system_of)),
-      find_(context, programs::instruments, "instruments_find", device::Items::Branching),
       evaluate_(context, programs::instruments, "instruments_evaluate", device::Items::Branching),
       evaluate_self_(context, programs::instruments, "instruments_evaluate_self", device::Items::Branching),
       nodes_(context, rods.total_capacity()),
@@ -109,7 +108,6 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       surfaces_(filled(context, cells_.surfaces)),
       rod_of_(filled(context, cells_.rod_of)),
       axes_(cells_.surfaces.size() * SEL_AXIS_POINTS * 3),
-      axes_buffer_(context, axes_.size() * sizeof(double)),
       slots_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentSlot)),
       host_t0_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
       host_(host_t0_.size()),
@@ -131,6 +129,7 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     cleared_position_ = nodes_.position;
     written_.assign(systems, 0);
     with_states_.assign(setup.system_of.size(), 0);
+    straight_.assign(setup.system_of.size(), 0);
     for (std::size_t w = 0; w < touching_.size(); ++w)
         touching_[w].reserve(static_cast<std::size_t>(cells_.of_wire[w + 1] - cells_.of_wire[w]));
     std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
@@ -179,13 +178,11 @@ void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> l
         const int cells = cells_.of_wire[w + 1] - cells_.of_wire[w];
         known.live = live[w] ? static_cast<uint>(std::clamp(static_cast<int>(known.inside / known.spacing + 1e-9), 0, cells)) : 0;
     }
-    context_.enter(device::Queue::Inline);
-    nodes_t0_.upload(context_, device::Queue::Inline);
+    uploaded_ = false;
     // in every step, stale or not: where the nearest place is looked for from decides its last bits, and a run that is resumed knows
     // nothing of searches before
     std::fill(searching_.begin(), searching_.end(), std::uint8_t{1});
-    search(device::Queue::Inline);
-    context_.finish(device::Queue::Inline);
+    search();
     times_.detect += since(start);
 }
 
@@ -205,39 +202,50 @@ void InstrumentContact::set_trial(const TrialState& trial)
 
 // ---- searching --------------------------------------------------------------------------------------------------------------
 
-void InstrumentContact::measure_rods()
+void InstrumentContact::measure_rod(int wire)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        if (!searching_[static_cast<std::size_t>(system_of_[w])]) continue;
-        double square = 0;
-        const auto begin = static_cast<std::size_t>(rods_.node_begin(w));
-        for (std::size_t i = begin; i + 1 < begin + static_cast<std::size_t>(rods_.node_count(w)); ++i) {
-            double sum = 0;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double d = nodes_.position[3 * i + 3 + c] - nodes_.position[3 * i + c];
-                sum += d * d;
-            }
-            square = std::max(square, sum);
+    double square = 0;
+    const auto begin = static_cast<std::size_t>(rods_.node_begin(wire));
+    for (std::size_t i = begin; i + 1 < begin + static_cast<std::size_t>(rods_.node_count(wire)); ++i) {
+        double sum = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double d = nodes_.position[3 * i + 3 + c] - nodes_.position[3 * i + c];
+            sum += d * d;
         }
-        cells_.rods[w].longest_edge = std::sqrt(square);
-        set_axes(w);
+        square = std::max(square, sum);
     }
+    InstrumentRod& rod = cells_.rods[wire];
+    rod.longest_edge = std::sqrt(square);
+    const double share = (1 + (rod.widest + params_.skin) / cells_.narrowest[wire]) / SEL_SELF_APART;  // as search_cells() asks of a cell
+    straight_[wire] = is_straight(spline(wire), 0, rod.inside, share);
+    const auto pairs = std::span(cells_.pairs).subspan(rod.pair, rod.pairs);
+    const bool others = std::any_of(pairs.begin(), pairs.end(), [](const InstrumentPair& pair) { return pair.touch != SEL_TOUCH_SELF; });
+    if (!straight_[wire] || others) set_axes(wire);
+}
+
+SplineView InstrumentContact::spline(int wire) const
+{
+    const InstrumentRod& rod = cells_.rods[wire];
+    return spline_of(instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data()), rod.node, rod.count);
 }
 
 /// Points of the cells' axes, which cells of the same rod are compared by.
 void InstrumentContact::set_axes(int wire)
 {
     const InstrumentRod& rod = cells_.rods[wire];
-    const SplineView view = spline_of(instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data()), rod.node, rod.count);
+    const SplineView view = spline(wire);
     double* to = axes_.data() + 3 * SEL_AXIS_POINTS * std::size_t{rod.cell};
     uint edge = 0;
-    for (uint k = 0; k < rod.live; ++k)
-        for (int i = 0; i < SEL_AXIS_POINTS; ++i, to += 3) {
-            const double s = rod.spacing * (k + 0.5 * i);
-            edge = edge_near(view, s, edge);
-            const SplinePlace at = spline_place(spline_at_edge(view, s, edge), view.count);
-            store_vec(to, spline_sum(view, at.node, at.w));
-        }
+    const auto put = [&](double s, double* into) {
+        edge = edge_near(view, s, edge);
+        const SplinePlace at = spline_place(spline_at_edge(view, s, edge), view.count);
+        store_vec(into, spline_sum(view, at.node, at.w));
+    };
+    for (uint k = 0; k < rod.live; ++k, to += 3 * SEL_AXIS_POINTS) {
+        if (k == 0) put(0, to);
+        else std::copy_n(to - 3, 3, to);  // where the cell before ends
+        for (int i = 1; i < SEL_AXIS_POINTS; ++i) put(rod.spacing * (k + 0.5 * i), to + 3 * i);
+    }
 }
 
 /// Whether nodes of a system have moved by half of the skin since its last search in this step.
@@ -252,11 +260,11 @@ bool InstrumentContact::search_is_stale(std::size_t system) const
     return false;
 }
 
-/// Those of systems [begin, end) that may be near to something: from the first to the last live one of instruments that touch any.
-InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t begin, std::size_t end) const
+/// Cells of a system that may be near to something: from the first to the last live one of instruments that touch any.
+InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t system) const
 {
     std::uint32_t first = 0, until = 0;
-    for (int w = first_wire_[begin]; w < first_wire_[end]; ++w) {
+    for (int w = first_wire_[system]; w < first_wire_[system + 1]; ++w) {
         const InstrumentRod& rod = cells_.rods[w];
         if (rod.live == 0 || rod.pairs == 0) continue;
         if (until == 0) first = rod.cell;
@@ -267,42 +275,40 @@ InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t begin
 
 /// Searches for the systems in searching_. The others, which may be done with this step, keep their neighbours and the traces of
 /// their trials.
-void InstrumentContact::search(device::Queue queue)
+void InstrumentContact::search()
 {
-    measure_rods();
-    context_.write(queue, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
-    nodes_.upload(context_, queue);
-    const std::size_t systems = searching_.size();
-    searched_.clear();
-    for (std::size_t s = 0, end; s < systems; s = end) {  // consecutive ones in one launch
-        for (end = s; end < systems && searching_[end] == searching_[s];) ++end;
-        if (!searching_[s]) continue;
-        const CellRange cells = searched_cells(s, end);
-        params_.first_cell = cells.first;
-        params_.cell_count = cells.count;
-        if (cells.count > 0) {
-            const std::size_t bytes = 3 * SEL_AXIS_POINTS * sizeof(double), first = cells.first * bytes;
-            context_.write(queue, axes_buffer_, axes_.data() + first / sizeof(double), cells.count * bytes, first);
-            find_.launch(queue, cells.count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, axes_buffer_, slots_);
-        }
-        searched_.push_back(cells);
-        const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(first_wire_[s]));
-        const int last = first_wire_[end] - 1;
-        const auto until = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(last) + rods_.node_count(last));
-        std::copy(nodes_.position.begin() + begin, nodes_.position.begin() + until, searched_position_.begin() + begin);
-    }
+    for_each_item(static_cast<int>(searching_.size()), 1, [&](int s) {
+        if (searching_[static_cast<std::size_t>(s)]) find_slots(static_cast<std::size_t>(s));
+    });
     // slots that now represent other contacts still have the forces of earlier trials
+    bool any = false;
     for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
         const auto system = static_cast<std::size_t>(system_of_[wire]);
-        if (searching_[system] && written_[system])
-            context_.write(queue, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
+        if (!searching_[system] || !written_[system]) return;
+        if (!any) context_.enter(device::Queue::Inline);
+        any = true;
+        context_.write(device::Queue::Inline, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
     });
-    for (const CellRange& cells : searched_) {
-        const std::size_t first = std::size_t{cells.first} * SEL_INSTRUMENT_SLOTS,
-                          count = std::size_t{cells.count} * SEL_INSTRUMENT_SLOTS;
-        context_.read(queue, slots_, slots_host_.data() + first, count * sizeof(InstrumentSlot), first * sizeof(InstrumentSlot));
-    }
+    uploaded_ = false;
     list_found();
+}
+
+/// Slots of a system's cells, and where its nodes are.
+void InstrumentContact::find_slots(std::size_t system)
+{
+    const int begin = first_wire_[system], end = first_wire_[system + 1];
+    for (int w = begin; w < end; ++w) measure_rod(w);
+    const InstrumentNodes nodes = instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data());
+    const InstrumentBodies bodies =
+        instrument_bodies(cells_.rods.data(), cells_.pairs.data(), cells_.surfaces.data(), cells_.rod_of.data());
+    const CellRange cells = searched_cells(system);
+    for (std::uint32_t cell = cells.first; cell < cells.first + cells.count; ++cell) {
+        const SlotList list = near_slots(cell, bodies, nodes, axes_.data(), straight_[cells_.rod_of[cell]], params_);
+        std::copy_n(list.slots, SEL_INSTRUMENT_SLOTS, slots_host_.begin() + SEL_INSTRUMENT_SLOTS * std::ptrdiff_t{cell});
+    }
+    const auto first = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(begin));
+    const auto until = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(end - 1) + rods_.node_count(end - 1));
+    std::copy(nodes_.position.begin() + first, nodes_.position.begin() + until, searched_position_.begin() + first);
 }
 
 void InstrumentContact::list_found()
@@ -326,7 +332,7 @@ void InstrumentContact::list_found()
             keep(near_nodes_, near_nodes_before_);
             continue;
         }
-        const CellRange cells = searched_cells(s, s + 1);
+        const CellRange cells = searched_cells(s);
         const std::uint32_t first = SEL_INSTRUMENT_SLOTS * cells.first, last = first + SEL_INSTRUMENT_SLOTS * cells.count;
         int near = 0;  // cells come in order, and so do the nodes that they lie on
         for (std::uint32_t k = first; k < last; ++k) {
@@ -448,10 +454,7 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
         searching_[s] = active[first_wire_[s]] && search_is_stale(s);
         any = any || searching_[s];
     }
-    if (any) {
-        context_.enter(device::Queue::Inline);
-        search(device::Queue::Inline);
-    }
+    if (any) search();
     pick(active);
     times_.detect += since(start);
     if (picked_.empty()) return;
@@ -471,6 +474,7 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
 void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces)
 {
     context_.enter(queue);
+    if (!uploaded_) upload(queue);
     for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
         const int last = first_wire_[s + 1] - 1;
         if (picked_of_[s] < picked_of_[s + 1])
@@ -488,6 +492,17 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     };
     if (of_itself < picked_.size()) evaluate(evaluate_, (picked_.size() + SEL_BLOCK - 1) / SEL_BLOCK);
     if (of_itself > 0) evaluate(evaluate_self_, picked_.size());
+}
+
+/// Rods, nodes and slots of this step, for the first launch after a search.
+void InstrumentContact::upload(device::Queue queue)
+{
+    context_.write(queue, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
+    nodes_.upload(context_, queue);
+    nodes_t0_.upload(context_, queue);
+    const std::size_t first = found_.front(), count = found_.back() - first + 1;
+    context_.write(queue, slots_, slots_host_.data() + first, count * sizeof(InstrumentSlot), first * sizeof(InstrumentSlot));
+    uploaded_ = true;
 }
 
 /// Room for so many slots, in the host's memory: few of them touch, and only their output is read.

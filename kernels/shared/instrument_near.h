@@ -145,20 +145,20 @@ SEL_FN real cells_apart(CellAxes axes, uint a, uint b)
     return sqrt(least);
 }
 
-// How far the axis advances at least along the chord of a stretch, per metre of material. A point of the curve moves by a mean of two
-// neighbouring edges, and its material coordinate by the same mean of their lengths. So each edge that acts on the stretch is looked at.
-SEL_FN real least_advance(SplineView rod, real from, real until)
+// Whether the axis advances along the chord of a stretch everywhere by `share` of its material at least. A point of the curve moves by a
+// mean of two neighbouring edges, and its material coordinate by the same mean of their lengths. So each edge that acts on the
+// stretch is looked at.
+SEL_FN int is_straight(SplineView rod, real from, real until, real share)
 {
     uint first = edge_of_material(rod, from), end = first;
     while (end + 1 < rod.count && rod.material[end] < until) ++end;
     first = first > 0 ? first - 1 : 0;
     end = end + 1 < rod.count ? end + 1 : end;
     const vec3 chord = node_at(rod, end) - node_at(rod, first);
-    const real length = sqrt(dot3(chord, chord));
-    real least = length > 0 ? SEL_FAR : (real)0;
-    for (uint i = first; i < end && least > 0; ++i)
-        least = min_r(least, dot3(node_at(rod, i + 1) - node_at(rod, i), chord) / (length * (rod.material[i + 1] - rod.material[i])));
-    return least;
+    const real least = share * sqrt(dot3(chord, chord));
+    for (uint i = first; i < end; ++i)
+        if (!(dot3(node_at(rod, i + 1) - node_at(rod, i), chord) >= least * (rod.material[i + 1] - rod.material[i]))) return 0;
+    return least > 0;
 }
 
 // Stretches of cells of the same rod, hubwards of a cell's points by more than `apart`, whose axes come nearer than `limit` to it.
@@ -172,7 +172,7 @@ SEL_FN void search_cells(InstrumentRod a, SplineView view, CellAxes axes, uint c
     const vec3 own = cell_axis_point(axes, cell, 1);
     uint k = (uint)((s0 + apart) / a.spacing), first = 0, cells = 0;
     const uint beyond = (uint)((s0 + a.spacing + near) / a.spacing) + 1, next = beyond < a.live ? beyond : a.live;
-    if (k < next && apart * least_advance(view, s0, a.spacing * (real)next) >= limit) k = next;
+    if (k < next && is_straight(view, s0, a.spacing * (real)next, limit / apart)) k = next;
     real nearest = SEL_FAR;
     while (k < a.live) {
         const vec3 away = cell_axis_point(axes, a.cell + k, 1) - own;
@@ -193,7 +193,8 @@ SEL_FN void search_cells(InstrumentRod a, SplineView view, CellAxes axes, uint c
 }
 
 // Slots of one cell, unused ones with touch 0.
-SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, CellAxes axes, InstrumentParams par)
+// @param straight  the rod touches itself nowhere, as is_straight() has told of all of it
+SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, CellAxes axes, int straight, InstrumentParams par)
 {
     SlotList list;
     list.count = 0;
@@ -213,7 +214,7 @@ SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes n
             continue;
         const SplineView b = spline_of(nodes, rod.node, rod.count);
         if (pair.touch == SEL_TOUCH_SELF) {
-            search_cells(a, b, axes, cell, SEL_SELF_APART * bodies.surfaces[cell].radius,
+            if (!straight) search_cells(a, b, axes, cell, SEL_SELF_APART * bodies.surfaces[cell].radius,
                          bodies.surfaces[cell].radius + rod.widest + par.skin, p, &list);
             continue;
         }

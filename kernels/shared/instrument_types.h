@@ -112,7 +112,6 @@ typedef struct InstrumentForce {
 // One step of one launch; passed by value.
 typedef struct InstrumentParams {
     uint item_count;
-    uint first_cell, cell_count;  // searched
     uint friction;  // SEL_FRICTION_*
     uint settling;  // SEL_SETTLE_*
     uint follow;    // 1: what is near is followed, whether it touches or not; 0: what touches is
