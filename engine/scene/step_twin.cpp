@@ -115,7 +115,10 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
     // no window: the run has none, or was never above zero, which a twin of nothing says too
     if (window.steps == 0) return {0, 0, 0, 0, parts, closed_ > 0};
     Examined twin{0, 0, 0, 0, parts, false};
-    if (!world_) world_ = std::make_unique<World>(run_.setup());
+    if (!world_) {
+        world_ = std::make_unique<World>(run_.setup());
+        world_->stop_when(stop_asked_);
+    }
     const long lead = parts > 2 ? window.lead : 0;
     world_->restore_state(lead > 0 ? window.earlier : window.state);
     std::vector<double> hand, friction;
@@ -123,7 +126,7 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
         const long of_run = window.first + (k + lead * parts) / parts - lead;
         const StepReport report = step(*world_, key_frames_.control(), scene_.step_length(of_run) / parts);
         ++estimate_.steps;
-        if (report.failed()) {
+        if (report.failed() || (report.flags & StepStopped)) {
             ++estimate_.failed;
             return twin;
         }
