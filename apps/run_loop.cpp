@@ -11,11 +11,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <functional>
 #include <optional>
 
 namespace seldinger::apps {
 namespace {
 
+constexpr double patience = 2;            // of one who ends the run, with steps for the estimate [s]
 constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
 
 /// What to change where energy came from nowhere.
@@ -79,11 +81,20 @@ public:
         if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
         const long steps = scene_.steps();
         const double moving_until = prescribed_until(scene_);
-        for (bool first = true; recorder_.tally().steps < steps; first = false) {
+        bool first = true;
+        const std::function<bool()> asked = [&] {
+            if (ending_) return seconds_since(*ending_) > patience;
+            progress.show(recorder_, wall());
+            return stop_asked_for() != 0 || (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit);
+        };
+        world_.stop_when(asked);
+        if (twin_) twin_->stop_when(asked);
+        for (; recorder_.tally().steps < steps; first = false) {
             if (stop_asked_for() != 0) return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
             if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit)
                 return stop(RunStatus::TimeLimit);
             if (!take_step()) return stop(RunStatus::Stopped);
+            if (interrupted_) continue;  // the same step was asked to end: said above
             if (scene_.until == Until::Rest && recorder_.tally().rest_steps >= steps_at_rest && world_.time() >= moving_until)
                 break;
             if (scene_.until == Until::Reached && recorder_.tally().score.reached) break;
@@ -133,6 +144,8 @@ private:
         const auto start = Clock::now();
         const double dt = scene_.step_length(static_cast<long>(recorder_.tally().steps));
         const StepReport report = step(world_, replay_ ? replay_->next(world_) : key_frames_.control(), dt);
+        interrupted_ = report.flags & StepStopped;
+        if (interrupted_) return true;
         if (report.failed()) {
             const std::string what = advice(report, false, scene_.integrator, world_.readings(0).energy_made);
             failure_ = fmt::format("step {} ({:.6g} s): {}{}{}", recorder_.tally().steps + 1, world_.time(), what,
@@ -176,6 +189,7 @@ private:
     RunOutcome stop(RunStatus status)
     {
         RunOutcome outcome;
+        if (status == RunStatus::Interrupted || status == RunStatus::TimeLimit) ending_ = Clock::now();
         if (twin_) recorder_.estimated(twin_->finish(finer_twins(status)));
         outcome.summary = recorder_.finish(world_, status, wall());
         if (replay_ && replay_->begun()) replay_->write_score(scene_, options_.dir);
@@ -211,8 +225,10 @@ private:
     double earlier_wall_;
     bool fresh_;
     Clock::time_point loop_start_, last_checkpoint_;
+    std::optional<Clock::time_point> ending_;  // a signal or a limit has ended the run
     std::string failure_;
     bool wall_was_far_ = false;  // in the last step
+    bool interrupted_ = false;   // the last step, which changed nothing
 };
 
 }  // namespace

@@ -17,6 +17,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -55,6 +56,9 @@ public:
     /// From now on every step says in WireReadings::hand_stiffness how stiff its end is to the hand: one more solve of the step's
     /// own equations per fed wire. Changes no state.
     void watch_hand_stiffness();
+    /// `asked` is called between the trials of Newton's method. When it returns true, the step ends there with StepStopped, and the
+    /// state is that before the step, bit for bit. A step that is divided many times can take minutes. Not part of the saved state.
+    void stop_when(std::function<bool()> asked);
     /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so.
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;

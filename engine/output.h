@@ -23,6 +23,7 @@ enum StepFlag : unsigned {
     StepBestEffort = 1u << 5,  // smallest sub-step missed the tolerance, its last accepted iterate was taken: scene.dt_s, friction
     StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
+    StepStopped = 1u << 8,     // ended from outside (World::stop_when): the state is that before the step
     StepContactSums = 1u << 7,  // contact samples do not add up to the forces on the nodes (contact/contact_sums.h): do not trust
                                 // readings of contact in this step, and report it
 };
@@ -107,6 +108,7 @@ struct WireOutput {
     std::vector<double> radius;       // of the edge that begins there [m]
     std::vector<double> curvature;    // |kb| per Voronoi length, 0 at the ends [1/m]
     std::vector<double> spin;         // of the material frame, right-handed about the direction of insertion [rad]
+    std::vector<Vec3> director;       // first one of the material frame, unit
     std::vector<Vec3> position;       // [m]
     std::vector<Vec3> velocity;       // [m/s]
     std::vector<Vec3> contact_force;  // [N]

@@ -18,12 +18,14 @@ StepReport step(World& world, const Control& control, double dt)
     begin_step(state);                 // what a failed attempt returns to
     state.pending.begin(dt, everyone(state), feed_parts(state, dt, report));
     while (const SubStep* sub = state.pending.next()) {  // one sub-step where all goes well
+        keep_start(world, *sub, dt);     // what a step that is stopped returns to
         begin_sub_step(state, *sub);
         feed_hubs(state, *sub);          // feed: advance and turn at the hub; the base edge grows
         hold_and_load(state, *sub);      // holds, loads and links at the end of the sub-step
         find_contacts(state);            // detect: what of the wall is near
         solve(state, *sub);              // Newton: frames, forces and tangent of every trial; factor; step
         accept(state, *sub, report);     // or put back, to go on in two halves
+        if (state.solver->stopped()) return put_back(state, report);
     }
     adapt_nodes(state, dt);          // adapt: split and merge edges
     check_state(state, dt, report);  // check: non-finite values, points beyond the wall

@@ -119,7 +119,27 @@ void begin_step(World::Impl& state)
         state.save_wire(w);
     });
     state.terms_in_solve = 0;
+    state.step_start.clear();
     state.wire_reports.assign(state.wire_count(), WireReport{});
+}
+
+// One sub-step that is stopped is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other
+// systems, may have been accepted by then.
+void keep_start(World& world, const SubStep& sub, double dt)
+{
+    World::Impl& state = world.impl();
+    const bool whole = sub.h > 0.999 * dt && state.system_count() == 1;
+    if (state.stop_asked && state.step_start.empty() && !whole) state.step_start = world.save_state();
+}
+
+StepReport put_back(World::Impl& state, StepReport& report)
+{
+    if (!state.step_start.empty()) state.put_back(state.step_start);
+    show_groups(state);
+    state.step_start.clear();
+    note(state, report, 0, StepStopped);
+    collect_timers(state, report);
+    return report;
 }
 
 void begin_sub_step(World::Impl& state, const SubStep& sub)

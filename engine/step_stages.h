@@ -34,6 +34,10 @@ void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int 
 
 /// Nothing of the last step is needed any more; what a failed attempt returns to.
 void begin_step(World::Impl& state);
+/// Keeps the state before the first of several sub-steps, where the step may be stopped.
+void keep_start(World& world, const SubStep& sub, double dt);
+/// The state before a step that was stopped. @return its report
+StepReport put_back(World::Impl& state, StepReport& report);
 /// What a sub-step that follows another one starts from.
 void begin_sub_step(World::Impl& state, const SubStep& sub);
 /// Quadrature points on the present nodes and what of the wall is near them.

@@ -22,6 +22,7 @@
 #include "wall/wall_shape.h"
 
 #include <array>
+#include <functional>
 #include <optional>
 
 namespace seldinger {
@@ -117,6 +118,8 @@ struct World::Impl {
     std::vector<WireLoads> wall_loads, instrument_loads;        // per wire: what the samples of contact bear
     bool loads_known = false;                                   // of the present state
     bool hand_stiffness_watched = false;
+    std::function<bool()> stop_asked;       // whether to end the present step; empty: never
+    std::vector<std::uint8_t> step_start;   // the whole state there, of a step of several sub-steps that may be ended
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
     std::unique_ptr<RodArrays> shown;  // of instruments that share a centreline, each by itself; none without
@@ -152,6 +155,8 @@ struct World::Impl {
     void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
     void take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire);
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
+    /// Everything that World::save_state() returns, put back unchecked.
+    void put_back(const std::vector<std::uint8_t>& bytes);
 };
 
 /// @throws Error BadScene: dt, or the input of a hub. Nothing has changed then

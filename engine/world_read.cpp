@@ -308,11 +308,14 @@ void read_shape(const ConstRodView& rod, std::span<const Vec3> contact_force, Wi
     into.material_s.assign(rod.material_s.begin(), rod.material_s.begin() + rod.n);
     into.contact_force.assign(contact_force.begin(), contact_force.begin() + rod.n);
     for (auto* array : {&into.radius, &into.curvature, &into.spin}) array->resize(n);
-    for (auto* array : {&into.position, &into.velocity}) array->resize(n);
+    for (auto* array : {&into.director, &into.position, &into.velocity}) array->resize(n);
     for (int i = 0; i < rod.n; ++i) {
         into.radius[i] = rod.radius[std::min(i, rod.n - 2)];
         into.curvature[i] = curvature_at(rod, i);
-        into.spin[i] = 0.0 - rod.theta[std::min(i, rod.n - 2)];
+        const int edge = std::min(i, rod.n - 2);
+        const double theta = rod.theta[edge];
+        into.spin[i] = 0.0 - theta;
+        into.director[i] = std::cos(theta) * rod.ref_d1(edge) + std::sin(theta) * rod.tangent(edge).cross(rod.ref_d1(edge));
         into.position[i] = rod.pos(i);
         into.velocity[i] = rod.vel(i);
     }
@@ -324,6 +327,12 @@ WallReadings World::wall_readings(int system) const
 {
     if (!impl_->yielding) return {};
     return read_wall(*impl_->elastic_wall, impl_->yielding->displacement(system), impl_->yielding->work(system));
+}
+
+void World::stop_when(std::function<bool()> asked)
+{
+    impl_->stop_asked = std::move(asked);
+    impl_->solver->stop_when(impl_->stop_asked);
 }
 
 WallMechanics World::wall_mechanics() const { return impl_->elastic_wall ? impl_->elastic_wall->mechanics() : WallMechanics{}; }

@@ -139,6 +139,8 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
     }
 }
 
+void World::Impl::put_back(const std::vector<std::uint8_t>& bytes) { take_state(*this, bytes, Origin::Own); }
+
 std::vector<std::uint8_t> World::save_state(int system) const
 {
     const Impl& s = *impl_;

@@ -44,6 +44,7 @@ struct InstrumentCells {
     std::vector<InstrumentSurface> surfaces;  // [cells]
     std::vector<uint> rod_of;                 // [cells]
     std::vector<int> of_wire;                 // [wires + 1] first cell of each
+    std::vector<double> narrowest;            // [wires] least radius [m]
     std::vector<double> move_limit;           // [wires] that no node may move farther at once [m]
 
 private:

@@ -5,6 +5,7 @@
 #include "contact/programs.h"
 #include "core/clock.h"
 #include "core/parallel.h"
+#include "shared/instrument_near.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,9 @@
 namespace seldinger {
 
 namespace {
+
+// What the last trial knows of a slot; touched: in a trial before it, whose record is still there
+enum Touch : std::uint8_t { apart, touching, touched };
 
 constexpr std::size_t pool_work = 400;  // listed slots from which a launch on all cores pays (a slot takes a microsecond)
 
@@ -92,7 +96,6 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       cells_(setup),
       system_of_(setup.system_of),
       first_wire_(firsts(setup.system_of)),
-      find_(context, programs::instruments, "instruments_find", device::Items::Branching),
       evaluate_(context, programs::instruments, "instruments_evaluate", device::Items::Branching),
       evaluate_self_(context, programs::instruments, "instruments_evaluate_self", device::Items::Branching),
       nodes_(context, rods.total_capacity()),
@@ -101,6 +104,7 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       pairs_(filled(context, cells_.pairs)),
       surfaces_(filled(context, cells_.surfaces)),
       rod_of_(filled(context, cells_.rod_of)),
+      axes_(cells_.surfaces.size() * SEL_AXIS_POINTS * 3),
       slots_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentSlot)),
       host_t0_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
       host_(host_t0_.size()),
@@ -122,6 +126,7 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     cleared_position_ = nodes_.position;
     written_.assign(systems, 0);
     with_states_.assign(setup.system_of.size(), 0);
+    straight_.assign(setup.system_of.size(), 0);
     for (std::size_t w = 0; w < touching_.size(); ++w)
         touching_[w].reserve(static_cast<std::size_t>(cells_.of_wire[w + 1] - cells_.of_wire[w]));
     std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
@@ -170,13 +175,11 @@ void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> l
         const int cells = cells_.of_wire[w + 1] - cells_.of_wire[w];
         known.live = live[w] ? static_cast<uint>(std::clamp(static_cast<int>(known.inside / known.spacing + 1e-9), 0, cells)) : 0;
     }
-    context_.enter(device::Queue::Inline);
-    nodes_t0_.upload(context_, device::Queue::Inline);
+    uploaded_ = false;
     // in every step, stale or not: where the nearest place is looked for from decides its last bits, and a run that is resumed knows
     // nothing of searches before
     std::fill(searching_.begin(), searching_.end(), std::uint8_t{1});
-    search(device::Queue::Inline);
-    context_.finish(device::Queue::Inline);
+    search();
     times_.detect += seconds_since(start);
 }
 
@@ -196,21 +199,49 @@ void InstrumentContact::set_trial(const TrialState& trial)
 
 // ---- searching --------------------------------------------------------------------------------------------------------------
 
-void InstrumentContact::measure_rods()
+void InstrumentContact::measure_rod(int wire)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        if (!searching_[static_cast<std::size_t>(system_of_[w])]) continue;
-        double square = 0;
-        const auto begin = static_cast<std::size_t>(rods_.node_begin(w));
-        for (std::size_t i = begin; i + 1 < begin + static_cast<std::size_t>(rods_.node_count(w)); ++i) {
-            double sum = 0;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double d = nodes_.position[3 * i + 3 + c] - nodes_.position[3 * i + c];
-                sum += d * d;
-            }
-            square = std::max(square, sum);
+    double square = 0;
+    const auto begin = static_cast<std::size_t>(rods_.node_begin(wire));
+    for (std::size_t i = begin; i + 1 < begin + static_cast<std::size_t>(rods_.node_count(wire)); ++i) {
+        double sum = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double d = nodes_.position[3 * i + 3 + c] - nodes_.position[3 * i + c];
+            sum += d * d;
         }
-        cells_.rods[w].longest_edge = std::sqrt(square);
+        square = std::max(square, sum);
+    }
+    InstrumentRod& rod = cells_.rods[wire];
+    rod.longest_edge = std::sqrt(square);
+    const double share = (1 + (rod.widest + params_.skin) / cells_.narrowest[wire]) / SEL_SELF_APART;  // as search_cells() asks of a cell
+    straight_[wire] = is_straight(spline(wire), 0, rod.inside, share);
+    const auto pairs = std::span(cells_.pairs).subspan(rod.pair, rod.pairs);
+    const bool others = std::any_of(pairs.begin(), pairs.end(), [](const InstrumentPair& pair) { return pair.touch != SEL_TOUCH_SELF; });
+    if (!straight_[wire] || others) set_axes(wire);
+}
+
+SplineView InstrumentContact::spline(int wire) const
+{
+    const InstrumentRod& rod = cells_.rods[wire];
+    return spline_of(instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data()), rod.node, rod.count);
+}
+
+/// Points of the cells' axes, which cells of the same rod are compared by.
+void InstrumentContact::set_axes(int wire)
+{
+    const InstrumentRod& rod = cells_.rods[wire];
+    const SplineView view = spline(wire);
+    double* to = axes_.data() + 3 * SEL_AXIS_POINTS * std::size_t{rod.cell};
+    uint edge = 0;
+    const auto put = [&](double s, double* into) {
+        edge = edge_near(view, s, edge);
+        const SplinePlace at = spline_place(spline_at_edge(view, s, edge), view.count);
+        store_vec(into, spline_sum(view, at.node, at.w));
+    };
+    for (uint k = 0; k < rod.live; ++k, to += 3 * SEL_AXIS_POINTS) {
+        if (k == 0) put(0, to);
+        else std::copy_n(to - 3, 3, to);  // where the cell before ends
+        for (int i = 1; i < SEL_AXIS_POINTS; ++i) put(rod.spacing * (k + 0.5 * i), to + 3 * i);
     }
 }
 
@@ -226,11 +257,11 @@ bool InstrumentContact::search_is_stale(std::size_t system) const
     return false;
 }
 
-/// Those of systems [begin, end) that may be near to something: from the first to the last live one of instruments that touch any.
-InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t begin, std::size_t end) const
+/// Cells of a system that may be near to something: from the first to the last live one of instruments that touch any.
+InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t system) const
 {
     std::uint32_t first = 0, until = 0;
-    for (int w = first_wire_[begin]; w < first_wire_[end]; ++w) {
+    for (int w = first_wire_[system]; w < first_wire_[system + 1]; ++w) {
         const InstrumentRod& rod = cells_.rods[w];
         if (rod.live == 0 || rod.pairs == 0) continue;
         if (until == 0) first = rod.cell;
@@ -241,38 +272,40 @@ InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t begin
 
 /// Searches for the systems in searching_. The others, which may be done with this step, keep their neighbours and the traces of
 /// their trials.
-void InstrumentContact::search(device::Queue queue)
+void InstrumentContact::search()
 {
-    measure_rods();
-    context_.write(queue, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
-    nodes_.upload(context_, queue);
-    const std::size_t systems = searching_.size();
-    searched_.clear();
-    for (std::size_t s = 0, end; s < systems; s = end) {  // consecutive ones in one launch
-        for (end = s; end < systems && searching_[end] == searching_[s];) ++end;
-        if (!searching_[s]) continue;
-        const CellRange cells = searched_cells(s, end);
-        params_.first_cell = cells.first;
-        params_.cell_count = cells.count;
-        if (cells.count > 0) find_.launch(queue, cells.count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
-        searched_.push_back(cells);
-        const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(first_wire_[s]));
-        const int last = first_wire_[end] - 1;
-        const auto until = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(last) + rods_.node_count(last));
-        std::copy(nodes_.position.begin() + begin, nodes_.position.begin() + until, searched_position_.begin() + begin);
-    }
+    for_each_item(static_cast<int>(searching_.size()), 1, [&](int s) {
+        if (searching_[static_cast<std::size_t>(s)]) find_slots(static_cast<std::size_t>(s));
+    });
     // slots that now represent other contacts still have the forces of earlier trials
+    bool any = false;
     for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
         const auto system = static_cast<std::size_t>(system_of_[wire]);
-        if (searching_[system] && written_[system])
-            context_.write(queue, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
+        if (!searching_[system] || !written_[system]) return;
+        if (!any) context_.enter(device::Queue::Inline);
+        any = true;
+        context_.write(device::Queue::Inline, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
     });
-    for (const CellRange& cells : searched_) {
-        const std::size_t first = std::size_t{cells.first} * SEL_INSTRUMENT_SLOTS,
-                          count = std::size_t{cells.count} * SEL_INSTRUMENT_SLOTS;
-        context_.read(queue, slots_, slots_host_.data() + first, count * sizeof(InstrumentSlot), first * sizeof(InstrumentSlot));
-    }
+    uploaded_ = false;
     list_found();
+}
+
+/// Slots of a system's cells, and where its nodes are.
+void InstrumentContact::find_slots(std::size_t system)
+{
+    const int begin = first_wire_[system], end = first_wire_[system + 1];
+    for (int w = begin; w < end; ++w) measure_rod(w);
+    const InstrumentNodes nodes = instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data());
+    const InstrumentBodies bodies =
+        instrument_bodies(cells_.rods.data(), cells_.pairs.data(), cells_.surfaces.data(), cells_.rod_of.data());
+    const CellRange cells = searched_cells(system);
+    for (std::uint32_t cell = cells.first; cell < cells.first + cells.count; ++cell) {
+        const SlotList list = near_slots(cell, bodies, nodes, axes_.data(), straight_[cells_.rod_of[cell]], params_);
+        std::copy_n(list.slots, SEL_INSTRUMENT_SLOTS, slots_host_.begin() + SEL_INSTRUMENT_SLOTS * std::ptrdiff_t{cell});
+    }
+    const auto first = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(begin));
+    const auto until = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(end - 1) + rods_.node_count(end - 1));
+    std::copy(nodes_.position.begin() + first, nodes_.position.begin() + until, searched_position_.begin() + first);
 }
 
 void InstrumentContact::list_found()
@@ -296,7 +329,7 @@ void InstrumentContact::list_found()
             keep(near_nodes_, near_nodes_before_);
             continue;
         }
-        const CellRange cells = searched_cells(s, s + 1);
+        const CellRange cells = searched_cells(s);
         const std::uint32_t first = SEL_INSTRUMENT_SLOTS * cells.first, last = first + SEL_INSTRUMENT_SLOTS * cells.count;
         int near = 0;  // cells come in order, and so do the nodes that they lie on
         for (std::uint32_t k = first; k < last; ++k) {
@@ -329,14 +362,17 @@ InstrumentContact::NodeRange InstrumentContact::nodes_between(const InstrumentRo
 }
 
 /// Nodes of b within two cells and a skin of the slot's last point. A cell is no longer, and no trial moves it farther along b
-/// without another search. @param near  a node of all that is before a's
+/// without another search. Of the same rod: those of the slot's cells. @param near  a node of all that is before a's
 InstrumentContact::NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
 {
     const InstrumentSlot& found = slots_host_[slot];
-    if (found.touch == SEL_TOUCH_SELF) return {};
     const InstrumentPair& pair = cells_.pairs[found.pair];
     const InstrumentRod &a = cells_.rods[pair.a], &b = cells_.rods[pair.b];
     const double from = a.spacing * (slot / SEL_INSTRUMENT_SLOTS - a.cell);
+    if (found.touch == SEL_TOUCH_SELF) {
+        const NodeRange own = nodes_between(a, from, from + a.spacing, near - static_cast<int>(a.node));
+        return {own, nodes_between(a, a.spacing * found.at, a.spacing * (found.at + found.cells), own.first - static_cast<int>(a.node))};
+    }
     const int edge = std::clamp(static_cast<int>(found.at), 0, static_cast<int>(b.count) - 2);
     const double *ends = nodes_.material.data() + b.node + edge, margin = 2 * a.spacing + params_.skin;
     return {nodes_between(a, from, from + a.spacing, near - static_cast<int>(a.node)),
@@ -348,9 +384,16 @@ double InstrumentContact::most_moved(NodeRange nodes) const
     return nodes.first < nodes.end ? *std::max_element(moved_.begin() + nodes.first, moved_.begin() + nodes.end) : 0.0;
 }
 
+/// How far both sides of a slot have moved since its clearance was found.
+double InstrumentContact::moved_together(std::size_t found) const
+{
+    return most_moved(near_nodes_[found].a) + most_moved(near_nodes_[found].b);
+}
+
 /// Neighbours in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial. A slot is
 /// not evaluated if the first trial of a step found it farther apart than the nodes on both sides have moved since. (This is known
-/// in a lumen only. The distance to b's curve grows by no more than the moves of its nearest point and of the searching point.)
+/// in a lumen and of one rod with itself. The distance to b's curve grows by no more than the moves of its nearest point and of the
+/// searching point.)
 void InstrumentContact::pick(std::span<const std::uint8_t> active)
 {
     picked_.clear();
@@ -363,9 +406,9 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         sums_[s].clear();
         for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) measure_moves(w);
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
-            if (cleared_[s] && clear_[k] > 0 && most_moved(near_nodes_[k].a) + most_moved(near_nodes_[k].b) < clear_[k]) {
+            if (cleared_[s] && clear_[k] > 0 && moved_together(k) < clear_[k]) {
                 // a trial before this one may have touched here: its record must not pass for the last one's, and follow() writes another
-                touches_[k] = 0;
+                if (touches_[k] == touching) touches_[k] = touched;
                 continue;
             }
             picked_.push_back(found_[k]);
@@ -387,7 +430,7 @@ void InstrumentContact::measure_moves(int wire)
 void InstrumentContact::note_clear()
 {
     for (std::size_t s = 0; s < cleared_.size(); ++s) {
-        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0;
+        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0 ? touching : apart;
         written_[s] = written_[s] || picked_of_[s] < picked_of_[s + 1];
         if (cleared_[s] || picked_of_[s] == picked_of_[s + 1]) continue;
         cleared_[s] = 1;
@@ -408,10 +451,7 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
         searching_[s] = active[first_wire_[s]] && search_is_stale(s);
         any = any || searching_[s];
     }
-    if (any) {
-        context_.enter(device::Queue::Inline);
-        search(device::Queue::Inline);
-    }
+    if (any) search();
     pick(active);
     times_.detect += seconds_since(start);
     if (picked_.empty()) return;
@@ -431,6 +471,7 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
 void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces)
 {
     context_.enter(queue);
+    if (!uploaded_) upload(queue);
     for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
         const int last = first_wire_[s + 1] - 1;
         if (picked_of_[s] < picked_of_[s + 1])
@@ -448,6 +489,17 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     };
     if (of_itself < picked_.size()) evaluate(evaluate_, (picked_.size() + SEL_BLOCK - 1) / SEL_BLOCK);
     if (of_itself > 0) evaluate(evaluate_self_, picked_.size());
+}
+
+/// Rods, nodes and slots of this step, for the first launch after a search.
+void InstrumentContact::upload(device::Queue queue)
+{
+    context_.write(queue, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
+    nodes_.upload(context_, queue);
+    nodes_t0_.upload(context_, queue);
+    const std::size_t first = found_.front(), count = found_.back() - first + 1;
+    context_.write(queue, slots_, slots_host_.data() + first, count * sizeof(InstrumentSlot), first * sizeof(InstrumentSlot));
+    uploaded_ = true;
 }
 
 /// Room for so many slots, in the host's memory: few of them touch, and only their output is read.
@@ -517,18 +569,23 @@ void InstrumentContact::note_touching(std::span<const std::uint8_t> active)
         if (active[w]) touching_[static_cast<std::size_t>(w)].clear();
     for (std::size_t k = 0; k < found_.size(); ++k) {
         const uint wire = cells_.rod_of[found_[k] / SEL_INSTRUMENT_SLOTS];
-        if (touches_[k] && active[wire]) touching_[wire].push_back(found_[k]);
+        if (touches_[k] == touching && active[wire]) touching_[wire].push_back(found_[k]);
     }
 }
 
-/// States of near slots that do not touch; trials do not write them.
+/// States of near slots that do not touch; trials do not write them. Those that are known to be too far apart have none.
 void InstrumentContact::follow(std::span<const std::uint8_t> active)
 {
     picked_.clear();
     for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
         picked_of_[s] = picked_.size();
-        for (std::size_t k = found_of_[s]; k < found_of_[s + 1] && active[first_wire_[s]] && cleared_[s]; ++k)
-            if (!touches_[k]) picked_.push_back(found_[k]);
+        if (!active[first_wire_[s]] || !cleared_[s]) continue;
+        for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) measure_moves(w);
+        for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
+            const double followed = SEL_FOLLOWED * cells_.surfaces[found_[k] / SEL_INSTRUMENT_SLOTS].radius;
+            const bool far_away = touches_[k] == apart && clear_[k] - moved_together(k) > followed;
+            if (touches_[k] != touching && !far_away) picked_.push_back(found_[k]);
+        }
     }
     picked_of_.back() = picked_.size();
     if (picked_.empty()) return;

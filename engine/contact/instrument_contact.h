@@ -2,8 +2,8 @@
 // Contact between instruments (D13), a force term: wires side by side, crossing, a wire with itself, an instrument in the lumen
 // of another and at its mouth. Geometry: kernels/shared/instrument_gap.h; laws: instrument_law.h; integration: instrument_cell.h.
 //
-// Per step: begin_step remembers nodes; prepare takes the node set and searches the neighbours of cells (kernel instruments_find).
-// At each trial instruments_evaluate makes the forces of all neighbours, and the host sums their records (instrument_sums.h). If a
+// Per step: begin_step remembers nodes; prepare takes the node set and searches the neighbours of cells, on the host: it takes less time
+// than a launch, and where nothing is near, nothing is sent to the device. At each trial instruments_evaluate makes the forces of all neighbours, and the host sums their records (instrument_sums.h). If a
 // node has moved by half of the skin since the last search, the trial is searched anew, so neighbours always belong to the trial.
 // A trial in which one has sunk deeper into another than the law's pole is refused, and no node moves by more than 0.45 of the
 // smaller radius at once. So axes that are 1.5 radii apart do not pass each other.
@@ -17,6 +17,7 @@
 #include "contact/instrument_cells.h"
 #include "contact/instrument_sums.h"
 #include "device/device.h"
+#include "shared/spline.h"
 #include "solve/force_term.h"
 
 #include <memory>
@@ -39,6 +40,7 @@ public:
         sums_of(wire).add(wire, residual, tangent, symmetric);
     }
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
+    [[nodiscard]] bool acts(int wire) const override { return sums_of(wire).acts(); }
     [[nodiscard]] bool unsymmetric(int wire) const override { return sums_of(wire).sliding(); }
     [[nodiscard]] double largest_force(int wire) const override { return sums_of(wire).largest_force(wire); }
     [[nodiscard]] double move_limit(int wire) const override { return cells_.move_limit[wire]; }
@@ -82,14 +84,18 @@ private:
     [[nodiscard]] const InstrumentSums& sums_of(int wire) const { return sums_[static_cast<std::size_t>(system_of_[wire])]; }
     void set_nodes(Nodes& nodes, const RodView& rod, int begin) const;
     void set_trial(const TrialState& trial);
-    void measure_rods();
+    void measure_rod(int wire);
+    [[nodiscard]] SplineView spline(int wire) const;
+    void set_axes(int wire);
     [[nodiscard]] bool search_is_stale(std::size_t system) const;
     struct CellRange {
         std::uint32_t first = 0, count = 0;
     };
-    [[nodiscard]] CellRange searched_cells(std::size_t begin, std::size_t end) const;
-    void search(device::Queue queue);
+    [[nodiscard]] CellRange searched_cells(std::size_t system) const;
+    void search();
+    void find_slots(std::size_t system);
     void list_found();
+    void upload(device::Queue queue);
     void pick(std::span<const std::uint8_t> active);
     struct NodeRange {
         int first, end;
@@ -101,6 +107,7 @@ private:
     [[nodiscard]] NodeRange nodes_between(const InstrumentRod& rod, double from, double until, int near) const;
     [[nodiscard]] NearNodes near_nodes(std::uint32_t slot, int near) const;
     [[nodiscard]] double most_moved(NodeRange nodes) const;
+    [[nodiscard]] double moved_together(std::size_t found) const;
     void measure_moves(int wire);
     void note_clear();
     void launch(device::Queue queue, const device::Buffer& forces);
@@ -117,9 +124,12 @@ private:
     InstrumentCells cells_;
     std::vector<int> system_of_, first_wire_;  // [wires], [systems + 1]
     std::vector<InstrumentSums> sums_;         // [systems]
-    device::Kernel find_, evaluate_, evaluate_self_;
+    device::Kernel evaluate_, evaluate_self_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
+    std::vector<std::uint8_t> straight_;  // [wires] at the search, so much that it cannot touch itself
+    std::vector<double> axes_;  // [cells][SEL_AXIS_POINTS][3] at the search [m]
+    bool uploaded_ = false;     // the device has the nodes of this step and what the last search has found
     device::Buffer slots_;
     std::vector<InstrumentState> host_t0_, host_;       // the memory of the next two on a CPU
     std::vector<std::vector<std::uint32_t>> touching_;  // [wires] slots whose cells exerted something at the end of the last step
@@ -127,7 +137,6 @@ private:
     device::Buffer list_buffer_, forces_buffer_, points_buffer_, followed_buffer_;
     InstrumentParams params_{};
     std::vector<std::uint8_t> searching_;    // [systems] that are searched
-    std::vector<CellRange> searched_;        // what has been, launch by launch
     std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;
     std::vector<InstrumentState> no_states_;
@@ -135,7 +144,7 @@ private:
     std::vector<std::uint32_t> found_, picked_;
     std::vector<std::size_t> found_of_, picked_of_;  // [systems + 1] their first
     std::vector<std::uint32_t> place_;               // [picked] in found_
-    std::vector<std::uint8_t> touches_;              // [found] at its last evaluation
+    std::vector<std::uint8_t> touches_;              // [found] a Touch: at its last evaluation
     std::vector<double> clear_;                      // [found] InstrumentForce's, at the first evaluation [m]
     std::vector<NearNodes> near_nodes_;              // [found]
     // before the last search

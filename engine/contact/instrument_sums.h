@@ -36,6 +36,7 @@ public:
     /// @param force, points  of the slot, [force.count] points: they stay where they are until clear(), for the tangent
     void take(const InstrumentForce& force, const InstrumentPoint* points, int wire_a, int wire_b, const InstrumentMoves& moves);
 
+    [[nodiscard]] bool acts() const { return !taken_.empty(); }
     [[nodiscard]] bool blocked() const { return blocked_; }
     [[nodiscard]] bool sliding() const { return sliding_; }
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const;

@@ -100,7 +100,8 @@ Curve curve_of(const WirePlacement& place, double wire_length, std::span<const V
             const Polyline line(place.points);
             // A line of the wire's own length, to the 5 % that a scene may differ, is the asked shape: the length that edges
             // save by cutting corners continues straight.
-            return {line, 0.95 * wire_length <= line.length() * (1 + 1e-9) ? forever : line.length()};
+            const bool goes_on = !place.stretched && 0.95 * wire_length <= line.length() * (1 + 1e-9);
+            return {line, goes_on ? forever : line.length()};
         }
         case PlaceShape::Centreline: {
             const Polyline line = centreline_path(path, place.from);
@@ -157,6 +158,7 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const
     const double h = spec.length / (n - 1);
     // a closed polygon on the ring's circle; everywhere else chords are rest lengths
     const bool ring = place.shape == PlaceShape::Ring;
+    const double stretch = place.stretched ? curve.length / spec.length : 1.0;  // material is shared out evenly, chords are not rest lengths
     double u = 0;
     for (int i = n - 1; i >= 0; --i) {
         rod.set_pos(i, curve.at(u));
@@ -165,7 +167,7 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const
         rod.ax[i] = rod.ay[i] = rod.az[i] = 0;
         rod.theta[i] = rod.spin_acc[i] = rod.ref_twist[i] = 0;
         rod.spin_rate[i] = 0.0 - place.spin_rate;  // theta turns about the edges' tangents, which point against insertion
-        if (i > 0) u = ring ? (n - i) * h : next_at_chord(curve, u, rod.pos(i), h);
+        if (i > 0) u = ring || place.stretched ? (n - i) * h * stretch : next_at_chord(curve, u, rod.pos(i), h);
         if (u > curve.length * (1 + 1e-9))
             throw Error(ExitCode::BadScene,
                         fmt::format("wire.place: the wire of {} m is longer than the {:.4g} m that its shape offers to edges of "
@@ -177,6 +179,17 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const
     if (ring)
         for (int j = 0; j < n - 1; ++j) rod.theta[j] = place.twist * ((n - 2 - j) + 0.5) / (n - 1);
     set_rest_shape(rod, spec, place.rest_is_placed);
+}
+
+void lay_along(const RodView& rod, std::span<const Vec3> path)
+{
+    const Curve curve{Polyline({path.begin(), path.end()}), std::numeric_limits<double>::infinity()};
+    double u = 0;
+    rod.set_pos(rod.n - 1, path.front());
+    for (int i = rod.n - 2; i >= 0; --i) {
+        u = next_at_chord(curve, u, rod.pos(i + 1), rod.material_s[i + 1] - rod.material_s[i]);
+        rod.set_pos(i, curve.at(u));
+    }
 }
 
 double axis_distance(const RodView& a, const RodView& b)

@@ -42,6 +42,7 @@ struct WirePlacement {
     double twist = 0;                // Ring: inserted before closing [rad]
     double from = 0;                 // Centreline: base this far from the vessel's start [m]
     std::vector<Vec3> points;        // Points: from base to tip [m]
+    bool stretched = false;          // Points: their length is that of the wire under tension, which fills them evenly
     bool rest_is_placed = false;     // stress-free shape is the placed one
     Vec3 velocity = Vec3::Zero();    // initial [m/s]
     double spin_rate = 0;            // initial, right-handed about the direction of insertion [rad/s]

@@ -25,6 +25,8 @@ std::string wire_vtp(const WireOutput& wire)
     out.add_point_data("radius", 1, wire.radius);
     out.add_point_data("material_s", 1, wire.material_s);
     out.add_point_data("curvature", 1, wire.curvature);
+    out.add_point_data("spin", 1, wire.spin);
+    out.add_point_vectors("director", wire.director);
     out.add_point_vectors("contact_force", wire.contact_force);
     out.add_point_vectors("velocity", wire.velocity);
     return out.bytes();

@@ -17,7 +17,7 @@ struct Scene;
 [[nodiscard]] std::string series_of(const Scene& scene, int instrument);
 
 /// One polyline, tip first. Point data: radius [m], material_s [m], curvature [1/m] (|kb| per Voronoi length, 0 at the ends),
-/// contact_force [N], velocity [m/s].
+/// spin [rad], director (unit), contact_force [N], velocity [m/s].
 /// @param wire  with Output::Shape
 [[nodiscard]] std::string wire_vtp(const WireOutput& wire);
 

@@ -31,6 +31,7 @@ struct SceneFeed {
     bool inlet_auto = false;  // an inlet of the vessel; else point and direction
     int inlet_number = 0;     // with inlet_auto: which one, counted from 1 (vessel/inlets.h); 0: "auto", the first
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
+    bool along_centreline = false;  // what is inside at t = 0 lies along the vessel's centreline; else straight ahead
     double behind = 0;          // FeedSpec::behind [m]
     std::vector<FeedKey> keys;  // piecewise linear, times strictly increasing; held constant outside
 
@@ -81,6 +82,7 @@ struct Scene : SceneInstrument {
     std::optional<CoaxialSpec> coaxial;   // which of them are inside each other
     IntegratorSpec integrator;
     VesselSpec vessel;  // paths absolute
+    bool wall_stiffness_given = false;  // vessel.youngs_pa or contact.stiffness is in the file
     SceneContact contact;
     bool instruments_touch = false;                          // WorldSetup's
     TaskSpec task;

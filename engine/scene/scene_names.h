@@ -4,6 +4,7 @@
 
 #include "scene/scene.h"
 
+#include <array>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -21,6 +22,9 @@ inline constexpr Choice<bool> start_words[] = {{"placed", false}, {"settled", tr
 inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", CurvatureMeasure::Angle},
                                                                {"tangent", CurvatureMeasure::Tangent}};
 inline constexpr Choice<bool> rest_words[] = {{"straight", false}, {"placed", true}};
+inline constexpr std::array<std::string_view, 3> axis_names = {"x", "y", "z"};
+inline constexpr Choice<bool> feed_start_words[] = {{"straight", false}, {"centreline", true}};
+inline constexpr Choice<bool> stretch_words[] = {{"none", false}, {"as-placed", true}};
 inline constexpr Choice<CoaxialSpec::Model> coaxial_words[] = {{"merged", CoaxialSpec::Model::Merged},
                                                                {"separate", CoaxialSpec::Model::Separate}};
 inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};

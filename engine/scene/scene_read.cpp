@@ -205,6 +205,13 @@ void take_remarks_of_mesh(const toml::table& root, Scene& scene)
     }
 }
 
+/// A wire that is laid along the vessel is bent, and would spring to the wall: it settles first, unless the scene says otherwise.
+void settle_bent_starts(const toml::table& table, Scene& scene)
+{
+    for (int k = 0; k < scene.instrument_count(); ++k)
+        if (scene.instrument(k).feed.along_centreline && !table.contains("start")) scene.start_settled = true;
+}
+
 Scene read_root(const toml::table& root, const std::filesystem::path& file)
 {
     Scene scene;
@@ -231,6 +238,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     if (!all.has("instrument")) read_wire_table(table("wire"), "wire", {}, feed != nullptr, scene, scene);
     if (all.has("instrument")) read_instruments(root, scene);
     else if (feed) read_feed_table(*feed, "feed", {}, scene, scene);
+    settle_bent_starts(table("scene"), scene);
     check_contact_lengths(TableReader(table("contact"), "contact", contact_keys), scene);
     read_holds_and_loads(root, scene);
     for_each_table(root, "wall_load", "wall_load",

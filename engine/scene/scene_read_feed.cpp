@@ -62,7 +62,7 @@ void read_behind(const TableReader& t, FeedPlace place, SceneInstrument& into)
 
 void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene)
 {
-    const TableReader t(table, path, {"point", "direction", "inlet", "behind_m", "keys"});
+    const TableReader t(table, path, {"point", "direction", "inlet", "start", "behind_m", "keys"});
     SceneFeed& feed = into.feed;
     feed.on = true;
     if (!place.inside) read_inlet(t, scene, feed);
@@ -81,6 +81,11 @@ void read_feed_table(const toml::table& table, const std::string& path, FeedPlac
                                 into.wire.length, into.label.empty() ? "wire." : ""));
     }
     read_behind(t, place, into);
+    if (place.inside) t.refuse("start", "is that of the outer instrument: those inside each other enter at one place; take it out");
+    t.choice("start", feed.along_centreline, feed_start_words);
+    if (!feed.along_centreline) return;
+    if (scene.vessel.shape == VesselShape::None || scene.vessel.shape == VesselShape::Plane)
+        t.fail("start", "got \"centreline\" without a lumen; expected a [vessel] that has one. Fix: take it out");
 }
 
 }  // namespace seldinger

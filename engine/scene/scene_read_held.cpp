@@ -60,15 +60,55 @@ std::vector<std::array<double, N>> timed_rows(const TableReader& t, std::string_
     return result;
 }
 
+/// `position`: true, false, or a list of the coordinates that are held.
+void read_held_position(const TableReader& t, HoldSpec& hold)
+{
+    const toml::node* node = t.node("position");
+    if (!node || !node->is_array()) {
+        t.flag("position", hold.position);
+        return;
+    }
+    hold.position = true;
+    hold.axes = {false, false, false};
+    for (const toml::node& entry : *node->as_array()) {
+        const auto name = entry.value<std::string>();
+        const auto axis = std::find(axis_names.begin(), axis_names.end(), name.value_or(""));
+        if (axis == axis_names.end()) t.fail("position", "expected true, false or some of [\"x\", \"y\", \"z\"]");
+        bool& held = hold.axes[static_cast<std::size_t>(axis - axis_names.begin())];
+        if (held) t.fail("position", fmt::format("names \"{}\" twice; take one out", *name));
+        held = true;
+    }
+    if (node->as_array()->empty()) t.fail("position", "holds no coordinate; name x, y or z, or set it to false");
+}
+
+/// What is prescribed along a coordinate that is free would have no effect.
+void refuse_free_moves(const TableReader& t, const HoldSpec& hold)
+{
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (hold.holds(static_cast<int>(c))) continue;
+        const auto moves = [&](const std::array<double, 4>& row) { return row[c + 1] != 0; };
+        const std::string free = fmt::format("moves {}, which position leaves free; give 0 there, or hold it", axis_names[c]);
+        if (std::any_of(hold.move.begin(), hold.move.end(), moves)) t.fail("move", free);
+        if (hold.velocity[static_cast<int>(c)] != 0) t.fail("velocity_m_s", free);
+    }
+}
+
+/// The time at which a hold or a load ends. An equilibrium has no times.
+void read_until(const TableReader& t, const Scene& scene, double& until)
+{
+    t.number("until_s", until, positive);
+    if (scene.integrator.scheme == Scheme::Static) t.refuse("until_s", "needs a run in time; scheme = \"static\" looks for the state at the end");
+}
+
 void read_hold(const toml::table& table, const std::string& path, Scene& scene)
 {
-    const TableReader t(table, path, {"instrument", "at", "position", "direction", "spin", "move", "turn", "velocity_m_s"});
+    const TableReader t(table, path, {"instrument", "at", "position", "direction", "spin", "move", "turn", "velocity_m_s", "until_s"});
     SceneInstrument& instrument = instrument_of(t, scene);
     HoldSpec hold;
     read_point(t, instrument.wire, hold.at);
     if (instrument.feed.on && hold.at.kind == WirePoint::Kind::Base)
         t.fail("at", "the base is held by [feed] already; hold another point or take [feed] out");
-    t.flag("position", hold.position);
+    read_held_position(t, hold);
     t.flag("direction", hold.direction);
     t.flag("spin", hold.spin);
     if (!hold.position && !hold.direction && !hold.spin)
@@ -81,6 +121,8 @@ void read_hold(const toml::table& table, const std::string& path, Scene& scene)
         t.refuse("velocity_m_s", "needs position = true");
     }
     if (!hold.spin) t.refuse("turn", "needs spin = true");
+    if (hold.position) refuse_free_moves(t, hold);
+    read_until(t, scene, hold.until);
     if (scene.integrator.scheme == Scheme::Static && !hold.velocity.isZero())
         t.fail("velocity_m_s",
                "has no end, and scheme = \"static\" looks for the state at the end; give move = [[t_s, dx, dy, dz], ...]");
@@ -89,7 +131,7 @@ void read_hold(const toml::table& table, const std::string& path, Scene& scene)
 
 void read_load(const toml::table& table, const std::string& path, Scene& scene)
 {
-    const TableReader t(table, path, {"instrument", "at", "force_n", "moment_nm", "ramp_s"});
+    const TableReader t(table, path, {"instrument", "at", "force_n", "moment_nm", "ramp_s", "until_s"});
     SceneInstrument& instrument = instrument_of(t, scene);
     LoadSpec load;
     t.need("at", "\"base\", \"tip\" or metres from the tip");
@@ -98,6 +140,7 @@ void read_load(const toml::table& table, const std::string& path, Scene& scene)
     t.vector("force_n", load.force);
     t.vector("moment_nm", load.moment);
     t.number("ramp_s", load.ramp, not_negative);
+    read_until(t, scene, load.until);
     instrument.loads.push_back(load);
 }
 

@@ -77,6 +77,8 @@ void read_section(const toml::table& table, const std::string& path, WireSpec& w
     wire.sections.push_back(range);
 }
 
+constexpr double most_placed_strain = 0.4;  // edges that change by half are torn (rod/no_state.h)
+
 /// bend_scale: bending stiffness of the shaft and all sections, and twisting stiffness with it.
 void scale_stiffness(const TableReader& t, WireSpec& wire)
 {
@@ -101,9 +103,15 @@ void read_points(const TableReader& t, WireSpec& wire)
         wire.place.points.push_back(p);
     }
     // chords are shorter than their arc; more than this is a wire placed under strain
-    if (std::abs(length - wire.length) > 0.05 * wire.length)
+    if (!wire.place.stretched && std::abs(length - wire.length) > 0.05 * wire.length)
         t.fail("points",
-               fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %", length, wire.length));
+               fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %. Fix: other points, or stretch = "
+                           "\"as-placed\" for a wire that is under tension",
+                           length, wire.length));
+    if (wire.place.stretched && std::abs(length / wire.length - 1) > most_placed_strain)
+        t.fail("points", fmt::format("the points are {:.6g} m long, the wire {:.6g} m: a strain of {:.3g}; expected at most {}. Fix: length_m is "
+                                     "the length without stress",
+                                     length, wire.length, length / wire.length - 1, most_placed_strain));
 }
 
 /// The first director of a wire whose scene gives none: z, or x for a wire along z.
@@ -111,7 +119,7 @@ Vec3 default_normal(const Vec3& direction) { return std::abs(direction.normalize
 
 void read_place(const toml::table& table, const std::string& path, WireSpec& wire)
 {
-    const TableReader t(table, path, {"shape", "base", "direction", "normal", "bend_radius_m", "twist_rad", "points", "from_m"});
+    const TableReader t(table, path, {"shape", "base", "direction", "normal", "bend_radius_m", "twist_rad", "points", "from_m", "stretch"});
     WirePlacement& place = wire.place;
     t.choice("shape", place.shape, place_words);
     t.vector("base", place.base);
@@ -126,6 +134,7 @@ void read_place(const toml::table& table, const std::string& path, WireSpec& wir
     only_for("bend_radius_m", PlaceShape::Arc);
     only_for("twist_rad", PlaceShape::Ring);
     only_for("points", PlaceShape::Points);
+    only_for("stretch", PlaceShape::Points);
     only_for("from_m", PlaceShape::Centreline);
     if (place.shape == PlaceShape::Points || place.shape == PlaceShape::Centreline)
         for (const auto key : {"base", "direction"})
@@ -137,6 +146,7 @@ void read_place(const toml::table& table, const std::string& path, WireSpec& wir
     t.number("bend_radius_m", place.bend_radius, positive);
     t.number("twist_rad", place.twist, any_number);
     t.number("from_m", place.from, not_negative);
+    t.choice("stretch", place.stretched, stretch_words);
     if (place.shape == PlaceShape::Points) read_points(t, wire);
 }
 

@@ -114,6 +114,39 @@ std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, Fe
     return fmt::format("{} of {}{}: {}", number, inlets.size(), asked.inlet_number == 0 ? " (\"auto\")" : "", describe(inlet));
 }
 
+/// From the inlet along the centreline, the way that the inlet points: towards the root, or away from it along the longest branch.
+std::vector<Vec3> path_along_centreline(const Centreline& line, const FeedSpec& feed)
+{
+    const Vec3 ahead = feed.direction.normalized();
+    const int nearest = line.nearest(feed.point);
+    if (nearest < 0) return {};
+    std::vector<int> rootwards, outwards;
+    for (int at = nearest; at >= 0; at = line.parent[static_cast<std::size_t>(at)]) rootwards.push_back(at);
+    for (const int at : line.main_path())
+        if (!outwards.empty() || at == nearest) outwards.push_back(at);
+    // how far ahead of the inlet a route goes within two radii of the lumen
+    const double near = 2 * line.radius[static_cast<std::size_t>(nearest)];
+    const auto gain = [&](const std::vector<int>& route) {
+        double most = -far_apart;
+        for (const int at : route) {
+            const Vec3 to = line.points[static_cast<std::size_t>(at)] - feed.point;
+            if (to.norm() > near) break;
+            most = std::max(most, to.dot(ahead));
+        }
+        return most;
+    };
+    const std::vector<int>& route = gain(outwards) >= gain(rootwards) ? outwards : rootwards;
+    // the wire leaves the inlet in its direction: what of the line is beside or behind it is left out
+    std::vector<Vec3> path = {feed.point};
+    for (const int at : route) {
+        const Vec3 p = line.points[static_cast<std::size_t>(at)], to = p - path.back();
+        const Vec3 before = path.size() > 1 ? Vec3((path.back() - path[path.size() - 2]).normalized()) : ahead;
+        const bool onwards = to.norm() > (path.size() > 1 ? 0.0 : 0.25 * near) && to.dot(before) > 0.7 * to.norm();
+        if (onwards) path.push_back(p);
+    }
+    return path;
+}
+
 /// Looks up whether wires start inside the lumen; what that takes is built once, when first asked.
 class StartPlaces {
 public:
@@ -140,19 +173,29 @@ public:
     }
 
 private:
-    /// Wire inside at t = 0 lies straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back a node behind a wall.
+    /// What is inside at t = 0 lies along feed.path, or straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back what lies
+    /// behind a wall.
     void check_inside_at_start(const Scene& scene, int k, const FeedSpec& feed, double radius)
     {
-        const Vec3 along = feed.direction.normalized();
-        for (double s = 0; s < feed.advance;) {
-            const LumenPlace at = lumen().locate(feed.point + s * along);
-            if (at.opening >= 0) return;  // out through an opening: free
-            if (at.signed_distance < 0)
-                fail(scene, key_of(scene, k, "feed.keys.advance_m"),
-                     fmt::format("got {:.4g} mm at t = 0, which lie straight ahead of the inlet; expected them inside the lumen, whose wall is in "
-                                 "the way after {:.3g} mm. Fix: start with 0 (at most {:.4g} m) and feed the rest",
-                                 1e3 * feed.advance, 1e3 * s, 1e-3 * std::floor(1e3 * std::max(0.0, s - 2 * radius))));
-            s += std::max(at.signed_distance, 0.5 * radius);
+        const bool bent = !feed.path.empty();
+        const std::vector<Vec3> path = bent ? feed.path : std::vector<Vec3>{feed.point};
+        double from = 0;  // of the present piece along the path
+        for (std::size_t i = 0; i < path.size() && from < feed.advance; ++i) {
+            const bool last = i + 1 == path.size();
+            const Vec3 along = last ? (i > 0 ? Vec3(path[i] - path[i - 1]) : feed.direction).normalized() : Vec3((path[i + 1] - path[i]).normalized());
+            const double until = last ? feed.advance : std::min(feed.advance, from + (path[i + 1] - path[i]).norm());
+            for (double s = from; s < until;) {
+                const LumenPlace at = lumen().locate(path[i] + (s - from) * along);
+                if (at.opening >= 0) return;  // out through an opening: free
+                if (at.signed_distance < 0)
+                    fail(scene, key_of(scene, k, "feed.keys.advance_m"),
+                         fmt::format("got {:.4g} mm at t = 0, which lie {}; expected them inside the lumen, whose wall is in the way after "
+                                     "{:.3g} mm. Fix: start with 0 (at most {:.4g} m) and feed the rest{}",
+                                     1e3 * feed.advance, bent ? "along the centreline" : "straight ahead of the inlet", 1e3 * s,
+                                     1e-3 * std::floor(1e3 * std::max(0.0, s - 2 * radius)), bent ? "" : ", or feed.start = \"centreline\""));
+                s += std::max(at.signed_distance, 0.5 * radius);
+            }
+            from = until;
         }
     }
 
@@ -236,6 +279,10 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
             if (has_lumen) check_size(scene, from.wire, vessel);
             if (wire.feed.on) {
                 wire.inlet = place_feed(scene, k, vessel, wire.feed);
+                if (from.feed.along_centreline && scene.coaxial)
+                    fail(scene, key_of(scene, k, "feed.start"),
+                         "got \"centreline\" in a group of instruments; expected a single instrument. Fix: start with advance_m = 0 and feed the rest");
+                if (from.feed.along_centreline) wire.feed.path = path_along_centreline(vessel.centreline, wire.feed);
                 if (has_lumen) places.check(scene, k, wire.feed, wire.wire.shaft.radius);
             } else if (first.vessel.shape != VesselShape::None) {
                 wire.start = places.check(scene, k, wire.wire);

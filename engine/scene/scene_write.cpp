@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -92,6 +93,7 @@ std::string place_text(const WirePlacement& p)
     if (p.shape == PlaceShape::Arc) out += fmt::format(", bend_radius_m = {}", toml_number(p.bend_radius));
     if (p.shape == PlaceShape::Ring) out += fmt::format(", twist_rad = {}", toml_number(p.twist));
     if (p.shape == PlaceShape::Centreline) out += fmt::format(", from_m = {}", toml_number(p.from));
+    if (p.stretched) out += fmt::format(", stretch = {}", toml_quoted(word_of(stretch_words, p.stretched)));
     for (std::size_t i = 0; i < p.points.size(); ++i) out += (i ? ", " : ", points = [") + vec(p.points[i]);
     return out + (p.points.empty() ? " }" : "] }");
 }
@@ -196,6 +198,7 @@ void write_feed(std::string& out, const SceneFeed& feed, std::string_view header
     if (inlet && feed.inlet_auto && feed.inlet_number > 0) t.whole("inlet", feed.inlet_number);
     else if (inlet && feed.inlet_auto) t.word("inlet", "auto");
     else if (inlet) t.vector("point", feed.point).vector("direction", feed.direction);
+    if (inlet) t.word("start", word_of(feed_start_words, feed.along_centreline));
     t.num_unless_zero("behind_m", feed.behind);
     std::string keys = "[\n";
     for (const FeedKey& key : feed.keys)
@@ -253,6 +256,18 @@ void write_task(std::string& out, const TaskSpec& task)
         t.raw("target", fmt::format("{{ {}branch = {}, beyond_m = {} }}", name, task.branch, toml_number(task.beyond)));
 }
 
+void write_held_position(TableText& t, const HoldSpec& hold)
+{
+    if (hold.axes == std::array<bool, 3>{true, true, true}) {
+        t.flag("position", hold.position);
+        return;
+    }
+    std::string axes;
+    for (int c = 0; c < 3; ++c)
+        if (hold.axes[static_cast<std::size_t>(c)]) axes += (axes.empty() ? "" : ", ") + toml_quoted(std::string_view(axis_names[c]));
+    t.raw("position", "[" + axes + "]");
+}
+
 void write_holds_and_loads(std::string& out, const SceneInstrument& instrument)
 {
     const auto begin = [&](TableText& t, const WirePoint& at) -> TableText& {
@@ -262,14 +277,18 @@ void write_holds_and_loads(std::string& out, const SceneInstrument& instrument)
     };
     for (const HoldSpec& hold : instrument.holds) {
         TableText t(out, "[[hold]]");
-        begin(t, hold.at).flag("position", hold.position).flag("direction", hold.direction).flag("spin", hold.spin);
+        begin(t, hold.at);
+        write_held_position(t, hold);
+        t.flag("direction", hold.direction).flag("spin", hold.spin);
         if (!hold.move.empty()) t.raw("move", rows(hold.move));
         if (!hold.turn.empty()) t.raw("turn", rows(hold.turn));
         if (hold.position) t.vector("velocity_m_s", hold.velocity);
+        if (std::isfinite(hold.until)) t.num("until_s", hold.until);
     }
     for (const LoadSpec& load : instrument.loads) {
         TableText t(out, "[[load]]");
         begin(t, load.at).vector("force_n", load.force).vector("moment_nm", load.moment).num("ramp_s", load.ramp);
+        if (std::isfinite(load.until)) t.num("until_s", load.until);
     }
     for (const LinkSpec& link : instrument.links) {
         TableText t(out, "[[link]]");

@@ -140,14 +140,17 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
     twin.parts = parts;
     twin.found = window.steps == 0 && closed_ > 0;
     if (window.steps == 0) return twin;
-    if (!world_) world_ = std::make_unique<World>(run_.setup());
+    if (!world_) {
+        world_ = std::make_unique<World>(run_.setup());
+        world_->stop_when(stop_asked_);
+    }
     const long lead = parts > 2 ? window.lead : 0;
     world_->restore_state(lead > 0 ? window.earlier : window.state);
     for (long k = -lead * parts; k < parts * window.steps; ++k) {
         const long of_run = window.first + (k + lead * parts) / parts - lead;
         const StepReport report = step(*world_, key_frames_.control(), scene_.step_length(of_run) / parts);
         ++estimate_.steps;
-        if (report.failed()) {
+        if (report.failed() || (report.flags & StepStopped)) {
             ++estimate_.failed;
             return twin;
         }

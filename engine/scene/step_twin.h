@@ -82,6 +82,9 @@ public:
     /// @param scene, run  outlive this   @param taken  steps of the run so far
     StepTwin(const Scene& scene, const World& run, long taken);
 
+    /// Ends its steps as World::stop_when() does: a window in which one is ended tells nothing.
+    void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
+
     /// After each accepted step. @param readings  of all instruments as one   @param taken  steps of the run with this one
     void stepped(const World& run, const WireReadings& readings, long taken);
     /// Checks the remaining windows. @return the estimate over all
@@ -115,6 +118,7 @@ private:
     const World& run_;
     KeyFrames key_frames_;
     std::unique_ptr<World> world_;  // made when first needed
+    std::function<bool()> stop_asked_;
     Window window_, last_, best_hand_, best_friction_;
     ReleaseWatch hand_release_, friction_release_;
     long closed_ = 0, seen_ = 0;  // windows, steps

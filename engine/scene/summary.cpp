@@ -150,6 +150,7 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("remesh_energy_j", r.remesh_energy);
     number.set("energy_made_j", r.energy_made);
     number.set("overlap_max_m", tally.overlap_max);
+    number.set("overlap_share_max", tally.overlap_share);
     number.set("outside_max_m", tally.outside_max);
     number.set("contact_area_max_m2", tally.contact_area_max);
     number.set("contact_pressure_max_pa", tally.contact_pressure_max);
@@ -231,6 +232,14 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                                    "mesh at that place",
                                    tally.overlap_share, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
                                    tally.overlap_at[2]));
+    // a wall whose stiffness the scene gives is as soft as it is meant to be
+    constexpr double soft = 0.02;  // of the radius: by so much a path is off, and with it the tip
+    if (!notes.scene->vessel.elastic && !notes.scene->wall_stiffness_given && notes.scene->contact.stiffness_from_wall && tally.overlap_share > soft && tally.overlap_share <= deep)
+        list.push_back(fmt::format("the wire sinks into the rigid wall by up to {:.2g} of its radius ({:.3g} um), at {:.4g} s near [{:.4g}, {:.4g}, "
+                                   "{:.4g}] m: the surface of vessel.youngs_pa = {:g} Pa, which the scene does not give, is soft. Fix: "
+                                   "vessel.youngs_pa = 1e8 for a hard wall (1e9 in a step of 0.1 ms), or the wall's own modulus",
+                                   tally.overlap_share, 1e6 * tally.overlap_max, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
+                                   tally.overlap_at[2], notes.scene->vessel.youngs));
     if (notes.vessel)
         for (const std::string& sentence : exit_sentences(tally.exits, notes.vessel->loops, *notes.scene)) list.push_back(sentence);
     if (const std::string touch = describe(tally.end_touch, *notes.scene); !touch.empty()) list.push_back(touch);
@@ -480,8 +489,9 @@ std::string more_lines_of(const Json& s)
     if (s.contains("model") && s.at("model").contains("inlet"))
         text += "  entered at " + s.at("model").at("inlet").get<std::string>() + "\n";
     if (s.contains("error_estimate")) text += estimate_for_people(s.at("error_estimate"));
-    text += fmt::format("  overlap at most {:.3g} um, beyond the wall {:.3g} um; Newton at most {} iterations\n",
-                        1e6 * number("overlap_max_m"), 1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
+    const double share = s.contains("overlap_share_max") ? number("overlap_share_max") : 0.0;  // of overlaps with the wall
+    text += fmt::format("  overlap at most {:.3g} um{}, beyond the wall {:.3g} um; Newton at most {} iterations\n", 1e6 * number("overlap_max_m"),
+                        share > 0 ? fmt::format(" ({:.2g} of the radius)", share) : "", 1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
     return text + fmt::format("  state {} on {}\n", s.at("state_hash").get<std::string>(), s.at("device").get<std::string>());
 }
 

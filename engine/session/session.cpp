@@ -88,7 +88,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
     shape_.wires.resize(static_cast<std::size_t>(world_->wire_count()));
     for (WireOutput& wire : shape_.wires) {
         for (auto* array : {&wire.material_s, &wire.radius, &wire.curvature, &wire.spin}) array->reserve(most_view_nodes);
-        for (auto* array : {&wire.position, &wire.velocity, &wire.contact_force}) array->reserve(most_view_nodes);
+        for (auto* array : {&wire.director, &wire.position, &wire.velocity, &wire.contact_force}) array->reserve(most_view_nodes);
     }
     for (int round = 0; round < 3; ++round) {
         for (auto& nodes : view.back().nodes) nodes.reserve(most_view_nodes);

@@ -36,6 +36,10 @@ Vec3 displacement(const HoldSpec& hold, double t)
     return hold.velocity.isZero() ? moved : Vec3(moved + t * hold.velocity);  // t may be infinite
 }
 
+/// Whether something that ends is over in the state at time t. Times of steps are sums: one that ends a step late by rounding has not
+/// begun.
+bool is_over(double t, double until) { return t > until * (1 + 1e-9); }
+
 double ramp_factor(const LoadSpec& load, double t) { return load.ramp > 0 ? std::clamp(t / load.ramp, 0.0, 1.0) : 1.0; }
 
 constexpr int most_clamps = 12;  // RodFrames has room for 16; feeding and rings add their own
@@ -57,7 +61,7 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
 
 void check_holds_something(std::size_t index, const HoldSpec& spec)
 {
-    if (spec.position || spec.direction || spec.spin) return;
+    if (spec.holds(0) || spec.holds(1) || spec.holds(2) || spec.direction || spec.spin) return;
     throw Error(ExitCode::BadScene, fmt::format("hold[{}] holds nothing: set position, direction or spin to true", index));
 }
 
@@ -148,7 +152,9 @@ void WireHolds::refuse_contradictions(const RodView& rod) const
         for (std::size_t b = a + 1; b < holds_.size(); ++b) {
             const HoldSpec &first = holds_[a].spec, &second = holds_[b].spec;
             if (node(static_cast<int>(a), rod) != node(static_cast<int>(b), rod)) continue;
-            const char* what = first.position && second.position     ? "position"
+            bool position = false;
+            for (int c = 0; c < 3; ++c) position = position || (first.holds(c) && second.holds(c));
+            const char* what = position                              ? "position"
                                : first.direction && second.direction ? "direction"
                                : first.spin && second.spin           ? "spin"
                                                                      : nullptr;
@@ -196,10 +202,12 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
     out.clear();
     for (std::size_t k = 0; k < holds_.size(); ++k) {
         const Hold& hold = holds_[k];
+        if (is_over(t, hold.spec.until)) continue;
         const int at_node = node(static_cast<int>(k), rod);
         if (hold.spec.position) {
             const Vec3 position = hold.position + displacement(hold.spec, t);
-            for (int c = 0; c < 3; ++c) out.prescribed.emplace_back(RodDofs::position(at_node, c), position[c]);
+            for (int c = 0; c < 3; ++c)
+                if (hold.spec.axes[static_cast<std::size_t>(c)]) out.prescribed.emplace_back(RodDofs::position(at_node, c), position[c]);
         }
         if (hold.spec.direction || hold.spec.spin) {
             const double angle = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
@@ -225,6 +233,11 @@ void WireHolds::take_line_holds(std::span<const HoldSpec> holds, const RodView& 
                                     "\"tip\" or a smaller distance, or feed more of it in at the start",
                                     k, from_tip, std::max(inside, 0.0)));
         check_holds_something(k, spec);
+        if (spec.position && spec.axes != std::array<bool, 3>{true, true, true})
+            throw Error(ExitCode::BadScene,
+                        fmt::format("hold[{}].position: got some of x, y and z; expected all of the position in a group with model = "
+                                    "\"merged\". Fix: position = true, or model = \"separate\"",
+                                    k));
         const Place place = locate(spec.at, own, offset);
         Hold hold;
         hold.spec = spec;
@@ -240,6 +253,7 @@ void WireHolds::add_line_holds(double t, const RodView& line, double offset, Wir
 {
     for (std::size_t k = 0; k < holds_.size(); ++k) {
         const Hold& hold = holds_[k];
+        if (is_over(t, hold.spec.until)) continue;
         const double s = hold.material_s - offset;
         // of one that gets ahead of the line within a step the tip is beyond the first node, by less than its edge
         if (!(s > -line.rest_length[0] && s < line.material_s[line.n - 1])) continue;
@@ -254,7 +268,8 @@ void WireHolds::add_loads(double t, const RodView& line, double offset, int memb
     for (const LoadSpec& load : loads_) {
         const Place place = locate(load.at, line, offset);
         const double factor = ramp_factor(load, t);
-        if (place.inside) out.loads.push_back({place.edge, place.bary, factor * load.force, factor * load.moment, member});
+        if (is_over(t, load.until) || !place.inside) continue;
+        out.loads.push_back({place.edge, place.bary, factor * load.force, factor * load.moment, member});
     }
     for (const LinkSpec& link : links_) {
         const Place place = locate(link.at, line, offset);
@@ -269,9 +284,10 @@ double WireHolds::moving_until() const
     const auto include = [&](const auto& keys) {
         if (!keys.empty()) end = std::max(end, keys.back()[0]);
     };
-    for (const Hold& hold : holds_) include(hold.spec.move), include(hold.spec.turn);
+    const auto include_end = [&](double until) { end = std::isfinite(until) ? std::max(end, until) : end; };
+    for (const Hold& hold : holds_) include(hold.spec.move), include(hold.spec.turn), include_end(hold.spec.until);
     for (const LinkSpec& link : links_) include(link.move);
-    for (const LoadSpec& load : loads_) end = std::max(end, load.ramp);
+    for (const LoadSpec& load : loads_) end = std::max(end, load.ramp), include_end(load.until);
     return end;
 }
 

@@ -14,6 +14,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, const For
     NewtonOptions newton;
     newton.shifted = true;
     newton.max_iterations = 150;
+    stopped_ = false;
     begin(Motion::Static, 0, constraints, active);
     for (int s = 0; s < system_count(); ++s) {
         if (!asked_[s]) continue;

@@ -3,8 +3,8 @@
 #include "solve/feed.h"
 
 #include "core/check.h"
+#include "rod/place.h"
 #include "rod/transport.h"
-
 
 #include <algorithm>
 #include <cmath>
@@ -58,7 +58,7 @@ void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, Ro
     state.advance = spec.advance;
     state.turn = spec.turn;
     place_in_introducer(state, wire, rods, index, 0, 0);
-    if (state.advance > state.edge / 2) {  // starts with a length inside: straight along the inlet
+    if (state.advance > state.edge / 2) {  // starts with a length inside: along the path that is given, or straight ahead
         const double inside = state.advance;
         const int edges = std::max(1, static_cast<int>(std::lround(inside / state.edge)));
         rods.set_node_count(index, edges + 1);
@@ -69,6 +69,7 @@ void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, Ro
             rod.set_vel(i, Vec3::Zero());
             rod.ax[i] = rod.ay[i] = rod.az[i] = rod.ref_twist[i] = rod.spin_rate[i] = rod.spin_acc[i] = 0;
         }
+        if (!spec.path.empty()) lay_along(rod, spec.path);
         initialise_frames(rod, state.director);
         for (int j = 0; j < edges; ++j) rod.theta[j] = -state.turn;
         set_rest_shape(rod, wire, false);

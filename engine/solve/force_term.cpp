@@ -59,6 +59,11 @@ void ForceTerms::couple(const SystemUnknowns& system, std::span<double> residual
     for (const ForceTerm* term : list_) term->couple(system, residual, tangent, symmetric);
 }
 
+bool ForceTerms::act(int wire) const
+{
+    return std::any_of(list_.begin(), list_.end(), [&](const ForceTerm* term) { return term->acts(wire); });
+}
+
 bool ForceTerms::unsymmetric(int wire) const
 {
     return std::any_of(list_.begin(), list_.end(), [&](const ForceTerm* term) { return term->unsymmetric(wire); });

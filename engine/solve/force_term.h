@@ -112,6 +112,8 @@ public:
     /// Whether its forces depend on the spin angles (by friction on the surface that they turn): then a solve without them must
     /// leave them where they were.
     [[nodiscard]] virtual bool follows_spins() const { return true; }
+    /// Whether it exerts anything on a wire's system in the trial that was evaluated last: else it adds nothing to residual or tangent.
+    [[nodiscard]] virtual bool acts(int /*wire*/) const { return true; }
     /// Whether its forces may jump within a hair's breadth (facets of a wall).
     [[nodiscard]] virtual bool may_jump() const { return true; }
 
@@ -163,6 +165,8 @@ public:
     /// The sum of all.
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const;
+    /// Whether any term acts.
+    [[nodiscard]] bool act(int wire) const;
     /// Whether any term's tangent is unsymmetric.
     [[nodiscard]] bool unsymmetric(int wire) const;
     [[nodiscard]] bool follows_spins() const;

@@ -58,6 +58,12 @@ public:
     void resume();
     /// They have not settled, and will not: the system has failed, or takes its best state (best effort).
     void stop_short();
+    /// Ends the solve as one that has failed.
+    void abandon()
+    {
+        phase_ = Phase::Failed;
+        settling_ = false;
+    }
     /// Whether the last advance() took its trial: the next ones start from there.
     [[nodiscard]] bool took_trial() const { return took_trial_; }
 

@@ -4,6 +4,7 @@
 #include "rod/wire_spec.h"
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,9 +36,14 @@ struct WirePoint {
 struct HoldSpec {
     WirePoint at;
     bool position = false, direction = false, spin = false;  // what is held
+    std::array<bool, 3> axes = {true, true, true};           // of `position`: which of x, y, z; it slides along the others
     std::vector<std::array<double, 4>> move;                 // [t, dx, dy, dz], piecewise linear, relative to the start
     std::vector<std::array<double, 2>> turn;                 // [t, rad], right-handed about the direction of insertion
     Vec3 velocity = Vec3::Zero();                            // added to `move` [m/s]
+    double until = std::numeric_limits<double>::infinity();  // lets go after this time [s]
+
+    /// Whether coordinate c of the position is held.
+    [[nodiscard]] bool holds(int c) const { return position && axes[static_cast<std::size_t>(c)]; }
 };
 
 struct LoadSpec {
@@ -45,6 +51,7 @@ struct LoadSpec {
     Vec3 force = Vec3::Zero();   // dead [N]
     Vec3 moment = Vec3::Zero();  // dead [N m]
     double ramp = 0;             // linear from 0 over this time [s]
+    double until = std::numeric_limits<double>::infinity();  // acts up to this time [s]
 };
 
 struct LinkSpec {
@@ -68,6 +75,7 @@ struct FeedSpec {
     // For instruments in one centreline: length between the hand and the inlet at the start. It is twisted, and gets shorter as the
     // instrument is pushed; 0: the hand is always at the inlet [m].
     double behind = 0;
+    std::vector<Vec3> path;  // what is inside at the start lies along it, from the inlet on [m]; empty: straight ahead
 };
 
 }  // namespace seldinger

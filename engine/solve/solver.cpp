@@ -142,6 +142,8 @@ void Solver::iterate(double h, const ForceTerms& terms)
     };
     bool at_start = spec_.scheme == Scheme::Linearised;
     for (; any(running_); at_start = false) {
+        stopped_ = stopped_ || (stop_asked_ && stop_asked_());
+        if (stopped_) return abandon();
         if (any(evaluate_)) {
             if (at_start) evaluate_start(h, true, terms);
             else terms.evaluate(trial_, h, evaluate_);
@@ -154,6 +156,15 @@ void Solver::iterate(double h, const ForceTerms& terms)
             for (std::size_t k = 0; k < wires.size() && newton.took_trial(); ++k) terms.take(wires[k]->wire);
             prepare_trial(s);
         });
+    }
+}
+
+/// Ends the solves of all systems that are still running, without a result.
+void Solver::abandon()
+{
+    for (int s = 0; s < system_count(); ++s) {
+        if (running_[s]) work_[s]->newton.abandon();
+        running_[s] = 0;
     }
 }
 

@@ -12,6 +12,7 @@
 #include "solve/wire_constraints.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace seldinger {
@@ -47,6 +48,11 @@ public:
 
     /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
     void set_best_effort(bool on) { best_effort_ = on; }
+
+    /// `asked` is called between trials; when it returns true, a step ends as one that has failed, with the spin record that it had.
+    void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
+    /// Whether the last step was ended so.
+    [[nodiscard]] bool stopped() const { return stopped_; }
 
     /// Stable static equilibrium: Newton with an adaptive shift, falling back to pseudo-transient continuation; an unstable
     /// equilibrium (a straight column above its load) is left along its softest mode. Velocities become 0.
@@ -101,6 +107,7 @@ private:
     void prepare_trials(std::span<const std::uint8_t> systems);
     void set_evaluated(int system, bool evaluate);
     void iterate(double h, const ForceTerms& terms);
+    void abandon();
     void iterate_with_multipliers(double h, const ForceTerms& terms, std::span<const std::uint8_t> systems);
     void finish(std::span<SolveReport> reports);
     void step_explicit(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
@@ -126,7 +133,9 @@ private:
     std::vector<std::uint8_t> evaluate_;        // [wires] takes part in the present evaluation of force terms
     std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
     std::vector<SolveReport> first_;            // [wires] what the first solve took
-    std::vector<SpinRecord> spin_records_;      // [systems]
+    std::vector<SpinRecord> spin_records_, spins_before_;  // [systems]; at the start of a step that may be stopped
+    std::function<bool()> stop_asked_;
+    bool stopped_ = false;
     std::vector<double> response_;              // of compliance()
 };
 

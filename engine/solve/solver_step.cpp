@@ -78,6 +78,8 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, const 
     if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, terms, active, reports);
     if (spec_.scheme == Scheme::Static) return equilibrium(constraints, terms, active, reports);
     using enum SpinAngles;
+    stopped_ = false;
+    if (stop_asked_) spins_before_ = spin_records_;
     workspaces_->provide();
     const SpinAngles spins = spec_.spins == Spins::Kept ? SolvedFor : terms.follows_spins() ? LeftIfStill : LeftIfFree;
     NewtonOptions options;
@@ -92,7 +94,8 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, const 
         prepare_trial(s);
     });
     iterate_with_multipliers(h, terms, asked_);
-    check_spins(h, constraints, terms, active, options);
+    if (!stopped_) check_spins(h, constraints, terms, active, options);
+    if (stopped_) spin_records_ = spins_before_;
     finish(reports);
 }
 

@@ -155,9 +155,9 @@ bool SystemProblem::evaluate_residual(const ForceTerms& terms)
 {
     for (WireProblem* wire : solved_) wire->evaluate_residual();
     for (CoaxialProblem* group : solved_coaxial_) group->add_residual();
-    if (!terms.empty()) {
-        const std::size_t count = size();
-        std::fill_n(term_residual_.begin(), count, 0.0);
+    const std::size_t count = size();
+    if (!terms.empty()) std::fill_n(term_residual_.begin(), count, 0.0);
+    if (acted_on(terms)) {
         for (std::size_t k = 0; k < solved_.size(); ++k)
             terms.add(solved_wires_[k], term_residual_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()), nullptr, true);
         terms.couple(unknowns(), term_residual_.first(count), nullptr, true);
@@ -170,8 +170,10 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
 {
     for (WireProblem* wire : solved_) wire->evaluate_residual();
     for (CoaxialProblem* group : solved_coaxial_) group->add_residual();
-    if (!terms.empty()) {
-        const int count = size();
+    const int count = size();
+    if (!terms.empty() && !terms_act_)
+        for (int i = 0; i < count; ++i) residual[i] += term_residual_[i];
+    if (terms_act_) {
         for (int i = 0; i < count; ++i) velocities_[i] = trial[i] - base[i];
         term_tangent_.multiply(velocities_, scratch_);
         (solved_coaxial_.empty() ? linear.far : far_of_terms_).add_product(velocities_, scratch_);
@@ -180,6 +182,12 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
         for (int i = 0; i < count; ++i) residual[i] += term_residual_[i] + scratch_[i];
     }
     return finish_residual();
+}
+
+/// Whether a term acts on any of its wires.
+bool SystemProblem::acted_on(const ForceTerms& terms) const
+{
+    return std::any_of(solved_wires_.begin(), solved_wires_.end(), [&](int wire) { return terms.act(wire); });
 }
 
 /// @return false if not finite
@@ -197,20 +205,21 @@ void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const For
 {
     const int count = size();
     linear.reset(count);
-    if (!terms.empty()) term_tangent_.reset(count);
+    terms_act_ = acted_on(terms);
+    if (terms_act_) term_tangent_.reset(count);
     for (WireProblem* wire : solved_) {
         const int first = static_cast<int>(wire->q.start.data() - start.data());
         BandRows part = linear.band.part(first, wire->size());
         wire->assemble_elastic(mode, symmetric, part);
-        if (!terms.empty()) {
+        if (terms_act_) {
             BandRows of_terms = term_tangent_.part(first, wire->size());
             terms.add(wire->wire, wire->q.scratch, &of_terms, symmetric);
             if (wire->role != WireRole::Passenger) part.add_scaled(of_terms, 1);
         }
         wire->add_stiffness_damping(part);
     }
-    terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear, symmetric);
-    add_coaxial_tangents(mode, symmetric, !terms.empty());
+    if (terms_act_) terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear, symmetric);
+    add_coaxial_tangents(mode, symmetric, terms_act_);
     if (!linear.far.empty() && order_.empty()) order_nodes();
 }
 

@@ -145,6 +145,7 @@ private:
     void add_coaxial_tangents(HessianMode mode, bool symmetric, bool terms);
     [[nodiscard]] SystemUnknowns unknowns() const { return {map, solved_wires_}; }
     [[nodiscard]] bool finish_residual();
+    [[nodiscard]] bool acted_on(const ForceTerms& terms) const;
 
     int first_wire_ = 0;
     std::vector<std::unique_ptr<WireProblem>> wires_;
@@ -158,6 +159,7 @@ private:
     // [capacity] in the workspace; the last is the terms' residual at their last evaluation
     std::span<double> scratch_, velocities_, split_, term_residual_;
     BandMatrix term_tangent_;  // at the last assemble_tangent
+    bool terms_act_ = false;   // in it; else it has not been filled
 };
 
 }  // namespace seldinger

@@ -1,27 +1,10 @@
-// Contact between instruments: the neighbours of cells, and their forces.
+// Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
 //   launch  engine/contact/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
 #include "shared/instrument_block.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone
 #endif
 #define SEL_INSTRUMENT_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
-
-// Stretches that each cell is near to.
-//   item    one of cell_count cells from first_cell on
-//   reads   bodies; nodes of all rods       writes  slots [cells][SEL_INSTRUMENT_SLOTS]
-SEL_INSTRUMENT_KERNEL void instruments_find(const InstrumentParams par, __global const InstrumentRod* restrict rods,
-                                            __global const InstrumentPair* restrict pairs,
-                                            __global const InstrumentSurface* restrict surfaces,
-                                            __global const uint* restrict rod_of, __global const real* restrict position,
-                                            __global const real* restrict material, __global const real* restrict theta,
-                                            __global InstrumentSlot* restrict slots)
-{
-    if (get_global_id(0) >= par.cell_count) return;
-    const uint cell = par.first_cell + get_global_id(0);
-    const SlotList list =
-        near_slots(cell, instrument_bodies(rods, pairs, surfaces, rod_of), instrument_nodes(position, material, theta), par);
-    for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) slots[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
-}
 
 // Forces of listed slots: with other instruments, SEL_BLOCK of them an item; with the same one, each an item. The other kernel's are
 // passed over.

@@ -216,7 +216,7 @@ SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real in
 // A cell that is near enough to touch in the next step.
 SEL_FN int is_followed(const SlotCell* its, InstrumentParams par, real depth)
 {
-    return par.follow && -depth <= (real)0.5 * its->surface_a.radius;
+    return par.follow && -depth <= SEL_FOLLOWED * its->surface_a.radius;
 }
 
 // What a cell exerts that is not known to be clear.
@@ -316,22 +316,25 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
     self.from = spline_at(self.scene.b, from_b);
     self.until = spline_at(self.scene.b, until_b);
     const InstrumentSurface surface_a = bodies.surfaces[cell], surface_b = surface_at(a, along_b, bodies.surfaces);
-    const real follows = (real)0.5 * surface_a.radius;
+    const real follows = SEL_FOLLOWED * surface_a.radius;
     now->pair = slot.pair;
     now->touch = slot.touch;
     InstrumentForce force = no_instrument_force();
     force.pair = slot.pair;
-    const SelfTouch touch = self_touch(&self, follows);
+    const uint old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
+    const int fresh = old == SEL_INSTRUMENT_SLOTS;
+    // nothing rolls between instruments: `roll` of a state is where the cell is cut
+    const SelfTouch touch = self_touch(&self, follows, fresh || par.inv_dt == 0 ? (real)0 : states_t0[old].contact.roll);
     force.depth = -touch.deepest.gap;
     if (touch.count == 0) {
+        force.clear = max_r(touch.clear, 0);
         if (par.follow && touch.deepest.gap <= follows) follow_self(&self, &touch, par.inv_dt, a.epoch, now);
         return force;
     }
-    const uint old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
-    const int fresh = old == SEL_INSTRUMENT_SLOTS;
     LawContext c = slot_law(surface_a, surface_b, pair, fresh, a.epoch, par);
     const real line_mass = min_r(surface_a.load, surface_b.load) / SEL_WEIGHT_GRAVITY;
     self_force(&self, &touch, pair.spread, line_mass, states_t0[fresh ? 0 : old].contact, fresh, &c, now, &force, points);
+    now->contact.roll = touch.cut;
     return force;
 }
 

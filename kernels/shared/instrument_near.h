@@ -124,44 +124,60 @@ SEL_FN vec3 point_of_material(SplineView rod, real s)
     return spline_sum(rod, p.node, p.w);
 }
 
-// Ends and middle of a cell.
-typedef struct CellSkeleton {
-    vec3 at[3];
-} CellSkeleton;
+// Points of each cell's axis: its start, its middle and its end.
+#define SEL_AXIS_POINTS 3
+typedef SEL_GLOBAL const real* CellAxes;  // [cells][SEL_AXIS_POINTS][3] [m]
 
-SEL_FN CellSkeleton cell_skeleton(SplineView rod, real s0, real spacing)
+SEL_FN vec3 cell_axis_point(CellAxes axes, uint cell, uint k)
 {
-    CellSkeleton cell;
-    for (int k = 0; k < 3; ++k) cell.at[k] = point_of_material(rod, s0 + (real)0.5 * (real)k * spacing);
-    return cell;
+    CellAxes at = axes + 3 * (SEL_AXIS_POINTS * cell + k);
+    return make_vec3(at[0], at[1], at[2]);
 }
 
-SEL_FN real skeletons_apart(CellSkeleton a, CellSkeleton b)
+SEL_FN real cells_apart(CellAxes axes, uint a, uint b)
 {
     real least = SEL_FAR;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            const vec3 d = a.at[i] - b.at[j];
+    for (uint i = 0; i < SEL_AXIS_POINTS; ++i)
+        for (uint j = 0; j < SEL_AXIS_POINTS; ++j) {
+            const vec3 d = cell_axis_point(axes, a, i) - cell_axis_point(axes, b, j);
             least = min_r(least, dot3(d, d));
         }
     return sqrt(least);
 }
 
-#define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/rod/no_state.h)
-
-// Stretches of cells of the same rod, hubwards of s by more than `apart`, whose axes come nearer than `limit` to the cell in whose
-// middle s is. Three points of each are compared. Their nearest pair is farther apart than the axes by 1/4 of a cell's length along
-// both. That is (l/4)^2 / (2 D) each if they run across their distance D, and l/16 is taken for both.
-SEL_FN void search_cells(InstrumentRod a, SplineView view, real s, real apart, real limit, uint pair, SlotList* list)
+// Whether the axis advances along the chord of a stretch everywhere by `share` of its material at least. A point of the curve moves by a
+// mean of two neighbouring edges, and its material coordinate by the same mean of their lengths. So each edge that acts on the
+// stretch is looked at.
+SEL_FN int is_straight(SplineView rod, real from, real until, real share)
 {
-    const real half_length = (real)0.5 * a.spacing, near = limit + a.spacing / 16;
-    const CellSkeleton own = cell_skeleton(view, s - half_length, a.spacing);
-    uint first = 0, cells = 0;
+    uint first = edge_of_material(rod, from), end = first;
+    while (end + 1 < rod.count && rod.material[end] < until) ++end;
+    first = first > 0 ? first - 1 : 0;
+    end = end + 1 < rod.count ? end + 1 : end;
+    const vec3 chord = node_at(rod, end) - node_at(rod, first);
+    const real least = share * sqrt(dot3(chord, chord));
+    for (uint i = first; i < end; ++i)
+        if (!(dot3(node_at(rod, i + 1) - node_at(rod, i), chord) >= least * (rod.material[i + 1] - rod.material[i]))) return 0;
+    return least > 0;
+}
+
+// Stretches of cells of the same rod, hubwards of a cell's points by more than `apart`, whose axes come nearer than `limit` to it.
+// Three points of each are compared. Their nearest pair is farther apart than the axes by 1/4 of a cell's length along both. That is
+// (l/4)^2 / (2 D) each if they run across their distance D, and l/16 is taken for both. The cells that come next along the rod are
+// always that near. Where the rod is nearly straight, points of them that are `apart` along it are farther away than `limit`, and
+// these cells are passed over.
+SEL_FN void search_cells(InstrumentRod a, SplineView view, CellAxes axes, uint cell, real apart, real limit, uint pair, SlotList* list)
+{
+    const real near = limit + a.spacing / 16, s0 = a.spacing * (real)(cell - a.cell);
+    const vec3 own = cell_axis_point(axes, cell, 1);
+    uint k = (uint)((s0 + apart) / a.spacing), first = 0, cells = 0;
+    const uint beyond = (uint)((s0 + a.spacing + near) / a.spacing) + 1, next = beyond < a.live ? beyond : a.live;
+    if (k < next && is_straight(view, s0, a.spacing * (real)next, limit / apart)) k = next;
     real nearest = SEL_FAR;
-    for (uint k = (uint)((s - half_length + apart) / a.spacing); k < a.live;) {
-        const vec3 middle = point_of_material(view, a.spacing * ((real)k + (real)0.5)), away = middle - own.at[1];
+    while (k < a.live) {
+        const vec3 away = cell_axis_point(axes, a.cell + k, 1) - own;
         const real spare = sqrt(dot3(away, away)) - near - SEL_LONGER * a.spacing;  // of half a cell each
-        const real distance = spare > 0 ? SEL_FAR : skeletons_apart(own, cell_skeleton(view, a.spacing * (real)k, a.spacing));
+        const real distance = spare > 0 ? SEL_FAR : cells_apart(axes, cell, a.cell + k);
         if (distance < near) {
             if (cells == 0) first = k;
             ++cells;
@@ -177,7 +193,8 @@ SEL_FN void search_cells(InstrumentRod a, SplineView view, real s, real apart, r
 }
 
 // Slots of one cell, unused ones with touch 0.
-SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, InstrumentParams par)
+// @param straight  the rod touches itself nowhere, as is_straight() has told of all of it
+SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, CellAxes axes, int straight, InstrumentParams par)
 {
     SlotList list;
     list.count = 0;
@@ -188,7 +205,7 @@ SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes n
     const InstrumentRod a = bodies.rods[bodies.rod_of[cell]];
     if (cell - a.cell >= a.live) return list;
     const real s = a.spacing * ((real)(cell - a.cell) + (real)0.5), way = a.inside - s;
-    const vec3 x = point_of_material(spline_of(nodes, a.node, a.count), s);
+    const vec3 x = cell_axis_point(axes, cell, 1);
     for (uint p = a.pair; p < a.pair + a.pairs; ++p) {
         const InstrumentPair pair = bodies.pairs[p];
         const InstrumentRod rod = bodies.rods[pair.b];
@@ -197,7 +214,8 @@ SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes n
             continue;
         const SplineView b = spline_of(nodes, rod.node, rod.count);
         if (pair.touch == SEL_TOUCH_SELF) {
-            search_cells(a, b, s, SEL_SELF_APART * bodies.surfaces[cell].radius, bodies.surfaces[cell].radius + rod.widest + par.skin, p, &list);
+            if (!straight) search_cells(a, b, axes, cell, SEL_SELF_APART * bodies.surfaces[cell].radius,
+                         bodies.surfaces[cell].radius + rod.widest + par.skin, p, &list);
             continue;
         }
         if (pair.touch == SEL_TOUCH_INSIDE) {

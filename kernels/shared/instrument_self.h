@@ -209,20 +209,28 @@ SEL_FN real self_zero(const SelfScene* self, CellMark in, CellMark out)
 }
 
 // Ends of the stretches of a cell that touch, and the deepest place.
+//
+// Two stretches of one cell may grow together within a step, or come apart. One rule of four points over both gives a force that differs by
+// some 1e-3 from that of a rule over each, and Newton's method cannot solve across such a jump, however short the step. So a cell
+// stays cut, for a whole step, where its gap was largest between two places that touched at the end of the step before. The cut
+// is a point of the material, which moves no force, and changes between steps only.
 typedef struct SelfTouch {
-    real from[SEL_SELF_PARTS], until[SEL_SELF_PARTS];
+    real from[SEL_SELF_PARTS + 1], until[SEL_SELF_PARTS + 1];
     uint count;
+    real cut;  // of the next step [m]; 0: none
     CellMark deepest;
+    real clear;  // no point of the cell has a smaller gap; 0: not known [m]
 } SelfTouch;
 
-SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, SelfTouch* touch)
+// @param joined  0: the cell is cut at `left`
+SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int joined, SelfTouch* touch)
 {
     const CellMark least = self_least(self, left, right);
     if (least.gap < touch->deepest.gap) touch->deepest = least;
     if (least.gap >= 0) return;
     const real from = left.gap < 0 ? left.s : self_zero(self, least, left);
     const real until = right.gap < 0 ? right.s : self_zero(self, least, right);
-    if (left.gap < 0 && touch->count > 0) {
+    if (left.gap < 0 && touch->count > 0 && joined) {
         touch->until[touch->count - 1] = until;  // goes on from the part before
         return;
     }
@@ -230,21 +238,53 @@ SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, Self
     touch->until[touch->count++] = until;
 }
 
-// @param follows  gap up to which it counts how a cell that touches nothing closes [m]
-SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
+#define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/rod/no_state.h)
+
+// The largest gap between two neighbouring marks, where it rises from the first and falls to the second.
+typedef struct SelfCrest {
+    real s, gap;
+} SelfCrest;
+
+SEL_FN void see_crest(CellMark left, CellMark right, const SelfTouch* touch, SelfCrest* crest)
+{
+    if (touch->count == 0 || !(left.slope > 0 && right.slope <= 0) || max_r(left.gap, right.gap) >= SEL_FAR) return;
+    const real gap = max_r(left.gap, right.gap);
+    if (crest->s > 0 && gap <= crest->gap) return;
+    crest->s = left.s + left.slope / (left.slope - right.slope) * (right.s - left.s);
+    crest->gap = gap;
+}
+
+// @param follows  gap up to which it counts how a cell that touches nothing closes [m]  @param cut  of this step [m]; 0: none
+SEL_FN SelfTouch self_touch(const SelfScene* self, real follows, real cut)
 {
     SelfTouch touch;
+    SelfCrest crest;
+    crest.s = crest.gap = 0;
     touch.count = 0;
+    touch.cut = 0;
     const real length = self->s1 - self->s0;
     touch.deepest = self_mark(self, self->s0 + (real)0.5 * length);
+    touch.clear = touch.deepest.gap - (real)0.5 * SEL_LONGER * length;
     if (touch.deepest.gap > follows + length && touch.deepest.gap < SEL_FAR) return touch;
     CellMark left = self_mark(self, self->s0);
     touch.deepest = left;
     for (int k = 1; k <= SEL_SELF_PARTS; ++k) {
-        const CellMark right = self_mark(self, self->s0 + (real)k / SEL_SELF_PARTS * length);
-        add_touch(self, left, right, &touch);
+        const real end = self->s0 + (real)k / SEL_SELF_PARTS * length;
+        int joined = 1;
+        if (cut > left.s && cut <= end) {
+            const CellMark middle = self_mark(self, cut);
+            add_touch(self, left, middle, 1, &touch);
+            see_crest(left, middle, &touch, &crest);
+            left = middle;
+            joined = 0;
+        }
+        const CellMark right = self_mark(self, end);
+        add_touch(self, left, right, joined, &touch);
+        see_crest(left, right, &touch, &crest);
         left = right;
     }
+    if (touch.count > 0 && crest.s > touch.from[0] && crest.s < touch.until[touch.count - 1]) touch.cut = crest.s;
+    touch.clear = touch.deepest.gap < SEL_FAR ? touch.deepest.gap - (real)0.5 * SEL_LONGER * length / SEL_SELF_PARTS : (real)0;
     return touch;
 }
 

@@ -14,6 +14,8 @@ SEL_BEGIN
 #define SEL_CELL_PIECES 8         // smooth ones that one cell is cut into, at most
 #define SEL_INSTRUMENT_POINTS 96  // of one slot: Gauss points of what touches; four of each piece, or 24 of each lobe
 
+#define SEL_FOLLOWED ((real)0.5)  // radii of a: gap up to which a cell that touches nothing has its approach speed recorded
+
 #define SEL_TOUCH_NONE 0u
 #define SEL_TOUCH_INSIDE 1u   // a is in the lumen of b
 #define SEL_TOUCH_OUTSIDE 2u  // surface to surface
@@ -110,7 +112,6 @@ typedef struct InstrumentForce {
 // One step of one launch; passed by value.
 typedef struct InstrumentParams {
     uint item_count;
-    uint first_cell, cell_count;  // searched
     uint friction;  // SEL_FRICTION_*
     uint settling;  // SEL_SETTLE_*
     uint follow;    // 1: what is near is followed, whether it touches or not; 0: what touches is

@@ -249,7 +249,7 @@ void visit(Wire& wire, Raw raw, List list)
     raw(wire.readings), raw(wire.report), raw(wire.time), raw(wire.at_rest), raw(wire.retired), raw(wire.tip);
     raw(wire.contact_area), raw(wire.contact_pressure_max), raw(wire.on_wall), raw(wire.on_instruments);
     list(wire.material_s), list(wire.radius), list(wire.curvature), list(wire.spin);
-    list(wire.position), list(wire.velocity), list(wire.contact_force);
+    list(wire.director), list(wire.position), list(wire.velocity), list(wire.contact_force);
 }
 
 }  // namespace

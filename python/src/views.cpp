@@ -108,6 +108,7 @@ void add_wire(py::class_<View>& c, Get get)
     array("radius", &WireOutput::radius, "[n] float64, m: of the edge that begins at the node.");
     array("curvature", &WireOutput::curvature, "[n] float64, 1/m; 0 at the ends.");
     array("spin", &WireOutput::spin, "[n] float64, rad: of the material, right-handed about the direction of insertion.");
+    array("director", &WireOutput::director, "[n, 3] float64: the first director of the material, a unit vector. A read-only view.");
     c.def_property_readonly(
         "tip", [get](const View& v) { return vector(get(v).tip); }, "[3] float64, m.");
     c.def_property_readonly(

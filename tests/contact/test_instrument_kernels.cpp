@@ -34,6 +34,18 @@ struct Bundle {
         return instrument_bodies(cells->rods.data(), cells->pairs.data(), cells->surfaces.data(), cells->rod_of.data());
     }
     [[nodiscard]] InstrumentNodes nodes() const { return instrument_nodes(position.data(), material.data(), theta.data()); }
+    [[nodiscard]] uint cell_count() const { return static_cast<uint>(cells->surfaces.size()); }
+    [[nodiscard]] std::vector<double> axes() const
+    {
+        std::vector<double> points;
+        for (std::size_t cell = 0; cell < cells->surfaces.size(); ++cell)
+            for (int k = 0; k < SEL_AXIS_POINTS; ++k) {
+                const InstrumentRod& rod = cells->rods[cells->rod_of[cell]];
+                const vec3 at = point_of_material(spline_of(nodes(), rod.node, rod.count), rod.spacing * (cell - rod.cell + 0.5 * k));
+                points.insert(points.end(), {at.x, at.y, at.z});
+            }
+        return points;
+    }
     [[nodiscard]] InstrumentNodes nodes_t0() const { return instrument_nodes(position_t0.data(), material.data(), theta.data()); }
 };
 
@@ -91,7 +103,6 @@ Bundle make_scene(unsigned seed)
     scene.par.skin = 0.25e-3;
     scene.par.inv_dt = 1e3;
     scene.par.smooth_speed = 1e-3;
-    scene.par.cell_count = static_cast<uint>(scene.cells->surfaces.size());
     scene.states.resize(SEL_INSTRUMENT_SLOTS * scene.cells->surfaces.size());
     std::memset(scene.states.data(), 0, scene.states.size() * sizeof(InstrumentState));
     return scene;
@@ -135,20 +146,16 @@ struct OnDevice {
     Guarded<double> position, material, theta, position_t0;
 };
 
-/// Slots by kernel and by its twin.
-std::vector<InstrumentSlot> found_by_both(device::Context& context, device::Queue queue, const Bundle& s, const OnDevice& on)
+/// Slots of all cells.
+std::vector<InstrumentSlot> slots_of(const Bundle& s)
 {
-    std::vector<InstrumentSlot> twin(s.states.size());
-    for (uint cell = 0; cell < s.par.cell_count; ++cell) {
-        const SlotList list = near_slots(cell, s.bodies(), s.nodes(), s.par);
-        for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) twin[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
+    std::vector<InstrumentSlot> found(s.states.size());
+    const std::vector<double> axes = s.axes();
+    for (uint cell = 0; cell < s.cell_count(); ++cell) {
+        const SlotList list = near_slots(cell, s.bodies(), s.nodes(), axes.data(), 0, s.par);
+        for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) found[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
     }
-    device::Kernel kernel(context, "contact/instruments.cl", "instruments_find", device::Items::Branching);
-    Guarded<InstrumentSlot> slots(context, queue, std::vector<InstrumentSlot>(twin.size()));
-    kernel.launch(queue, s.par.cell_count, s.par, on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(), on.rod_of.buffer(),
-                  on.position.buffer(), on.material.buffer(), on.theta.buffer(), slots.buffer());
-    CHECK(first_difference(slots.read(), twin) == -1);
-    return twin;
+    return found;
 }
 
 struct Counts {
@@ -215,14 +222,14 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
 
 TEST_SUITE("contact/instrument_kernels")
 {
-    TEST_CASE("twin: instruments_find and instruments_evaluate, over two steps")
+    TEST_CASE("twin: instruments_evaluate, over two steps")
     {
         device::Context& context = reference_context(false);
         for (const device::Queue queue : {device::Queue::Inline, device::Queue::Pool}) {
             Bundle scene = make_scene(7);
             scene.par.follow = queue == device::Queue::Pool;  // there states of what does not touch are written too
             const OnDevice first(context, queue, scene);
-            const Counts one = evaluate_by_both(context, queue, scene, first, found_by_both(context, queue, scene, first));
+            const Counts one = evaluate_by_both(context, queue, scene, first, slots_of(scene));
             REQUIRE(one.inside > 20);
             REQUIRE(one.outside > 3);
             REQUIRE(one.self > 5);
@@ -234,7 +241,7 @@ TEST_SUITE("contact/instrument_kernels")
             for (InstrumentRod& rod : scene.cells->rods) rod.epoch++;
             for (std::size_t k = 0; k < nodes_each; ++k) scene.position[3 * k] += 2e-5;  // the catheter alone, along itself
             const OnDevice second(context, queue, scene);
-            const Counts two = evaluate_by_both(context, queue, scene, second, found_by_both(context, queue, scene, second));
+            const Counts two = evaluate_by_both(context, queue, scene, second, slots_of(scene));
             REQUIRE(two.pushing > 10);
             REQUIRE(one.whole > 3);  // and so taken as a whole in the second step
             REQUIRE(two.sliding > 3);
@@ -249,8 +256,9 @@ TEST_SUITE("contact/instrument_kernels")
             scene.par.follow = follow;
             std::vector<InstrumentSlot> slots(scene.states.size());
             std::vector<uint> list;
-            for (uint cell = 0; cell < scene.par.cell_count; ++cell) {
-                const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), scene.par);
+            const std::vector<double> axes = scene.axes();
+            for (uint cell = 0; cell < scene.cell_count(); ++cell) {
+                const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), axes.data(), 0, scene.par);
                 for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
                     slots[SEL_INSTRUMENT_SLOTS * cell + k] = found.slots[k];
                     if (found.slots[k].touch == SEL_TOUCH_INSIDE || found.slots[k].touch == SEL_TOUCH_OUTSIDE)
@@ -287,8 +295,9 @@ TEST_SUITE("contact/instrument_kernels")
         Bundle scene = make_scene(5);
         scene.par.follow = 1;
         int clear = 0;
-        for (uint cell = 0; cell < scene.par.cell_count; ++cell) {
-            const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), scene.par);
+        const std::vector<double> axes = scene.axes();
+        for (uint cell = 0; cell < scene.cell_count(); ++cell) {
+            const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), axes.data(), 0, scene.par);
             for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
                 const InstrumentSlot slot = found.slots[k];
                 if (slot.touch != SEL_TOUCH_INSIDE) continue;

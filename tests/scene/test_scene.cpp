@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -114,11 +115,17 @@ spin = true
 move = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.01, 0.0, 0.0]]
 turn = [[0.0, 0.0], [1.0, 3.1]]
 velocity_m_s = [0.0, 0.0, 0.001]
+until_s = 2.5
+[[hold]]
+at = "tip"
+position = ["y", "z"]
+move = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.01, 0.0]]
 [[load]]
 at = "tip"
 force_n = [0.0, 0.0, -0.005519095775070086]
 moment_nm = [1e-9, 0.0, 0.0]
 ramp_s = 0.5
+until_s = 1.25
 [[link]]
 at = 0.02
 anchor = [0.1, 0.1, 0.1]
@@ -357,7 +364,10 @@ TEST_SUITE("scene/scene")
         CHECK(s.contact.samples_per_edge == 4);
         CHECK(s.contact.mu_static == 0.2);
         CHECK(s.wire.shaft.mu_static == 0.3);  // [wire] wins over [contact]
-        REQUIRE(s.holds.size() == 1);
+        REQUIRE(s.holds.size() == 2);
+        CHECK(s.holds[0].until == 2.5);
+        CHECK(s.holds[1].axes == std::array<bool, 3>{false, true, true});
+        CHECK(s.loads.at(0).until == 1.25);
         CHECK(s.holds[0].turn[1][1] == 3.1);
         REQUIRE(s.links.size() == 1);
         CHECK(s.links[0].at.kind == WirePoint::Kind::Distance);

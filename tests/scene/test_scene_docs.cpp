@@ -105,6 +105,7 @@ const std::string bases[] = {
     head + stiff + tube + "[task]\ntarget = { branch = 1 }\n",
     head + stiff + "place = {shape = \"centreline\"}\n[vessel]\nshape = \"plane\"\nsize_m = 1.0\n",
     head + stiff + "place = {}\n" + tube + "wall = \"elastic\"\n[[wall_load]]\nat = [0.0, 0.0, 0.0]\nforce_n = [0.0, 0.0, 1.0]\n",
+    head + stiff + "place = {shape = \"points\", points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]}\n",
     head + stiff + "place = {shape = \"arc\", bend_radius_m = 0.1}\n[vessel]\nmesh = \"wall.stl\"\n",
     head + stiff + "place = {}\n" + tube + "[carm]\nkeys = [{t_s = 0.0}]\n[contrast]\nkeys = [{t_s = 0.0}]\n",
 };

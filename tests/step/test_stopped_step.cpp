@@ -1,0 +1,77 @@
+// A step that is ended from outside leaves the world as it was before, bit for bit.
+
+#include "support/world_fixture.h"
+
+#include <doctest/doctest.h>
+
+namespace test_stopped_step {
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+/// A wire that is pushed through a bend. @param parts  whether a step feeds several edges, and so goes in several sub-steps
+TestSetup pushed(bool parts)
+{
+    TestSetup setup;
+    add_bend(setup, 2e-3, 0.03);
+    setup.wires.push_back(fed_wire(steel_wire(0.2, 81), {0.0001, 0, 0}, parts ? 3.0 : 0.2));
+    return setup;
+}
+
+}  // namespace
+
+TEST_SUITE("step/stopped_step")
+{
+    TEST_CASE("property: whenever a step is ended, the state is that before it, and the run goes on with the same bits")
+    {
+        for (const bool parts : {false, true}) {
+            CAPTURE(parts);
+            const double dt = 2e-3;
+            const int steps = parts ? 12 : 60;
+            FedWorld plain(pushed(parts)), stopped(pushed(parts));
+            int asked = 0, end_at = -1, ended = 0, divided = 0, most_asked = 0;
+            stopped.stop_when([&] { return ++asked == end_at; });
+            for (int k = 0; k < steps; ++k) {
+                const StepReport expected = step(plain, dt);
+                REQUIRE_FALSE(expected.failed());
+                divided += expected.sub_steps > 1;
+                for (int at = 1;; at += at > 3 ? 5 : 1) {  // the first trials, and some later ones
+                    const std::string before = stopped.state_hash();
+                    const std::vector<std::uint8_t> bytes = stopped.save_state();
+                    asked = 0;
+                    end_at = at;
+                    const StepReport report = step(stopped, dt);
+                    most_asked = std::max(most_asked, asked);
+                    if (!(report.flags & StepStopped)) break;
+                    ++ended;
+                    CHECK(stopped.state_hash() == before);
+                    CHECK(stopped.save_state() == bytes);
+                    CHECK(stopped.time() == doctest::Approx(k * dt));
+                }
+                CHECK(stopped.state_hash() == plain.state_hash());
+            }
+            REQUIRE(ended > steps);
+            REQUIRE(most_asked > 2);
+            REQUIRE((divided > 0) == parts);
+        }
+    }
+
+    TEST_CASE("property: with other systems in the world none of them advances")
+    {
+        TestSetup setup = pushed(false);
+        setup.wires.push_back(fed_wire(steel_wire(0.2, 41), {0.0001, 0, 0}, 0.1));
+        FedWorld world(setup);
+        bool end = false;
+        int asked = 0;
+        world.stop_when([&] { return end && ++asked > 1; });
+        for (int k = 0; k < 30; ++k) REQUIRE_FALSE(step(world, 2e-3).failed());
+        const std::string before = world.state_hash();
+        end = true;
+        CHECK((step(world, 2e-3).flags & StepStopped) != 0);
+        CHECK(world.state_hash() == before);
+    }
+}
+
+}  // namespace test_stopped_step
