@@ -75,7 +75,7 @@ void InstrumentCells::add_cells(const WireSpec& spec)
 {
     InstrumentRod rod{};
     rod.cell = static_cast<uint>(surfaces.size());
-    narrowest.push_back(least_radius(spec));
+    narrowest.push_back(spec.least_radius());
     rod.epoch = 2;  // a record of zeros must not pass for the last step's
     const int cells = std::max(1, static_cast<int>(std::lround(spec.length / (cell_length * spec.least_radius()))));
     rod.spacing = spec.length / cells;
