@@ -1,7 +1,6 @@
 #pragma once
 // Means of hand force and friction over the last 20 ms, in whole steps: comparable between runs with different steps.
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -42,9 +41,15 @@ struct EndMean {
     /// Whether bytes from a file can be one.
     [[nodiscard]] bool is_sound() const
     {
-        const auto finite = [](double value) { return std::isfinite(value); };
-        return last >= 0 && last < slots && std::all_of(time, time + slots, [](double t) { return t >= 0 && t < 1e12; }) &&
-               std::all_of(hand, hand + slots, finite) && std::all_of(friction, friction + slots, finite);
+        if (last < 0 || last >= slots) return false;
+        bool ended = false;  // from the last slot back, used ones come first, and the others hold nothing
+        for (std::int64_t back = 0; back < slots; ++back) {
+            const std::int64_t k = (last + slots - back) % slots;
+            ended = ended || time[k] == 0;
+            const bool is_used = time[k] > 0 && time[k] < 1e12 && std::isfinite(hand[k]) && std::isfinite(friction[k]);
+            if (ended ? time[k] != 0 || hand[k] != 0 || friction[k] != 0 : !is_used) return false;
+        }
+        return true;
     }
 
     double time[slots] = {}, hand[slots] = {}, friction[slots] = {};  // of a slot: its time [s], force times time [N s]

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace test_end_mean {
@@ -49,6 +50,12 @@ TEST_SUITE("math/end_mean")
         pull.add(-2, 1, 1e-3);
         CHECK(pull.mean().hand == doctest::Approx(-2));
         CHECK(pull.is_sound());
+        EndMean stray = pull;
+        stray.time[64] = 1e-3;  // no step before or after it
+        CHECK_FALSE(stray.is_sound());
+        stray = pull;
+        stray.hand[5] = 1e-300;  // a force without time
+        CHECK_FALSE(stray.is_sound());
         pull.last = EndMean::slots;
         CHECK_FALSE(pull.is_sound());
     }
