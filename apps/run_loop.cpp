@@ -17,7 +17,7 @@
 namespace seldinger::apps {
 namespace {
 
-constexpr double patience = 2;            // of one who ends the run, with steps for the estimate [s]
+constexpr double estimate_patience = 2;            // of one who ends the run, with steps for the estimate [s]
 constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
 
 /// What to change where energy came from nowhere.
@@ -83,7 +83,7 @@ public:
         const double moving_until = prescribed_until(scene_);
         bool first = true;
         const std::function<bool()> asked = [&] {
-            if (ending_) return seconds_since(*ending_) > patience;
+            if (ending_) return seconds_since(*ending_) > estimate_patience;
             progress.show(recorder_, wall());
             return stop_asked_for() != 0 || (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit);
         };
