@@ -15,9 +15,6 @@ namespace seldinger {
 
 namespace {
 
-// What the last trial knows of a slot; touched: in a trial before it, whose record is still there
-enum Touch : std::uint8_t { apart, touching, touched };
-
 constexpr std::size_t pool_work = 400;  // listed slots from which a launch on all cores pays (a slot takes a microsecond)
 
 device::Queue queue_for_slots(std::size_t count) { return count < pool_work ? device::Queue::Inline : device::Queue::Pool; }
@@ -408,7 +405,7 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
             if (cleared_[s] && clear_[k] > 0 && moved_together(k) < clear_[k]) {
                 // a trial before this one may have touched here: its record must not pass for the last one's, and follow() writes another
-                if (touches_[k] == touching) touches_[k] = touched;
+                if (touches_[k] == Touching) touches_[k] = Touched;
                 continue;
             }
             picked_.push_back(found_[k]);
@@ -430,7 +427,7 @@ void InstrumentContact::measure_moves(int wire)
 void InstrumentContact::note_clear()
 {
     for (std::size_t s = 0; s < cleared_.size(); ++s) {
-        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0 ? touching : apart;
+        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0 ? Touching : Apart;
         written_[s] = written_[s] || picked_of_[s] < picked_of_[s + 1];
         if (cleared_[s] || picked_of_[s] == picked_of_[s + 1]) continue;
         cleared_[s] = 1;
@@ -569,7 +566,7 @@ void InstrumentContact::note_touching(std::span<const std::uint8_t> active)
         if (active[w]) touching_[static_cast<std::size_t>(w)].clear();
     for (std::size_t k = 0; k < found_.size(); ++k) {
         const uint wire = cells_.rod_of[found_[k] / SEL_INSTRUMENT_SLOTS];
-        if (touches_[k] == touching && active[wire]) touching_[wire].push_back(found_[k]);
+        if (touches_[k] == Touching && active[wire]) touching_[wire].push_back(found_[k]);
     }
 }
 
@@ -583,8 +580,8 @@ void InstrumentContact::follow(std::span<const std::uint8_t> active)
         for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) measure_moves(w);
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
             const double followed = SEL_FOLLOWED * cells_.surfaces[found_[k] / SEL_INSTRUMENT_SLOTS].radius;
-            const bool far_away = touches_[k] == apart && clear_[k] - moved_together(k) > followed;
-            if (touches_[k] != touching && !far_away) picked_.push_back(found_[k]);
+            const bool far_away = touches_[k] == Apart && clear_[k] - moved_together(k) > followed;
+            if (touches_[k] != Touching && !far_away) picked_.push_back(found_[k]);
         }
     }
     picked_of_.back() = picked_.size();

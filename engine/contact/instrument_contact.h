@@ -65,6 +65,8 @@ public:
     void add_loads(std::span<WireLoads> loads);
 
 private:
+    /// What the last trial knows of a slot. Touched: in a trial before it, whose record is still there.
+    enum Touch : std::uint8_t { Apart, Touching, Touched };
     /// Nodes of all rods on host and device.
     struct Nodes {
         Nodes(device::Context& context, int capacity);
