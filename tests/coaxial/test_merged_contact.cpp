@@ -197,7 +197,7 @@ TEST_SUITE("coaxial/merged contact")
         WorldSetup setup = in_a_bend(0.02, 0.05);
         CHECK(message(setup).empty());
         setup.coaxial[0].order = {0};
-        CHECK(message(setup).find("coaxial[0].order: names fewer than two instruments") != std::string::npos);
+        CHECK(message(setup).find("coaxial[0].order: got fewer than two instruments") != std::string::npos);
         setup.coaxial[0].order = {0, 2};
         CHECK(message(setup).find("got instrument 2; expected 0 to 1") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
@@ -211,7 +211,7 @@ TEST_SUITE("coaxial/merged contact")
         CHECK(message(setup).find("integrator: ") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.wires[1].feed.point.x() += 1e-3;
-        CHECK(message(setup).find("wires[1].feed: has another inlet") != std::string::npos);
+        CHECK(message(setup).find("wires[1].feed: got another inlet") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.coaxial.clear();
         setup.wires[1].feed.behind = 0.1;
