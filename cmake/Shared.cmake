@@ -2,7 +2,7 @@
 set(SELDINGER_VARIANTS "" CACHE STRING "Processor levels that get a shared library of their own, as x86-64-v3")
 set(parts seldinger_study seldinger_session ${lab_parts})
 if(TARGET seldinger_view)
-  list(APPEND parts seldinger_view)
+  list(APPEND parts seldinger_view seldinger_xray)
 endif()
 list(TRANSFORM parts REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE part_objects)
 

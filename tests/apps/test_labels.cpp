@@ -247,7 +247,7 @@ TEST_SUITE("apps/labels")
         check_refused(folder, "render run --view fluoro --preview run", 3, "got a folder");
         check_refused(folder, "render run --view fluoro --label-vessel", 2, "--labels");
         check_refused(folder, "render run --gltf m.glb --labels truth", 2, "once for each");
-        check_refused(folder, "render run --view fluoro --labels sheet.png", 3, "is a file");
+        check_refused(folder, "render run --view fluoro --labels sheet.png", 3, "got a file");
     }
 
     TEST_CASE("property: a farm's frames carry their labels, the same bytes in any cut, and after a kill")

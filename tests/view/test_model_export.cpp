@@ -118,12 +118,12 @@ TEST_SUITE("view/model_export")
         CHECK(std::count(text.begin(), text.end(), '{') == std::count(text.begin(), text.end(), '}'));
     }
 
-    TEST_CASE("regression: another ending, a folder that is not there: one line, no file")
+    TEST_CASE("regression: another ending, a folder that cannot be made: one line, no file")
     {
         const AnimatedModel model = small_model();
         CHECK_THROWS_AS(write_gltf("model.obj", model), Error);
         CHECK_THROWS_AS(write_usd("model.usd", model), Error);
-        CHECK_THROWS_AS(write_gltf("/nowhere/model.glb", model), Error);
+        CHECK_THROWS_AS(write_gltf("/dev/null/model.glb", model), Error);
     }
 }
 
