@@ -6,6 +6,7 @@
 // processor time; time of each stage. Resident bytes are those of the world's arrays, and the growth of the resident set.
 // Processor time is the least of the repeats. A step is one thread's work unless thousands of samples touch.
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "scene/scene.h"
 #include "vessel/subdivide.h"
@@ -16,7 +17,6 @@
 #include <malloc.h>
 #include <unistd.h>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -25,7 +25,6 @@
 namespace {
 
 using namespace seldinger;
-using Clock = std::chrono::steady_clock;
 
 double processor_time()
 {
@@ -33,8 +32,6 @@ double processor_time()
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Memory of this process in RAM [bytes]; freed memory has been given back.
 double resident()
@@ -93,7 +90,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
     for (int k = 0; k < 3; ++k) {
         const auto start = Clock::now();
         const WallTree tree = build_wall_tree(setup.mesh);
-        builds.push_back(since(start));
+        builds.push_back(seconds_since(start));
         bytes = kept_bytes(setup.mesh, tree);
     }
     std::sort(builds.begin(), builds.end());
@@ -109,7 +106,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
             resident() - static_cast<double>(setup.mesh.vertices.size() * sizeof(Vec3) + setup.mesh.triangles.size() * 12);
         const auto loading = Clock::now();
         World world(std::move(copy));
-        load = since(loading);
+        load = seconds_since(loading);
         grown = resident() - before;
         StageTimes stages;
         newton = 0;
@@ -124,7 +121,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
         }
         const double cpu_here = processor_time() - cpu_start;
         cpu = r == 0 ? cpu_here : std::min(cpu, cpu_here);
-        runs.emplace_back(since(start), stages);
+        runs.emplace_back(seconds_since(start), stages);
         hash = world.state_hash();
     }
     std::sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

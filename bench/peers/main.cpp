@@ -11,13 +11,13 @@
 #include "exact.h"
 #include "peers.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "vessel/aortic_arch.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -27,8 +27,7 @@
 namespace {
 
 using namespace peers;
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+using seldinger::Clock, seldinger::seconds_since;
 
 struct Options {
     std::vector<int> triangles = {30000, 300000, 3000000};
@@ -96,7 +95,7 @@ std::string measure(int wanted, const Options& options)
     const seldinger::WallMesh mesh = seldinger::make_aortic_arch(spec).mesh;
     const auto building = Clock::now();
     const seldinger::WallTree tree = seldinger::build_wall_tree(mesh);
-    const double own_build = since(building);
+    const double own_build = seconds_since(building);
     const Problem problem = make_problem(tree, options.queries);
 
     std::vector<std::unique_ptr<Peer>> list;
@@ -119,7 +118,7 @@ std::string measure(int wanted, const Options& options)
     for (std::size_t p = 0; p < list.size(); ++p) {
         const auto start = Clock::now();
         list[p]->build(problem);
-        scores[p].build = since(start) + (p < 2 ? own_build : 0);
+        scores[p].build = seconds_since(start) + (p < 2 ? own_build : 0);
         parts[p] = problem;
         const auto part = static_cast<std::size_t>(static_cast<double>(problem.capsules.size()) * list[p]->share());
         parts[p].capsules.resize(part);
@@ -133,7 +132,7 @@ std::string measure(int wanted, const Options& options)
         call();
         const auto start = Clock::now();
         call();
-        seconds.push_back(since(start));
+        seconds.push_back(seconds_since(start));
     };
     for (int r = 0; r < options.repeat; ++r)
         for (std::size_t p = 0; p < list.size(); ++p) {

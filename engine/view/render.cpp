@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 namespace seldinger {
@@ -174,8 +173,7 @@ PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& o
                 written.push_back(file);
             }
         }
-        const std::chrono::duration<double> passed = Clock::now() - start;
-        if (progress) progress(i - range.first + 1, range.count(), passed.count());
+        if (progress) progress(i - range.first + 1, range.count(), seconds_since(start));
     }
     if (film) {
         film->finish();

@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -261,8 +260,7 @@ PictureFiles render_fluoro(const fs::path& dir, const std::vector<FluoroOptions>
     const auto start = Clock::now();
     std::size_t done = 0;
     const auto drawn = [&](std::size_t all) {
-        const std::chrono::duration<double> passed = Clock::now() - start;
-        if (progress) progress(++done, all, passed.count());
+        if (progress) progress(++done, all, seconds_since(start));
     };
     std::vector<FluoroOptions> own;  // outlives the sessions
     for (std::size_t k = 0; k < views.size(); ++k) own.push_back(views.size() > 1 ? own_files(dir, views[k], views.front(), k) : views[k]);
