@@ -188,6 +188,7 @@ Json run_data(const Folder& dir)
 {
     Json data{{"kind", "run"}, {"name", dir.path().filename().string()}};
     data["summary"] = summary_in(dir);
+    data["closing"] = summary_for_people(data["summary"].dump(), dir.path());
     data["settings"] = read_file(dir / "scene.toml");
     data["trace"] = plotted(table_of(read_file(dir / "trace.csv")), of_all);
     data["playback"] = playback_of(dir.path());

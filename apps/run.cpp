@@ -13,7 +13,7 @@ namespace seldinger::apps {
 
 void add_limits(CommandLine& command, double& time_limit, int& device)
 {
-    command.add_option("--time-limit", time_limit, "stop after this number of seconds with the state saved, exit 75")
+    command.add_option("--time-limit", time_limit, "stop this number of seconds after the start of the command with the state saved, exit 75")
         ->type_name("S")
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) > 0 ? "" : "got " + text + "; expected seconds above 0";
@@ -34,7 +34,7 @@ void add_run(CommandLine& app, Command& chosen)
     };
     auto options = std::make_shared<Options>();
     CommandLine* run = app.add_subcommand("run", "run a scene and record it");
-    run->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program")->scene()->required();
+    run->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program; with --resume that of DIR, if not given")->scene();
     run->add_option("-o", options->run.dir, "folder for the results (default: <scene>-run here)")->type_name("DIR");
     run->add_option("--set", options->run.overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")
@@ -57,6 +57,10 @@ void add_run(CommandLine& app, Command& chosen)
     run->callback([options, &chosen] {
         chosen = [options] {
             RunOptions& what = options->run;
+            if (options->scene.empty()) {
+                if (!options->resume || what.dir.empty()) throw Error(ExitCode::BadScene, "SCENE is required; see `seldinger run --help`. Only --resume -o DIR takes that of DIR");
+                options->scene = what.dir / "scene.toml";
+            }
             if (options->wire) what.overrides.push_back("wire.preset=" + *options->wire);
             what.estimate = options->estimate != "off";
             what.asked_estimate = options->estimate == "on";

@@ -13,6 +13,9 @@ function scaleOf(unit, values) {
 
 const cssColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+// "patch_force_max_n" as words with a unit.
+const titleOf = (name, unit) => `${name.replace(/_(n|m|s|j|nm|pa|rad|n_per_m|m2)$/, '').replaceAll('_', ' ')}${unit ? ` [${unit}]` : ''}`;
+
 function withBand(value, band) {
   if (!Number.isFinite(value)) return '';
   if (!(band > 0)) return String(Number(value.toPrecision(3)));
@@ -99,7 +102,7 @@ class KeyPlot {
     const x = this.axis(), y = roundTicks(Math.min(0, ...runs.map((k) => value(k) - band(k))), Math.max(0, ...runs.map((k) => value(k) + band(k))), 4);
     const left = 48, right = w - 8, top = 22, bottom = h - 34;
     const px = (v) => left + (right - left) * (v - x.low) / Math.max(1e-12, x.high - x.low), py = (v) => bottom - (bottom - top) * (v - y.low) / (y.high - y.low);
-    this.drawAxes(g, x, y, { left, right, top, bottom, px, py, w }, `${response.replace(/_(n|m|s|j|nm|n_per_m)$/, '').replaceAll('_', ' ')}${unit ? ` [${unit}]` : ''}`);
+    this.drawAxes(g, x, y, { left, right, top, bottom, px, py, w }, titleOf(response, unit));
     const beside = new Map();  // runs at one place stand beside each other
     for (const k of runs) {
       const at = x.at(k), many = (beside.get(at) || 0);
@@ -139,33 +142,39 @@ class KeyPlot {
 
 // ---- pictures ----
 
-// Along the direction in which the shapes and the vessel are thinnest: from the front, the head up, where that is across it.
-function viewOf(points, head, front) {
+// Two views across the direction `up`, the axis nearest to the head: from where the shapes and the vessel are widest, and from the side.
+function viewsOf(points, head, front) {
   const size = [0, 1, 2].map((c) => Math.max(...points.map((p) => p[c])) - Math.min(...points.map((p) => p[c])));
   const thin = size.indexOf(Math.min(...size)), others = [0, 1, 2].filter((c) => c !== thin);
   const up = Math.abs(head[others[0]]) > Math.abs(head[others[1]]) ? others[0] : others[1], across = others.find((c) => c !== up);
   const right = (head[(across + 1) % 3] * front[(across + 2) % 3] - head[(across + 2) % 3] * front[(across + 1) % 3]) < 0 ? -1 : 1;  // head x front
-  return (p) => [right * p[across], (head[up] < 0 ? -1 : 1) * p[up]];
+  const high = head[up] < 0 ? -1 : 1, near = front[thin] < 0 ? -1 : 1;
+  return [(p) => [right * p[across], high * p[up]], (p) => [near * p[thin], high * p[up]]];
 }
 
 class ContactSheet {
   constructor(batch, vessel, shapes, head, front) {
     this.batch = batch, this.vessel = vessel, this.shapes = shapes;
-    const points = vessel.length ? vessel : [...shapes.values()].flat(2);
-    this.project = viewOf(points, head, front);
-    const flat = points.map(this.project);
-    this.low = [0, 1].map((c) => flat.reduce((least, p) => Math.min(least, p[c]), Infinity));
-    this.high = [0, 1].map((c) => flat.reduce((most, p) => Math.max(most, p[c]), -Infinity));
+    const points = vessel.length ? vessel : [...shapes.values()].flat(2), bound = (flat, c, most) => flat.reduce((so, p) => most(so, p[c]), most === Math.min ? Infinity : -Infinity);
+    this.views = viewsOf(points, head, front).map((project) => {
+      const flat = points.map(project);
+      return { project, low: [0, 1].map((c) => bound(flat, c, Math.min)), high: [0, 1].map((c) => bound(flat, c, Math.max)) };
+    });
   }
 
   draw(canvas, k) {
     const ratio = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
     if (!w || !h) return;
     canvas.width = Math.round(w * ratio), canvas.height = Math.round(h * ratio);
-    const g = canvas.getContext('2d'), scale = 0.94 * Math.min(w / (this.high[0] - this.low[0] || 1), h / (this.high[1] - this.low[1] || 1));
+    const g = canvas.getContext('2d'), wide = this.views.map((v) => v.high[0] - v.low[0] || 1e-3), tall = this.views[0].high[1] - this.views[0].low[1] || 1e-3;
+    const gap = 0.06 * w, scale = 0.94 * Math.min((w - gap) / (wide[0] + wide[1]), h / tall);
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
-    const middle = [0, 1].map((c) => (this.low[c] + this.high[c]) / 2);
-    const place = (p) => { const [x, y] = this.project(p); return [w / 2 + scale * (x - middle[0]), h / 2 - scale * (y - middle[1])]; };
+    let left = (w - gap - scale * (wide[0] + wide[1])) / 2;
+    this.views.forEach((view, i) => { this.drawView(g, view, k, scale, left, h / 2); left += scale * wide[i] + gap; });
+  }
+
+  drawView(g, { project, low, high }, k, scale, left, middle) {
+    const place = (p) => { const [x, y] = project(p); return [left + scale * (x - low[0]), middle - scale * (y - (low[1] + high[1]) / 2)]; };
     g.fillStyle = cssColour('--wall');
     g.globalAlpha = 0.13;
     for (const p of this.vessel) { const [px, py] = place(p); g.fillRect(px - 1, py - 1, 2, 2); }
@@ -207,7 +216,7 @@ function showBatch(batch, mostPictures = 60) {
   $('answer').textContent = data.summary.answer || '';
   showOutcomes($('outcomes'), batch);
   const responses = batch.responses(), select = $('response');
-  responses.forEach((name) => { const option = document.createElement('option'); option.value = option.textContent = name; select.append(option); });
+  responses.forEach((name) => { const option = document.createElement('option'); option.value = name, option.textContent = titleOf(name, ''); select.append(option); });
   const plots = responses.length ? batch.keys.map((key) => { const canvas = document.createElement('canvas'); $('graphs').append(canvas); return new KeyPlot(batch, key, canvas); }) : [];
   $('choose').hidden = !plots.length;
   showRanking($('ranking'), batch, responses[0]);
@@ -239,7 +248,7 @@ function showRanking(table, batch, response, most = 20) {
   if (!response) return;
   const ranked = batch.ranked(), [factor, unit] = scaleOf(batch.units[response] || '', ranked.map((k) => batch.number(response, k)));
   const head = table.insertRow();
-  for (const text of ['', 'run', ...batch.keys, 'outcome', `${response.replace(/_(n|m|s|j|nm|n_per_m)$/, '').replaceAll('_', ' ')}${unit ? ` [${unit}]` : ''}`]) { const th = document.createElement('th'); th.textContent = text; head.append(th); }
+  for (const text of ['', 'run', ...batch.keys, 'outcome', titleOf(response, unit)]) { const th = document.createElement('th'); th.textContent = text; head.append(th); }
   ranked.slice(0, most).forEach((k, place) => {
     const tr = table.insertRow();
     tr.insertCell().textContent = place + 1;

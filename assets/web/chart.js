@@ -109,7 +109,11 @@ class Chart {
     g.fillStyle = this.colour('--faint');
     g.textAlign = 'center';
     const shown = ticks.filter((t) => t >= from - 1e-9 * step && t <= end + 1e-9 * step);
-    shown.forEach((t, k) => g.fillText(`${tickText(t, step)}${k === shown.length - 1 ? ' s' : ''}`, x(t), h - 4));
+    const right = x(end) + 10;  // the canvas ends there
+    shown.forEach((t, k) => {
+      const text = `${tickText(t, step)}${k === shown.length - 1 ? ' s' : ''}`;
+      g.fillText(text, Math.min(x(t), right - g.measureText(text).width / 2 - 1), h - 4);
+    });
     g.textAlign = 'left';
   }
 

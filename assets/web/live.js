@@ -2,7 +2,7 @@
 'use strict';
 
 const $ = (id) => document.getElementById(id);
-const state = { scene: null, viewer: null, fluoroscope: null, last: null, frames: 0, drawn: 0, fps: 0, instrument: 0, wish: { push: 0, turn: 0 }, keys: new Set(), pad: null, socket: null, fluoro: false, contrast: 0, old: null };
+const state = { scene: null, viewer: null, fluoroscope: null, last: null, frames: 0, drawn: 0, fps: 0, instrument: 0, wish: { push: 0, turn: 0 }, keys: new Set(), pad: null, socket: null, fluoro: false, contrast: 0, old: null, exam: false, seen: false, attempts: [] };
 window.seldinger = state;  // for tests
 
 const speeds = { push: 0.03, turn: 3, fast: 3 };  // [m/s], [rad/s]
@@ -31,6 +31,7 @@ function take(frame) {
   ++state.frames;
   state.last = frame;
   const n = frame.numbers, own = n.instruments[state.instrument] || n.instruments[0];
+  keepAttempt(n);
   state.forces.add(n.time, [own.force, own.wire_force, own.wall]);
   state.torques.add(n.time, [1e3 * own.torque]);
   state.fluoro = n.fluoro;
@@ -38,6 +39,30 @@ function take(frame) {
   $('pause').setAttribute('aria-pressed', n.paused);
   message(n.stopped ? 'The last step found no state: reset to go on.' : n.paused ? 'Paused' : state.viewer ? '' : noPicture);
   state.dirty = true;
+}
+
+// A reset ends an attempt. Seen: the vessel was in view during it.
+function keepAttempt(n) {
+  const old = state.attempt;
+  if (old && n.resets !== old.resets) {
+    if (old.score.time > 0) state.attempts.push({ ...old.score, seen: state.seen });
+    state.seen = false;
+    showAttempts();
+  }
+  if (!state.exam && n.score.time > 0) state.seen = true;
+  state.attempt = n;
+}
+
+const verdictOf = (s) => s.failed ? 'failed' : s.reached ? 'passed' : s.distance < 0 ? 'ended' : 'not reached';
+
+function showAttempts() {
+  $('attempts').hidden = !state.attempts.length;
+  $('attempts').replaceChildren(...state.attempts.map((s) => {
+    const item = document.createElement('li');
+    item.textContent = `${verdictOf(s)}, ${s.time.toFixed(1)} s, peak ${s.wall_max.toFixed(2)} N${s.seen ? '' : ', exam'}`;
+    return item;
+  }));
+  $('attempts').scrollTop = $('attempts').scrollHeight;
 }
 
 function connect() {
@@ -96,9 +121,9 @@ function showSheet(n) {
   row(table, 'Time', most(s.time.toFixed(1), limits.time, 's'), limits.time && s.time > limits.time);
   if (s.distance >= 0) row(table, 'To the target', s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`);
   row(table, 'Wall force', most(s.wall.toFixed(2), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
+  row(table, 'its peak, mean', `${s.wall_max.toFixed(2)}, ${s.wall_mean.toFixed(2)} N`, limits.wall_force && s.wall_max > limits.wall_force);
   row(table, 'On one patch', most(s.patch.toFixed(2), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);
-  row(table, 'Patch, peak', `${s.patch_max.toFixed(2)} N`, limits.patch_force && s.patch_max > limits.patch_force);
-  row(table, 'Peak, mean', `${s.wall_max.toFixed(2)}, ${s.wall_mean.toFixed(2)} N`, limits.wall_force && s.wall_max > limits.wall_force);
+  row(table, 'its peak', `${s.patch_max.toFixed(2)} N`, limits.patch_force && s.patch_max > limits.patch_force);
   row(table, 'Time above the limit', `${s.above.toFixed(2)} s`, s.above > 0);
   row(table, 'Way of the tip', `${(100 * s.path).toFixed(1)} cm`);
   row(table, 'Pushed, pulled back', `${(100 * s.advanced).toFixed(1)} cm (${s.pushes}), ${(100 * s.back).toFixed(1)} cm (${s.backs})`);
@@ -184,6 +209,7 @@ function act(what) {
   if (what === 'reset') { send({ reset: true }); state.forces.clear(); state.torques.clear(); }
   if (what === 'contrast') send({ contrast: true });
   if (what === 'no contrast') send({ contrast: false });
+  if (what === 'exam') setExam(!state.exam);
   if (what === 'near' && state.viewer && state.viewer.near) {
     state.viewer.near.visible = !state.viewer.near.visible;
     state.viewer.moved = true;
@@ -191,7 +217,21 @@ function act(what) {
   }
 }
 
-const actions = { ' ': 'pause', f: 'fluoro', r: 'reset', c: 'contrast', w: 'near' };
+// As in the room: what can be seen of the vessel is its X-ray. A new attempt, since what was seen cannot be unseen.
+function setExam(on) {
+  if (on && !state.fluoroscope) { message('An exam needs the X-ray, which this browser does not draw.'); return; }
+  state.exam = on;
+  document.body.classList.toggle('exam', on);
+  $('exam').setAttribute('aria-pressed', on);
+  if (on) $('scene').append($('xray'));
+  else document.querySelector('.column.side').prepend($('xray'));
+  state.fluoroscope.resize(on ? 900 : 360);
+  state.fluoroscope.moved = state.dirty = true;
+  if (state.viewer) state.viewer.moved = true;
+  if (on) act('reset');
+}
+
+const actions = { ' ': 'pause', f: 'fluoro', r: 'reset', c: 'contrast', w: 'near', e: 'exam' };
 
 function nextInstrument() {
   state.instrument = (state.instrument + 1) % state.scene.instruments.length;
@@ -235,7 +275,7 @@ function listenToPad() {
 }
 
 function listenToButtons() {
-  for (const id of ['pause', 'reset', 'fluoro', 'near']) $(id).addEventListener('click', () => act(id));
+  for (const id of ['pause', 'reset', 'fluoro', 'near', 'exam']) $(id).addEventListener('click', () => act(id));
   if (state.scene.instruments.length > 1) {  // a finger has no Tab
     $('instrument').setAttribute('role', 'button');
     $('instrument').title = 'the next instrument (Tab)';

@@ -3,7 +3,7 @@
 
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($('data').textContent);
-const report = { data, frame: 0, viewer: null, charts: [] };
+const report = { data, frame: 0, viewer: null, charts: [], still: [] };  // still: plots left out, 0 throughout
 window.seldinger = report;  // for tests
 
 function bytes(text) {
@@ -43,6 +43,7 @@ function showSummary() {
 function addChart(title, unit, series, columns, scale, least, trace = data.trace) {
   const there = columns.filter((name) => trace[name]);
   if (!there.length || !trace.time_s.length) return;
+  if (there.every((name) => trace[name].every((value) => !Number(value)))) { report.still.push(title.toLowerCase()); return; }
   const canvas = document.createElement('canvas');
   $('graphs').append(canvas);
   const chart = new Chart(canvas, title, unit, series, least);
@@ -119,16 +120,42 @@ function addPlayer() {
   requestAnimationFrame(tick);
 }
 
-function addTable() {
-  const count = data.columns.length ? data.table[data.columns[0]].length : 0;
-  row($('rows'), data.columns, 'th');
-  for (let k = 0; k < count; ++k) row($('rows'), data.columns.map((name) => short(data.table[name][k])));
+// What the command printed at the end: the answer, which is its last line, and the lines before it.
+function showClosing() {
+  const lines = (data.closing || '').split('\n').map((line) => line.trim()).filter(Boolean).slice(1);  // the first is the page's title
+  const answer = lines.length && !lines[lines.length - 1].includes('summary.json') ? lines.pop() : '';
+  $('answer').textContent = answer;
+  lines.filter((line) => !line.includes('summary.json')).forEach((line) => { const item = document.createElement('li'); item.textContent = line; $('closing').append(item); });
+  $('said').hidden = !$('closing').children.length;
+  $('verdicts').hidden = !answer;
+  $('still').hidden = !report.still.length;
+  $('still').firstChild.textContent = `0 throughout: ${report.still.join(', ')}.`;
+}
+
+// The runs by group of columns: the varied keys, then outcome or largest or last readings, or all. A band stands beside its value.
+function showRuns(batch, group) {
+  const table = $('rows'), isShown = (name) => !name.endsWith('_band') && (batch.groups[name] === 'varied' || name === 'run' || name === 'status' || group === 'all' || batch.groups[name] === group);
+  const names = batch.columns.filter(isShown), scales = new Map(names.map((name) => [name, batch.groups[name] === 'varied' ? [1, batch.units[name]] : scaleOf(batch.units[name] || '', batch.runs().map((k) => batch.number(name, k)))]));
+  table.replaceChildren();
+  row(table, names.map((name) => batch.groups[name] === 'varied' ? name : titleOf(name, scales.get(name)[1])), 'th');
+  for (const k of batch.runs())
+    row(table, names.map((name) => {
+      const value = batch.table[name][k], [factor] = scales.get(name), band = batch.number(`${name}_band`, k);
+      return typeof value !== 'number' ? short(value) : band > 0 ? withBand(factor * value, factor * band) : short(factor * value);
+    }));
+}
+
+function addTable(batch) {
+  const groups = ['outcome', 'largest', 'last', 'effort', 'all'].filter((group) => group === 'all' || batch.columns.some((name) => batch.groups[name] === group));
+  groups.forEach((group) => { const option = document.createElement('option'); option.value = option.textContent = group; $('groups').append(option); });
+  $('groups').addEventListener('change', () => showRuns(batch, $('groups').value));
+  showRuns(batch, groups[0]);
 }
 
 showSummary();
-if (data.kind === 'run') { addCharts(); addPlayer(); } else {
+if (data.kind === 'run') { addCharts(); addPlayer(); showClosing(); } else {
   report.batch = new Batch(data);
   Object.assign(report, showBatch(report.batch));
-  addTable();
+  addTable(report.batch);
 }
 $('graphs').hidden = !$('graphs').children.length;

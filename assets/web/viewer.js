@@ -303,6 +303,14 @@ class Fluoroscope {
     this.addScreen();
   }
 
+  // Side of the picture [pixels].
+  resize(side) {
+    if (this.canvas.width === side) return;
+    this.renderer.setSize(side, side, false);
+    for (const target of [this.lumen, this.metal]) target.setSize(side, side);
+    this.moved = true;
+  }
+
   // mu [1/m]; which way a body's faces look shows in the sign of the sum, which is left aside
   material(mu) {
     return new THREE.ShaderMaterial({

@@ -51,7 +51,7 @@ struct TaskSpec {
     Vec3 point = Vec3::Zero();  // Point: the tip comes within `radius` of it [m]
     double radius = 0.005;
     int branch = 0;        // Branch: of the centreline, counted from 1 in the order in which they leave on the way from the inlet
-    double beyond = 0.01;  // the tip is as far into it, along its axis [m]
+    double beyond = 0.01;  // the tip is as far behind its mouth, along its axis [m]
     double wall_force = 0, patch_force = 0;  // limits; 0: none: of all forces on the wall, of those on one patch of it [N]
     double time = 0, fluoroscopy = 0;        // likewise [s]
 };

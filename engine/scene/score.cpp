@@ -1,4 +1,4 @@
-// Targets as balls along the centreline, the sums of a score, and what of a world they are made of.
+// Targets as a ball or the part of a branch, the sums of a score, and what of a world they are made of.
 #include "scene/score.h"
 
 #include "core/error.h"
@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace seldinger {
 
@@ -43,57 +42,60 @@ void count_path(const Vec3& tip, double inserted, ScoreNumbers& score)
 
 TaskTarget::TaskTarget(const TaskSpec& task, const Centreline& centreline, const std::string& source)
 {
-    if (task.target == TaskSpec::Target::Point) {
-        points_ = {task.point};
-        radius_ = {task.radius};
-        mark_ = task.point;
-        mark_radius_ = task.radius;
-    }
-    if (task.target == TaskSpec::Target::Branch) follow_branch(task, centreline, source);
+    if (task.target == TaskSpec::Target::Point) mark_ = task.point, radius_ = task.radius;
+    if (task.target == TaskSpec::Target::Branch) enter_branch(task, centreline, source);
 }
 
-void TaskTarget::follow_branch(const TaskSpec& task, const Centreline& line, const std::string& source)
+void TaskTarget::enter_branch(const TaskSpec& task, const Centreline& line, const std::string& source)
 {
     const Branches branches(line);
     if (task.branch > branches.count())
-        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.branch: {}: the vessel's centreline has {} branches", source,
-                                                    task.branch, branches.count()));
+        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.branch: got {}; expected 1 to {}, the branches of the vessel's centreline",
+                                                    source, task.branch, branches.count()));
     const std::vector<int>& own = branches.points(task.branch);
-    const double fork = branches.from_root(own.front());
-    for (const int i : own) {
-        if (branches.from_root(i) < fork + task.beyond) continue;
-        // the lumen's own ball and half as much: sections are not round
-        points_.push_back(line.points[static_cast<std::size_t>(i)]);
-        radius_.push_back(1.5 * line.radius[static_cast<std::size_t>(i)]);
-    }
-    if (points_.empty())
-        throw Error(ExitCode::BadScene,
-                    fmt::format("{}: task.target.beyond_m: {} m is more than branch {} is long, {:.4g} m", source, task.beyond,
-                                task.branch, branches.from_root(own.back()) - fork));
-    mark_ = points_.front();
-    mark_radius_ = radius_.front() / 1.5;
+    const auto first = std::find_if(own.begin(), own.end(), [&](int i) { return branches.depth(task.branch, i) >= task.beyond; });
+    if (first == own.end())
+        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.beyond_m: got {} m; expected at most {:.4g} m, from the mouth of branch {} to its end",
+                                                    source, task.beyond, branches.depth(task.branch, own.back()), task.branch));
+    const auto at = [&](int i) { return line.points[static_cast<std::size_t>(i)]; };
+    const int before = line.parent[static_cast<std::size_t>(*first)];
+    mark_ = at(*first);
+    along_ = before < 0 ? Vec3::Zero() : (at(*first) - at(before)).normalized();
+    radius_ = line.radius[static_cast<std::size_t>(*first)];
+    if (before >= 0) mark_ -= (branches.depth(task.branch, *first) - task.beyond) * along_;
+    branch_ = task.branch, beyond_ = task.beyond;
+    line_ = line;
+    branches_ = branches;
 }
 
+/// In a branch: to the lumen's section as far behind the mouth as is asked for. There is no way back out of the target that the
+/// reading `branch_depth_m` does not see, since both take the same foot on the axis.
 double TaskTarget::distance(const Vec3& tip) const
 {
-    if (points_.empty()) return -1;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < points_.size(); ++k) least = std::min(least, (tip - points_[k]).norm() - radius_[k]);
-    return std::max(0.0, least);
+    if (radius_ == 0) return -1;
+    if (branch_ == 0) return std::max(0.0, (tip - mark_).norm() - radius_);
+    const Branches::Place place = branches_.locate(line_, tip);
+    if (place.branch == branch_ && place.depth >= beyond_) return 0;
+    const double ahead = (mark_ - tip).dot(along_), aside = (mark_ - tip - ahead * along_).norm();
+    return std::hypot(ahead, std::max(0.0, aside - radius_));
 }
 
 void add_step(const TaskSpec& task, const TaskTarget& target, const ScoreStep& step, ScoreNumbers& s)
 {
     s.distance = target.distance(step.tip);
     if (s.reached) return;  // the sheet is closed
-    s.time += step.dt;
+    if (step.inserted != s.inserted || step.turned != s.turned) s.begun = 1;
+    s.turned = step.turned;
     count_path(step.tip, step.inserted, s);
-    s.force_time += step.wall_force * step.dt;
     s.wall_force = step.wall_force;
-    s.wall_force_mean = s.force_time / s.time;
+    if (s.begun) {
+        s.time += step.dt;
+        s.force_time += step.wall_force * step.dt;
+        s.wall_force_mean = s.force_time / s.time;
+    }
     s.wall_force_max = std::max(s.wall_force_max, step.wall_force);
     s.patch_force = step.patch_force;
-    s.patch_force_max = std::max(s.patch_force_max, step.patch_force);
+    if (step.patch_force > s.patch_force_max) s.patch_force_max = step.patch_force, s.patch_force_max_time = step.time;
     s.hand_force_max = std::max(s.hand_force_max, std::abs(step.hand_force));
     if (is_above(step.wall_force, task.wall_force) || is_above(step.patch_force, task.patch_force)) s.time_above += step.dt;
     if (step.fluoroscopy) s.fluoroscopy += step.dt;
@@ -125,6 +127,7 @@ void ScoreWatch::begin(const World& world, int system, ScoreNumbers& score) cons
     score = {};
     const int wire = leading_wire(world, system);
     score.inserted = world.readings(wire).inserted;
+    score.turned = world.readings(wire).turned;
     score.distance = target_.distance(world.rod(wire).pos(0));
 }
 
@@ -151,7 +154,7 @@ void ScoreWatch::stepped(const World& world, int system, double dt, bool fluoros
     for (int w = first; w < end; ++w) {
         const WireReadings r = world.readings(w);
         step.wall_force += r.normal - r.normal_between;
-        if (w == wire) step.inserted = r.inserted, step.hand_force = r.hand_force;
+        if (w == wire) step.inserted = r.inserted, step.turned = r.turned, step.hand_force = r.hand_force;
     }
     step.wall_force = std::max(step.wall_force, 0.0);
     step.dt = dt;

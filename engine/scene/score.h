@@ -13,24 +13,28 @@ namespace seldinger {
 struct Scene;
 struct TaskSpec;
 
-/// Where the tip is to go, as points with how far it may be off.
+/// Where the tip is to go: into a ball, or so far into a branch.
 class TaskTarget {
 public:
-    /// @param source  names the scene in messages  @throws Error BadScene: no such branch
+    /// @param source  names the scene in messages  @throws Error BadScene: no such branch, or it is too short
     TaskTarget(const TaskSpec& task, const Centreline& centreline, const std::string& source);
 
     /// How far the tip still has to go, 0 when it is there [m]; -1 without a target.
     [[nodiscard]] double distance(const Vec3& tip) const;
     /// Where to mark it in a picture.
     [[nodiscard]] Vec3 mark() const { return mark_; }
-    [[nodiscard]] double mark_radius() const { return mark_radius_; }
+    /// Of the ball, or of the lumen where the branch's target begins [m].
+    [[nodiscard]] double mark_radius() const { return radius_; }
 
 private:
-    void follow_branch(const TaskSpec& task, const Centreline& centreline, const std::string& source);
-    std::vector<Vec3> points_;    // inside the target; none: there is no target
-    std::vector<double> radius_;  // of the ball about each that is
+    void enter_branch(const TaskSpec& task, const Centreline& centreline, const std::string& source);
     Vec3 mark_ = Vec3::Zero();
-    double mark_radius_ = 0;
+    double radius_ = 0;  // 0: there is no target
+    int branch_ = 0;     // 0: a ball
+    double beyond_ = 0;  // its mouth, along its axis [m]
+    Vec3 along_ = Vec3::Zero();  // the axis at the mark
+    Centreline line_;
+    Branches branches_;
 };
 
 /// Contribution of one step to the score.
@@ -39,6 +43,7 @@ struct ScoreStep {
     double time = 0;         // at its end [s]
     Vec3 tip = Vec3::Zero(); // [m]
     double inserted = 0;     // [m]
+    double turned = 0;       // [rad]
     double wall_force = 0, patch_force = 0, hand_force = 0;  // on all of the wall, on its worst patch; of the hand [N]
     bool fluoroscopy = false, contrast = false;
 };

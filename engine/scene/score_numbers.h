@@ -7,11 +7,12 @@
 namespace seldinger {
 
 struct ScoreNumbers {
-    double time = 0;              // until the target was reached, or so far [s]
+    double time = 0;              // from the first move of a hub until the target was reached, or so far [s]
     double path_length = 0;       // of the tip of the instrument that counts [m]
     double advanced = 0, pulled_back = 0;  // of its hub [m]
     double wall_force = 0, wall_force_mean = 0, wall_force_max = 0;  // [N]
     double patch_force = 0, patch_force_max = 0;  // on the worst patch of the wall (contact/force_per_length.h) [N]
+    double patch_force_max_time = 0;  // when that was [s]
     double hand_force_max = 0;    // magnitude, of that hub [N]
     double time_above = 0;        // with more wall force, on all or on a patch, than allowed [s]
     double fluoroscopy = 0;       // [s]
@@ -21,6 +22,7 @@ struct ScoreNumbers {
     // state for the next step
     double tip[3] = {};           // [m]
     double inserted = 0;          // [m]
+    double turned = 0;            // [rad]
     double force_time = 0;        // integral of the wall force [N s]
     double run = 0;               // of the hub since it last turned round [m]
     std::uint32_t pushes = 0, pull_backs = 0;  // changes of direction
@@ -28,9 +30,12 @@ struct ScoreNumbers {
     // 0 or 1: a file may hold anything, which a bool may not
     std::uint8_t reached = 0, failed = 0;  // failed: a limit was exceeded before
     std::uint8_t has_tip = 0;
-    std::uint8_t unused = 0;      // a checkpoint has no bytes that nobody sets
+    std::uint8_t begun = 0;       // that hub has moved
 };
 static_assert(std::is_trivially_copyable_v<ScoreNumbers>);
+
+/// Whether the force on the worst patch was still rising when the target was reached: a target a little farther in has a larger one.
+[[nodiscard]] inline bool is_rising(double patch_force_max_time, double reached_at_s) { return patch_force_max_time > reached_at_s - 0.02; }
 
 /// Whether numbers read from a file can be those of a task.
 [[nodiscard]] bool is_sound(const ScoreNumbers& score);

@@ -81,6 +81,7 @@ Json task_of(const Scene& scene, const ScoreNumbers& s)
                  {"reached_at_s", s.reached ? Json(s.reached_at_s) : Json()},
                  {"distance_m", s.distance >= 0 ? Json(s.distance) : Json()}};
     task["until_patch_force_max_n"] = s.patch_force_max;
+    task["until_patch_force_max_s"] = s.patch_force_max_time;
     task["until_wall_force_max_n"] = s.wall_force_max;
     task["until_hand_force_max_n"] = s.hand_force_max;
     task["time_above_limit_s"] = s.time_above;
@@ -245,6 +246,9 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
     if (const std::string touch = describe(tally.end_touch, *notes.scene); !touch.empty()) list.push_back(touch);
     if (notes.estimate)
         for (const std::string& sentence : unresolved(*notes.estimate)) list.push_back(sentence);
+    if (notes.estimate && notes.estimate->from_step > 0)
+        list.push_back(fmt::format("bands, and the largest forces as means of 20 ms, are those from step {} on, where the run was resumed; "
+                                   "hand_force_max_n and friction_max_n are of all steps", notes.estimate->from_step));
     if (tally.outside_steps > 0)
         list.push_back(
             share(tally.outside_steps) +
@@ -451,9 +455,10 @@ std::string answer_for_people(const Json& s)
         const Json& task = s.at("task");
         const std::string target = task.at("target").get<std::string>();
         if (task.at("reached").get<bool>())
-            text = fmt::format("reached {} at {:.4g} mm, {:.4g} s; until then at most {} on {:.3g} mm of wall", target,
+            text = fmt::format("reached {} at {:.4g} mm, {:.4g} s; until then at most {} on {:.3g} mm of wall{}", target,
                                1e3 * task.at("reached_at_m").get<double>(), task.at("reached_at_s").get<double>(),
-                               newtons(task.at("until_patch_force_max_n").get<double>(), std::nan("")), 1e3 * s.at("force_patch_m").get<double>());
+                               newtons(task.at("until_patch_force_max_n").get<double>(), std::nan("")), 1e3 * s.at("force_patch_m").get<double>(),
+                               is_rising(task.at("until_patch_force_max_s").get<double>(), task.at("reached_at_s").get<double>()) ? ", still rising" : "");
         else text = fmt::format("did not reach {}: {:.3g} mm away", target, 1e3 * task.at("distance_m").get<double>());
         if (task.at("verdict").get<std::string>() == "failed") text += "; a limit was exceeded";
     }

@@ -83,6 +83,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
     initial_ = world_->save_state();
     watch_.begin(*world_, 0, score_);
     for (const Instrument& it : instruments_) control_.move_to(it.wire, it.start, it.start_turn);
+    attempts_.reserve(most_attempts);
     hubs_.resize(2 * static_cast<std::size_t>(world_->wire_count()));
     entry_.reserve(16 + hubs_.size() * sizeof(double));
     shape_.wires.resize(static_cast<std::size_t>(world_->wire_count()));
@@ -273,6 +274,7 @@ void Session::reset()
         it.turn.place(0);
         it.load = it.turn_load = {};
     }
+    if (score_.begun && attempts_.size() < most_attempts) attempts_.push_back(score_);
     watch_.begin(*world_, 0, score_);
 }
 

@@ -78,6 +78,7 @@ private:
         HubLoad load, turn_load;
     };
 
+    static constexpr std::size_t most_attempts = 500;  // kept
     void prepare_record(const SessionOptions& options);
     void run();
     [[nodiscard]] double wait_until_due();
@@ -101,6 +102,7 @@ private:
     HandChannel* hand_;
     ScoreWatch watch_;
     ScoreNumbers score_;
+    std::vector<ScoreNumbers> attempts_;  // ended by a reset; room for most_attempts, so that a reset allocates nothing
     std::vector<Instrument> instruments_;
     std::vector<std::uint8_t> initial_;  // state
     Control control_;

@@ -118,6 +118,9 @@ std::string Session::summary() const
         couplings.push_back({{"energy_j", it.advance.energy() + it.turn.energy()},
                              {"advance_energy_lowest_j", it.advance.lowest_energy()},
                              {"turn_energy_lowest_j", it.turn.lowest_energy()}});
+    nlohmann::json attempts = nlohmann::json::array();
+    for (const ScoreNumbers& ended : attempts_) attempts.push_back(score_object(scene_, ended));
+    if (score_.begun) attempts.push_back(score_object(scene_, score_));
     const double steps = static_cast<double>(std::max<std::uint64_t>(1, pacer_.steps()));
     return json_text(nlohmann::json{{"scene", scene_.name},
                                     {"version", version()},
@@ -139,6 +142,7 @@ std::string Session::summary() const
                                     {"record", options_.record.string()},
                                     {"failure", failure_},
                                     {"score", score_object(scene_, score_)},
+                                    {"attempts", attempts},
                                     {"state_hash", world_->state_hash()}}, 2) + "\n";
 }
 

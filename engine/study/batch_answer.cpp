@@ -27,6 +27,17 @@ std::string branches_line(const std::map<int, std::size_t>& branches)
 /// Whether the bands of the two overlap.
 bool is_apart(const BatchAnswer::Ranked& a, const BatchAnswer::Ranked& b) { return !(std::abs(a.value - b.value) <= a.band + b.band); }
 
+/// A target a little farther in has another order, where a force still rises at this one.
+std::string rising_line(const Sweep& sweep, const BatchAnswer& answer)
+{
+    if (answer.rising.size() > most_named && answer.rising.size() == answer.ranking.size()) return "; still rising at the target: all of them";
+    std::string text;
+    for (std::size_t k = 0; k < std::min(most_named, answer.rising.size()); ++k)
+        text += (k == 0 ? "; still rising at the target: " : ", ") + label_of(sweep, answer.rising[k]);
+    if (answer.rising.size() > most_named) text += fmt::format(" and {} more", answer.rising.size() - most_named);
+    return text;
+}
+
 std::string best_line(const Sweep& sweep, const BatchLayout& layout, const BatchAnswer& answer)
 {
     const BatchAnswer::Ranked& best = answer.ranking.front();
@@ -38,7 +49,7 @@ std::string best_line(const Sweep& sweep, const BatchLayout& layout, const Batch
         text += fmt::format("{}{}, {}", close == 0 ? "; not told apart from " : ", ", label_of(sweep, other.run), newtons(other.value, other.band));
     }
     if (close > most_named) text += fmt::format(" and {} more", close - most_named);
-    return text;
+    return text + rising_line(sweep, answer);
 }
 
 }  // namespace
@@ -55,6 +66,7 @@ BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& ro
         answer.reached += number(*of.row, "reached") > 0;
         if (!(number(*of.row, "passed") > 0)) continue;
         ++answer.passed;
+        if (is_rising(number(*of.row, "until_patch_force_max_s"), number(*of.row, "reached_at_s"))) answer.rising.push_back(static_cast<std::size_t>(of.row->run));
         answer.ranking.push_back({static_cast<std::size_t>(of.row->run), of.row->numbers[peak], of.half ? band_of(*of.row, *of.half, peak) : std::nan("")});
     }
     std::stable_sort(answer.ranking.begin(), answer.ranking.end(), [](const auto& a, const auto& b) { return a.value < b.value; });

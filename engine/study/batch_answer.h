@@ -16,6 +16,7 @@ struct BatchAnswer {
     };
     std::size_t runs = 0, reached = 0, passed = 0;  // that ended; within the limits, too
     std::vector<Ranked> ranking;                    // of those that passed, the least force first, then by run
+    std::vector<std::size_t> rising;                // of those, whose force still rose when the target was reached
     std::map<int, std::size_t> branches;            // runs whose tip ended in a branch, 0: before any
 };
 

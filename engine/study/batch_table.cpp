@@ -139,6 +139,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
                    score.reached ? score.reached_at_s : never,
                    score.distance,
                    score.patch_force_max,
+                   score.patch_force_max_time,
                    score.wall_force_max,
                    score.hand_force_max,
                    score.time_above,

@@ -43,6 +43,25 @@ std::vector<int> own_stretch(const Centreline& line, const std::vector<int>& chi
     return stretch;
 }
 
+/// How far past the point `nearest` of its stretch `own` the foot of p lies on the two edges that meet there, < 0 before it [m].
+double past_point(const Centreline& line, const std::vector<int>& own, int nearest, const Vec3& p)
+{
+    const auto at = [&](int i) { return line.points[static_cast<std::size_t>(i)]; };
+    const Vec3 here = at(nearest);
+    double past = 0, closest = (p - here).norm();
+    const auto try_edge = [&](int to, double sign) {
+        const Vec3 edge = at(to) - here;
+        const double length = edge.norm();
+        if (length == 0) return;
+        const double along = std::clamp((p - here).dot(edge) / length, 0.0, length), away = (p - here - (along / length) * edge).norm();
+        if (away < closest) closest = away, past = sign * along;
+    };
+    if (line.parent[static_cast<std::size_t>(nearest)] >= 0) try_edge(line.parent[static_cast<std::size_t>(nearest)], -1);
+    const auto child = std::find(own.begin(), own.end(), nearest) + 1;
+    if (child < own.end()) try_edge(*child, 1);
+    return past;
+}
+
 }  // namespace
 
 Branches::Branches(const Centreline& line)
@@ -84,7 +103,7 @@ Branches::Place Branches::locate(const Centreline& line, const Vec3& p) const
     const int nearest = line.nearest(p);
     const int branch = branch_of_[static_cast<std::size_t>(nearest)];
     if (branch == 0) return {};
-    return {branch, from_root(nearest) - mouth_[static_cast<std::size_t>(branch - 1)]};
+    return {branch, std::max(0.0, depth(branch, nearest) + past_point(line, points(branch), nearest, p))};
 }
 
 }  // namespace seldinger

@@ -22,10 +22,12 @@ public:
     [[nodiscard]] const std::vector<int>& points(int number) const { return own_[static_cast<std::size_t>(number - 1)]; }
     /// Arc length of a point along the centreline from its root [m].
     [[nodiscard]] double from_root(int point) const { return from_root_[static_cast<std::size_t>(point)]; }
+    /// How far a point of branch `number` lies behind its mouth, < 0 before it [m].
+    [[nodiscard]] double depth(int number, int point) const { return from_root(point) - mouth_[static_cast<std::size_t>(number - 1)]; }
 
     struct Place {
         int branch = 0;    // from 1; 0: before any mouth, or no centreline
-        double depth = 0;  // of the nearest point behind the mouth of that branch, along its axis [m]
+        double depth = 0;  // of the nearest point of the axis behind the mouth of that branch, along it [m]
     };
     [[nodiscard]] Place locate(const Centreline& line, const Vec3& p) const;
 

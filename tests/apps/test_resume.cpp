@@ -62,7 +62,14 @@ TEST_SUITE("apps/resume")
         const fs::path killed = folder.path / "killed";
         REQUIRE(run_and_signal(scene, killed, 100, SIGKILL) == -SIGKILL);
         CHECK_FALSE(fs::exists(killed / "summary.json"));
-        REQUIRE(run_app(folder, "run t.toml -o killed --resume").code == 0);
+        // DIR's own scene will do; which steps the bands are of is said
+        const AppResult alone = run_app(folder, "run -o killed --resume");
+        CAPTURE(alone.err);
+        REQUIRE(alone.code == 0);
+        CHECK(alone.out.find("on, where the run was resumed") != std::string::npos);
+        const AppResult nothing = run_app(folder, "run -o killed");
+        CHECK(nothing.code == 2);
+        CHECK_MESSAGE(nothing.err.find("SCENE is required") != std::string::npos, nothing.err);
         same_run(killed, folder.path / "whole");
 
         // a run that is done is not run again

@@ -23,6 +23,7 @@ BatchRow row(std::int64_t run, bool reached, bool passed, double peak, int branc
     row.state_hash.fill('0');
     const auto set = [&](std::string_view name, double value) { row.numbers[column_index(name)] = value; };
     set("reached", reached), set("passed", passed), set("until_patch_force_max_n", peak), set("branch", branch);
+    set("reached_at_s", 2.0), set("until_patch_force_max_s", 1.0);  // the peak is over when the target is reached
     return row;
 }
 
@@ -64,6 +65,20 @@ TEST_SUITE("study/batch_answer")
         // with half the step it misses: its readings until then are not comparable
         rows[3] = row(3, false, false, 0.05);
         CHECK(std::isnan(answer_of(layout(true), rows).ranking[0].band));
+    }
+
+    TEST_CASE("property: whose force still rises at the target is named, since a target farther in has another order")
+    {
+        std::vector<BatchRow> rows = {row(0, true, true, 0.10), row(1, true, true, 0.13), row(2, true, true, 0.30)};
+        const auto rises = [&](std::size_t k) { rows[k].numbers[column_index("until_patch_force_max_s")] = 2.0; };
+        const std::string best = "3 of 3 reached left subclavian; least peak on 5 mm of wall: bentson-035, 0.1 N";
+        const std::string end = " (--bands computes its band)";
+        rises(1);
+        CHECK(line(layout(false), rows) == best + "; still rising at the target: terumo-angled-035" + end);
+        rises(0);
+        CHECK(line(layout(false), rows) == best + "; still rising at the target: bentson-035, terumo-angled-035" + end);
+        rises(2);
+        CHECK(line(layout(false), rows) == best + "; still rising at the target: all of them" + end);
     }
 
     TEST_CASE("property: limits leave out of the ranking, and runs that stopped are of no outcome")

@@ -62,7 +62,12 @@ TEST_SUITE("vessel/branches")
         CHECK(at(0.03, 0.001, 0).branch == 0);  // between forks: leads to three
         CHECK(at(0.02, 0.004, 0).branch == 0);  // in the trunk's lumen yet
         CHECK(at(0.02, 0.0101, 0.001).branch == 1);
-        CHECK(at(0.02, 0.0101, 0.001).depth == doctest::Approx(0.004));  // the mouth is the first point beyond 5 mm, 6 mm
+        // the mouth is the first point beyond 5 mm, 6 mm; depths are of the foot on the axis, whatever the spacing of its points
+        CHECK(at(0.02, 0.0101, 0.001).depth == doctest::Approx(0.0041));
+        CHECK(at(0.02, 0.0104, 0.0015).depth == doctest::Approx(0.0044));
+        CHECK(at(0.02, 0.0106, 0.0015).depth == doctest::Approx(0.0046));
+        CHECK(at(0.02, 0.0599, 0.001).depth == doctest::Approx(0.024));  // past the end: that of the end
+        CHECK(at(0.02, 0.0058, 0).depth == 0);  // nearer to the mouth than to the point before it
         CHECK(at(0.04, -0.006, 0).branch == 0);  // behind one fork, before the next
         CHECK(at(0.04, -0.01, 0.008).branch == 2);
         CHECK(at(0.04, -0.02, 0).branch == 3);

@@ -148,6 +148,46 @@ def layouts(browser, pictures):
     browser.size(1280, 720)
 
 
+def press(browser, key):
+    browser.key(key, "Key" + key.upper(), True, key)
+    browser.key(key, "Key" + key.upper(), False)
+
+
+def training(app, source, pictures):
+    """The clock starts at the first push, attempts are kept, the sheet fits on a laptop, and an exam shows the X-ray alone."""
+    session, browser = LiveSession(app, os.path.join(source, "assets/scenes/training/left-subclavian.toml")), Browser()
+    try:
+        browser.size(1280, 720)
+        browser.scheme("light")
+        browser.open(session.url)
+        browser.wait("window.seldinger && seldinger.frames > 5 && seldinger.viewer", 60)
+        time.sleep(2)
+        check(browser.evaluate("seldinger.last.numbers.time > 1 && seldinger.last.numbers.score.time === 0"), "training: the clock waits for the first push")
+        hold(browser, "ArrowUp", 1.5)
+        check(browser.evaluate("seldinger.last.numbers.score.time > 1"), "training: and runs from then on")
+        press(browser, "r")
+        browser.wait("seldinger.attempts.length === 1 && seldinger.last.numbers.score.time === 0", 10)
+        check(browser.evaluate("seldinger.attempts[0].seen && document.querySelector('#attempts').textContent.startsWith('not reached')"), "training: an attempt is kept")
+        check(browser.evaluate("(() => { const c = document.querySelector('.column.side'); return c.scrollHeight <= c.clientHeight })()"), "training: the sheet fits on 1280 x 720")
+        press(browser, "e")
+        press(browser, "f")
+        hold(browser, "ArrowUp", 2)
+        rows = pixels(browser.picture(os.path.join(pictures, "exam.png")))
+        check(share(rows, box_of(browser, "#scene"), reddish) == 0, "exam: the vessel is not in view")
+        large = box_of(browser, "#fluoroscope")
+        check(large[2] - large[0] > 800 and large[3] - large[1] > 400, f"exam: the X-ray is large ({large})")
+        press(browser, "r")
+        browser.wait("seldinger.attempts.length === 2", 10)
+        check(not browser.evaluate("seldinger.attempts[1].seen") and browser.evaluate("document.querySelector('#attempts').textContent.endsWith('exam')"), "exam: the attempt says so")
+        press(browser, "e")
+        time.sleep(1)
+        check(share(pixels(browser.picture(os.path.join(pictures, "after-exam.png"))), box_of(browser, "#scene"), reddish) > 0.03, "after the exam the vessel is back")
+    finally:
+        browser.close()
+        summary = session.end()
+    check(len(summary["attempts"]) == 2 and summary["attempts"][0]["time_s"] > 1, f"the session's summary has the attempts ({len(summary['attempts'])})")
+
+
 def refusals(session):
     host = f"127.0.0.1:{session.port}"
     for what, headers, path, status in (("its own origin", {"Origin": f"http://{host}"}, "/ws", 101), ("a foreign origin", {"Origin": "http://evil.example"}, "/ws", 403),
@@ -191,11 +231,11 @@ def dropped(browser):
 def keyboard_only(browser):
     """With Tab alone every control is reached, round and round, and Enter presses it."""
     reached = []
-    for _ in range(10):
+    for _ in range(11):
         browser.key("Tab", "Tab", True)
         browser.key("Tab", "Tab", False)
         reached.append(browser.evaluate("document.activeElement.id"))
-    check({"pause", "reset", "fluoro", "contrast", "near", "view", "lao", "cra"} <= set(reached), f"the keyboard reaches every control ({' '.join(reached)})")
+    check({"pause", "reset", "fluoro", "contrast", "near", "exam", "view", "lao", "cra"} <= set(reached), f"the keyboard reaches every control ({' '.join(reached)})")
     browser.evaluate("document.querySelector('#near').focus()")
     browser.key("Enter", "Enter", True, "\r")
     browser.key("Enter", "Enter", False)
@@ -308,6 +348,7 @@ def main():
         summary = session.end()
         check(summary["failure"] == "", "the session ended well")
         print(f"        {summary['steps']} steps, {100 * summary['late_share']:.2f} % late, p99 {summary['step']['p99_ms']:.2f} ms")
+        training(options.app, options.source, pictures)
         reports(browser, options.app, options.source, pictures)
         report_of_several(browser, options.app, options.source, pictures)
         browser.close()
