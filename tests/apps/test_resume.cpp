@@ -57,16 +57,16 @@ TEST_SUITE("apps/resume")
         CAPTURE(end.err);
         REQUIRE(end.code == 0);
         CHECK(summary_of(stopped)["resumes"] == 2);
+        CHECK_MESSAGE(end.out.find("on, where the run was resumed") != std::string::npos, end.out);  // which steps the bands are of
         same_run(stopped, folder.path / "whole");
 
         const fs::path killed = folder.path / "killed";
         REQUIRE(run_and_signal(scene, killed, 100, SIGKILL) == -SIGKILL);
         CHECK_FALSE(fs::exists(killed / "summary.json"));
-        // DIR's own scene will do; which steps the bands are of is said
+        // DIR's own scene will do
         const AppResult alone = run_app(folder, "run -o killed --resume");
         CAPTURE(alone.err);
         REQUIRE(alone.code == 0);
-        CHECK(alone.out.find("on, where the run was resumed") != std::string::npos);
         const AppResult nothing = run_app(folder, "run -o killed");
         CHECK(nothing.code == 2);
         CHECK_MESSAGE(nothing.err.find("SCENE is required") != std::string::npos, nothing.err);
