@@ -194,8 +194,8 @@ private:
         outcome.summary = recorder_.finish(world_, status, wall());
         if (replay_ && replay_->begun()) replay_->write_score(scene_, options_.dir);
         const std::string dir = options_.dir.string();
-        const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume",
-                                              recorder_.tally().steps, scene_.steps(), dir);
+        const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume -o {}",
+                                              recorder_.tally().steps, scene_.steps(), dir, dir);
         switch (status) {
             case RunStatus::Stopped:
                 outcome = {ExitCode::Stopped, outcome.summary, fmt::format("{}; last good state in {}", failure_, dir)};

@@ -18,7 +18,7 @@ const titleOf = (name, unit) => `${name.replace(/_(n|m|s|j|nm|pa|rad|n_per_m|m2)
 
 function withBand(value, band) {
   if (!Number.isFinite(value)) return '';
-  if (!(band > 0)) return String(Number(value.toPrecision(3)));
+  if (!(band > 1e-9 * Math.abs(value))) return String(Number(value.toPrecision(band === 0 ? 5 : 3)));  // a band of rounding is none
   const exponent = Math.floor(Math.log10(band)), digits = Math.max(0, -exponent + (band / 10 ** exponent < 2 ? 1 : 0));
   return `${value.toFixed(digits)} ± ${band.toFixed(digits)}`;
 }
@@ -216,7 +216,7 @@ function showBatch(batch, mostPictures = 60) {
   $('answer').textContent = data.summary.answer || '';
   showOutcomes($('outcomes'), batch);
   const responses = batch.responses(), select = $('response');
-  responses.forEach((name) => { const option = document.createElement('option'); option.value = name, option.textContent = titleOf(name, ''); select.append(option); });
+  responses.forEach((name) => { const option = document.createElement('option'); option.value = name, option.textContent = titleOf(name, batch.units[name]); select.append(option); });
   const plots = responses.length ? batch.keys.map((key) => { const canvas = document.createElement('canvas'); $('graphs').append(canvas); return new KeyPlot(batch, key, canvas); }) : [];
   $('choose').hidden = !plots.length;
   showRanking($('ranking'), batch, responses[0]);
@@ -251,7 +251,7 @@ function showRanking(table, batch, response, most = 20) {
   for (const text of ['', 'run', ...batch.keys, 'outcome', titleOf(response, unit)]) { const th = document.createElement('th'); th.textContent = text; head.append(th); }
   ranked.slice(0, most).forEach((k, place) => {
     const tr = table.insertRow();
-    tr.insertCell().textContent = place + 1;
+    tr.insertCell().textContent = batch.outcome(k) === batch.outcomes[0][0] || !batch.task ? place + 1 : '';
     tr.insertCell().append(linkTo(batch.table.run[k], batch.table.run[k]));
     for (const key of batch.keys) tr.insertCell().textContent = batch.table[key][k];
     const cell = tr.insertCell();

@@ -47,6 +47,8 @@ function keepAttempt(n) {
   if (old && n.resets !== old.resets) {
     if (old.score.time > 0) state.attempts.push({ ...old.score, seen: state.seen });
     state.seen = false;
+    state.forces.clear(), state.torques.clear();
+    if (state.fluoroscope) state.fluoroscope.blank();
     showAttempts();
   }
   if (!state.exam && n.score.time > 0) state.seen = true;
@@ -114,6 +116,12 @@ function row(table, what, value, over) {
   if (over) tr.className = 'over';
 }
 
+function reasonOf(s, limits) {
+  if (limits.time && s.time > limits.time) return `longer than ${limits.time} s`;
+  if (limits.fluoroscopy && s.fluoroscopy > limits.fluoroscopy) return `more than ${limits.fluoroscopy} s of fluoroscopy`;
+  return limits.patch_force && s.patch_max > limits.patch_force ? `more than ${limits.patch_force} N on one patch` : `more than ${limits.wall_force} N on the wall`;
+}
+
 function showSheet(n) {
   const s = n.score, limits = state.scene.limits, table = document.createElement('table');
   table.id = 'sheet';
@@ -122,21 +130,22 @@ function showSheet(n) {
   if (s.distance >= 0) row(table, 'To the target', s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`);
   row(table, 'Wall force', most(s.wall.toFixed(2), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
   row(table, 'its peak, mean', `${s.wall_max.toFixed(2)}, ${s.wall_mean.toFixed(2)} N`, limits.wall_force && s.wall_max > limits.wall_force);
-  row(table, 'On one patch', most(s.patch.toFixed(2), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);
+  row(table, `On ${1e3 * limits.patch} mm of wall`, most(s.patch.toFixed(2), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);
   row(table, 'its peak', `${s.patch_max.toFixed(2)} N`, limits.patch_force && s.patch_max > limits.patch_force);
   row(table, 'Time above the limit', `${s.above.toFixed(2)} s`, s.above > 0);
-  row(table, 'Way of the tip', `${(100 * s.path).toFixed(1)} cm`);
-  row(table, 'Pushed, pulled back', `${(100 * s.advanced).toFixed(1)} cm (${s.pushes}), ${(100 * s.back).toFixed(1)} cm (${s.backs})`);
+  row(table, 'Path of the tip', `${(100 * s.path).toFixed(1)} cm`);
+  row(table, 'Pushed', `${(100 * s.advanced).toFixed(1)} cm, ${s.pushes} strokes`);
+  row(table, 'Pulled back', `${(100 * s.back).toFixed(1)} cm, ${s.backs} strokes`);
   row(table, 'Fluoroscopy', most(s.fluoroscopy.toFixed(1), limits.fluoroscopy, 's'), limits.fluoroscopy && s.fluoroscopy > limits.fluoroscopy);
   row(table, 'Contrast', `${s.contrast.toFixed(1)} ml`);
   $('sheet').replaceWith(table);
   const verdict = s.failed ? 'failed' : s.reached ? 'passed' : '';
-  $('verdict').textContent = verdict ? `Task: ${verdict}` : 'Task';
+  $('verdict').textContent = verdict === 'failed' ? `Task: failed, ${reasonOf(s, limits)}` : verdict ? `Task: ${verdict}` : 'Task';
   $('verdict').className = verdict;
   const it = n.instruments[state.instrument] || n.instruments[0];
   const count = state.scene.instruments.length, name = state.scene.instruments[state.instrument]?.name || 'Instrument';
   if (count > 1) $('instrument').style.borderLeft = `0.5em solid var(${instrumentColour(state.instrument, count)})`;
-  $('instrument').textContent = `${name}${count > 1 ? ` (${state.instrument + 1} of ${count})` : ''}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI)}, ${calm(it.force)} N, ${it.contacts} contacts`;
+  $('instrument').textContent = `${name}${count > 1 ? ` (${state.instrument + 1} of ${count})` : ''}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI)} rev, ${calm(it.force)} N, ${it.contacts} contacts`;
   $('watchers').hidden = n.clients < 2;
   $('watchers').textContent = `${n.clients} watch`;
 }
@@ -168,8 +177,10 @@ function draw() {
     if (state.viewer) state.viewer.show(frame.nodes);
     washContrast(frame.numbers);
     if (state.fluoroscope && exposed(frame.numbers)) {
-      state.fluoroscope.contrast = state.contrast;
-      state.fluoroscope.show(frame.nodes);
+      if (frame.numbers.fluoro) {
+        state.fluoroscope.contrast = state.contrast;
+        state.fluoroscope.show(frame.nodes);
+      }
       state.fluoroscope.draw();
     }
     if (performance.now() - sheetDrawn > 150) {
@@ -206,7 +217,7 @@ function act(what) {
   const pressed = (id) => $(id).getAttribute('aria-pressed') === 'true';
   if (what === 'pause') send({ pause: !pressed('pause') });
   if (what === 'fluoro') send({ fluoro: !state.fluoro });
-  if (what === 'reset') { send({ reset: true }); state.forces.clear(); state.torques.clear(); }
+  if (what === 'reset') send({ reset: true });
   if (what === 'contrast') send({ contrast: true });
   if (what === 'no contrast') send({ contrast: false });
   if (what === 'exam') setExam(!state.exam);

@@ -380,12 +380,22 @@ class Fluoroscope {
     this.moved = true;
   }
 
+  // Nothing has been exposed yet.
+  blank() {
+    this.exposed = false;
+    this.renderer.setRenderTarget(null);
+    this.renderer.setClearColor(0x000000, 1);
+    this.renderer.clear();
+  }
+
   show(instruments) {
+    this.exposed = true;
     const half = 0.35 * this.field / this.canvas.width, white = new THREE.Color(1, 1, 1);
     instruments.forEach((nodes, k) => this.tubes[k].update(nodes, () => Math.max(this.radii[k], half), () => white));
   }
 
   draw() {
+    if (!this.exposed) { this.blank(); return; }
     const r = this.renderer;
     r.setClearColor(0x000000, 0);
     if (this.moved) {

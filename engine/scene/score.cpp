@@ -38,6 +38,18 @@ void count_path(const Vec3& tip, double inserted, ScoreNumbers& score)
     count_direction(moved, score);
 }
 
+/// From the first move on: a wire that is placed against a wall bears on it before it goes anywhere.
+void count_forces(const TaskSpec& task, const ScoreStep& step, ScoreNumbers& s)
+{
+    s.time += step.dt;
+    s.force_time += step.wall_force * step.dt;
+    s.wall_force_mean = s.force_time / s.time;
+    s.wall_force_max = std::max(s.wall_force_max, step.wall_force);
+    if (step.patch_force > s.patch_force_max) s.patch_force_max = step.patch_force, s.patch_force_max_time = step.time;
+    s.hand_force_max = std::max(s.hand_force_max, std::abs(step.hand_force));
+    if (is_above(step.wall_force, task.wall_force) || is_above(step.patch_force, task.patch_force)) s.time_above += step.dt;
+}
+
 }  // namespace
 
 TaskTarget::TaskTarget(const TaskSpec& task, const Centreline& centreline, const std::string& source)
@@ -88,16 +100,8 @@ void add_step(const TaskSpec& task, const TaskTarget& target, const ScoreStep& s
     s.turned = step.turned;
     count_path(step.tip, step.inserted, s);
     s.wall_force = step.wall_force;
-    if (s.begun) {
-        s.time += step.dt;
-        s.force_time += step.wall_force * step.dt;
-        s.wall_force_mean = s.force_time / s.time;
-    }
-    s.wall_force_max = std::max(s.wall_force_max, step.wall_force);
     s.patch_force = step.patch_force;
-    if (step.patch_force > s.patch_force_max) s.patch_force_max = step.patch_force, s.patch_force_max_time = step.time;
-    s.hand_force_max = std::max(s.hand_force_max, std::abs(step.hand_force));
-    if (is_above(step.wall_force, task.wall_force) || is_above(step.patch_force, task.patch_force)) s.time_above += step.dt;
+    if (s.begun) count_forces(task, step, s);
     if (step.fluoroscopy) s.fluoroscopy += step.dt;
     if (step.contrast) s.contrast += contrast_rate * step.dt;
     const bool failed = s.time_above > 0 || (task.time > 0 && s.time > task.time) ||
@@ -175,7 +179,8 @@ const char* verdict_of(const TaskSpec& task, const ScoreNumbers& score)
 
 std::string target_name(const TaskSpec& task)
 {
-    if (!task.target_name.empty()) return task.target_name;
+    // with its number: a name stays when --set asks for another branch
+    if (!task.target_name.empty()) return task.target == TaskSpec::Target::Branch ? fmt::format("{} (branch {})", task.target_name, task.branch) : task.target_name;
     return task.target == TaskSpec::Target::Branch ? fmt::format("branch {}", task.branch) : "the point";
 }
 

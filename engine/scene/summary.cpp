@@ -459,7 +459,8 @@ std::string answer_for_people(const Json& s)
                                1e3 * task.at("reached_at_m").get<double>(), task.at("reached_at_s").get<double>(),
                                newtons(task.at("until_patch_force_max_n").get<double>(), std::nan("")), 1e3 * s.at("force_patch_m").get<double>(),
                                is_rising(task.at("until_patch_force_max_s").get<double>(), task.at("reached_at_s").get<double>()) ? ", still rising" : "");
-        else text = fmt::format("did not reach {}: {:.3g} mm away", target, 1e3 * task.at("distance_m").get<double>());
+        else text = fmt::format("{} {}: {:.3g} mm away", s.at("status").get<std::string>() == status_word(RunStatus::Done) ? "did not reach" : "not finished, on the way to",
+                                target, 1e3 * task.at("distance_m").get<double>());
         if (task.at("verdict").get<std::string>() == "failed") text += "; a limit was exceeded";
     }
     if (s.contains("branch") && (text.empty() || !s.at("task").at("reached").get<bool>())) {

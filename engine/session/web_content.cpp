@@ -38,7 +38,7 @@ std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTa
                         {"rate", rate},             {"dt", 1 / rate},
                         {"inlet", list(setup.wires[0].feed.point)},
                         {"task", task.text},        {"target", nullptr},
-                        {"limits", {{"wall_force", task.wall_force}, {"patch_force", task.patch_force}, {"time", task.time}, {"fluoroscopy", task.fluoroscopy}}}};
+                        {"limits", {{"wall_force", task.wall_force}, {"patch_force", task.patch_force}, {"patch", scene.force_patch}, {"time", task.time}, {"fluoroscopy", task.fluoroscopy}}}};
     // the patient's axes: an arch has its own, else those of docs/live.md
     const bool arch = setup.vessel.shape == VesselShape::Arch;
     json["head"] = list(arch ? setup.vessel.axis : Vec3(Vec3::UnitZ()));

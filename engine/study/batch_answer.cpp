@@ -63,6 +63,7 @@ BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& ro
         if (of.row->status != RunStatus::Done) continue;
         ++answer.branches[static_cast<int>(number(*of.row, "branch"))];
         if (!layout.task) continue;
+        if (!(number(*of.row, "reached") > 0)) ++answer.missed[static_cast<int>(number(*of.row, "branch"))];
         answer.reached += number(*of.row, "reached") > 0;
         if (!(number(*of.row, "passed") > 0)) continue;
         ++answer.passed;
@@ -81,6 +82,8 @@ std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const Bat
     }
     std::string text = fmt::format("{} of {} reached {}", answer.reached, answer.runs, layout.target);
     if (layout.limits && answer.reached > 0) text += fmt::format(", {} within the limits", answer.passed);
+    if (answer.missed.size() > 1 || (answer.missed.size() == 1 && answer.missed.begin()->first > 0))
+        text += fmt::format("{} ended {}", answer.reached > 0 ? ", the others" : "; they", branches_line(answer.missed));
     if (answer.ranking.empty()) return text;
     return text + best_line(sweep, layout, answer) + (layout.bands ? "" : " (--bands computes its band)");
 }

@@ -18,6 +18,7 @@ struct BatchAnswer {
     std::vector<Ranked> ranking;                    // of those that passed, the least force first, then by run
     std::vector<std::size_t> rising;                // of those, whose force still rose when the target was reached
     std::map<int, std::size_t> branches;            // runs whose tip ended in a branch, 0: before any
+    std::map<int, std::size_t> missed;              // of those, without the ones that reached the target
 };
 
 [[nodiscard]] BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& rows);

@@ -36,7 +36,7 @@ inline constexpr BatchColumn batch_columns[] = {{"branch", true, ColumnKind::Out
                                                 {"reached_at_s", false, ColumnKind::Outcome, true, true},
                                                 {"distance_m", false, ColumnKind::Outcome, true, true},
                                                 {"until_patch_force_max_n", false, ColumnKind::Outcome, true, true},
-                                                {"until_patch_force_max_s", false, ColumnKind::Outcome, true, true},
+                                                {"until_patch_force_max_s", false, ColumnKind::Outcome, false, true},
                                                 {"until_wall_force_max_n", false, ColumnKind::Outcome, true, true},
                                                 {"until_hand_force_max_n", false, ColumnKind::Outcome, true, true},
                                                 {"time_above_limit_s", false, ColumnKind::Outcome, true, true},

@@ -44,7 +44,7 @@ TEST_SUITE("study/batch_answer")
     TEST_CASE("property: the least peak of those that reached the target, whatever the order of the rows")
     {
         const std::vector<BatchRow> rows = {row(2, true, true, 0.20), row(0, true, true, 0.10), row(1, false, false, 0.01, 3)};
-        CHECK(line(layout(false), rows) == "2 of 3 reached left subclavian; least peak on 5 mm of wall: bentson-035, 0.1 N (--bands computes its band)");
+        CHECK(line(layout(false), rows) == "2 of 3 reached left subclavian, the others ended in branch 3 (1 run); least peak on 5 mm of wall: bentson-035, 0.1 N (--bands computes its band)");
         const BatchAnswer answer = answer_of(layout(false), rows);
         CHECK(answer.branches.at(1) == 2);
         CHECK(answer.branches.at(3) == 1);
@@ -89,7 +89,7 @@ TEST_SUITE("study/batch_answer")
               "2 of 3 reached left subclavian, 1 within the limits; least peak on 5 mm of wall: terumo-angled-035, 0.15 N (--bands computes its band)");
         rows[0] = rows[1] = row(0, false, false, 0.1);
         rows[1].run = 1;
-        CHECK(line(layout(false), rows) == "0 of 3 reached left subclavian");
+        CHECK(line(layout(false), rows) == "0 of 3 reached left subclavian; they ended in branch 1 (2 runs)");
     }
 
     TEST_CASE("property: without a task the line says where the tips ended, and nothing where there is no centreline")
