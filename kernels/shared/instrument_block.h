@@ -307,7 +307,7 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
 {
     const InstrumentPair pair = bodies.pairs[slot.pair];
     const InstrumentRod a = bodies.rods[pair.a];
-    const real from_b = a.spacing * slot.at, until_b = from_b + a.spacing * (real)slot.cells,
+    const real from_b = a.spacing * slot.at, until_b = min_r(from_b + a.spacing * (real)slot.cells, a.inside),
                along_b = (real)0.5 * (from_b + until_b);
     SelfScene self;
     self.scene = slot_scene(cell, pair, along_b, bodies, nodes, nodes_t0);
@@ -324,7 +324,7 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
     const uint old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
     const int fresh = old == SEL_INSTRUMENT_SLOTS;
     // nothing rolls between instruments: `roll` of a state is where the cell is cut
-    const SelfTouch touch = self_touch(&self, follows, fresh || par.inv_dt == 0 ? (real)0 : states_t0[old].contact.roll);
+    const SelfTouch touch = self_touch(&self, par.follow ? follows : (real)0, fresh || par.inv_dt == 0 ? (real)0 : states_t0[old].contact.roll);
     force.depth = -touch.deepest.gap;
     if (touch.count == 0) {
         force.clear = max_r(touch.clear, 0);

@@ -254,37 +254,63 @@ SEL_FN void see_crest(CellMark left, CellMark right, const SelfTouch* touch, Sel
     crest->gap = gap;
 }
 
+// How far the gap may lie below both of two marks between them, `apart` along the material. The gap is the least of smooth functions of s, one for
+// each near place of the stretch. None curves by more than 1/D + kappa_a + kappa_b, which is 2/r with axes 1.5 radii apart and strands bent
+// about as sharply as they are thick. Such a function dips by h^2/(4 r) at most below its values at the ends of a length h.
+SEL_FN real dip_between(const SelfScene* self, real apart)
+{
+    const real h = SEL_LONGER * apart;
+    return h * h / (4 * min_r(self->scene.part.reach_a, self->scene.part.reach_b));
+}
+
+// Marks of a cell, SEL_SELF_PARTS apart; the odd ones are found where the even ones leave it open whether anything touches.
+typedef struct SelfMarks {
+    CellMark at[SEL_SELF_PARTS + 1];
+    CellMark least;
+} SelfMarks;
+
+SEL_FN void mark_cell(const SelfScene* self, int first, SelfMarks* marks)
+{
+    const real length = self->s1 - self->s0;
+    for (int k = first; k <= SEL_SELF_PARTS; k += 2) {
+        marks->at[k] = self_mark(self, self->s0 + (real)k / SEL_SELF_PARTS * length);
+        if (k == 0 || marks->at[k].gap < marks->least.gap) marks->least = marks->at[k];
+    }
+}
+
 // @param follows  gap up to which it counts how a cell that touches nothing closes [m]  @param cut  of this step [m]; 0: none
 SEL_FN SelfTouch self_touch(const SelfScene* self, real follows, real cut)
 {
     SelfTouch touch;
-    SelfCrest crest;
-    crest.s = crest.gap = 0;
     touch.count = 0;
     touch.cut = 0;
     const real length = self->s1 - self->s0;
-    touch.deepest = self_mark(self, self->s0 + (real)0.5 * length);
-    touch.clear = touch.deepest.gap - (real)0.5 * SEL_LONGER * length;
-    if (touch.deepest.gap > follows + length && touch.deepest.gap < SEL_FAR) return touch;
-    CellMark left = self_mark(self, self->s0);
+    SelfMarks marks;
+    for (int first = 0; first < 2; ++first) {
+        mark_cell(self, first, &marks);
+        touch.deepest = marks.least;
+        touch.clear = marks.least.gap < SEL_FAR ? marks.least.gap - dip_between(self, (real)(2 - first) * length / SEL_SELF_PARTS) : (real)0;
+        if (touch.clear > follows) return touch;
+    }
+    SelfCrest crest;
+    crest.s = crest.gap = 0;
+    CellMark left = marks.at[0];
     touch.deepest = left;
     for (int k = 1; k <= SEL_SELF_PARTS; ++k) {
-        const real end = self->s0 + (real)k / SEL_SELF_PARTS * length;
+        const CellMark right = marks.at[k];
         int joined = 1;
-        if (cut > left.s && cut <= end) {
+        if (cut > left.s && cut <= right.s) {
             const CellMark middle = self_mark(self, cut);
             add_touch(self, left, middle, 1, &touch);
             see_crest(left, middle, &touch, &crest);
             left = middle;
             joined = 0;
         }
-        const CellMark right = self_mark(self, end);
         add_touch(self, left, right, joined, &touch);
         see_crest(left, right, &touch, &crest);
         left = right;
     }
     if (touch.count > 0 && crest.s > touch.from[0] && crest.s < touch.until[touch.count - 1]) touch.cut = crest.s;
-    touch.clear = touch.deepest.gap < SEL_FAR ? touch.deepest.gap - (real)0.5 * SEL_LONGER * length / SEL_SELF_PARTS : (real)0;
     return touch;
 }
 
