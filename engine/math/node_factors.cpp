@@ -73,7 +73,7 @@ void NodeFactors::find_scales(bool lower)
         const Vec4d size = v > -v ? v : -v;
         most = size > most ? size : most;
     };
-    const auto see_in = [&](int node, const double (&of)[width][width]) {  // the columns of a block
+    const auto see_in = [&](int node, const double(&of)[width][width]) {  // the columns of a block
         Vec4d most;
         read_block(&scale_[width * node], most);
         for (const double(&row)[width] : of) see(most, block(row));

@@ -274,10 +274,12 @@ SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
     for (int first = 0; first < 2; ++first) {
         mark_cell(self, first, &marks);
         touch.deepest = marks.least;
-        touch.clear = marks.least.gap < SEL_FAR ? marks.least.gap - dip_between(self, (real)(2 - first) * length / SEL_SELF_PARTS) : (real)0;
+        touch.clear = marks.least.gap < SEL_FAR ? marks.least.gap - dip_between(self, (real)(2 - first) * length / SEL_SELF_PARTS)
+                                                : (real)0;
         if (touch.clear > follows) return touch;
     }
-    for (int k = 0; k < SEL_SELF_PARTS; ++k) add_touch(self, marks.at[k], marks.at[k + 1], k % (SEL_SELF_PARTS / SEL_SELF_RULES) != 0, &touch);
+    for (int k = 0; k < SEL_SELF_PARTS; ++k)
+        add_touch(self, marks.at[k], marks.at[k + 1], k % (SEL_SELF_PARTS / SEL_SELF_RULES) != 0, &touch);
     return touch;
 }
 

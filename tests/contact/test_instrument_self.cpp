@@ -91,7 +91,8 @@ double shelf_force(double crest, double place, std::uint32_t* points_that_push)
         const bool second = i >= nodes;
         const double u = (i - (second ? 1.5 : 0.5) * nodes + 0.5) * edge, x = u / spacing - place;
         // falls by 10 um in front of the crest and rises beyond it, 0.2 cells on
-        const double gap = crest + (x < 0 ? -1e-5 * (x * x) / (place * place) : -3e-8 * (1 - std::pow(std::cos(5 * std::numbers::pi / 2 * std::min(x, 0.4)), 2)));
+        const double gap = crest + (x < 0 ? -1e-5 * (x * x) / (place * place)
+                                          : -3e-8 * (1 - std::pow(std::cos(5 * std::numbers::pi / 2 * std::min(x, 0.4)), 2)));
         position.insert(position.end(), {u, 0, second ? radius + gap : -radius});
         material.push_back(edge * i);
     }

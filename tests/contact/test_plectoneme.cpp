@@ -68,7 +68,8 @@ Vec3 curve_at(const ConstRodView& rod, double s)
     const double at = s / (length / (nodes - 1));
     const int i = std::clamp(static_cast<int>(std::lround(at)), 1, nodes - 2);
     const double u = at - i;
-    return 0.5 * (0.5 - u) * (0.5 - u) * rod.pos(i - 1) + (0.75 - u * u) * rod.pos(i) + 0.5 * (0.5 + u) * (0.5 + u) * rod.pos(i + 1);
+    return 0.5 * (0.5 - u) * (0.5 - u) * rod.pos(i - 1) + (0.75 - u * u) * rod.pos(i) +
+           0.5 * (0.5 + u) * (0.5 + u) * rod.pos(i + 1);
 }
 
 /// In the middle of where it touches, over 10 cells and 8 edges: the force of a cell goes by how the nodes lie in it, +-10 %, and comes back after
@@ -107,7 +108,8 @@ Ply measure(const World& world)
         ply.distance += 0.5 * across.back().norm() / (samples + 1);
     }
     for (int k = 0; k < samples; ++k)
-        ply.turn += std::atan2(across[k].cross(across[k + 1]).dot((axis[k + 1] - axis[k]).normalized()), across[k].dot(across[k + 1]));
+        ply.turn +=
+            std::atan2(across[k].cross(across[k + 1]).dot((axis[k + 1] - axis[k]).normalized()), across[k].dot(across[k + 1]));
     ply.turn = std::abs(ply.turn) * (length / (nodes - 1)) / (2 * half);
     return ply;
 }
@@ -165,8 +167,9 @@ TEST_SUITE("contact/plectoneme")
         const Ply ply = measure(world);
         REQUIRE(ply.turn > 0.5);
         const Theory expected = theory(ply.distance, ply.turn);
-        MESSAGE((ply.per_length / expected.per_length) << " of the force, " << (std::abs(world.readings(0).hand_torque) / expected.moment)
-                                             << " of the moment, " << (-world.readings(0).base_force.x() / expected.tension) << " of the tension");
+        MESSAGE((ply.per_length / expected.per_length)
+                << " of the force, " << (std::abs(world.readings(0).hand_torque) / expected.moment) << " of the moment, "
+                << (-world.readings(0).base_force.x() / expected.tension) << " of the tension");
         // 1 %: forces go as R^3 and more of the shape, which is measured over 0.8 turns to 0.2 %
         CHECK(ply.per_length == about(expected.per_length).epsilon(0.01));
         CHECK(std::abs(world.readings(0).hand_torque) == about(expected.moment).epsilon(0.01));

@@ -85,7 +85,8 @@ struct Helix {
 
 /// 1.3 turns of a helix, a strand beside the other by 1.95 radii for 0.3 turns, with a straight tail at its tip. @param tail  [m]
 struct Spring : Helix {
-    explicit Spring(double tail) : Helix(bend, 1.95 * radius, edge, static_cast<int>(1.3 * 2 * 3.141592653589793 * bend / spacing))
+    explicit Spring(double tail)
+        : Helix(bend, 1.95 * radius, edge, static_cast<int>(1.3 * 2 * 3.141592653589793 * bend / spacing))
     {
         const double before = rod.inside;
         const vec3 tip = point(0), on = point(0.1 * edge), along = (1 / std::sqrt(dot3(on - tip, on - tip))) * (on - tip);
@@ -118,7 +119,8 @@ struct Spring : Helix {
                 std::vector<InstrumentState> old(SEL_INSTRUMENT_SLOTS, no_instrument_state());
                 std::vector<InstrumentPoint> points(SEL_INSTRUMENT_POINTS);
                 InstrumentState now = no_instrument_state();
-                sum += instrument_self_force(cell, list.slots[k], bodies(), nodes(), nodes(), old.data(), {}, &now, points.data()).normal_sum;
+                sum += instrument_self_force(cell, list.slots[k], bodies(), nodes(), nodes(), old.data(), {}, &now, points.data())
+                           .normal_sum;
             }
         }
         return sum;

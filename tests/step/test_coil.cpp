@@ -49,7 +49,8 @@ double least_distance(const World& world)
     for (int i = 0; i + 1 < rod.n; ++i)
         for (int j = i + 1; j + 1 < rod.n; ++j)
             if (rod.material_s[j] - rod.material_s[i + 1] > 3.2 * radius)
-                least = std::min(least, distance(rod.pos(i), rod.pos(i + 1) - rod.pos(i), rod.pos(j), rod.pos(j + 1) - rod.pos(j)));
+                least =
+                    std::min(least, distance(rod.pos(i), rod.pos(i + 1) - rod.pos(i), rod.pos(j), rod.pos(j + 1) - rod.pos(j)));
     return least;
 }
 

@@ -185,7 +185,9 @@ TEST_SUITE("vessel/field_vessels")
             const double x = p.x() - middle, end = std::sqrt(sphere_radius * sphere_radius - radius * radius);
             const double turn = std::clamp(x / 9e-3, -1.0, 1.0), widest = std::asin(end / sphere_radius);
             // 84 rings lie on the sphere at equal angles, the others along the tube
-            const double along = std::abs(turn) < 1 ? sphere_radius * std::sin(widest * turn) : std::copysign(end + (std::abs(x) - 9e-3) * (middle - end) / (middle - 9e-3), x);
+            const double along = std::abs(turn) < 1
+                                     ? sphere_radius * std::sin(widest * turn)
+                                     : std::copysign(end + (std::abs(x) - 9e-3) * (middle - end) / (middle - 9e-3), x);
             const double out = std::abs(turn) < 1 ? sphere_radius * std::cos(widest * turn) : radius;
             p = Vec3(middle + along, out * p.y(), out * p.z());
         }
