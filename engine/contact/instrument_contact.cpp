@@ -235,10 +235,10 @@ void InstrumentContact::set_axes(int wire)
         const SplinePlace at = spline_place(spline_at_edge(view, s, edge), view.count);
         store_vec(into, spline_sum(view, at.node, at.w));
     };
-    for (uint k = 0; k < rod.live; ++k, to += 3 * SEL_AXIS_POINTS) {
+    for (uint k = 0; k < cells_inside(rod); ++k, to += 3 * SEL_AXIS_POINTS) {
         if (k == 0) put(0, to);
         else std::copy_n(to - 3, 3, to);  // where the cell before ends
-        for (int i = 1; i < SEL_AXIS_POINTS; ++i) put(rod.spacing * (k + 0.5 * i), to + 3 * i);
+        for (int i = 1; i < SEL_AXIS_POINTS; ++i) put(std::min(rod.spacing * (k + 0.5 * i), rod.inside), to + 3 * i);
     }
 }
 

@@ -69,19 +69,26 @@ void NodeFactors::load(const BandRows& band, const FarEntries& far, std::span<co
 void NodeFactors::find_scales(bool lower)
 {
     std::fill(scale_.begin(), scale_.end(), 0.0);
-    const auto see = [&](int node, int r, double value) {
-        double& scale = scale_[width * node + r];
-        scale = std::max(scale, std::abs(value));
+    const auto see = [](Vec4d& most, const Vec4d& v) {
+        const Vec4d size = v > -v ? v : -v;
+        most = size > most ? size : most;
     };
-    for (int row = 0; row < nodes(); ++row)
+    const auto see_in = [&](int node, const double(&of)[width][width]) {  // the columns of a block
+        Vec4d most;
+        read_block(&scale_[width * node], most);
+        for (const double(&row)[width] : of) see(most, block(row));
+        std::memcpy(&scale_[width * node], &most, sizeof most);
+    };
+    for (int row = 0; row < nodes(); ++row) {
+        const double(&own)[width][width] = diagonal_[row].v;
         for (int r = 0; r < width; ++r) {
-            for (int c = 0; c < width; ++c) see(row, r, lower || c >= r ? diagonal_[row].v[r][c] : diagonal_[row].v[c][r]);
-            for (std::size_t k = begin_[row]; k < begin_[row + 1]; ++k)
-                for (int c = 0; c < width; ++c) {
-                    see(row, r, upper_[k].v[r][c]);
-                    see(cols_[k], c, lower ? lower_[k].v[r][c] : upper_[k].v[r][c]);
-                }
+            Vec4d most = {0, 0, 0, 0};
+            for (int c = 0; c < width; ++c) most[c] = std::abs(lower || c >= r ? own[r][c] : own[c][r]);
+            for (std::size_t k = begin_[row]; k < begin_[row + 1]; ++k) see(most, block(upper_[k].v[r]));
+            scale_[width * row + r] = std::max(scale_[width * row + r], largest(most));
         }
+        for (std::size_t k = begin_[row]; k < begin_[row + 1]; ++k) see_in(cols_[k], (lower ? lower_ : upper_)[k].v);
+    }
     for (double& scale : scale_) scale = scale > 0 ? scale : 1.0;
 }
 

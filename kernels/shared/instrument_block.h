@@ -307,7 +307,7 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
 {
     const InstrumentPair pair = bodies.pairs[slot.pair];
     const InstrumentRod a = bodies.rods[pair.a];
-    const real from_b = a.spacing * slot.at, until_b = from_b + a.spacing * (real)slot.cells,
+    const real from_b = a.spacing * slot.at, until_b = min_r(from_b + a.spacing * (real)slot.cells, a.inside),
                along_b = (real)0.5 * (from_b + until_b);
     SelfScene self;
     self.scene = slot_scene(cell, pair, along_b, bodies, nodes, nodes_t0);
@@ -323,8 +323,7 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
     force.pair = slot.pair;
     const uint old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
     const int fresh = old == SEL_INSTRUMENT_SLOTS;
-    // nothing rolls between instruments: `roll` of a state is where the cell is cut
-    const SelfTouch touch = self_touch(&self, follows, fresh || par.inv_dt == 0 ? (real)0 : states_t0[old].contact.roll);
+    const SelfTouch touch = self_touch(&self, par.follow ? follows : (real)0);
     force.depth = -touch.deepest.gap;
     if (touch.count == 0) {
         force.clear = max_r(touch.clear, 0);
@@ -334,7 +333,6 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
     LawContext c = slot_law(surface_a, surface_b, pair, fresh, a.epoch, par);
     const real line_mass = min_r(surface_a.load, surface_b.load) / SEL_WEIGHT_GRAVITY;
     self_force(&self, &touch, pair.spread, line_mass, states_t0[fresh ? 0 : old].contact, fresh, &c, now, &force, points);
-    now->contact.roll = touch.cut;
     return force;
 }
 

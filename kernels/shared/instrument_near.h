@@ -161,6 +161,14 @@ SEL_FN int is_straight(SplineView rod, real from, real until, real share)
     return least > 0;
 }
 
+// Cells that a rod may touch itself with: the live ones, and the one that is on its way through the inlet, as far as it is inside. If that
+// were left out until all of it is inside, a strand that lies across the inlet would be found in it, as deep as it happens to be.
+SEL_FN uint cells_inside(InstrumentRod rod)
+{
+    const real over = rod.inside - rod.spacing * (real)rod.live;
+    return rod.live > 0 && over > (real)1e-9 * rod.spacing ? rod.live + 1 : rod.live;
+}
+
 // Stretches of cells of the same rod, hubwards of a cell's points by more than `apart`, whose axes come nearer than `limit` to it.
 // Three points of each are compared. Their nearest pair is farther apart than the axes by 1/4 of a cell's length along both. That is
 // (l/4)^2 / (2 D) each if they run across their distance D, and l/16 is taken for both. The cells that come next along the rod are
@@ -170,11 +178,12 @@ SEL_FN void search_cells(InstrumentRod a, SplineView view, CellAxes axes, uint c
 {
     const real near = limit + a.spacing / 16, s0 = a.spacing * (real)(cell - a.cell);
     const vec3 own = cell_axis_point(axes, cell, 1);
+    const uint inside = cells_inside(a);
     uint k = (uint)((s0 + apart) / a.spacing), first = 0, cells = 0;
-    const uint beyond = (uint)((s0 + a.spacing + near) / a.spacing) + 1, next = beyond < a.live ? beyond : a.live;
+    const uint beyond = (uint)((s0 + a.spacing + near) / a.spacing) + 1, next = beyond < inside ? beyond : inside;
     if (k < next && is_straight(view, s0, a.spacing * (real)next, limit / apart)) k = next;
     real nearest = SEL_FAR;
-    while (k < a.live) {
+    while (k < inside) {
         const vec3 away = cell_axis_point(axes, a.cell + k, 1) - own;
         const real spare = sqrt(dot3(away, away)) - near - SEL_LONGER * a.spacing;  // of half a cell each
         const real distance = spare > 0 ? SEL_FAR : cells_apart(axes, cell, a.cell + k);

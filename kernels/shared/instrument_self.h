@@ -14,8 +14,8 @@
 // acts on delta as it does on the depth. The pole lies at the same depth, and the force short of it is less by up to the loss of a
 // lens at its rims.
 //
-// s and t are material coordinates; t > s + pi r. Over s the force is integrated between the zeros of the least gap, over t between
-// those of the distance, whose square is a quartic on each piece of the curve. Damping goes by how fast the least gap at s closes, not by
+// s and t are material coordinates; t > s + pi r. Over s the force is integrated between the zeros of the least gap, a quarter of a cell at a
+// time, over t between those of the distance, whose square is a quartic on each piece of the curve. Damping goes by how fast the least gap at s closes, not by
 // how fast two points of the material come nearer, which they do too when they slide past each other.
 #ifndef SEL_SHARED_INSTRUMENT_SELF_H
 #define SEL_SHARED_INSTRUMENT_SELF_H
@@ -25,6 +25,7 @@ SEL_BEGIN
 
 #define SEL_SELF_APART ((real)3.141592653589793)  // radii along a wire nearer than which it does not touch itself
 #define SEL_SELF_PARTS 8                          // of a cell, looked at for whether they touch
+#define SEL_SELF_RULES 4                          // of a cell, with a rule of quadrature each; a whole number of parts
 #define SEL_SELF_STRETCHES 4                      // of a piece of the curve, looked at for lobes
 #define SEL_SELF_LOBES 4                          // stretches of a cell that a point touches, at most
 
@@ -210,19 +211,18 @@ SEL_FN real self_zero(const SelfScene* self, CellMark in, CellMark out)
 
 // Ends of the stretches of a cell that touch, and the deepest place.
 //
-// Two stretches of one cell may grow together within a step, or come apart. One rule of four points over both gives a force that differs by
-// some 1e-3 from that of a rule over each, and Newton's method cannot solve across such a jump, however short the step. So a cell
-// stays cut, for a whole step, where its gap was largest between two places that touched at the end of the step before. The cut
-// is a point of the material, which moves no force, and changes between steps only.
+// Two stretches may grow together within a step, or come apart. One rule over both gives another force than a rule over each: by 2 % if a deep place
+// and a shallow one share a cell. Newton's method cannot solve across such a jump, however short the step. So no rule takes more than a
+// quarter of a cell: what grows together within one is shallow, and the jump is below 1e-3 of the force, which Newton's method lets pass where
+// positions are known to 1e-6 radii (step_acceptance.cpp).
 typedef struct SelfTouch {
     real from[SEL_SELF_PARTS + 1], until[SEL_SELF_PARTS + 1];
     uint count;
-    real cut;  // of the next step [m]; 0: none
     CellMark deepest;
     real clear;  // no point of the cell has a smaller gap; 0: not known [m]
 } SelfTouch;
 
-// @param joined  0: the cell is cut at `left`
+// @param joined  0: another rule begins at `left`
 SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int joined, SelfTouch* touch)
 {
     const CellMark least = self_least(self, left, right);
@@ -240,51 +240,46 @@ SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int 
 
 #define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/rod/no_state.h)
 
-// The largest gap between two neighbouring marks, where it rises from the first and falls to the second.
-typedef struct SelfCrest {
-    real s, gap;
-} SelfCrest;
-
-SEL_FN void see_crest(CellMark left, CellMark right, const SelfTouch* touch, SelfCrest* crest)
+// How far the gap may lie below both of two marks between them, `apart` along the material. The gap is the least of smooth functions of s, one for
+// each near place of the stretch. None curves by more than 1/D + kappa_a + kappa_b, which is 2/r with axes 1.5 radii apart and strands bent
+// about as sharply as they are thick. Such a function dips by h^2/(4 r) at most below its values at the ends of a length h.
+SEL_FN real dip_between(const SelfScene* self, real apart)
 {
-    if (touch->count == 0 || !(left.slope > 0 && right.slope <= 0) || max_r(left.gap, right.gap) >= SEL_FAR) return;
-    const real gap = max_r(left.gap, right.gap);
-    if (crest->s > 0 && gap <= crest->gap) return;
-    crest->s = left.s + left.slope / (left.slope - right.slope) * (right.s - left.s);
-    crest->gap = gap;
+    const real h = SEL_LONGER * apart;
+    return h * h / (4 * min_r(self->scene.part.reach_a, self->scene.part.reach_b));
 }
 
-// @param follows  gap up to which it counts how a cell that touches nothing closes [m]  @param cut  of this step [m]; 0: none
-SEL_FN SelfTouch self_touch(const SelfScene* self, real follows, real cut)
+// Marks of a cell, SEL_SELF_PARTS apart; the odd ones are found where the even ones leave it open whether anything touches.
+typedef struct SelfMarks {
+    CellMark at[SEL_SELF_PARTS + 1];
+    CellMark least;
+} SelfMarks;
+
+SEL_FN void mark_cell(const SelfScene* self, int first, SelfMarks* marks)
+{
+    const real length = self->s1 - self->s0;
+    for (int k = first; k <= SEL_SELF_PARTS; k += 2) {
+        marks->at[k] = self_mark(self, self->s0 + (real)k / SEL_SELF_PARTS * length);
+        if (k == 0 || marks->at[k].gap < marks->least.gap) marks->least = marks->at[k];
+    }
+}
+
+// @param follows  gap up to which it counts how a cell that touches nothing closes [m]
+SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
 {
     SelfTouch touch;
-    SelfCrest crest;
-    crest.s = crest.gap = 0;
     touch.count = 0;
-    touch.cut = 0;
     const real length = self->s1 - self->s0;
-    touch.deepest = self_mark(self, self->s0 + (real)0.5 * length);
-    touch.clear = touch.deepest.gap - (real)0.5 * SEL_LONGER * length;
-    if (touch.deepest.gap > follows + length && touch.deepest.gap < SEL_FAR) return touch;
-    CellMark left = self_mark(self, self->s0);
-    touch.deepest = left;
-    for (int k = 1; k <= SEL_SELF_PARTS; ++k) {
-        const real end = self->s0 + (real)k / SEL_SELF_PARTS * length;
-        int joined = 1;
-        if (cut > left.s && cut <= end) {
-            const CellMark middle = self_mark(self, cut);
-            add_touch(self, left, middle, 1, &touch);
-            see_crest(left, middle, &touch, &crest);
-            left = middle;
-            joined = 0;
-        }
-        const CellMark right = self_mark(self, end);
-        add_touch(self, left, right, joined, &touch);
-        see_crest(left, right, &touch, &crest);
-        left = right;
+    SelfMarks marks;
+    for (int first = 0; first < 2; ++first) {
+        mark_cell(self, first, &marks);
+        touch.deepest = marks.least;
+        touch.clear = marks.least.gap < SEL_FAR ? marks.least.gap - dip_between(self, (real)(2 - first) * length / SEL_SELF_PARTS)
+                                                : (real)0;
+        if (touch.clear > follows) return touch;
     }
-    if (touch.count > 0 && crest.s > touch.from[0] && crest.s < touch.until[touch.count - 1]) touch.cut = crest.s;
-    touch.clear = touch.deepest.gap < SEL_FAR ? touch.deepest.gap - (real)0.5 * SEL_LONGER * length / SEL_SELF_PARTS : (real)0;
+    for (int k = 0; k < SEL_SELF_PARTS; ++k)
+        add_touch(self, marks.at[k], marks.at[k + 1], k % (SEL_SELF_PARTS / SEL_SELF_RULES) != 0, &touch);
     return touch;
 }
 
@@ -366,7 +361,10 @@ SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, r
 
 // ---- quadrature ------------------------------------------------------------------------------------------------------------------
 //
-// The slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. If that is whole,
+// A quarter of a cell that touches all along has three points of Gauss-Legendre, fixed in the material: what they exert is smooth in the nodes, with an
+// exact tangent. Where the gap is none at an end of it they take depth^(3/2) to 5e-4 of the little that such a quarter bears.
+//
+// Elsewhere the slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. If that is whole,
 // four points of Gauss-Legendre take it exactly. A half power is smoothed by u = (3 v - v^3)/2: over v six points take its second
 // moment to 6e-5, four over u to 3 %. All that keeps two strands from sliding along each other is about 1 % of the slope. The
 // tangent misses the rule's error there, so Newton's method would take tens of iterations.
@@ -393,6 +391,15 @@ SEL_FN RulePoint rule_point(uint k, real power)
     point.weight = from_middle == 0 ? (real)0.6619069931842173 : from_middle == 1 ? (real)0.30455608193457856 : (real)0.033536924881204806;
     return point;
 }
+
+SEL_FN RulePoint inner_point(uint k)
+{
+    RulePoint point;
+    point.u = k == 1 ? (real)0 : k == 0 ? (real)-0.7745966692414834 : (real)0.7745966692414834;
+    point.weight = k == 1 ? (real)8 / 9 : (real)5 / 9;
+    return point;
+}
+#define SEL_INNER_POINTS 3u
 
 // ---- all of a cell ----------------------------------------------------------------------------------------------------------------
 
@@ -463,13 +470,15 @@ SEL_FN void self_force(const SelfScene* self, const SelfTouch* touch, real sprea
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     closing.approach = max_r(closing.approach, critical_speed(closing.depth_t0, line_mass, c->m));
     const LawContext law = pair_law(c, scene->part.reach_a + scene->part.reach_b, spread);
+    const real whole = (real)0.5 * (1 - (real)1e-9) * (self->s1 - self->s0) / SEL_SELF_RULES;
     SelfSums sums;
     sums.along_a = sums.along_b = sums.metres = 0;
     sums.n = make_vec3(0, 0, 0);
     for (uint k = 0; k < touch->count; ++k) {
         const real middle = (real)0.5 * (touch->from[k] + touch->until[k]), half_length = (real)0.5 * (touch->until[k] - touch->from[k]);
-        for (uint q = 0; q < rule_points(c->m.exponent - 1); ++q) {
-            const RulePoint rule = rule_point(q, c->m.exponent - 1);
+        const int inner = half_length >= whole;
+        for (uint q = 0; q < (inner ? SEL_INNER_POINTS : rule_points(c->m.exponent - 1)); ++q) {
+            const RulePoint rule = inner ? inner_point(q) : rule_point(q, c->m.exponent - 1);
             push_lobes(self, middle + half_length * rule.u, half_length * rule.weight, closing, &law, &sums, out, points);
         }
     }

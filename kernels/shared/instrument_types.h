@@ -12,7 +12,7 @@ SEL_BEGIN
 #define SEL_INSTRUMENT_SLOTS 4    // stretches that one cell is near to, at most
 #define SEL_BLOCK 4u              // slots that one item evaluates
 #define SEL_CELL_PIECES 8         // smooth ones that one cell is cut into, at most
-#define SEL_INSTRUMENT_POINTS 96  // of one slot: Gauss points of what touches; four of each piece, or 24 of each lobe
+#define SEL_INSTRUMENT_POINTS 128  // of one slot: Gauss points; four of a piece, or 24 of a lobe in a quarter of a cell
 
 #define SEL_FOLLOWED ((real)0.5)  // radii of a: gap up to which a cell that touches nothing has its approach speed recorded
 
