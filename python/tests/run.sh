@@ -1,6 +1,7 @@
 #!/bin/sh
-# pytest over the package in a build folder: run.sh BUILD. Exit 77, which ctest shows as Skipped, where something is not installed.
+# pytest over the package in a build folder: run.sh BUILD [options of pytest]. Exit 77, which ctest shows as Skipped, where something is not installed.
 build=$1
+shift
 python=${PYTHON:-/usr/bin/python3}
 skip() { echo "skipped: $*"; exit 77; }
 command -v "$python" >/dev/null || skip "$python is not installed"
@@ -10,4 +11,4 @@ for package in numpy pytest; do
 done
 export PYTHONPATH="$build/python${PYTHONPATH:+:$PYTHONPATH}"
 [ -x "$build/seldinger" ] && export SELDINGER_COMMAND="$build/seldinger"
-cd "$(dirname "$0")/../.." && exec "$python" -m pytest -q -rs -p no:cacheprovider python/tests
+cd "$(dirname "$0")/../.." && exec "$python" -m pytest -q -rs -p no:cacheprovider python/tests "$@"
