@@ -178,14 +178,17 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     number.set("wall_factor_s", made.factor);
     out["wall_columns"] = made.columns;
     number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
-    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3]) {
-        most.take_in(value, at, world.time());
+    number.set("wall_edge_touched_m", made.edge_touched);
+    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3],
+                                  double band) {
+        most.take_in(value, at, band, world.time());
         number.set(name + "_max_" + unit, most.value);
+        number.set(name + "_max_band_" + unit, most.band);
         out[name + "_max_at_m"] = {most.at[0], most.at[1], most.at[2]};
         number.set(name + "_max_at_s", most.time);
     };
-    set_greatest("wall_move", "m", tally.wall_move, now.move_max, now.move_at);
-    set_greatest("wall_stress", "pa", tally.wall_stress, now.stress_max, now.stress_at);
+    set_greatest("wall_move", "m", tally.wall_move, now.move_max, now.move_at, now.move_band);
+    set_greatest("wall_stress", "pa", tally.wall_stress, now.stress_max, now.stress_at, now.stress_band);
     number.set("wall_energy_j", now.energy);
     number.set("wall_loss_j", now.loss);
     out["wall_nonlinear_steps"] = tally.far_steps;
@@ -307,12 +310,13 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     outside_max = std::max(outside_max, readings.outside);
 }
 
-void Greatest::take_in(double now, const double (&where)[3], double when)
+void Greatest::take_in(double now, const double (&where)[3], double band_there, double when)
 {
     if (!(now > value)) return;
     value = now;
     std::copy(std::begin(where), std::end(where), at);
     time = when;
+    band = band_there;
 }
 
 void LoadTally::take_in(const ContactAlong& now, double time)
@@ -479,6 +483,16 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
 
 namespace {
 
+/// Displacement and stress of an elastic wall, with the bands of its mesh.
+std::string wall_for_people(const Json& s)
+{
+    const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
+    return fmt::format("  wall moves at most {:.3g} ± {:.1g} mm, von Mises stress at most {:.3g} ± {:.1g} kPa (± its control mesh: edges of {:.2g} mm where "
+                       "touched)\n",
+                       1e3 * number("wall_move_max_m"), 1e3 * number("wall_move_max_band_m"), 1e-3 * number("wall_stress_max_pa"),
+                       1e-3 * number("wall_stress_max_band_pa"), 1e3 * number("wall_edge_touched_m"));
+}
+
 /// What `--verbose` adds: the model's size, the way in, the bands' origin, numerics and hash.
 std::string more_lines_of(const Json& s)
 {
@@ -507,6 +521,7 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir, 
         text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {} on {:.3g} mm of wire; {:.4g} mm in contact at most\n",
                             number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), newtons(number("patch_force_max_n"), std::nan("")),
                             1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"));
+    if (s.contains("wall_move_max_m")) text += wall_for_people(s);
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
     std::string files;
     for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "wire.npz", "vessel.vtp", "scene.toml"})
