@@ -226,8 +226,9 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
         list.push_back(fmt::format("contact samples are {:.3g} mm apart: force per length is taken over {:.3g} mm, twice that; "
                                    "more samples (contact.samples_per_edge) make it finer",
                                    5e2 * tally.on_wall.window, 1e3 * tally.on_wall.window));
-    if (tally.halved_steps > 0)
-        list.push_back(share(tally.halved_steps) + " were halved to converge; if frequent, make scene.dt_s smaller");
+    constexpr double frequent = 0.01;  // of the steps; the count is in halved_steps
+    if (static_cast<double>(tally.halved_steps) > frequent * static_cast<double>(tally.steps))
+        list.push_back(share(tally.halved_steps) + " were halved to converge; make scene.dt_s smaller");
     constexpr double deep = 0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
     if (tally.overlap_share > deep)
         list.push_back(fmt::format("the wire overlapped the wall by {:.3g} of its radius at {:.4g} s near [{:.4g}, {:.4g}, {:.4g}] m: "
