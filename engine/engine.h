@@ -63,6 +63,8 @@ public:
     /// the next step stress is without what the mesh cuts off under the instruments (wall/wall_resolution.h).
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
+    /// How far the finite length of a wire's edges has its tip from its position, estimated from its shape (rod/adapt.h) [m].
+    [[nodiscard]] double node_error(int wire) const;
     /// How the last step() or settle() went.
     [[nodiscard]] const WireReport& report(int wire) const;
     /// Contact force on each node of a wire [n] [N].

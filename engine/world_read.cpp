@@ -1,6 +1,7 @@
 // Reading a world: values of the accepted state of a sub-step, and their form for the user.
 
 #include "merged.h"
+#include "rod/adapt.h"
 #include "rod/curvature.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"
@@ -327,6 +328,16 @@ WallReadings World::wall_readings(int system) const
 {
     if (!impl_->yielding) return {};
     return impl_->yielding->readings(system, impl_->yielding->displacement(system));
+}
+
+double World::node_error(int wire) const
+{
+    NodePlanner planner(impl_->setup.wires[static_cast<std::size_t>(wire)].wire, impl_->rods.capacity(wire));
+    const RodView rod = impl_->rods.view(wire);
+    NodeDemands demands;
+    for (const RodClamp& clamp : impl_->constraints[static_cast<std::size_t>(wire)].clamps)
+        if (clamp.direction && clamp.node == rod.n - 1) demands.hub_tangent = clamp.tangent;
+    return rod.n > 2 ? planner.tip_error(rod, demands) : 0;
 }
 
 void World::stop_when(std::function<bool()> asked)

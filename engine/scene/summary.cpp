@@ -53,7 +53,11 @@ Json estimate_json(const ErrorEstimate& e)
             {"hand_force_peak_n", band(e.hand_peak)},
             {"friction_n", band(e.friction)},
             {"friction_peak_n", band(e.friction_peak)},
-            {"tip_band_m", e.tip}};
+            {"tip_band_m", e.tip_band()},
+            {"tip_step_band_m", e.tip},
+            {"tip_nodes_band_m", e.tip_nodes},
+            {"tip_largest_source", e.tip_nodes > e.tip ? "nodes" : "step"},
+            {"tip_advice", e.tip_nodes <= e.tip ? "smaller scene.dt_s" : e.adaptive ? "smaller wire.edge_error_m" : "wire.nodes = \"adaptive\" or more nodes"}};
 }
 
 /// Null where the number is not finite; its key is remembered.
@@ -431,6 +435,13 @@ std::string means_for_people(double end_seconds, bool has_bands)
     return fmt::format("means of {}{}; ± error of the step", largest, at_end == largest ? "" : ", at the end of " + at_end);
 }
 
+/// The tip's band, its largest source and what shrinks that.
+std::string tip_for_people(const Json& e)
+{
+    return fmt::format("; tip ± {:.2g} mm, mostly by the {} (less with {})", 1e3 * e.at("tip_band_m").get<double>(), e.at("tip_largest_source").get<std::string>(),
+                       e.at("tip_advice").get<std::string>());
+}
+
 /// Hand and friction, with their bands where the run has any.
 std::string forces_for_people(const Json& s)
 {
@@ -442,10 +453,10 @@ std::string forces_for_people(const Json& s)
     };
     const bool is_release = has_bands && s.at("error_estimate").at("hand_force_peak_n").value("sudden_release", false);
     const double span = s.value("end_mean_s", 0.0);
-    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {} ({})\n", force("hand_force_n", "hand_force_mean_n"),
+    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {} ({}){}\n", force("hand_force_n", "hand_force_mean_n"),
                        force("hand_force_peak_n", "hand_force_max_n"), is_release ? " as the wire springs free" : "",
                        force("friction_peak_n", "friction_max_n"),
-                       means_for_people(span, has_bands));
+                       means_for_people(span, has_bands), has_bands ? tip_for_people(s.at("error_estimate")) : "");
 }
 
 /// What became of the task, or where the tip is.
