@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,20 @@ std::string describe_entry(const Scene& scene, const RepairReport& vessel, const
     return text;
 }
 
+/// What an elastic wall's control mesh will be, and what it leaves in displacement and stress.
+std::string describe_wall_mesh(const WorldSetup& setup)
+{
+    const WallMechanics made = expected_mechanics(setup.vessel, setup.mesh, setup.centreline);
+    if (made.vertices == 0 || !std::isfinite(made.decay)) return {};
+    const bool chosen = setup.vessel.wall_edge == 0;
+    const double edge = chosen ? std::min(made.edge, 0.5 * made.decay) : made.edge;
+    const WallMeshBand band = wall_mesh_band(edge, made.decay, setup.vessel.shape == VesselShape::Plane);
+    return fmt::format("  elastic wall: a dent decays over {:.3g} mm; control edges of {:.3g} mm{} leave up to {:.1g} % in displacement and {:.2g} % in "
+                       "stress{}\n",
+                       1e3 * made.decay, 1e3 * edge, chosen ? " where a trial run with a rigid wall touches (longer if they were more than 3,000)" : "",
+                       1e2 * band.move, 1e2 * std::min(1.0, 0.5 * band.stress), chosen ? "" : "; leave vessel.wall_edge_m out for short ones where instruments touch");
+}
+
 std::string describe(const Scene& scene, const RepairReport& vessel, const WorldSetup& setup)
 {
     std::string text = fmt::format("{}: ok\n  ", scene.source.string());
@@ -50,8 +65,9 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
     for (const std::string& note : vessel.notes) text += "  vessel: " + note + "\n";
     if (const std::string thick = describe_thick_wall(setup.vessel, setup.centreline); !thick.empty()) text += "  note: " + thick + "\n";
     if (const std::string coarse = describe_coarse_wall(expected_mechanics(setup.vessel, setup.mesh, setup.centreline), setup.vessel);
-        !coarse.empty())
+        !coarse.empty() && setup.vessel.wall_edge > 0)
         text += "  note: " + coarse + "\n";
+    text += describe_wall_mesh(setup);
     for (const WireSetup& wire : setup.wires)
         if (!wire.inlet.empty())
             text += fmt::format("  {}inlet {}\n", wire.name.empty() ? "" : wire.name + ": ", wire.inlet);

@@ -7,6 +7,7 @@
 #include "progress.h"
 #include "replay.h"
 #include "scene/key_frames.h"
+#include "scene/wall_path.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -251,6 +252,7 @@ RunOutcome run_scene(const Scene& given, const RunOptions& options)
     RepairReport vessel;
     WorldSetup setup = make_setup(scene, options.device, &vessel);
     if (replay) replay->check(scene, setup);
+    else find_wall_path(std::span(&scene, 1), setup, [] { return stop_asked_for() != 0; });
     Run run(scene, options, std::move(setup), std::move(vessel), saved, replay ? &*replay : nullptr);
     loading.reset();
     return run.go(called);

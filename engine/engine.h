@@ -59,9 +59,12 @@ public:
     /// `asked` is called between the trials of Newton's method. When it returns true, the step ends there with StepStopped, and the
     /// state is that before the step, bit for bit. A step that is divided many times can take minutes. Not part of the saved state.
     void stop_when(std::function<bool()> asked);
-    /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so.
+    /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so. Between a restored state and
+    /// the next step stress is without what the mesh cuts off under the instruments (wall/wall_resolution.h).
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
+    /// How far the finite length of a wire's edges has its tip from its position, estimated from its shape (rod/adapt.h) [m].
+    [[nodiscard]] double node_error(int wire) const;
     /// How the last step() or settle() went.
     [[nodiscard]] const WireReport& report(int wire) const;
     /// Contact force on each node of a wire [n] [N].

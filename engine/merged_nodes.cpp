@@ -127,7 +127,7 @@ void measure(World::Impl& state, MergedGroup& group, NodeDemands& demands)
 void note_yielding(World::Impl& state, MergedGroup& group, bool may_merge, NodeDemands& demands)
 {
     const auto n = static_cast<std::size_t>(state.rods.node_count(group.line()));
-    demands.touching_edge = std::max(group.nodes.min_edge, state.elastic_wall->edge());
+    demands.touching_edge = std::max(group.nodes.min_edge, state.elastic_wall->edge_touched());
     group.contact.assign(n, Vec3::Zero());
     group.bowed.assign(n, 0);
     for (const int w : group.wires()) {

@@ -131,6 +131,7 @@ struct Output {
         Wall = 1u << 2,       // readings of elastic walls
         WallShape = 1u << 3,  // and where they are
         Loads = 1u << 4,      // greatest loads of contact along each wire, without its rows; of Contacts, too
+        WallUnder = 1u << 5,  // of elastic walls the largest displacement and stress under the instruments; of Wall, those of all of it
         Everything = Shape | Contacts | Wall | WallShape
     };
     double time = 0;  // [s]

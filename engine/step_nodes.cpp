@@ -110,7 +110,7 @@ bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
     if (changed) demands.may_refine = demands.may_merge = false;
     if (state.elastic_wall) {  // between two nodes its displacement is linear (contact/wall_stations.h)
         demands.contact = std::span(state.results[w].nodal_contact).first(static_cast<std::size_t>(state.rods.node_count(w)));
-        demands.touching_edge = std::max(spec.min_edge, state.elastic_wall->edge());
+        demands.touching_edge = std::max(spec.min_edge, state.elastic_wall->edge_touched());
         if (may_merge && !changed) {
             state.yielding->note_bowed(state.rods, w, state.bowed);
             demands.bowed = state.bowed;

@@ -1,6 +1,7 @@
 // Reading a world: values of the accepted state of a sub-step, and their form for the user.
 
 #include "merged.h"
+#include "rod/adapt.h"
 #include "rod/curvature.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"
@@ -326,7 +327,17 @@ void read_shape(const ConstRodView& rod, std::span<const Vec3> contact_force, Wi
 WallReadings World::wall_readings(int system) const
 {
     if (!impl_->yielding) return {};
-    return read_wall(*impl_->elastic_wall, impl_->yielding->displacement(system), impl_->yielding->work(system));
+    return impl_->yielding->readings(system, impl_->yielding->displacement(system));
+}
+
+double World::node_error(int wire) const
+{
+    NodePlanner planner(impl_->setup.wires[static_cast<std::size_t>(wire)].wire, impl_->rods.capacity(wire));
+    const RodView rod = impl_->rods.view(wire);
+    NodeDemands demands;
+    for (const RodClamp& clamp : impl_->constraints[static_cast<std::size_t>(wire)].clamps)
+        if (clamp.direction && clamp.node == rod.n - 1) demands.hub_tangent = clamp.tangent;
+    return rod.n > 2 ? planner.tip_error(rod, demands) : 0;
 }
 
 void World::stop_when(std::function<bool()> asked)
@@ -346,9 +357,13 @@ void read_walls(const World::Impl& s, unsigned parts, std::vector<WallOutput>& i
         WallOutput& wall = into[static_cast<std::size_t>(system)];
         wall = {};
         if (!s.yielding) continue;
+        if (!(parts & (Output::Wall | Output::WallShape))) {
+            wall.readings = s.yielding->under(system);
+            continue;
+        }
         const std::vector<double> w = s.yielding->displacement(system);
         std::vector<double> stress;
-        wall.readings = read_wall(*s.elastic_wall, w, s.yielding->work(system), &stress);
+        wall.readings = s.yielding->readings(system, w, &stress);
         if (!(parts & Output::WallShape)) continue;
         wall.displacement = s.wall_shape->displacement(w);
         wall.stress = s.wall_shape->spread(stress);
@@ -422,9 +437,9 @@ void World::read(Output& into, unsigned parts) const
         read_loads(w, into.wires[static_cast<std::size_t>(w)]);
     if ((parts & Output::WallShape) && impl_->yielding && !impl_->wall_shape)
         impl_->wall_shape = std::make_unique<WallShape>(*impl_->elastic_wall, impl_->setup.mesh);
-    if (!(parts & (Output::Wall | Output::WallShape))) return;
+    if (!(parts & (Output::Wall | Output::WallShape | Output::WallUnder))) return;
     read_walls(*impl_, parts, into.walls);
-    if (!impl_->yielding) return;
+    if (!impl_->yielding || !(parts & (Output::Wall | Output::WallShape))) return;
     // a step looks under its wires only: loads may have moved the wall elsewhere
     for (int w = 0; w < wire_count(); ++w)
         if (into.walls[static_cast<std::size_t>(system_of(w))].readings.move_share > 1)

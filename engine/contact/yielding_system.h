@@ -82,6 +82,8 @@ struct YieldingWall::System {
     std::vector<double> scratch_q, scratch_m;
     mutable std::vector<double> missed;
     std::vector<WallDynamics::Push> pushed;
+    std::vector<double> moves;  // [3 control vertices] at those that are read [m]
+    WallReadings under;         // of the accepted state
 
 private:
     [[nodiscard]] const WallEnd* end_of(int first, int count, int node, const Vec3& x) const;

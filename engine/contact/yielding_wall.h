@@ -66,6 +66,11 @@ public:
     /// Displacement of the control vertices [3V] [m], and contact's work on them since the beginning [J].
     [[nodiscard]] std::vector<double> displacement(int system) const;
     [[nodiscard]] double work(int system) const;
+    /// Largest displacement and stress under the wires at the end of the last step; the rest of the readings is 0. Looked at are
+    /// nodes with at least half of the largest force, and the triangles there.
+    [[nodiscard]] const WallReadings& under(int system) const;
+    /// Readings of all of the wall, with those under the wires.    @param stress  as read_wall
+    [[nodiscard]] WallReadings readings(int system, std::span<const double> displacement, std::vector<double>* stress = nullptr) const;
     /// Contact forces on the nodes of a wire, [n], as the wire feels them.
     void add_nodal_forces(int wire, std::span<Vec3> forces) const;
     /// Contacts of the accepted state where the wall is now.
@@ -92,6 +97,8 @@ private:
     bool take_forces(System& system) const;
     void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
+    void read_under(System& system) const;
+    [[nodiscard]] double bearing_length(const System& system, std::size_t row) const;
 
     const ElasticWall& wall_;
     ContactMethod& contact_;

@@ -6,6 +6,7 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "wall/shell.h"
 
 #include <algorithm>
 #include <cmath>
@@ -277,10 +278,74 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
             system.dynamics.work += f.dot(end - station.start);
         }
         system.dynamics.end_step(system.pushed, farthest);
+        read_under(system);
         for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
     seconds_ += seconds_since(start);
 }
+
+void YieldingWall::read_under(System& system) const
+{
+    constexpr double heavy = 0.5;  // of the largest force on a node
+    WallReadings& now = system.under;
+    now = {};
+    const auto force_on = [&](std::size_t row) { return Vec3(&system.trial().force[3 * row]); };
+    double largest = 0;
+    for (std::size_t k = 0; k < system.rows.size(); ++k) largest = std::max(largest, force_on(k).norm());
+    if (largest == 0) return;
+    system.moves.resize(static_cast<std::size_t>(wall_.unknowns()));
+    const auto unmoved = [&](const LoopStencil& at) {
+        Vec3 place = Vec3::Zero();
+        for (int a = 0; a < at.size; ++a) place += at.n[a] * wall_.surface().control().vertices[static_cast<std::size_t>(at.vertex[a])];
+        return place;
+    };
+    LoopStencil stencil;
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        if (force_on(k).norm() < heavy * largest) continue;
+        const WallFoot& foot = system.stations.foot(system.rows[k]);
+        if (foot.triangle < 0) continue;
+        const auto triangle = static_cast<std::int32_t>(foot.triangle);
+        wall_.surface().basis(triangle, foot.u, foot.v, stencil);
+        Vec3 move = Vec3::Zero();
+        for (int a = 0; a < stencil.size; ++a) {
+            const Vec3 w = system.dynamics.now(stencil.vertex[a]);
+            w.store(&system.moves[3 * static_cast<std::size_t>(stencil.vertex[a])]);
+            move += stencil.n[a] * w;
+        }
+        if (move.norm() > now.move_max) {
+            now.move_max = move.norm();
+            unmoved(stencil).store(now.move_at);
+            now.move_band = now.move_max * wall_.band_of(triangle).move;
+        }
+        std::size_t point = 0;
+        const double stress = wall_.shell().stress_of(triangle, system.moves, point);
+        const LostPeak lost = wall_.lost_peak(triangle, force_on(k).norm() / bearing_length(system, k));
+        if (!(stress + lost.stress > now.stress_max)) continue;
+        now.stress_max = stress + lost.stress;
+        wall_.shell().points()[point].position.store(now.stress_at);
+        now.stress_band = lost.band;
+    }
+}
+
+/// Of the wire that a node's force on the wall stands for [m]; a point load bears over a decay length.
+double YieldingWall::bearing_length(const System& system, std::size_t row) const
+{
+    const int wire = system.wire_of_row[row], node = system.rows[row] - (rods_.node_begin(wire) - system.first_node);
+    return std::min(rods_.view(wire).voronoi_length(node), wall_.decay());
+}
+
+WallReadings YieldingWall::readings(int system, std::span<const double> displacement, std::vector<double>* stress) const
+{
+    WallReadings all = read_wall(wall_, displacement, work(system), stress);
+    const WallReadings& here = under(system);
+    if (here.stress_max > all.stress_max) {
+        all.stress_max = here.stress_max, all.stress_band = here.stress_band;
+        std::copy_n(here.stress_at, 3, all.stress_at);
+    }
+    return all;
+}
+
+const WallReadings& YieldingWall::under(int system) const { return systems_[system]->under; }
 
 std::vector<double> YieldingWall::displacement(int system) const { return systems_[system]->dynamics.displacement(); }
 
@@ -396,6 +461,7 @@ void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
     for (const auto& system : systems_) {
         system->dynamics.restore(bytes, end);
         system->begun = false;
+        system->under = {};
     }
     for (int w = 0; w < rods_.wire_count(); ++w) take_feet(bytes, end, w);
 }
@@ -406,6 +472,7 @@ void YieldingWall::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* 
     contact_.restore_wire(bytes, end, wire);
     if (system.wires.front() == wire) system.dynamics.restore(bytes, end);
     system.begun = false;
+    system.under = {};
     take_feet(bytes, end, wire);
 }
 

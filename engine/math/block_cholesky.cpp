@@ -297,4 +297,11 @@ void BlockCholesky::solve(std::span<double> x, std::span<double> y, std::vector<
     solve_sides<2>(sides, work);
 }
 
+void BlockCholesky::solve(std::span<double> x, std::span<double> y, std::span<double> z, std::vector<double>& work) const
+{
+    SEL_ASSERT(x.size() == static_cast<std::size_t>(3 * blocks_) && y.size() == x.size() && z.size() == x.size());
+    double* sides[] = {x.data(), y.data(), z.data()};
+    solve_sides<3>(sides, work);
+}
+
 }  // namespace seldinger

@@ -28,6 +28,8 @@ public:
     void solve(std::span<double> x, std::vector<double>& work) const;
     /// Two at once: L is read once for both.
     void solve(std::span<double> x, std::span<double> y, std::vector<double>& work) const;
+    /// Three at once.
+    void solve(std::span<double> x, std::span<double> y, std::span<double> z, std::vector<double>& work) const;
 
     /// Numbers that a solve reads, once down and once up.
     [[nodiscard]] std::size_t entries() const { return values_.size() + inverse_.size(); }

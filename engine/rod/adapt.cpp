@@ -89,9 +89,8 @@ void NodePlanner::measure(const RodView& rod, const NodeDemands& demands)
     shear_jump_[hub] = shear_jump_[hub - 1];  // weight and wall go on as beside it
 }
 
-/// Longest edge [m] that errors allow in the place of the material between nodes `from` and `to`, jumps of shear inside moved to
-/// its ends.
-double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
+/// Of an edge in the place of the material between nodes `from` and `to`, jumps of shear inside moved to its ends.
+NodePlanner::EdgeErrors NodePlanner::errors_between(const RodView& rod, int from, int to) const
 {
     double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
     double turning = 0.5 * (turning_[from] + turning_[to]);
@@ -101,13 +100,31 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     }
     for (int i = from + 1; i < to; ++i) jump += shear_jump_[i], turning += turning_[i];
     const double lever = std::min(rod.material_s[to], longest_lever);
-    const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa * (1.0 / 12 - curvature_q(rod.curvature) / 8));
-    const double square = lever * jump / (12 * stiffness) + turning / 12;
+    return {kappa * kappa * (1.0 / 24 + lever * kappa * (1.0 / 12 - curvature_q(rod.curvature) / 8)),
+            lever * jump / (12 * stiffness) + turning / 12};
+}
+
+/// Longest edge [m] that errors allow in that place.
+double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
+{
+    const auto [cubic, square] = errors_between(rod, from, to);
     double longest = spec.max_edge / merge_share;  // an edge of max_edge is no error: it may be merged from two
     if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);
     if (square * longest * longest > spec.edge_error) longest = std::sqrt(spec.edge_error / square);
     for (int i = from; i <= to; ++i) longest = std::min(longest, touching_[i]);
     return std::max(longest, spec.min_edge);
+}
+
+double NodePlanner::tip_error(const RodView& rod, const NodeDemands& demands)
+{
+    measure(rod, demands);
+    double sum = 0;
+    for (int j = 0; j < rod.n - 1; ++j) {
+        const auto [cubic, square] = errors_between(rod, j, j + 1);
+        const double h = rod.rest_length[j];
+        sum += (cubic * h + square) * h * h;
+    }
+    return sum;
 }
 
 void NodePlanner::note_touching(const RodView& rod, const NodeDemands& demands)

@@ -65,12 +65,20 @@ public:
     /// Length to which a fed wire's base edge grows before a node is born behind it [m]: by the shape there, or up to a section's
     /// boundary in it, which gets that node. Contacts there are left out.
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
+    /// How far the finite length of all edges has the tip from its position, as judged by e(h) above: the sum over them, as if all
+    /// erred alike [m]. Needs no adaptive nodes.
+    [[nodiscard]] double tip_error(const RodView& rod, const NodeDemands& demands);
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call
     std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
 
 private:
     void measure(const RodView& rod, const NodeDemands& demands);
+    /// e(h) = cubic h^3 + square h^2.
+    struct EdgeErrors {
+        double cubic, square;  // [1/m^2], [1/m]
+    };
+    [[nodiscard]] EdgeErrors errors_between(const RodView& rod, int from, int to) const;
     [[nodiscard]] double longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const;
     void note_touching(const RodView& rod, const NodeDemands& demands);
     void plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);

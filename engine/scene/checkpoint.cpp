@@ -109,7 +109,7 @@ bool is_sound(const RunTally& t, std::int64_t most)
                          t.rest_steps, t.far_steps, t.row_newton, t.row_flags,    t.row_steps,     t.unequal_steps};
     const auto values = {t.friction_max,     t.overlap_max,          t.outside_max,    t.wall_move.value, t.wall_stress.value,
                          t.contact_area_max, t.contact_pressure_max, t.hand_force_max, t.overlap_share};
-    const auto is_set = [](const Greatest& g) { return is_time(g.time) && is_place(g.at); };
+    const auto is_set = [](const Greatest& g) { return is_time(g.time) && is_time(g.band) && is_place(g.at); };
     static_assert(sizeof(StageTimes) % sizeof(double) == 0);
     const std::span<const double> stages(reinterpret_cast<const double*>(&t.stages), sizeof t.stages / sizeof(double));
     return std::all_of(counts.begin(), counts.end(), [](std::int64_t n) { return n >= 0 && n <= most_counted; }) &&

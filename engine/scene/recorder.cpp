@@ -213,10 +213,10 @@ void Recorder::take_greatest(const Output& now)
         tally_.on_instruments.take_in(joint_along(now.wires, &WireOutput::on_instruments), now.time);
     }
     if (now.parts & Output::Contacts) closed_ends_.watch(tally_.end_touch, now);
-    if (now.walls.empty() || !(now.parts & (Output::Wall | Output::WallShape))) return;
+    if (now.walls.empty() || !(now.parts & (Output::Wall | Output::WallShape | Output::WallUnder))) return;
     const WallReadings& wall = now.walls[0].readings;
-    tally_.wall_move.take_in(wall.move_max, wall.move_at, now.time);
-    tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, now.time);
+    tally_.wall_move.take_in(wall.move_max, wall.move_at, wall.move_band, now.time);
+    tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, wall.stress_band, now.time);
 }
 
 void Recorder::settled(const Output& now, const StepReport& report)
@@ -260,7 +260,7 @@ unsigned Recorder::wants(const World& world) const
            (has_wall_ && due(next, scene_.contacts_every) ? contacts : Output::Numbers) |
            (due(next, scene_.record_every) ? Output::Contacts : Output::Numbers) |
            (may_bear_most(world) ? Output::Loads : Output::Numbers) |
-           (yields_ && due(next, scene_.record_every) ? Output::Wall : Output::Numbers);
+           (!yields_ ? Output::Numbers : due(next, scene_.record_every) ? Output::Wall : Output::WallUnder);
 }
 
 void Recorder::stepped(const Output& now, const StepReport& report, double seconds)

@@ -99,6 +99,12 @@ void read_coaxial(const toml::table& table, Scene& scene)
     t.number("viscous_pa_s", spec.viscous, not_negative);
     t.flag("lumen_friction", spec.lumen_friction);
     check_friction(t, spec.mu_static, spec.mu_sliding);
+    // a written scene names the defaults, and 0 is what the model does
+    const bool meant = spec.mu_sliding > 0 && spec.mu_sliding != CoaxialSpec().mu_sliding;
+    if (spec.model == CoaxialSpec::Model::Merged && !spec.lumen_friction && meant)
+        scene.warnings.push_back(fmt::format("coaxial.mu_sliding: got {:g} for model = \"merged\", which has no effect there without lumen_friction. Fix: "
+                                             "coaxial.lumen_friction = true, model = \"separate\", or leave it out",
+                                             spec.mu_sliding));
     if (spec.mu_static < spec.mu_sliding) {
         note_raised_friction(scene, "coaxial", spec.mu_static, spec.mu_sliding);
         spec.mu_static = spec.mu_sliding;

@@ -92,6 +92,7 @@ StepTwin::StepTwin(const Scene& scene, const World& run, long taken)
     estimate_.from_step = taken;
     estimate_.dt = scene.dt;
     estimate_.window_steps = std::max(least_steps, mean_steps(scene.dt));
+    estimate_.adaptive = scene.wire.nodes == 0;
     open(run, taken);
 }
 
@@ -114,6 +115,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     hand_release_.add(std::abs(readings.hand_force));
     friction_release_.add(readings.friction);
     window_.tip = run.rod(0).pos(0);
+    if (taken % estimate_.window_steps == 0) estimate_.tip_nodes = std::max(estimate_.tip_nodes, run.node_error(0));
     if (taken % estimate_.window_steps == 0) {
         close();
         open(run, taken);
@@ -223,6 +225,7 @@ ErrorEstimate StepTwin::finish(Finer finer)
         end.friction.insert(end.friction.end(), window_.friction.begin(), window_.friction.end());
         end.tip = window_.tip;
     }
+    if (seen_ > 0) estimate_.tip_nodes = std::max(estimate_.tip_nodes, run_.node_error(0));
     end.hand_peak = largest_mean(end.hand, scene_.dt);
     end.friction_peak = largest_mean(end.friction, scene_.dt);
     close();

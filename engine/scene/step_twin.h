@@ -26,6 +26,9 @@
 // It cannot see a history that differed before the window began (a branch missed, an earlier slip).
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
+// Twins have the run's nodes. What the length of edges does to the tip is estimated from the wire's shape at the end of each window
+// (rod/adapt.h), and added to the tip's band. Forces have no band for it, nor for facets of the mesh.
+//
 // The twin is a separate world: the run's bits are those of a run without it.
 
 #include "engine.h"
@@ -59,7 +62,11 @@ struct ErrorEstimate {
     long window_steps = 0;
     double end_seconds = 0;        // that the means at the end span
     ErrorBand hand, hand_peak, friction, friction_peak;  // 20 ms means: at the end, signed; the largest [N]
-    double tip = 0;                                      // [m]
+    double tip = 0;                                      // by the step [m]
+    double tip_nodes = 0;                                // by the length of edges, largest at the ends of windows (World::node_error) [m]
+    bool adaptive = false;                               // the wire's nodes
+    /// Of the tip's position, by both [m].
+    [[nodiscard]] double tip_band() const { return tip + tip_nodes; }
 };
 
 /// One sentence for each reading that the step does not resolve.

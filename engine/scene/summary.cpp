@@ -53,7 +53,11 @@ Json estimate_json(const ErrorEstimate& e)
             {"hand_force_peak_n", band(e.hand_peak)},
             {"friction_n", band(e.friction)},
             {"friction_peak_n", band(e.friction_peak)},
-            {"tip_band_m", e.tip}};
+            {"tip_band_m", e.tip_band()},
+            {"tip_step_band_m", e.tip},
+            {"tip_nodes_band_m", e.tip_nodes},
+            {"tip_largest_source", e.tip_nodes > e.tip ? "nodes" : "step"},
+            {"tip_advice", e.tip_nodes <= e.tip ? "smaller scene.dt_s" : e.adaptive ? "smaller wire.edge_error_m" : "wire.nodes = \"adaptive\" or more nodes"}};
 }
 
 /// Null where the number is not finite; its key is remembered.
@@ -179,14 +183,17 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     number.set("wall_factor_s", made.factor);
     out["wall_columns"] = made.columns;
     number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
-    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3]) {
-        most.take_in(value, at, world.time());
+    number.set("wall_edge_touched_m", made.edge_touched);
+    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3],
+                                  double band) {
+        most.take_in(value, at, band, world.time());
         number.set(name + "_max_" + unit, most.value);
+        number.set(name + "_max_band_" + unit, most.band);
         out[name + "_max_at_m"] = {most.at[0], most.at[1], most.at[2]};
         number.set(name + "_max_at_s", most.time);
     };
-    set_greatest("wall_move", "m", tally.wall_move, now.move_max, now.move_at);
-    set_greatest("wall_stress", "pa", tally.wall_stress, now.stress_max, now.stress_at);
+    set_greatest("wall_move", "m", tally.wall_move, now.move_max, now.move_at, now.move_band);
+    set_greatest("wall_stress", "pa", tally.wall_stress, now.stress_max, now.stress_at, now.stress_band);
     number.set("wall_energy_j", now.energy);
     number.set("wall_loss_j", now.loss);
     out["wall_nonlinear_steps"] = tally.far_steps;
@@ -224,8 +231,9 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
         list.push_back(fmt::format("contact samples are {:.3g} mm apart: force per length is taken over {:.3g} mm, twice that; "
                                    "more samples (contact.samples_per_edge) make it finer",
                                    5e2 * tally.on_wall.window, 1e3 * tally.on_wall.window));
-    if (tally.halved_steps > 0)
-        list.push_back(share(tally.halved_steps) + " were halved to converge; if frequent, make scene.dt_s smaller");
+    constexpr double frequent = 0.01;  // of the steps; the count is in halved_steps
+    if (static_cast<double>(tally.halved_steps) > frequent * static_cast<double>(tally.steps))
+        list.push_back(share(tally.halved_steps) + " were halved to converge; make scene.dt_s smaller");
     constexpr double deep = 0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
     if (tally.overlap_share > deep)
         list.push_back(fmt::format("the wire overlapped the wall by {:.3g} of its radius at {:.4g} s near [{:.4g}, {:.4g}, {:.4g}] m: "
@@ -311,12 +319,13 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     outside_max = std::max(outside_max, readings.outside);
 }
 
-void Greatest::take_in(double now, const double (&where)[3], double when)
+void Greatest::take_in(double now, const double (&where)[3], double band_there, double when)
 {
     if (!(now > value)) return;
     value = now;
     std::copy(std::begin(where), std::end(where), at);
     time = when;
+    band = band_there;
 }
 
 void LoadTally::take_in(const ContactAlong& now, double time)
@@ -430,6 +439,13 @@ std::string means_for_people(double end_seconds, bool has_bands)
     return fmt::format("means of {}{}; ± error of the step", largest, at_end == largest ? "" : ", at the end of " + at_end);
 }
 
+/// The tip's band, its largest source and what shrinks that.
+std::string tip_for_people(const Json& e)
+{
+    return fmt::format("; tip ± {:.2g} mm, mostly by the {} (less with {})", 1e3 * e.at("tip_band_m").get<double>(), e.at("tip_largest_source").get<std::string>(),
+                       e.at("tip_advice").get<std::string>());
+}
+
 /// Hand and friction, with their bands where the run has any.
 std::string forces_for_people(const Json& s)
 {
@@ -441,10 +457,10 @@ std::string forces_for_people(const Json& s)
     };
     const bool is_release = has_bands && s.at("error_estimate").at("hand_force_peak_n").value("sudden_release", false);
     const double span = s.value("end_mean_s", 0.0);
-    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {} ({})\n", force("hand_force_n", "hand_force_mean_n"),
+    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {} ({}){}\n", force("hand_force_n", "hand_force_mean_n"),
                        force("hand_force_peak_n", "hand_force_max_n"), is_release ? " as the wire springs free" : "",
                        force("friction_peak_n", "friction_max_n"),
-                       means_for_people(span, has_bands));
+                       means_for_people(span, has_bands), has_bands ? tip_for_people(s.at("error_estimate")) : "");
 }
 
 /// What became of the task, or where the tip is.
@@ -485,6 +501,16 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
 
 namespace {
 
+/// Displacement and stress of an elastic wall, with the bands of its mesh.
+std::string wall_for_people(const Json& s)
+{
+    const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
+    return fmt::format("  wall moves at most {:.3g} ± {:.1g} mm, von Mises stress at most {:.3g} ± {:.1g} kPa (± its control mesh: edges of {:.2g} mm where "
+                       "touched)\n",
+                       1e3 * number("wall_move_max_m"), 1e3 * number("wall_move_max_band_m"), 1e-3 * number("wall_stress_max_pa"),
+                       1e-3 * number("wall_stress_max_band_pa"), 1e3 * number("wall_edge_touched_m"));
+}
+
 /// What `--verbose` adds: the model's size, the way in, the bands' origin, numerics and hash.
 std::string more_lines_of(const Json& s)
 {
@@ -513,6 +539,7 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir, 
         text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {} on {:.3g} mm of wire; {:.4g} mm in contact at most\n",
                             number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), newtons(number("patch_force_max_n"), std::nan("")),
                             1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"));
+    if (s.contains("wall_move_max_m")) text += wall_for_people(s);
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
     std::string files;
     for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "wire.npz", "vessel.vtp", "scene.toml"})

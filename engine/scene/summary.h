@@ -43,7 +43,8 @@ struct LoadTally {
 /// The greatest value of a reading of the wall, where on the wall that has not moved, and when.
 struct Greatest {
     double value = 0, at[3] = {}, time = 0;  // [m], [s]
-    void take_in(double now, const double (&where)[3], double when);
+    double band = 0;                         // ± of it, by the control mesh there [m], [Pa]
+    void take_in(double now, const double (&where)[3], double band_there, double when);
 };
 
 /// Everything that is counted over a run. Plain bytes, so that a checkpoint carries it as it is.
@@ -58,7 +59,7 @@ struct RunTally {
     double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
     std::int64_t far_steps = 0;                                 // StepWallFar
     std::int64_t unequal_steps = 0;                             // StepContactSums
-    Greatest wall_move, wall_stress;                            // over the rows of trace.csv [m], [Pa]
+    Greatest wall_move, wall_stress;                            // over every step under the wires, over the rows of trace.csv everywhere [m], [Pa]
     double contact_area_max = 0, contact_pressure_max = 0;      // likewise [m^2], [Pa]
     LoadTally on_wall, on_instruments;                          // per_length and patch_force over every step, the others over rows
     double hand_force_max = 0, hand_force_time = 0;             // over every step, of |hand force| [N], [s]

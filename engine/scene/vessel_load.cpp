@@ -11,6 +11,7 @@
 #include "vessel/extract_centreline.h"
 #include "vessel/repair.h"
 #include "vessel/shapes.h"
+#include "wall/wall_resolution.h"
 
 #include <fmt/format.h>
 
@@ -130,16 +131,15 @@ std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centre
 
 std::string describe_coarse_wall(const WallMechanics& wall, const VesselSpec& spec)
 {
-    if (wall.vertices == 0 || !(wall.edge > wall.decay)) return {};
-    const double ratio = wall.edge / wall.decay;
-    const double low = std::min(90.0, 2.6 * ratio * ratio);  // [%]
-    const std::string stress = ratio < 2 ? fmt::format("about {:.0f} %", 35 * ratio) : "more than two thirds";
-    const double fine = 0.5 * wall.decay, finer = wall.edge / fine;
-    return fmt::format("vessel.wall_edge_m: got control edges of {:.3g} mm, {:.2g} decay lengths; expected at most one decay length of "
-                       "{:.3g} mm. On a plane displacement then reads about {:.0f} % too low and stress {} too low, in a tube up to "
-                       "three times as much. Fix: vessel.wall_edge_m = {:.2g} (about {:.0f} vertices){}",
-                       1e3 * wall.edge, ratio, 1e3 * wall.decay, low, stress, fine, static_cast<double>(wall.vertices) * finer * finer,
-                       spec.shape == VesselShape::Plane ? ", or a smaller vessel.size_m" : "");
+    if (wall.vertices == 0 || !(wall.edge_touched > wall.decay)) return {};
+    const WallMeshBand band = wall_mesh_band(wall.edge_touched, wall.decay, spec.shape == VesselShape::Plane);
+    const auto share = [](double of) { return of < 0.9 ? fmt::format("about {:.0f} %", 1e2 * of) : std::string("more than 90 %"); };
+    const double fine = 0.5 * wall.decay;
+    return fmt::format("vessel.wall_edge_m: got control edges of {:.3g} mm where instruments touch, {:.2g} decay lengths; expected at most one decay "
+                       "length of {:.3g} mm. Displacement then reads up to {} too low and stress up to {} too low. Fix: {}",
+                       1e3 * wall.edge_touched, wall.edge_touched / wall.decay, 1e3 * wall.decay, share(band.move), share(0.5 * band.stress),
+                       spec.wall_edge > 0 ? fmt::format("leave vessel.wall_edge_m out, or set it to {:.2g}", fine)
+                                          : fmt::format("vessel.wall_edge_m = {:.2g}", fine));
 }
 
 void load_vessel(WorldSetup& setup)

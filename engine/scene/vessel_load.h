@@ -24,8 +24,7 @@ struct LoadedVessel {
 [[nodiscard]] std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centreline);
 
 /// A warning where the edges of an elastic wall's control mesh are longer than the length over which a dent decays; else nothing.
-/// Measured on planes of different size: displacement is low by about 0.026 (edge/decay)^2, the largest stress by about 0.35
-/// edge/decay up to one decay length. In tubes both are up to three times as large (docs/wall.md).
+/// Errors by wall_mesh_band (docs/wall.md).
 [[nodiscard]] std::string describe_coarse_wall(const WallMechanics& wall, const VesselSpec& spec);
 
 }  // namespace seldinger

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "scene/checkpoint.h"
 #include "scene/joint_readings.h"
+#include "scene/wall_path.h"
 
 #include <fmt/format.h>
 
@@ -102,7 +103,9 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
             throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
                                                         "results.csv; leave `name` out of what is varied",
                                                         source.sweep.source.string(), run));
-        const std::string key = shared_part(std::move(scene), first);
+        // a wall's mesh follows the path of its own run (scene/wall_path.h): nothing else goes with it
+        const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
+        const std::string key = own_wall ? fmt::format("{}", run) : shared_part(std::move(scene), first);
         const auto [at, is_new] = open.try_emplace(key, worlds.size());
         std::size_t& room = rooms.try_emplace(key, ramp ? 1 : most_wires).first->second;
         if (!is_new && worlds[at->second].size() == room) {
@@ -127,7 +130,9 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
     }
     scene_ = scenes.front();
     key_frames_ = KeyFrames(scenes);
-    world_ = std::make_unique<World>(make_setup(scenes, std::move(vessel), device));
+    WorldSetup setup = make_setup(scenes, std::move(vessel), device);
+    find_wall_path(scenes, setup);
+    world_ = std::make_unique<World>(std::move(setup));
     branches_ = Branches(world_->setup().centreline);
     if (scene_.task.on) score_.emplace(scene_, *world_, ScoreWatch::Patch::WhereItCounts);
 }
@@ -135,7 +140,7 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
 void BatchWorld::finish(int system, RunStatus status, std::vector<BatchRow>& rows)
 {
     Run& run = runs_[static_cast<std::size_t>(system)];
-    if (status == RunStatus::Done) take_loads(system);
+    if (status == RunStatus::Done) take_loads(system), take_wall(system, Output::Wall);
     keep_files(system);
     rows.push_back(make_row(run.index, status, *world_, system, run.tally, branches_));
     run.finished = true;
@@ -196,6 +201,19 @@ void BatchWorld::take_greatest_loads(int system)
     on_wall.take_in(joint_along(greatest_, &WireOutput::on_wall), world_->time(first));
 }
 
+/// Displacement and stress of an elastic wall: under the instruments in every step, everywhere with each row.
+void BatchWorld::take_wall(int system, unsigned parts)
+{
+    if (!scene_.vessel.elastic) return;
+    if (wall_read_at_ != world_->step_count() || (parts & ~wall_.parts)) world_->read(wall_, parts);
+    wall_read_at_ = world_->step_count();
+    const WallReadings& now = wall_.walls[static_cast<std::size_t>(system)].readings;
+    RunTally& tally = runs_[static_cast<std::size_t>(system)].tally;
+    const double time = world_->time(world_->wires_of(system).first);
+    tally.wall_move.take_in(now.move_max, now.move_at, now.move_band, time);
+    tally.wall_stress.take_in(now.stress_max, now.stress_at, now.stress_band, time);
+}
+
 void BatchWorld::follow_task(int system)
 {
     if (score_) score_->stepped(*world_, system, scene_.step_length(world_->step_count() - 1), false, false, runs_[static_cast<std::size_t>(system)].tally.score);
@@ -248,8 +266,10 @@ std::vector<BatchRow> BatchWorld::step()
         }
         run.tally.steps++;
         run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, scene_.step_length(static_cast<long>(run.tally.steps - 1)));
-        if (run.tally.steps % scene_.record_every == 0) take_loads(k), keep_row(k);
+        const bool has_row = run.tally.steps % scene_.record_every == 0;
+        if (has_row) take_loads(k), keep_row(k);
         else take_greatest_loads(k);
+        take_wall(k, has_row ? Output::Wall : Output::WallUnder);
         follow_task(k);
         bool done = run.tally.steps >= scene_.steps() || (scene_.until == Until::Reached && run.tally.score.reached);
         if (scene_.until == Until::Rest) {

@@ -46,7 +46,7 @@ struct BatchSource {
 inline constexpr std::size_t most_wires = 96;  // of a world; the records of more do not fit a core's caches: 10 % slower at 1,000
 
 /// Reads the scene of every run, so that a mistake in any of them comes before the first step. Sorts them into worlds of at
-/// most `most_wires`: runs in increasing order, worlds by their first run.
+/// most `most_wires`: runs in increasing order, worlds by their first run. Runs with an elastic wall whose edge is chosen are alone.
 /// @param begin,end  only these runs
 /// @param ramp  the first world of a kind has one run, each later one twice as many as the one before. So a batch that a limit
 /// stops has a good third of its work as finished runs
@@ -88,6 +88,7 @@ private:
     void settle_where_asked(std::vector<BatchRow>& rows);
     void take_loads(int system);
     void take_greatest_loads(int system);
+    void take_wall(int system, unsigned parts);
     void keep_row(int system);
     void keep_files(int system);
 
@@ -107,6 +108,8 @@ private:
     Output loads_;  // contacts of the step
     std::vector<WireOutput> greatest_;  // scratch of take_greatest_loads
     long loads_read_at_ = -1;
+    Output wall_;  // of the step
+    long wall_read_at_ = -1;
 };
 
 }  // namespace seldinger

@@ -109,9 +109,9 @@ private:
                      force = at(reference.uncertainty, Observable::HandForce);
         if (!reference.converges && !reference.out_of_budget)
             return stop_with(PlanStatus::NoReference,
-                             fmt::format("refinement does not converge: it still moves the wire by {} at {} nodes and {:.3g} ms; the scene has no "
-                                         "single answer (a bifurcation, or "
-                                         "chatter); shorten scene.duration_s to before that",
+                             fmt::format("refinement does not converge: it still moves the wire by {} at {} nodes and {:.3g} ms; the last two levels "
+                                         "do not come closer than those before, which a bifurcation, chatter or a difference near what steps and "
+                                         "nodes resolve does; shorten scene.duration_s to before a bifurcation, or ask for a larger tolerance",
                                          as_length(reference.moved.empty() ? 0 : at(reference.moved.back(), Observable::Shape)),
                                          reference.model.nodes.value_or(0), 1e3 * reference.model.dt.value_or(0)));
         const double force_goal = goals_.force_tolerance * (goals_.force_is_relative ? reference.force_scale : 1.0);

@@ -3,6 +3,7 @@
 
 #include "vessel/centreline.h"
 #include "vessel/wall_mesh.h"
+#include "wall/edge_field.h"
 
 #include <string>
 
@@ -14,6 +15,7 @@ struct ControlMeshSpec {
     double edge = 0;                         // wanted [m]
     double share = 0.6;                      // of the local lumen radius, which an edge has at most [-]: ten edges around
     const Centreline* centreline = nullptr;  // tells the local radius; null: only rims do
+    EdgePath path;                           // where edges are shorter
 };
 
 /// What came out.
@@ -43,6 +45,7 @@ void check_control_edge(double area, double edge);
 
 struct WallEdge {
     double edge = 0, share = 0.6;  // of ControlMeshSpec
+    EdgePath path;                 // likewise
     double vertices = 0;           // expected
     std::string why;               // "3.4 mm (a third of the lumen's radius)"
 };
@@ -50,6 +53,9 @@ struct WallEdge {
 /// The edge where none is given: min(R/3, half the decay length 1/beta), beta^4 = (E t/R^2 + k_s) / (4 D) [Hetenyi46, sec. 30]. R
 /// is the typical radius of the lumen, and D = E t^3 / (12 (1 - nu^2)). For a plane E t/R^2 and R/3 are left out. If more than
 /// about 2,000 vertices would be needed, the edge is made longer, and with it the share of narrow branches.
+///
+/// If VesselSpec::touched says where instruments touch, edges are half of the decay length up to one decay length from there. Elsewhere
+/// they are as long as 700 vertices for the whole wall make them. If more than about 3,000 would be needed, the short edges are longer.
 [[nodiscard]] WallEdge choose_wall_edge(const WallModel& wall);
 
 }  // namespace seldinger

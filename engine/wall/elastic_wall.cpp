@@ -4,7 +4,7 @@
 #include "core/clock.h"
 #include "wall/wall_compliance.h"
 
-#include "wall/wall_resolution.h"
+#include "vessel/triangle_geometry.h"
 
 #include <fmt/format.h>
 
@@ -50,7 +50,7 @@ PrestressAt along(const Centreline& centreline)
     };
 }
 
-WallMesh control_mesh(const WallModel& wall, std::string& reason, double& off)
+WallMesh control_mesh(const WallModel& wall, std::string& reason, double& off, double& edge_touched)
 {
     ControlMeshSpec spec;
     spec.centreline = &wall.centreline;
@@ -61,6 +61,8 @@ WallMesh control_mesh(const WallModel& wall, std::string& reason, double& off)
         const WallEdge chosen = choose_wall_edge(wall);
         spec.edge = chosen.edge;
         spec.share = chosen.share;
+        spec.path = chosen.path;
+        edge_touched = chosen.path.edge;
         reason = chosen.why;
     }
     ControlMeshReport report;
@@ -93,22 +95,6 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
     return to;
 }
 
-/// Radius of the lumen at a point of its wall: of the widest inscribed sphere that all but touches it, as no sphere of a branch
-/// beside it does. A plane is as wide as it is long; where no sphere is known there is no limit.
-double lumen_radius(const WallModel& wall, const Vec3& place)
-{
-    constexpr double touching = 0.1;  // of a sphere's radius: facets, and points that stand apart along the axis
-    const Centreline& axis = wall.centreline;
-    if (wall.spec.shape == VesselShape::Plane) return wall.spec.size / 2;
-    const auto apart = [&](std::size_t i) { return (place - axis.points[i]).norm() - axis.radius[i]; };
-    double radius = std::numeric_limits<double>::infinity(), nearest = radius;
-    for (std::size_t i = 0; i < axis.points.size(); ++i)
-        if (apart(i) < nearest) nearest = apart(i), radius = axis.radius[i];
-    for (std::size_t i = 0; i < axis.points.size(); ++i)
-        if (apart(i) <= nearest + touching * axis.radius[i]) radius = std::max(radius, axis.radius[i]);
-    return radius;
-}
-
 }  // namespace
 
 ElasticWall::~ElasticWall() = default;
@@ -116,11 +102,13 @@ ElasticWall::~ElasticWall() = default;
 ElasticWall::ElasticWall(const WallModel& wall)
 {
     const auto start = Clock::now();
-    WallMesh control = control_mesh(wall, edge_reason_, off_);
+    WallMesh control = control_mesh(wall, edge_reason_, off_, edge_touched_);
     const std::vector<Vec3> through = control.vertices;
     surface_ = std::make_unique<LoopSurface>(std::move(control));
     edge_ = surface_->mean_edge();
-    decay_ = decay_length(wall.spec, wall.typical_lumen_radius);
+    if (edge_touched_ == 0) edge_touched_ = edge_;
+    plane_ = wall.spec.shape == VesselShape::Plane;
+    decay_ = decay_length(wall);
     surface_->interpolate(through);
     shell_ = std::make_unique<Shell>(*surface_, shell_spec(wall.spec));
     compliance_ = std::make_unique<WallCompliance>(*shell_, wall.spec.pressure != 0 ? along(wall.centreline) : PrestressAt{});
@@ -128,7 +116,7 @@ ElasticWall::ElasticWall(const WallModel& wall)
     const auto vertices = static_cast<std::int32_t>(surface_->control().vertices.size());
     limits_.resize(static_cast<std::size_t>(vertices));
     for (std::int32_t v = 0; v < vertices; ++v) surface_->limit_of_vertex(v, limits_[static_cast<std::size_t>(v)]);
-    for (const Vec3& p : surface_->control().vertices) largest_move_.push_back(0.2 * lumen_radius(wall, p));
+    for (const Vec3& p : surface_->control().vertices) largest_move_.push_back(0.2 * lumen_radius_at(wall, p));
     made_in_ = seconds_since(start);
 }
 
@@ -142,10 +130,24 @@ double ElasticWall::largest_move(const LoopStencil& place) const
     return weight > 0 ? sum / weight : sum;
 }
 
+double ElasticWall::edge_of(std::int32_t triangle) const
+{
+    const double area = 0.5 * double_area(triangle_of(surface_->control(), static_cast<std::size_t>(triangle))).norm();
+    return std::sqrt(4 / std::sqrt(3.0) * area);
+}
+
+WallMeshBand ElasticWall::band_of(std::int32_t triangle) const { return wall_mesh_band(edge_of(triangle), decay_, plane_); }
+
+LostPeak ElasticWall::lost_peak(std::int32_t triangle, double load) const
+{
+    const ShellSpec& spec = shell_->spec();
+    return seldinger::lost_peak(load, edge_of(triangle), decay_, spec.thickness, spec.poisson);
+}
+
 WallMechanics ElasticWall::mechanics() const
 {
     const WallCounts counts = compliance_->counts();
-    return {compliance_->vertex_count(), edge_, decay_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
+    return {compliance_->vertex_count(), edge_, edge_touched_, decay_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
 }
 
 ElasticWall::MemorySplit ElasticWall::memory_split(double h) const
@@ -208,6 +210,7 @@ void read_move(const ElasticWall& wall, std::span<const double> w, WallReadings&
     for (std::int32_t t = 0; farthest >= 0 && t < surface.topology().triangle_count(); ++t) {
         const auto& corners = surface.control().triangles[static_cast<std::size_t>(t)];
         if (std::find(corners.begin(), corners.end(), farthest) == corners.end()) continue;
+        now.move_band = std::max(now.move_band, wall.band_of(t).move);
         for (int i = 0; i <= parts; ++i)
             for (int j = 0; i + j <= parts; ++j) {
                 surface.basis(t, double(i) / parts, double(j) / parts, at);
@@ -217,6 +220,7 @@ void read_move(const ElasticWall& wall, std::span<const double> w, WallReadings&
                 put_place(wall, at, now.move_at);
             }
     }
+    now.move_band *= now.move_max;
 }
 
 }  // namespace
@@ -236,15 +240,11 @@ WallReadings read_wall(const ElasticWall& wall, std::span<const double> displace
     now.loss = work - now.energy;
     const ShellStress at = wall.shell().stress(displaced);
     if (stress) stress->resize(at.mises_inner.size());
-    std::int32_t highest = -1;
-    for (std::size_t v = 0; v < at.mises_inner.size(); ++v) {
-        const double larger = std::max(at.mises_inner[v], at.mises_outer[v]);
-        if (stress) (*stress)[v] = larger;
-        if (!(larger > now.stress_max)) continue;
-        now.stress_max = larger;
-        highest = static_cast<std::int32_t>(v);
-    }
-    if (highest >= 0) put_place(wall, wall.limit(highest), now.stress_at);
+    for (std::size_t v = 0; stress && v < at.mises_inner.size(); ++v) (*stress)[v] = std::max(at.mises_inner[v], at.mises_outer[v]);
+    now.stress_max = at.mises_max;
+    const ShellPoint& highest = wall.shell().points()[at.highest];
+    highest.position.store(now.stress_at);
+    now.stress_band = now.stress_max * wall.band_of(highest.triangle).stress;
     return now;
 }
 

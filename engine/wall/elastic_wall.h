@@ -10,6 +10,7 @@
 #include "wall/loop_surface.h"
 #include "wall/wall_model.h"
 #include "wall/wall_readings.h"
+#include "wall/wall_resolution.h"
 
 #include <memory>
 #include <span>
@@ -36,6 +37,16 @@ public:
     [[nodiscard]] std::span<const double> load() const { return load_; }
     /// Mean edge of the control mesh [m].
     [[nodiscard]] double edge() const { return edge_; }
+    /// Edge where instruments are expected to touch; without a path (VesselSpec::touched) the mean [m].
+    [[nodiscard]] double edge_touched() const { return edge_touched_; }
+    /// Edge of an equilateral triangle as large as this one of the control mesh [m].
+    [[nodiscard]] double edge_of(std::int32_t triangle) const;
+    /// Share by which displacement and stress in this triangle may be off for its size (wall/wall_resolution.h).
+    [[nodiscard]] WallMeshBand band_of(std::int32_t triangle) const;
+    /// Stress that the mesh cuts off under a load per length q [N/m] in this triangle, and its band [Pa] (wall/wall_resolution.h).
+    [[nodiscard]] LostPeak lost_peak(std::int32_t triangle, double load) const;
+    /// Decay length of a dent where instruments are expected to touch [m].
+    [[nodiscard]] double decay() const { return decay_; }
     /// Farthest that the vessel's mesh is from the wall's smooth surface [m].
     [[nodiscard]] double off() const { return off_; }
     /// Why it is that long, in words.
@@ -64,8 +75,9 @@ private:
     std::vector<double> load_;
     std::vector<double> largest_move_;  // [V]
     std::vector<LoopStencil> limits_;   // [V]
-    double edge_ = 0, decay_ = 0, off_ = 0, made_in_ = 0;
+    double edge_ = 0, edge_touched_ = 0, decay_ = 0, off_ = 0, made_in_ = 0;
     std::string edge_reason_;
+    bool plane_ = false;
 };
 
 /// @param w  displacement of the control vertices [3V] [m]  @param work  done by contact since the beginning [J]

@@ -36,8 +36,8 @@ double least_angle(const Vec3& a, const Vec3& b, const Vec3& c)
     return std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
 }
 
-Remesher::Remesher(const WallMesh& wall, EditMesh sheet, double edge, double share, const Centreline& centreline)
-    : surface_(wall), mesh_(std::move(sheet)), field_(edge, share, centreline)
+Remesher::Remesher(const WallMesh& wall, EditMesh sheet, EdgeField field)
+    : surface_(wall), mesh_(std::move(sheet)), field_(std::move(field))
 {
     vertex_.resize(static_cast<std::size_t>(mesh_.vertex_count()));
     for (std::size_t v = 0; v < vertex_.size(); ++v) {

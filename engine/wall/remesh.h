@@ -22,8 +22,8 @@ class Remesher {
 public:
     /// @param wall   must outlive this
     /// @param sheet  the same, to be changed
-    /// @param edge   wanted [m]; shorter where the lumen is narrower than edge / share, by the centreline and by the rims
-    Remesher(const WallMesh& wall, EditMesh sheet, double edge, double share, const Centreline& centreline);
+    /// @param field  sizes wanted; rims narrower than its edge / share are added
+    Remesher(const WallMesh& wall, EditMesh sheet, EdgeField field);
 
     void run(int rounds);
     [[nodiscard]] WallMesh result() const;

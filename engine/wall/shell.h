@@ -87,7 +87,9 @@ struct ShellMatrices {
 struct ShellStress {
     std::vector<Vec3> membrane,
         bending;  // [Q]; at the outer surface membrane + bending, at the inner membrane - bending
-    std::vector<double> mises_inner, mises_outer;  // [V] area-weighted about each control vertex [Pa]
+    std::vector<double> mises_inner, mises_outer;  // [V] area-weighted about each control vertex: smooth, for pictures [Pa]
+    double mises_max = 0;                          // largest of the points and both surfaces [Pa]
+    std::size_t highest = 0;                       // that point
 };
 
 /// Strain of the mid-surface at a point, in its frame.
@@ -110,6 +112,9 @@ public:
 
     /// @param displacement  [3V] [m]
     [[nodiscard]] ShellStress stress(std::span<const double> displacement) const;
+    /// Largest von Mises stress of a triangle, of its points and both surfaces [Pa]; its control vertices' displacements are enough.
+    /// @param highest  out: the point
+    [[nodiscard]] double stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest) const;
     /// Membrane and bending energy of a displacement, summed over quadrature points [J].
     struct Energy {
         double membrane = 0, bending = 0;

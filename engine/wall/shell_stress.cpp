@@ -3,6 +3,7 @@
 #include "wall/shell.h"
 #include "wall/shell_strain.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -57,6 +58,7 @@ ShellStress Shell::stress(std::span<const double> displacement) const
                                   bending = spec_.thickness / 2 * (h * at[k].bending);
             out.membrane[first + k] = membrane, out.bending[first + k] = bending;
             const double inner = mises(membrane - bending), outer = mises(membrane + bending);
+            if (const double larger = std::max(inner, outer); larger > out.mises_max) out.mises_max = larger, out.highest = first + k;
             const double share[3] = {1 - q.u - q.v, q.u, q.v};
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto v = static_cast<std::size_t>(corners[c]);
@@ -67,6 +69,23 @@ ShellStress Shell::stress(std::span<const double> displacement) const
     }
     for (std::size_t v = 0; v < vertices; ++v) out.mises_inner[v] /= area[v], out.mises_outer[v] /= area[v];
     return out;
+}
+
+double Shell::stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest) const
+{
+    const Mat3 h = law();
+    const std::size_t first = per_triangle * static_cast<std::size_t>(triangle);  // points are made in the order of triangles
+    std::array<ShellStrain, per_triangle> at;
+    const Vec3 stretch = strains_of(first, displacement, at);
+    const ShellPoint& last = points_[first + per_triangle - 1];
+    double most = 0;
+    for (std::size_t k = 0; k < per_triangle; ++k) {
+        const Vec3 membrane = h * (turn_strain(last, points_[first + k]) * stretch);
+        const Vec3 bending = spec_.thickness / 2 * (h * at[k].bending);
+        const double larger = std::max(mises(membrane - bending), mises(membrane + bending));
+        if (larger > most) most = larger, highest = first + k;
+    }
+    return most;
 }
 
 }  // namespace seldinger

@@ -153,8 +153,7 @@ std::span<const double> WallFactor::columns(std::int32_t vertex) const
         kept = std::make_unique<double[]>(3 * n);  // zeros
         std::span<double> x(kept.get(), n), y(kept.get() + n, n), z(kept.get() + 2 * n, n);
         for (std::size_t axis = 0; axis < 3; ++axis) kept[axis * n + static_cast<std::size_t>(3 * vertex) + axis] = 1;
-        cholesky_.solve(x, y, work_);
-        cholesky_.solve(z, work_);
+        cholesky_.solve(x, y, z, work_);
     }
     return {kept.get(), 3 * n};
 }

@@ -80,6 +80,7 @@ void WallDynamics::start_block(double h)
 void WallDynamics::next_block()
 {
     const std::int32_t done = step_;
+    patch_.trim();
     if (done > 0) start_ = displacement();
     std::vector<double>& y = scratch_;
     y.assign(start_.size(), 0.0);

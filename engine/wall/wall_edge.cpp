@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace seldinger {
 
@@ -18,6 +20,10 @@ namespace {
 
 constexpr double most_vertices = 2000;  // below it a column of the compliance costs less than a millisecond
 constexpr double least_share = 0.6, most_share = 1.0;
+// where it is known where instruments touch
+constexpr double most_elsewhere = 700, most_along_path = 3000;
+constexpr double path_share = 0.5, reach_share = 1.0;  // of the decay length: an edge there, and how far from a contact it is wanted
+const double vertex_area = 0.5 * std::sqrt(3.0);       // of equilateral triangles, per square of their edge
 
 double vertices_at(const WallSamples& wall, const Centreline& centreline, double edge, double share)
 {
@@ -48,9 +54,11 @@ std::string millimetres(double length) { return fmt::format("{:.2g} mm", 1e3 * l
 
 }  // namespace
 
-WallEdge choose_wall_edge(const WallModel& wall)
+namespace {
+
+/// Of the same size everywhere, but for narrow branches, with at most so many vertices.
+WallEdge even_edge(const WallModel& wall, const WallSamples& samples, double most)
 {
-    const WallSamples samples = sample_wall(wall.mesh);
     const double radius = wall.typical_lumen_radius, third = radius / 3;
     const double half_decay = 0.5 * decay_length(wall.spec, radius);
     const bool by_radius = third < half_decay;
@@ -58,9 +66,9 @@ WallEdge choose_wall_edge(const WallModel& wall)
     const char* reason = by_radius ? "a third of the lumen's radius" : "half the decay length";
     const auto vertices = [&](double edge, double share) { return vertices_at(samples, wall.centreline, edge, share); };
 
-    WallEdge choice{wanted, least_share, 0, ""};
+    WallEdge choice{wanted, least_share, {}, 0, ""};
     if (std::isfinite(wanted)) choice.vertices = vertices(wanted, least_share);
-    if (std::isfinite(wanted) && choice.vertices <= most_vertices) {
+    if (std::isfinite(wanted) && choice.vertices <= most) {
         choice.why = fmt::format("{} ({})", millimetres(wanted), reason);
         return choice;
     }
@@ -69,16 +77,57 @@ WallEdge choose_wall_edge(const WallModel& wall)
     const double widest = radii.empty() ? std::sqrt(samples.area) : *std::max_element(radii.begin(), radii.end());
     const double low = std::isfinite(wanted) ? wanted : 1e-3 * widest;
     const auto longest = [&](double share) { return std::max(low, share * widest); };
-    if (vertices(longest(least_share), least_share) > most_vertices)
-        choice.share = solve_falling(least_share, most_share, most_vertices, [&](double s) { return vertices(longest(s), s); });
+    if (vertices(longest(least_share), least_share) > most)
+        choice.share = solve_falling(least_share, most_share, most, [&](double s) { return vertices(longest(s), s); });
     choice.edge = choice.share > least_share ? longest(choice.share)
-                                             : solve_falling(low, longest(least_share), most_vertices,
+                                             : solve_falling(low, longest(least_share), most,
                                                              [&](double e) { return vertices(e, least_share); });
     choice.vertices = vertices(choice.edge, choice.share);
     choice.why = fmt::format("{} ({} vertices", millimetres(choice.edge), about(choice.vertices));
     if (choice.share > least_share) choice.why += fmt::format(", edges {:.2g} of the local radius", choice.share);
     choice.why += std::isfinite(wanted) ? fmt::format("; {} would be {})", reason, millimetres(wanted)) : ")";
     return choice;
+}
+
+/// Short where instruments touch. Two path edges give fields that differ by the same length everywhere along the path: one look at each
+/// sample is enough for all of them.
+void add_path(const WallModel& wall, WallEdge& choice)
+{
+    const double decay = decay_length(wall);
+    const double wanted = path_share * decay;
+    if (!std::isfinite(decay) || !(wanted < choice.edge)) return;
+    EdgePath path{wall.spec.touched, 0, reach_share * decay};
+    for (const WallLoad& load : wall.spec.loads)
+        if (!load.force.isZero()) path.points.push_back(load.at);
+    const WallSamples samples = spread_over_wall(wall.mesh);
+    const EdgeField even(choice.edge, choice.share, wall.centreline);
+    const EdgeField beyond(std::numeric_limits<double>::max(), choice.share, {}, path);
+    std::vector<double> of_even, of_path;
+    for (const Vec3& p : samples.points) of_even.push_back(even.at(p)), of_path.push_back(beyond.at(p));
+    const double each = samples.area / static_cast<double>(samples.points.size());
+    const auto vertices = [&](double edge) {
+        double sum = 0;
+        for (std::size_t k = 0; k < of_even.size(); ++k)
+            sum += each / (vertex_area * std::pow(std::min(of_even[k], edge + of_path[k]), 2));
+        return sum;
+    };
+    path.edge = vertices(wanted) <= most_along_path ? wanted : solve_falling(wanted, choice.edge, most_along_path, vertices);
+    if (!(path.edge < 0.9 * choice.edge)) return;
+    choice.vertices = vertices(path.edge);
+    choice.why = fmt::format("{} where instruments touch in a trial run with a rigid wall, {} elsewhere ({} vertices{})", millimetres(path.edge),
+                             millimetres(choice.edge), about(choice.vertices),
+                             path.edge > wanted ? fmt::format("; {} would be wanted", millimetres(wanted)) : "");
+    choice.path = std::move(path);
+}
+
+}  // namespace
+
+WallEdge choose_wall_edge(const WallModel& wall)
+{
+    const bool known = !wall.spec.touched.empty();
+    WallEdge choice = even_edge(wall, sample_wall(wall.mesh), known ? most_elsewhere : most_vertices);
+    if (known) add_path(wall, choice);
+    return known && choice.path.points.empty() ? even_edge(wall, sample_wall(wall.mesh), most_vertices) : choice;
 }
 
 double factor_bytes(double vertices)

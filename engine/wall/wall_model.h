@@ -20,4 +20,8 @@ struct WallModel {
     double typical_lumen_radius;
 };
 
+/// Radius of the lumen at a point of its wall: of the widest inscribed sphere that all but touches it, as no sphere of a branch
+/// beside it does. A plane is as wide as it is long; where no sphere is known there is no limit [m].
+[[nodiscard]] double lumen_radius_at(const WallModel& wall, const Vec3& place);
+
 }  // namespace seldinger

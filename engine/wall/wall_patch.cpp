@@ -16,6 +16,15 @@ void WallPatch::use(std::shared_ptr<const WallFactor> factor)
     solved_.clear();
 }
 
+void WallPatch::trim()
+{
+    constexpr std::size_t most = 1500;  // 160 MB; what is still touched is gathered again
+    if (vertices_.size() <= most) return;
+    for (const std::int32_t v : vertices_) slots_[static_cast<std::size_t>(v)] = -1;
+    vertices_.clear();
+    solved_.clear();
+}
+
 void WallPatch::copy_block(int at, int from)
 {
     const std::span<const double> columns = factor_->columns(vertices_[static_cast<std::size_t>(from)]);
@@ -29,7 +38,7 @@ int WallPatch::add(std::int32_t vertex)
 {
     const int slot = static_cast<int>(vertices_.size());
     if (slot == room_) {
-        const int room = std::max(64, 2 * room_);
+        const int room = std::max(64, 3 * room_ / 2);
         std::vector<double> larger(static_cast<std::size_t>(room) * static_cast<std::size_t>(room) * 9);
         for (int at = 0; at < room_; ++at)
             std::copy_n(block(at, 0), 9 * static_cast<std::size_t>(room_),

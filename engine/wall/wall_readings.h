@@ -9,6 +9,7 @@ namespace seldinger {
 struct WallMechanics {
     int vertices = 0;       // of its control mesh; 0: the wall is rigid
     double edge = 0;        // mean [m]
+    double edge_touched = 0;  // where instruments are expected to touch; else the mean [m]
     double decay = 0;       // length over which a dent decays (wall/wall_resolution.h) [m]; infinite: a plane on nothing
     double made_in = 0;     // control mesh and matrices [s]
     double factor = 0;      // of that, and since: factors, one per length of step [s]
@@ -21,8 +22,10 @@ struct WallReadings {
     double move_share = 0;  // largest, as a share of the limit of linear theory there, a fifth of the lumen's radius [-]
     double energy = 0;      // stored in shell, tissue and against pressure [J]
     double loss = 0;        // dissipated by damping since the start, numerical damping included [J]
-    double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces [Pa]
+    double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces, at a quadrature point of the shell; under
+                            // an instrument with what the mesh cuts off (lost_peak) [Pa]
     double move_at[3] = {}, stress_at[3] = {};  // where these are, on the wall that has not moved [m]
+    double move_band = 0, stress_band = 0;      // ± of the largest ones, by the control mesh there (wall/wall_resolution.h) [m], [Pa]
 };
 
 }  // namespace seldinger

@@ -5,15 +5,35 @@
 #include "wall/edge_field.h"
 #include "wall/wall_model.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace seldinger {
 
 namespace {
 
-const double vertex_area = 0.5 * std::sqrt(3.0);  // of equilateral triangles, per square of their edge
+// Measured on planes and tubes with edges of 0.1 to 4 decay lengths (docs/wall.md): the constants are the largest ratios of error
+// to (edge/decay)^2 and to edge/decay
+constexpr double plane_move = 0.026, plane_stress = 0.35, tube = 3;
+const double area_of_vertex = 0.5 * std::sqrt(3.0);  // of equilateral triangles, per square of their edge
 
 }  // namespace
+
+WallMeshBand wall_mesh_band(double edge, double decay, bool plane)
+{
+    if (!(edge > 0 && decay > 0)) return {};
+    const double ratio = edge / decay, times = plane ? 1 : tube;
+    return {times * plane_move * ratio * ratio, times * plane_stress * ratio};
+}
+
+LostPeak lost_peak(double load, double edge, double decay, double thickness, double poisson)
+{
+    const double mises = std::sqrt(1 - poisson + poisson * poisson);
+    // no wider than the dent: beyond it the mesh sees no corner at all
+    const double stress = mises * load * std::min(edge, decay) / (3 * thickness * thickness);
+    return {stress, 0.75 * std::max(1.0, edge / decay) * stress};
+}
 
 double decay_length(const VesselSpec& spec, double lumen_radius)
 {
@@ -22,17 +42,29 @@ double decay_length(const VesselSpec& spec, double lumen_radius)
     return std::pow((hoop + spec.support) / (4 * bend), -0.25);
 }
 
+double decay_length(const WallModel& wall)
+{
+    constexpr std::size_t looked_at = 200;
+    const std::vector<Vec3>& touched = wall.spec.touched;
+    if (touched.empty() || wall.centreline.radius.empty()) return decay_length(wall.spec, wall.typical_lumen_radius);
+    std::vector<double> radius;
+    const std::size_t count = std::min(looked_at, touched.size());
+    for (std::size_t k = 0; k < count; ++k) radius.push_back(lumen_radius_at(wall, touched[k * touched.size() / count]));
+    std::nth_element(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(count / 2), radius.end());
+    return decay_length(wall.spec, radius[count / 2]);
+}
+
 WallMechanics expected_mechanics(const VesselSpec& spec, const WallMesh& mesh, const Centreline& centreline)
 {
     if (!spec.elastic || mesh.triangles.empty()) return {};
     const WallModel wall(spec, mesh, centreline);
     WallMechanics made;
-    made.decay = decay_length(spec, wall.typical_lumen_radius);
+    made.decay = decay_length(wall);
     const WallSamples samples = sample_wall(mesh);
     const double vertices = spec.wall_edge > 0 ? expected_vertices(samples, EdgeField(spec.wall_edge, ControlMeshSpec{}.share, centreline))
                                             : choose_wall_edge(wall).vertices;
     made.vertices = static_cast<int>(std::lround(vertices));
-    made.edge = std::sqrt(samples.area / (vertex_area * vertices));
+    made.edge = made.edge_touched = std::sqrt(samples.area / (area_of_vertex * vertices));
     return made;
 }
 

@@ -4,6 +4,7 @@
 #include "core/bytes.h"
 #include "scene/scene_difference.h"
 #include "scene/vessel_load.h"
+#include "scene/wall_path.h"
 #include "study/batch.h"
 
 #include <unistd.h>
@@ -34,7 +35,9 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
     check_process();
     for (const std::vector<std::string>& own : overrides) scenes_.push_back(read_scene_text(text, file, own));
     if (scenes_.size() == 1) {
-        world_ = std::make_unique<World>(make_setup(scenes_.front(), device));
+        WorldSetup setup = make_setup(scenes_.front(), device);
+        find_wall_path(scenes_, setup);
+        world_ = std::make_unique<World>(std::move(setup));
         keys_ = KeyFrames(scenes_.front());
         begin_tasks();
         return;
@@ -45,7 +48,9 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
             throw Error(ExitCode::BadScene, "copies: systems of one world share all but their instruments, feeds and coefficients of "
                                             "contact, and of the first (there) and number " +
                                                 std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
-    world_ = std::make_unique<World>(make_setup(scenes_, load_vessel(scenes_.front().vessel), device));
+    WorldSetup setup = make_setup(scenes_, load_vessel(scenes_.front().vessel), device);
+    find_wall_path(scenes_, setup);
+    world_ = std::make_unique<World>(std::move(setup));
     keys_ = KeyFrames(std::span<const Scene>(scenes_));
     begin_tasks();
 }

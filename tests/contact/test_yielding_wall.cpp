@@ -2,6 +2,8 @@
 
 #include "core/parallel.h"
 #include "support/fed_world.h"
+#include "contact/yielding_wall.h"
+#include "world.h"
 
 #include <doctest/doctest.h>
 
@@ -170,6 +172,45 @@ TEST_CASE("what is read leaves no trace in the state")
     const std::vector<std::uint8_t> state = world.save_state();
     REQUIRE(!world.output(Output::Everything).contacts.empty());
     CHECK(world.save_state() == state);
+}
+
+// Line load q on a plate on its bed [Hetenyi46, sec. 30]: M = q lambda/4 across the wire, nu M along it. Elements see the corner of M
+// rounded off over their size; what that takes is added (wall/wall_resolution.h). The end effect of the plate, of e^-6, is left out.
+TEST_CASE("analytic: the largest stress under a line load is that of a plate on its bed, on edges of 0.25 to 0.9 decay lengths")
+{
+    constexpr double q = 0.5, t = 0.0015, nu = 0.45;
+    const double d = 1e6 * t * t * t / (12 * (1 - nu * nu)), decay = std::pow(4 * d / 1e6, 0.25);
+    const double exact = std::sqrt(1 - nu + nu * nu) * 6 / (t * t) * q * decay / 4;
+    for (const double share : {0.25, 0.5, 0.9}) {
+        CAPTURE(share);
+        World world{WorldSetup(wire_on_plate(q, 2e-6, share * decay, 3000))};
+        REQUIRE(!settle(world).failed());
+        const WallReadings now = world.wall_readings();
+        CHECK(now.stress_max == doctest::Approx(exact).epsilon(0.04));
+        CHECK(std::abs(now.stress_max - exact) < now.stress_band);
+        const WallReadings bare = read_wall(*world.impl().elastic_wall, world.impl().yielding->displacement(0), 0);
+        if (share > 0.3) CHECK(bare.stress_max < 0.93 * exact);
+    }
+}
+
+// Whatever the recorder reads in between rows is under the wires: it must not miss what is largest there.
+TEST_CASE("the readings under the wires are the largest of the wall")
+{
+    World world{WorldSetup(lowered_wire())};
+    Output now;
+    int compared = 0;
+    for (int k = 0; k < 60; ++k) {
+        REQUIRE(!step(world, 1e-3).failed());
+        world.read(now, Output::WallUnder);
+        const WallReadings under = now.walls[0].readings, all = world.wall_readings();
+        if (all.move_max < 1e-5) continue;
+        ++compared;
+        CHECK(under.move_max <= all.move_max * (1 + 1e-9));
+        CHECK(under.move_max > 0.95 * all.move_max);
+        CHECK(under.stress_max == all.stress_max);
+        CHECK(under.energy == 0);
+    }
+    CHECK(compared > 10);
 }
 
 // Two wires of one system side by side, nearer than the plate's decay length: each lies in the dent of the other. In the middle

@@ -28,7 +28,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"contact", {"solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"step", {"contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"io", {"vessel", "math", "core"}},
-    {"scene", {"io", "step", "contact", "solve", "rod", "vessel", "math", "core"}},
+    {"scene", {"io", "step", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"view", {"io", "step", "contact", "solve", "rod", "vessel", "math", "core"}},
     {"study", {"scene", "io", "step", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"lab", {"study", "scene", "io", "step", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
