@@ -2,6 +2,7 @@
 // Medial balls of the lumen and the links between them.
 
 #include "vessel/inside.h"
+#include "vessel/mesh_edges.h"
 
 #include <vector>
 

@@ -60,21 +60,14 @@ Kept& kept()
 
 }  // namespace
 
-std::shared_ptr<const WallTree> shared_wall_tree(const WallMesh& mesh, const MeshEdges* edges)
+std::shared_ptr<const WallTree> shared_wall_tree(const WallMesh& mesh)
 {
     const MeshContent content = content_of(mesh);
     const std::lock_guard lock(kept().mutex);  // a second thread waits for the tree instead of making its own
     if (std::shared_ptr<const WallTree> found = kept().find(mesh, content)) return found;
     kept().set({}, nullptr);  // its memory goes first
-    kept().set(content, std::make_shared<const WallTree>(edges ? build_wall_tree(mesh, *edges) : build_wall_tree(mesh)));
+    kept().set(content, std::make_shared<const WallTree>(build_wall_tree(mesh)));
     return kept().tree;
-}
-
-std::shared_ptr<const WallTree> kept_wall_tree(const WallMesh& mesh)
-{
-    const MeshContent content = content_of(mesh);
-    const std::lock_guard lock(kept().mutex);
-    return kept().find(mesh, content);
 }
 
 void keep_wall_tree(const WallMesh& mesh, WallTree tree)

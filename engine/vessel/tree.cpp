@@ -361,9 +361,10 @@ std::vector<Item> make_items(const WallMesh& mesh, const Vec3& centre)
     return items;
 }
 
-std::vector<std::uint8_t> opening_bits(const WallMesh& mesh, const MeshEdges& edges)
+std::vector<std::uint8_t> opening_bits(const WallMesh& mesh)
 {
     std::vector<std::uint8_t> bits(mesh.triangles.size(), 0);
+    const MeshEdges edges = find_edges(mesh);
     for (std::size_t k = 0; k < edges.count(); ++k) {
         const auto uses = edges.uses(k);
         if (uses.size() == 1) bits[static_cast<std::size_t>(uses[0] / 3)] |= static_cast<std::uint8_t>(1u << (uses[0] % 3));
@@ -373,9 +374,7 @@ std::vector<std::uint8_t> opening_bits(const WallMesh& mesh, const MeshEdges& ed
 
 }  // namespace
 
-WallTree build_wall_tree(const WallMesh& mesh, int threads) { return build_wall_tree(mesh, find_edges(mesh), threads); }
-
-WallTree build_wall_tree(const WallMesh& mesh, const MeshEdges& edges, int threads)
+WallTree build_wall_tree(const WallMesh& mesh, int threads)
 {
     WallTree tree;
     if (mesh.triangles.empty()) return tree;
@@ -383,9 +382,13 @@ WallTree build_wall_tree(const WallMesh& mesh, const MeshEdges& edges, int threa
     tree.centre = centre_of(mesh);
     if (threads == 0) threads = mesh.triangles.size() > 10000 ? 2 : 1;
 
-    const std::vector<std::uint8_t> bits = opening_bits(mesh, edges);
+    std::vector<std::uint8_t> bits;
+    std::thread edge_work;
+    if (threads > 1) edge_work = std::thread([&] { bits = opening_bits(mesh); });
+    else bits = opening_bits(mesh);
     std::vector<Item> items = make_items(mesh, tree.centre);
     build_nodes(tree, items, threads);
+    if (edge_work.joinable()) edge_work.join();
     SEL_ASSERT(tree.depth < SEL_TREE_STACK);
 
     tree.original.resize(items.size());

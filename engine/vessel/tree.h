@@ -6,7 +6,6 @@
 // Two threads may build it; the result does not depend on them.
 
 #include "shared/tree_types.h"
-#include "vessel/mesh_edges.h"
 #include "vessel/triangle_geometry.h"
 #include "vessel/wall_mesh.h"
 
@@ -61,7 +60,6 @@ struct WallTree {
 
 /// O(T log T). `threads`: 0 uses two when the mesh is large enough to repay them.
 [[nodiscard]] WallTree build_wall_tree(const WallMesh& mesh, int threads = 0);
-[[nodiscard]] WallTree build_wall_tree(const WallMesh& mesh, const MeshEdges& edges, int threads = 0);
 
 /// What of a tree takes long to find: how it divides its mesh. For files.
 struct TreeDivision {
