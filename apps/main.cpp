@@ -11,6 +11,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,8 +41,19 @@ int complain(std::string message, ExitCode code)
     return static_cast<int>(code);
 }
 
+/// A mesh of millions of triangles passes through a dozen large arrays. To return each to the system and be given cleared memory for the
+/// next takes a fifth of the time.
+void keep_freed_memory()
+{
+#if defined(__GLIBC__)
+    ::mallopt(M_MMAP_MAX, 0);
+    ::mallopt(M_TRIM_THRESHOLD, -1);
+#endif
+}
+
 int run_command_line(int argc, char** argv)
 {
+    keep_freed_memory();
     CommandLine app("Simulates guidewires, catheters and sheaths in blood vessels, and estimates the error.", "seldinger");
     app.set_version_flag("--version", std::string("seldinger ") + version());
     app.require_subcommand(1, 1);

@@ -3,12 +3,15 @@
 #include "contact/capsule.h"
 #include "contact/layer.h"
 #include "core/error.h"
+#include "vessel/shared_tree.h"
 
 namespace seldinger {
 
 std::unique_ptr<ContactMethod> make_contact(device::Context& context, const ContactSetup& setup, RodArrays& rods)
 {
-    const WallTree tree = build_wall_tree(setup.wall.mesh);
+    const std::shared_ptr<const WallTree> shared = shared_wall_tree(setup.wall.mesh);
+    shrink_kept_wall_tree();  // the device has it from here on
+    const WallTree& tree = *shared;
     const ContactSpec& contact = setup.method();
     if (is_nonpenetrating(contact.normal) && contact.detection == Detection::Layer)
         throw Error(ExitCode::BadScene,

@@ -140,7 +140,7 @@ std::string describe_no_vessel(const LoadedVessel& vessel)
     const std::vector<BoundaryLoop>& loops = vessel.report.loops;
     std::size_t holes = 0;
     if (loops.size() > 1) {
-        const LumenQuery lumen(vessel.mesh, loops);
+        const LumenQuery lumen(vessel.mesh, loops, LumenQuery::Expect::Few);
         for (const BoundaryLoop& loop : loops) holes += lumen.locate(loop.centre + 3 * loop.radius * loop.inward).signed_distance > 2.2 * loop.radius;
     }
     // nearly all: an aorta whose branches were cut off flush has such holes, too, but also ends

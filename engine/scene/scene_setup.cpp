@@ -202,7 +202,7 @@ private:
     LumenQuery& lumen()
     {
         // a plane's border is no opening
-        if (!lumen_) lumen_.emplace(vessel_.mesh, has_lumen_ ? vessel_.report.loops : std::vector<BoundaryLoop>{});
+        if (!lumen_) lumen_.emplace(vessel_.mesh, has_lumen_ ? vessel_.report.loops : std::vector<BoundaryLoop>{}, LumenQuery::Expect::Few);
         return *lumen_;
     }
 

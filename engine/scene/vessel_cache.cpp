@@ -7,6 +7,7 @@
 #include "core/note.h"
 #include "core/printable.h"
 #include "engine.h"
+#include "vessel/shared_tree.h"
 
 #include <elf.h>
 #include <fmt/format.h>
@@ -118,7 +119,7 @@ void each_count(Report& r, const Each& each)
 std::string bytes_of(const LoadedVessel& vessel)
 {
     Writer out;
-    out.reserve(24 * vessel.mesh.vertices.size() + 12 * vessel.mesh.triangles.size() + (1 << 20));
+    out.reserve(24 * vessel.mesh.vertices.size() + 32 * vessel.mesh.triangles.size() + (1 << 20));
     out.points(vessel.mesh.vertices);
     out.list(vessel.mesh.triangles);
     const RepairReport& r = vessel.report;
@@ -136,6 +137,10 @@ std::string bytes_of(const LoadedVessel& vessel)
     out.points(vessel.centreline.points);
     out.list(vessel.centreline.radius);
     out.list(vessel.centreline.parent);
+    const TreeDivision division = division_of(*shared_wall_tree(vessel.mesh));
+    out.list(division.nodes);
+    out.list(division.original);
+    out.list(division.edge_bits);
     return out.bytes();
 }
 
@@ -174,8 +179,15 @@ LoadedVessel vessel_in(std::string_view bytes)
     in.points(vessel.centreline.points);
     in.list(vessel.centreline.radius);
     in.list(vessel.centreline.parent);
+    TreeDivision division;
+    in.list(division.nodes);
+    in.list(division.original);
+    in.list(division.edge_bits);
     if (!in.at_end()) throw Damaged{};
     check_indices(vessel);
+    std::optional<WallTree> tree = divided_wall_tree(vessel.mesh, std::move(division));
+    if (!tree) throw Damaged{};
+    keep_wall_tree(vessel.mesh, std::move(*tree));
     return vessel;
 }
 

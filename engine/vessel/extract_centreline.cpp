@@ -30,7 +30,8 @@ public:
         : mesh_(mesh),
           openings_(openings),
           lumen_(lumen),
-          graph_(build_medial_graph(mesh, openings, lumen)),
+          edges_(find_edges(mesh)),
+          graph_(build_medial_graph(mesh, edges_, openings, lumen)),
           work_("laying paths through its lumen", work_limit(5e8, 5e4, mesh.vertices.size()))  // patients: up to 1.5e8
     {
         for (const Vec3& v : mesh.vertices) box_.extend(v);
@@ -113,7 +114,7 @@ private:
     [[nodiscard]] int an_end_of_closed() const
     {
         int widest = 0;  // ball 0 is the widest of all
-        const std::vector<bool> main = vertices_of_largest(mesh_, label_components(mesh_, find_edges(mesh_)));
+        const std::vector<bool> main = vertices_of_largest(mesh_, label_components(mesh_, edges_));
         if (!main.empty()) widest = static_cast<int>(graph_.ball_count());
         for (std::size_t v = 0; v < main.size(); ++v) {
             if (!main[v] || graph_.sample_of_vertex[v] < 0) continue;
@@ -239,7 +240,7 @@ private:
     [[nodiscard]] TreeHit nearest(const Vec3& p) const
     {
         std::uint64_t visits = 0;
-        const TreeHit hit = nearest_on_wall(lumen_.tree(), p, std::numeric_limits<double>::infinity(), &visits);
+        const TreeHit hit = lumen_.nearest(p, std::numeric_limits<double>::infinity(), &visits);
         spend_visits(visits);
         return hit;
     }
@@ -360,6 +361,7 @@ private:
     const WallMesh& mesh_;
     const std::vector<BoundaryLoop>& openings_;
     const LumenQuery& lumen_;
+    const MeshEdges edges_;
     MedialGraph graph_;
     MedialPaths paths_;
     std::vector<bool> served_;

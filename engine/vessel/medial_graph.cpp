@@ -58,18 +58,18 @@ private:
 /// A wall without a direction there (its triangles face each other) has no such ball.
 /// @param met   in and out: the triangle that each round of a neighbour's ball met, where to look first
 /// @param tied  in and out: of its neighbours
-Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, double skip, double limit, Met& met,
+Ball medial_ball(const LumenQuery& lumen, const Vec3& at, const Vec3& normal, double skip, double limit, Met& met,
                  TiedPlaces& tied, std::uint64_t& visits)
 {
     if (!(normal.squaredNorm() > 0)) return {at, 0.0};
     // two contacts closer than this seen from the centre are one contact on a rough wall, not two sides of a lumen
     constexpr double kSeparation = 40 * std::numbers::pi / 180;
-    double radius = std::min(0.5 * first_hit(tree, at, normal, skip, &visits), limit);
+    double radius = std::min(0.5 * first_hit(lumen.tree(), at, normal, skip, &visits), limit);
     for (std::int64_t& last : met) {
         const Vec3 centre = at + radius * normal;
         if (const double free = tied.nearly(centre, radius); free > 0) return {centre, free};
         const std::uint64_t before = visits;
-        const TreeHit hit = nearest_on_wall(tree, centre, radius, &visits, last);
+        const TreeHit hit = lumen.nearest(centre, radius, &visits, last);
         if (visits - before > TiedPlaces::kMany) tied.remember(centre, std::sqrt(std::min(hit.distance2, radius * radius)));
         if (hit.triangle >= 0) last = hit.triangle;
         if (hit.triangle < 0 || hit.distance2 >= radius * radius * (1 - 2e-3))
@@ -84,7 +84,7 @@ Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, doubl
         radius = smaller;
     }
     const Vec3 centre = at + radius * normal;
-    return {centre, std::sqrt(nearest_on_wall(tree, centre, std::numeric_limits<double>::infinity(), &visits).distance2)};
+    return {centre, std::sqrt(lumen.nearest(centre, std::numeric_limits<double>::infinity(), &visits).distance2)};
 }
 
 bool balls_overlap(const MedialGraph& graph, std::size_t i, std::size_t j)
@@ -150,6 +150,25 @@ std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<i
             }
     }
     return seeds;
+}
+
+/// Samples in the order of the tree's leaves, so that those that follow each other meet the same wall, in whatever order a file has it.
+std::vector<int> along_the_wall(const WallTree& tree, const WallMesh& mesh, const std::vector<int>& seeds,
+                                const std::vector<int>& sample_of_vertex)
+{
+    std::vector<int> order;
+    order.reserve(seeds.size());
+    std::vector<bool> listed(seeds.size(), false);
+    for (const std::uint32_t t : tree.original)
+        for (const std::int32_t v : mesh.triangles[t]) {
+            const int sample = sample_of_vertex[static_cast<std::size_t>(v)];
+            if (seeds[static_cast<std::size_t>(sample)] != v || listed[static_cast<std::size_t>(sample)]) continue;
+            listed[static_cast<std::size_t>(sample)] = true;
+            order.push_back(sample);
+        }
+    for (std::size_t i = 0; i < listed.size(); ++i)  // vertices of no triangle
+        if (!listed[i]) order.push_back(static_cast<int>(i));
+    return order;
 }
 
 /// Largest first, keeps the balls that add something: one whose centre is near the centre of a kept ball, or that hardly stands
@@ -241,13 +260,12 @@ void mark_lumen(MedialGraph& graph)
 
 }  // namespace
 
-MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen,
-                               std::size_t sample_limit)
+MedialGraph build_medial_graph(const WallMesh& mesh, const MeshEdges& edges, const std::vector<BoundaryLoop>& openings,
+                               const LumenQuery& lumen, std::size_t sample_limit)
 {
     MedialGraph graph;
     if (mesh.triangles.empty()) return graph;
     std::vector<int> row, to;
-    const MeshEdges edges = find_edges(mesh);
     vertex_links(edges, mesh, row, to);
     graph.sample_of_vertex.assign(mesh.vertices.size(), -1);
     const std::vector<int> seeds = gather_patches(row, to, mesh.vertices.size() / sample_limit + 1, graph.sample_of_vertex);
@@ -267,17 +285,20 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     // Each ball is independent, with its own visits: neither their sum nor a refusal depends on the threads.
     const double most_visits = work_limit(2.4e8, 2e4, mesh.vertices.size());  // patients: up to 1e8
     std::atomic<std::uint64_t> visits = 0;
-    for_each_piece(static_cast<int>(seeds.size()), 256, [&](int begin, int end) {
+    const std::vector<int> order = along_the_wall(lumen.tree(), mesh, seeds, graph.sample_of_vertex);
+    for_each_piece(static_cast<int>(order.size()), 256, [&](int begin, int end) {
         Met met;
         met.fill(-1);
         TiedPlaces tied;  // of this piece alone, so that no thread changes another's answer
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+        for (int k = begin; k < end; ++k) {
             if (static_cast<double>(visits) > most_visits) return;
+            const auto i = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
             const auto v = static_cast<std::size_t>(seeds[i]);
-            const Vec3 &at = mesh.vertices[v], &normal = lumen.vertex_normal(v);
+            const Vec3 at = mesh.vertices[v];
             graph.wall[i] = at;
             std::uint64_t here = openings.size();
-            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), met, tied, here);
+            const Vec3 normal = lumen.vertex_normal(seeds[i], &here);
+            balls[i] = medial_ball(lumen, at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), met, tied, here);
             if (!box.contains(balls[i].centre)) balls[i] = {at, 0.0};  // of a wall that faces out of everything
             balls[i].radius = std::max(balls[i].radius, 1e-9 * limit);
             visits += here;

@@ -1,40 +1,15 @@
-// Components by disjoint sets, volumes by the divergence theorem.
+// Volumes of components by the divergence theorem.
 #include "vessel/mesh_components.h"
 
 #include "vessel/triangle_geometry.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace seldinger {
 
 std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges& edges)
 {
-    // Sets of triangles that share an edge. Each points to an earlier triangle of its set, the first to itself.
-    std::vector<std::int32_t> earlier(mesh.triangles.size());
-    std::iota(earlier.begin(), earlier.end(), 0);
-    const auto first_of = [&](std::int32_t t) {
-        while (true) {
-            std::int32_t& up = earlier[static_cast<std::size_t>(t)];
-            if (up == t) return t;
-            t = up = earlier[static_cast<std::size_t>(up)];
-        }
-    };
-    for (std::size_t k = 0; k < edges.count(); ++k) {
-        const auto uses = edges.uses(k);
-        std::int32_t least = first_of(uses[0] / 3);
-        for (const std::int32_t h : uses.subspan(1)) {
-            const std::int32_t other = first_of(h / 3);
-            earlier[static_cast<std::size_t>(std::max(least, other))] = std::min(least, other);
-            least = std::min(least, other);
-        }
-    }
-    std::int32_t count = 0;
-    for (std::size_t t = 0; t < earlier.size(); ++t) {  // numbers take the place of what points to earlier ones, which have theirs
-        const auto up = static_cast<std::size_t>(earlier[t]);
-        earlier[t] = up == t ? count++ : earlier[up];
-    }
-    return earlier;
+    return label_sets(mesh, edges, [](std::span<const std::int32_t>) { return true; });
 }
 
 std::vector<bool> vertices_of_largest(const WallMesh& mesh, const std::vector<std::int32_t>& label)

@@ -22,9 +22,8 @@ void require_triangles(const WallMesh& mesh, const RepairReport& report)
                     report.triangles_read, report.non_finite_dropped, report.degenerate_dropped, report.duplicates_dropped));
 }
 
-void count(const WallMesh& mesh, RepairReport& report)
+void count(const WallMesh& mesh, const MeshEdges& edges, RepairReport& report)
 {
-    const MeshEdges edges = find_edges(mesh);
     report.triangles = static_cast<long>(mesh.triangles.size());
     report.vertices = static_cast<long>(mesh.vertices.size());
     report.boundary_edges = report.non_manifold_edges = report.slivers = 0;
@@ -79,14 +78,14 @@ RepairReport repair(WallMesh& mesh)
     weld(mesh, report);
     drop_degenerate(mesh, report);
     drop_duplicates(mesh, report);
-    drop_flaps(mesh, report);
+    MeshEdges edges = drop_flaps(mesh, report);
     require_triangles(mesh, report);
     require_no_strays(mesh, median_edge(mesh));
-    orient(mesh, report);
-    close_holes(mesh, report);
-    dissolve_needles(mesh, report);
+    orient(mesh, edges, report);
+    close_holes(mesh, edges, report);
+    dissolve_needles(mesh, edges, report);
     require_triangles(mesh, report);
-    count(mesh, report);
+    count(mesh, edges, report);
     write_notes(report);
     return report;
 }
@@ -95,7 +94,7 @@ RepairReport describe(const WallMesh& mesh)
 {
     RepairReport report;
     report.triangles_read = static_cast<long>(mesh.triangles.size());
-    count(mesh, report);
+    count(mesh, find_edges(mesh), report);
     return report;
 }
 

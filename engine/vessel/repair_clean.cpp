@@ -137,36 +137,46 @@ double median_edge(const WallMesh& mesh)
 
 namespace {
 
-/// Hash grid of representatives in one table: a node of memory for each cell took most of the time. Cells are 4 tolerances wide, so
-/// most points look into one cell only.
+/// Hash grid of representatives in one table, each with its place: a look-up is one line of memory, which whoever asks for many can ask
+/// for ahead. Cells are 4 tolerances wide.
 class WeldGrid {
 public:
-    WeldGrid(const std::vector<Vec3>& vertices, double tolerance, const Vec3& low)
-        : vertices_(vertices), tolerance_(tolerance), cell_(4 * tolerance), low_(low)
+    WeldGrid(std::size_t vertices, double tolerance, const Vec3& low) : tolerance_(tolerance), cell_(4 * tolerance), low_(low)
     {
         // a soup has six copies of each vertex, so this is rarely too small
         std::size_t slots = 64;
-        while (slots < vertices.size() / 2) slots *= 2;
+        while (slots < vertices / 3) slots *= 2;
         slots_.resize(slots);
     }
-    /// The earlier vertex that v is welded to, or v itself, which then represents its place.
-    std::int32_t representative(std::int32_t v)
+    /// Where a vertex at p is looked for first.
+    [[nodiscard]] std::uint64_t home(const Vec3& p) const { return key(cell(p.x(), 0), cell(p.y(), 1), cell(p.z(), 2)); }
+    void expect(std::uint64_t home) const { __builtin_prefetch(&slots_[home & (slots_.size() - 1)]); }
+
+    /// The earlier vertex that v is welded to, or v itself, which then represents its place p.
+    std::int32_t representative(std::int32_t v, const Vec3& p, std::uint64_t home)
     {
-        const Vec3& p = vertices_[static_cast<std::size_t>(v)];
+        // Representatives are farther apart than the tolerance: one in the very place of p is the only one within it.
+        for (std::size_t at = first(home); slots_[at].vertex >= 0; at = next(at))
+            if (slots_[at].place == p) return slots_[at].vertex;
         std::int32_t best = v;
         std::array<std::int64_t, 3> from, to;
-        for (std::size_t d = 0; d < 3; ++d) {
-            from[d] = static_cast<std::int64_t>(std::floor((p[d] - tolerance_ - low_[d]) / cell_));
-            to[d] = static_cast<std::int64_t>(std::floor((p[d] + tolerance_ - low_[d]) / cell_));
-        }
+        for (std::size_t d = 0; d < 3; ++d) from[d] = cell(p[d] - tolerance_, d), to[d] = cell(p[d] + tolerance_, d);
         for (std::int64_t x = from[0]; x <= to[0]; ++x)
             for (std::int64_t y = from[1]; y <= to[1]; ++y)
                 for (std::int64_t z = from[2]; z <= to[2]; ++z) best = std::min(best, search(key(x, y, z), p, v));
-        if (best == v) insert(v, p);
+        if (best == v) insert({p, v}, home);
         return best;
     }
 
 private:
+    struct Slot {
+        Vec3 place;
+        std::int32_t vertex = -1;  // -1: empty
+    };
+    [[nodiscard]] std::int64_t cell(double coordinate, std::size_t d) const
+    {
+        return static_cast<std::int64_t>(std::floor((coordinate - low_[d]) / cell_));
+    }
     static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z)
     {
         // cells that share a key are distinguished by distance; mixed by large odd numbers, so that distant cells in a row do not
@@ -176,55 +186,50 @@ private:
         mixed = (mixed ^ (mixed >> 29) ^ static_cast<std::uint64_t>(z)) * 0x94d049bb133111ebu;
         return mixed ^ (mixed >> 32);
     }
-    std::int32_t search(std::uint64_t cell, const Vec3& p, std::int32_t v) const
+    [[nodiscard]] std::size_t first(std::uint64_t key) const { return key & (slots_.size() - 1); }
+    [[nodiscard]] std::size_t next(std::size_t at) const { return (at + 1) & (slots_.size() - 1); }
+    [[nodiscard]] std::int32_t search(std::uint64_t key, const Vec3& p, std::int32_t v) const
     {
         std::int32_t best = v;
-        for (std::int32_t i = slots_[slot_of(cell)].head; i >= 0; i = chain_[static_cast<std::size_t>(i)].next) {
-            const std::int32_t other = chain_[static_cast<std::size_t>(i)].vertex;
-            if ((vertices_[static_cast<std::size_t>(other)] - p).norm() <= tolerance_) best = std::min(best, other);
-        }
+        for (std::size_t at = first(key); slots_[at].vertex >= 0; at = next(at))
+            if ((slots_[at].place - p).norm() <= tolerance_) best = std::min(best, slots_[at].vertex);
         return best;
     }
-    void insert(std::int32_t v, const Vec3& p)
+    void insert(const Slot& slot, std::uint64_t home)
     {
-        std::array<std::int64_t, 3> c;
-        for (std::size_t d = 0; d < 3; ++d) c[d] = static_cast<std::int64_t>(std::floor((p[d] - low_[d]) / cell_));
         if (2 * ++used_ > slots_.size()) grow();
-        const std::uint64_t cell = key(c[0], c[1], c[2]);
-        Slot& slot = slots_[slot_of(cell)];
-        slot.cell = cell;
-        chain_.push_back({v, slot.head});
-        slot.head = static_cast<std::int32_t>(chain_.size()) - 1;
-    }
-    /// Where the cell is, or the empty slot where it would be.
-    [[nodiscard]] std::size_t slot_of(std::uint64_t cell) const
-    {
-        const std::size_t mask = slots_.size() - 1;
-        std::size_t at = cell & mask;
-        while (slots_[at].head >= 0 && slots_[at].cell != cell) at = (at + 1) & mask;
-        return at;
+        std::size_t at = first(home);
+        while (slots_[at].vertex >= 0) at = next(at);
+        slots_[at] = slot;
     }
     void grow()
     {
         std::vector<Slot> old(2 * slots_.size());
         old.swap(slots_);
+        used_ = 1;  // the one that is coming
         for (const Slot& slot : old)
-            if (slot.head >= 0) slots_[slot_of(slot.cell)] = slot;
+            if (slot.vertex >= 0) insert(slot, home(slot.place));
     }
-    struct Slot {
-        std::uint64_t cell = 0;
-        std::int32_t head = -1;  // in chain_; -1: empty
-    };
-    struct Link {
-        std::int32_t vertex, next;
-    };
-    const std::vector<Vec3>& vertices_;
     double tolerance_, cell_;
     Vec3 low_;
     std::vector<Slot> slots_;  // open addressing, a power of two
-    std::size_t used_ = 0;     // or a few more
-    std::vector<Link> chain_;
+    std::size_t used_ = 0;
 };
+
+/// Of each vertex the earlier one that it is welded to, or itself.
+std::vector<std::int32_t> weld_targets(const std::vector<Vec3>& vertices, double tolerance, const Vec3& low)
+{
+    constexpr std::size_t ahead = 32;
+    WeldGrid grid(vertices.size(), tolerance, low);
+    std::vector<std::int32_t> target(vertices.size());
+    std::array<std::uint64_t, ahead> home;
+    for (std::size_t begin = 0; begin < target.size(); begin += ahead) {
+        const std::size_t end = std::min(begin + ahead, target.size());
+        for (std::size_t v = begin; v < end; ++v) grid.expect(home[v - begin] = grid.home(vertices[v]));
+        for (std::size_t v = begin; v < end; ++v) target[v] = grid.representative(static_cast<std::int32_t>(v), vertices[v], home[v - begin]);
+    }
+    return target;
+}
 
 }  // namespace
 
@@ -248,12 +253,8 @@ void weld(WallMesh& mesh, RepairReport& report)
     // nearer than 1e-16 of the box. Cells are numbered in 64 bits.
     const double across = box.diagonal().norm();
     const double tolerance = std::max({std::min(1e-6 * across, 1e-3 * median_edge(mesh)), 1e-17 * across, 1e-300});
-    WeldGrid grid(mesh.vertices, tolerance, box.min());
-    std::vector<std::int32_t> target(mesh.vertices.size());
-    for (std::size_t v = 0; v < target.size(); ++v) {
-        target[v] = grid.representative(static_cast<std::int32_t>(v));
-        report.vertices_welded += target[v] != static_cast<std::int32_t>(v);
-    }
+    const std::vector<std::int32_t> target = weld_targets(mesh.vertices, tolerance, box.min());
+    for (std::size_t v = 0; v < target.size(); ++v) report.vertices_welded += target[v] != static_cast<std::int32_t>(v);
     for (auto& triangle : mesh.triangles)
         for (auto& v : triangle) v = target[static_cast<std::size_t>(v)];
     drop_unused_vertices(mesh);
@@ -289,13 +290,14 @@ void drop_duplicates(WallMesh& mesh, RepairReport& report)
                                "both of each pair were removed.");
 }
 
-void drop_flaps(WallMesh& mesh, RepairReport& report)
+MeshEdges drop_flaps(WallMesh& mesh, RepairReport& report)
 {
     long dropped = 0;
+    MeshEdges edges;
     WorkBudget work("taking off flaps, a rim at a time,", 1e7 + 100.0 * static_cast<double>(mesh.triangles.size()));
     for (long last = -1; last != 0;) {  // a flap may be several triangles long
         work.spend(static_cast<double>(mesh.triangles.size()));
-        const MeshEdges edges = find_edges(mesh);
+        edges = find_edges(mesh);
         std::vector<std::uint8_t> open(mesh.triangles.size(), 0);  // open edges of each triangle
         for (std::size_t k = 0; k < edges.count(); ++k)
             if (edges.uses(k).size() == 1) ++open[static_cast<std::size_t>(edges.uses(k)[0] / 3)];
@@ -315,15 +317,15 @@ void drop_flaps(WallMesh& mesh, RepairReport& report)
         report.degenerate_dropped += dropped;
         report.notes.push_back(std::to_string(dropped) + " triangles hung on the wall as flaps and were removed.");
     }
-    drop_unused_vertices(mesh);
+    drop_unused_vertices(mesh);  // which keeps the order of the others, and with it that of the edges
+    return edges;
 }
 
-void dissolve_needles(WallMesh& mesh, RepairReport& report)
+void dissolve_needles(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
 {
     // height below 1e-6 of the longest edge: float32 input cannot tell such a triangle's normal
     constexpr double kFlat = 1e-6;
     for (int pass = 0; pass < 4; ++pass) {
-        const MeshEdges edges = find_edges(mesh);
         const std::vector<std::int32_t> opposite = opposite_half_edges(mesh, edges);
         std::vector<bool> gone(mesh.triangles.size(), false), touched(mesh.triangles.size(), false);
         std::vector<std::array<std::int32_t, 3>> added;
@@ -356,6 +358,7 @@ void dissolve_needles(WallMesh& mesh, RepairReport& report)
         keep_triangles(mesh, [&](std::size_t t) { return !gone[t]; });
         mesh.triangles.insert(mesh.triangles.end(), added.begin(), added.end());
         if (needles == 0 && !again) break;
+        edges = find_edges(mesh);
     }
     drop_unused_vertices(mesh);
 }

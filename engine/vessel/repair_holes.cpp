@@ -62,9 +62,10 @@ void fill(WallMesh& mesh, const std::vector<std::int32_t>& loop)
 
 }  // namespace
 
-void close_holes(WallMesh& mesh, RepairReport& report)
+void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
 {
-    const MeshEdges edges = find_edges(mesh);
+    const std::vector<std::vector<std::int32_t>> chains = boundary_chains(mesh, edges);
+    if (chains.empty()) return;
     const std::vector<std::int32_t> label = label_components(mesh, edges);
     const std::vector<MeshComponent> parts = measure_components(mesh, edges, label);
     // area-weighted normal and component of the triangles along each boundary vertex's outgoing edge
@@ -75,7 +76,7 @@ void close_holes(WallMesh& mesh, RepairReport& report)
 
     // a hole of 200 corners takes 1.3 million steps
     WorkBudget work("filling its holes", 1e8 + 100.0 * static_cast<double>(mesh.triangles.size()));
-    for (const auto& chain : boundary_chains(mesh, edges)) {
+    for (const auto& chain : chains) {
         const BoundaryLoop loop = describe_loop(mesh, chain);
         double facing = 0;
         for (const std::int32_t v : chain) {
@@ -90,6 +91,7 @@ void close_holes(WallMesh& mesh, RepairReport& report)
         fill(mesh, chain);
         ++report.hole_loops_closed;
     }
+    if (report.hole_loops_closed > 0) edges = find_edges(mesh);
 }
 
 }  // namespace seldinger::repair_steps

@@ -90,6 +90,16 @@ private:
     std::vector<std::size_t> plain_, crowded_;
 };
 
+/// Whether there is nothing to spread: neighbours run against each other along every edge.
+bool is_consistent(const WallMesh& mesh, const MeshEdges& edges)
+{
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        const auto uses = edges.uses(k);
+        if (uses.size() > 2 || (uses.size() == 2 && half_edge_from(mesh, uses[0]) == half_edge_from(mesh, uses[1]))) return false;
+    }
+    return true;
+}
+
 void turn(WallMesh& mesh, std::size_t t) { std::swap(mesh.triangles[t][1], mesh.triangles[t][2]); }
 
 /// True when p lies inside the part, its openings capped: the winding number rounds to something else than 0.
@@ -127,11 +137,10 @@ void note_components(const std::vector<MeshComponent>& parts, long nested, Repai
 
 }  // namespace
 
-void orient(WallMesh& mesh, RepairReport& report)
+void orient(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
 {
     std::vector<std::array<std::int32_t, 3>> as_read = mesh.triangles;
-    MeshEdges edges = find_edges(mesh);
-    {
+    if (!is_consistent(mesh, edges)) {
         const std::vector<std::int8_t> flip = OrientationSpread(mesh, edges).run();
         for (std::size_t t = 0; t < flip.size(); ++t)
             if (flip[t] == 1) turn(mesh, t);
@@ -167,6 +176,7 @@ void orient(WallMesh& mesh, RepairReport& report)
     report.flipped = report.inverted ? count - turned : turned;
     note_components(parts, nested, report);
     if (shell) drop_unused_vertices(mesh);
+    if (turned > 0) edges = find_edges(mesh);
 }
 
 }  // namespace seldinger::repair_steps

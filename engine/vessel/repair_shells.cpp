@@ -23,28 +23,13 @@ constexpr std::size_t samples = 200;
 /// Groups of triangles that are joined without crossing an edge that turns by more than a rim's angle.
 std::vector<std::int32_t> smooth_patches(const WallMesh& mesh, const MeshEdges& edges)
 {
-    std::vector<std::int32_t> opposite = opposite_half_edges(mesh, edges), label(mesh.triangles.size(), -1), stack;
     const double least = std::cos(rim_angle * std::numbers::pi / 180);
-    std::vector<Vec3> normal;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) normal.push_back(double_area(triangle_of(mesh, t)).normalized());
-    std::int32_t count = 0;
-    for (std::size_t seed = 0; seed < label.size(); ++seed) {
-        if (label[seed] >= 0) continue;
-        label[seed] = count;
-        for (stack.assign(1, static_cast<std::int32_t>(seed)); !stack.empty();) {
-            const std::int32_t t = stack.back();
-            stack.pop_back();
-            for (std::int32_t e = 0; e < 3; ++e) {
-                const std::int32_t across = opposite[static_cast<std::size_t>(3 * t + e)];
-                if (across < 0 || label[static_cast<std::size_t>(across / 3)] >= 0) continue;
-                if (normal[static_cast<std::size_t>(t)].dot(normal[static_cast<std::size_t>(across / 3)]) < least) continue;
-                label[static_cast<std::size_t>(across / 3)] = count;
-                stack.push_back(across / 3);
-            }
-        }
-        ++count;
-    }
-    return label;
+    std::vector<Vec3> normal(mesh.triangles.size());
+    for (std::size_t t = 0; t < normal.size(); ++t) normal[t] = double_area(triangle_of(mesh, t)).normalized();
+    return label_sets(mesh, edges, [&](std::span<const std::int32_t> uses) {
+        if (uses.size() != 2) return false;
+        return !(normal[static_cast<std::size_t>(uses[0] / 3)].dot(normal[static_cast<std::size_t>(uses[1] / 3)]) < least);
+    });
 }
 
 struct Patch {

@@ -14,12 +14,14 @@ void drop_non_finite(WallMesh& mesh, RepairReport& report);
 void weld(WallMesh& mesh, RepairReport& report);
 void drop_degenerate(WallMesh& mesh, RepairReport& report);  // two equal corners
 void drop_duplicates(WallMesh& mesh, RepairReport& report);  // same three corners; folds
-void drop_flaps(WallMesh& mesh, RepairReport& report);
-void dissolve_needles(WallMesh& mesh, RepairReport& report);  // no height
+[[nodiscard]] MeshEdges drop_flaps(WallMesh& mesh, RepairReport& report);  // the edges that are left
+/// Triangles of no height. @param edges  in and out: the mesh's
+void dissolve_needles(WallMesh& mesh, MeshEdges& edges, RepairReport& report);
 void drop_unused_vertices(WallMesh& mesh);
 
 // repair_orient.cpp
-void orient(WallMesh& mesh, RepairReport& report);
+/// @param edges  in and out: the mesh's
+void orient(WallMesh& mesh, MeshEdges& edges, RepairReport& report);
 
 // repair_shells.cpp
 /// Where a vessel's wall is modelled with its thickness, as 3D printers and tissue models need it, leaves the inner shell only.
@@ -28,6 +30,7 @@ void orient(WallMesh& mesh, RepairReport& report);
 bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read, RepairReport& report);
 
 // repair_holes.cpp
-void close_holes(WallMesh& mesh, RepairReport& report);
+/// @param edges  in and out: the mesh's
+void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report);
 
 }  // namespace seldinger::repair_steps

@@ -240,6 +240,77 @@ void write_triangle(WallTree& tree, const WallMesh& mesh, std::size_t k)
     for (int d = 0; d < 3; ++d) tree.normals[3 * k + static_cast<std::size_t>(d)] = static_cast<float>(normal[d]);
 }
 
+void write_triangles(WallTree& tree, const WallMesh& mesh)
+{
+    tree.vertices.resize(9 * tree.original.size());
+    tree.normals.resize(3 * tree.original.size());
+    for (std::size_t k = 0; k < tree.original.size(); ++k) write_triangle(tree, mesh, k);
+}
+
+Vec3 centre_of(const WallMesh& mesh)
+{
+    Box3 box;
+    for (const Vec3& v : mesh.vertices) box.extend(v);
+    return box.center();
+}
+
+/// Whether the nodes are a tree whose leaves have all triangles, in their order, and the triangles are those of a mesh.
+bool is_division(const TreeDivision& division, std::size_t triangles)
+{
+    if (division.original.size() != triangles || division.edge_bits.size() != triangles) return false;
+    std::vector<bool> seen(triangles, false);
+    for (const std::uint32_t t : division.original) {
+        if (t >= triangles || seen[t]) return false;
+        seen[t] = true;
+    }
+    struct Next {
+        std::size_t node;
+        int depth;
+    };
+    std::size_t visited = 0, next_triangle = 0;
+    for (std::vector<Next> stack = {{0, 0}}; !stack.empty();) {
+        const auto [i, depth] = stack.back();
+        stack.pop_back();
+        if (i >= division.nodes.size() || depth >= SEL_TREE_STACK) return false;
+        ++visited;
+        const auto [left_or_first, count] = division.nodes[i];
+        if (count == 0) {
+            if (left_or_first <= i) return false;  // children stand behind their parent
+            stack.push_back({left_or_first + std::size_t{1}, depth + 1});
+            stack.push_back({left_or_first, depth + 1});
+            continue;
+        }
+        if (left_or_first != next_triangle || SEL_LEAF_TRIANGLES(count) == 0 || SEL_LEAF_TRIANGLES(count) > SEL_TREE_LEAF) return false;
+        next_triangle += SEL_LEAF_TRIANGLES(count);
+    }
+    return visited == division.nodes.size() && next_triangle == triangles;
+}
+
+/// From the leaves up; children stand behind their parent. @return the depth of the deepest leaf
+int write_boxes(WallTree& tree)
+{
+    std::vector<std::uint8_t> height(tree.nodes.size(), 0);
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+        TreeNode& node = tree.nodes[i];
+        Box box;
+        if (node.count > 0) {
+            const std::size_t first = node.left_or_first, end = first + SEL_LEAF_TRIANGLES(node.count);
+            for (const float *v = &tree.vertices[9 * first], *stop = v + 9 * (end - first); v != stop; v += 3) {
+                const Lane4 p(v[0], v[1], v[2], 0);
+                box.add(p, p);
+            }
+        } else {
+            for (const std::size_t child : {node.left_or_first, node.left_or_first + 1}) {
+                const TreeNode& below = tree.nodes[child];
+                box.add(Lane4(below.lo[0], below.lo[1], below.lo[2], 0), Lane4(below.hi[0], below.hi[1], below.hi[2], 0));
+                height[i] = std::max<std::uint8_t>(height[i], height[child] + 1);
+            }
+        }
+        box.store(node);
+    }
+    return height[0];
+}
+
 /// The slab of a leaf whose box and whose triangles' vertices are there (tree_types.h).
 void set_slab(const WallTree& tree, TreeNode& leaf)
 {
@@ -308,9 +379,7 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
     WallTree tree;
     if (mesh.triangles.empty()) return tree;
     SEL_ASSERT(mesh.triangles.size() < (1u << 30));  // what an Item's lane holds
-    Box3 box;
-    for (const Vec3& v : mesh.vertices) box.extend(v);
-    tree.centre = box.center();
+    tree.centre = centre_of(mesh);
     if (threads == 0) threads = mesh.triangles.size() > 10000 ? 2 : 1;
 
     std::vector<std::uint8_t> bits;
@@ -322,18 +391,40 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
     if (edge_work.joinable()) edge_work.join();
     SEL_ASSERT(tree.depth < SEL_TREE_STACK);
 
-    const std::size_t count = items.size();
-    tree.original.resize(count);
-    tree.edge_bits.resize(count);
-    tree.vertices.resize(9 * count);
-    tree.normals.resize(3 * count);
-    for (std::size_t k = 0; k < count; ++k) {
+    tree.original.resize(items.size());
+    tree.edge_bits.resize(items.size());
+    for (std::size_t k = 0; k < items.size(); ++k) {
         tree.original[k] = items[k].id();
         tree.edge_bits[k] = bits[tree.original[k]];
-        write_triangle(tree, mesh, k);
     }
+    write_triangles(tree, mesh);
     for (TreeNode& node : tree.nodes)
         if (node.count > 0) set_slab(tree, node);
+    return tree;
+}
+
+TreeDivision division_of(const WallTree& tree)
+{
+    TreeDivision division{{}, tree.original, tree.edge_bits};
+    division.nodes.reserve(tree.nodes.size());
+    for (const TreeNode& node : tree.nodes) division.nodes.push_back({node.left_or_first, node.count});
+    return division;
+}
+
+std::optional<WallTree> divided_wall_tree(const WallMesh& mesh, TreeDivision division)
+{
+    if (mesh.triangles.empty() || !is_division(division, mesh.triangles.size())) return std::nullopt;
+    WallTree tree;
+    tree.centre = centre_of(mesh);
+    tree.nodes.resize(division.nodes.size());
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+        tree.nodes[i].left_or_first = division.nodes[i][0];
+        tree.nodes[i].count = division.nodes[i][1];
+    }
+    tree.original = std::move(division.original);
+    tree.edge_bits = std::move(division.edge_bits);
+    write_triangles(tree, mesh);
+    tree.depth = write_boxes(tree);
     return tree;
 }
 

@@ -2,8 +2,10 @@
 #include "core/check.h"
 #include "vessel/tree.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace seldinger {
 namespace {
@@ -16,16 +18,6 @@ double box_distance2(const TreeNode& node, const Vec3& p)
         sum += outside * outside;
     }
     return sum;
-}
-
-/// Squared distances to the contents of nodes, or lower bounds. @param far  above this any answer above it will do
-double least_distance2(const WallTree& tree, const TreeSlab* slabs, std::uint32_t node, const Vec3& p, double far)
-{
-    if (!slabs) return box_distance2(tree.nodes[node], p);
-    const TreeSlab& slab = slabs[node];  // first: most nodes end here, and their boxes stay out of the cache
-    const double above = slab.normal[0] * p[0] + slab.normal[1] * p[1] + slab.normal[2] * p[2] - slab.highest;
-    const double plane = above > 0 ? above * above : 0.0;
-    return plane > far ? plane : std::max(plane, box_distance2(tree.nodes[node], p));
 }
 
 /// Entry distance of the ray into the box, infinity when it misses it.
@@ -61,62 +53,145 @@ double ray_triangle(const Vec3& origin, const Vec3& direction, const Triangle3& 
     return ac.dot(q) / det;
 }
 
-}  // namespace
+/// Goes down the tree from the root, nearer parts first, and leaves out what is farther than the best so far.
+struct NearestSearch {
+    using Four = Eigen::Array4f;
 
-TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::uint64_t* visits, std::int64_t guess)
-{
-    TreeHit best;
-    best.distance2 = limit * limit;
-    if (tree.nodes.empty()) return best;
-    const Vec3 local = p - tree.centre;
-    const auto look_at = [&](std::uint32_t k) {
+    NearestSearch(const WallTree& wall, const Vec3& from, double limit) : tree(wall), local(from) { best.distance2 = limit * limit; }
+
+    void look_at(std::uint32_t k)
+    {
         const ClosestPoint c = closest_point(local, tree.triangle(k));
         const double d2 = (local - c.point).squaredNorm();
         if (d2 < best.distance2 || (d2 == best.distance2 && (best.triangle < 0 || k < best.triangle)))
             best = {d2, k, c.point, c.feature};
-    };
-    if (guess >= 0) look_at(static_cast<std::uint32_t>(guess));
-    const TreeSlab* slabs = tree.slabs.empty() ? nullptr : tree.slabs.data();
-    std::uint32_t stack[SEL_TREE_STACK];
-    double entry[SEL_TREE_STACK];
-    int top = 0;
-    std::uint64_t looked_at = 0;
-    std::uint32_t current = 0;
-    double current_entry = 0;
-    while (true) {
-        if (current_entry <= best.distance2) {
-            const TreeNode& node = tree.nodes[current];
-            ++looked_at;
-            if (node.count > 0) {
-                looked_at += SEL_LEAF_TRIANGLES(node.count);
-                for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k)
-                    look_at(k);
-            } else {
-                looked_at += 2;
-                const std::uint32_t left = node.left_or_first;
-                const double dl = least_distance2(tree, slabs, left, local, best.distance2),
-                             dr = least_distance2(tree, slabs, left + 1, local, best.distance2);
-                const bool left_first = dl <= dr;
-                const double nearer = left_first ? dl : dr, other = left_first ? dr : dl;
-                if (other <= best.distance2) {
-                    SEL_ASSERT(top < SEL_TREE_STACK);
-                    stack[top] = left_first ? left + 1 : left;
-                    entry[top++] = other;
+    }
+    void look_at(std::uint32_t first, std::uint32_t count)
+    {
+        looked_at += 1 + count;
+        for (std::uint32_t k = first; k < first + count; ++k) look_at(k);
+    }
+
+    void by_boxes()
+    {
+        std::uint32_t stack[SEL_TREE_STACK];
+        double entry[SEL_TREE_STACK];
+        int top = 0;
+        std::uint32_t current = 0;
+        double current_entry = 0;
+        while (true) {
+            if (current_entry <= best.distance2) {
+                const TreeNode& node = tree.nodes[current];
+                if (node.count > 0) {
+                    look_at(node.left_or_first, SEL_LEAF_TRIANGLES(node.count));
+                } else {
+                    looked_at += 3;
+                    const std::uint32_t left = node.left_or_first;
+                    const double dl = box_distance2(tree.nodes[left], local), dr = box_distance2(tree.nodes[left + 1], local);
+                    const bool left_first = dl <= dr;
+                    const double nearer = left_first ? dl : dr, other = left_first ? dr : dl;
+                    if (other <= best.distance2) {
+                        SEL_ASSERT(top < SEL_TREE_STACK);
+                        stack[top] = left_first ? left + 1 : left;
+                        entry[top++] = other;
+                    }
+                    if (nearer <= best.distance2) {
+                        current = left_first ? left : left + 1;
+                        current_entry = nearer;
+                        continue;
+                    }
                 }
-                if (nearer <= best.distance2) {
-                    current = left_first ? left : left + 1;
-                    current_entry = nearer;
+            }
+            if (top == 0) break;
+            current = stack[--top];
+            current_entry = entry[top];
+        }
+    }
+
+    /// Bounds in float, lowered by their rounding (tree_quads.cpp): what they exclude is farther in double, too.
+    void by_quads(std::span<const TreeQuad> quads)
+    {
+        struct Entry {
+            std::uint32_t child;
+            float distance2;
+        };
+        Entry stack[2 * SEL_TREE_STACK];  // three for every two levels
+        int top = 0;
+        const float p[3] = {static_cast<float>(local[0]), static_cast<float>(local[1]), static_cast<float>(local[2])};
+        for (std::uint32_t current = 0;;) {
+            if (current & TreeQuad::leaf) {
+                look_at(current & TreeQuad::first_triangle, (current >> TreeQuad::count_shift & 3) + 1);
+            } else {
+                looked_at += 5;
+                const TreeQuad& quad = quads[current];
+                const Four distance2 = quad_distance2(quad, p);
+                const float far = farthest();
+                Entry nearest{0, std::numeric_limits<float>::infinity()};
+                for (int k = 0; k < 4; ++k) {
+                    Entry entry{quad.child[k], distance2[k]};
+                    if (!(entry.distance2 <= far)) continue;
+                    if (entry.distance2 < nearest.distance2) std::swap(entry, nearest);
+                    if (entry.distance2 <= far) stack[top++] = entry;
+                }
+                SEL_ASSERT(top <= 2 * SEL_TREE_STACK - 3);
+                if (nearest.distance2 <= far) {
+                    current = nearest.child;
                     continue;
                 }
             }
+            const float far = farthest();
+            while (top > 0 && stack[top - 1].distance2 > far) --top;
+            if (top == 0) break;
+            current = stack[--top].child;
         }
-        if (top == 0) break;
-        current = stack[--top];
-        current_entry = entry[top];
     }
-    if (visits) *visits += looked_at;
-    best.point += tree.centre;
-    return best;
+
+    const WallTree& tree;
+    Vec3 local;  // relative to the tree's centre
+    TreeHit best;
+    std::uint64_t looked_at = 0;
+
+private:
+
+    /// Bounds above this are above the best, and finite.
+    [[nodiscard]] float farthest() const
+    {
+        return static_cast<float>(std::min(best.distance2 * (1 + 2e-7), static_cast<double>(std::numeric_limits<float>::max())));
+    }
+
+    static Four four(const float (&values)[4]) { return Eigen::Map<const Four, Eigen::Aligned16>(values); }
+
+    /// Of the point from the quad's descendants, never more than in truth.
+    static Four quad_distance2(const TreeQuad& quad, const float (&p)[3])
+    {
+        const Four x = p[0] - four(quad.centre[0]), y = p[1] - four(quad.centre[1]), z = p[2] - four(quad.centre[2]);
+        const Four height = four(quad.normal[0]) * x + four(quad.normal[1]) * y + four(quad.normal[2]) * z;
+        // the difference of squares, less its rounding of 15 u of the first and what the normal's length adds to the second
+        const Four aside2 = (1 - 1e-6f) * (x * x + y * y + z * z) - (1 + 1e-6f) * (height * height);
+        const Four along = (height - four(quad.highest)).max(four(quad.lowest) - height).max(0.0f),
+                   aside = (aside2.max(0.0f).sqrt() - four(quad.reach)).max(0.0f);
+        return (1 - 1e-6f) * (along * along + aside * aside);
+    }
+};
+
+}  // namespace
+
+TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::uint64_t* visits, std::int64_t guess,
+                        std::span<const TreeQuad> quads)
+{
+    if (tree.nodes.empty()) {
+        TreeHit nothing;
+        nothing.distance2 = limit * limit;
+        return nothing;
+    }
+    NearestSearch search(tree, p - tree.centre, limit);
+    if (guess >= 0) search.look_at(static_cast<std::uint32_t>(guess));
+    // farther away, floats are not fine enough for quads (tree_quads.cpp)
+    if (!quads.empty() && search.local.cwiseAbs().maxCoeff() <= tree.extent()) search.by_quads(quads);
+    else search.by_boxes();
+    if (visits) *visits += search.looked_at;
+    search.best.point += tree.centre;
+    return search.best;
 }
 
 double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip, std::uint64_t* visits)
@@ -148,6 +223,37 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
     }
     if (visits) *visits += looked_at;
     return best;
+}
+
+void triangles_around(const WallTree& tree, const Vec3& p, std::vector<std::uint32_t>& result, std::uint64_t* visits)
+{
+    result.clear();
+    if (tree.nodes.empty()) return;
+    const Vec3 local = p - tree.centre;
+    const float at[3] = {static_cast<float>(local[0]), static_cast<float>(local[1]), static_cast<float>(local[2])};
+    const auto holds = [&](const TreeNode& node) {
+        bool inside = true;
+        for (int d = 0; d < 3; ++d) inside &= node.lo[d] <= at[d] && at[d] <= node.hi[d];
+        return inside;
+    };
+    std::uint32_t stack[SEL_TREE_STACK + 1];
+    int top = 0;
+    std::uint64_t looked_at = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+        const TreeNode& node = tree.nodes[stack[--top]];
+        ++looked_at;
+        if (!holds(node)) continue;
+        if (node.count > 0) {
+            looked_at += SEL_LEAF_TRIANGLES(node.count);
+            for (std::uint32_t k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) result.push_back(node.left_or_first + k);
+            continue;
+        }
+        SEL_ASSERT(top + 2 <= SEL_TREE_STACK + 1);
+        stack[top++] = node.left_or_first + 1;
+        stack[top++] = node.left_or_first;
+    }
+    if (visits) *visits += looked_at;
 }
 
 void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi, std::vector<std::uint32_t>& result)
