@@ -41,9 +41,8 @@ std::string describe_entry(const Scene& scene, const RepairReport& vessel, const
 }
 
 /// What an elastic wall's control mesh will be, and what it leaves in displacement and stress.
-std::string describe_wall_mesh(const WorldSetup& setup)
+std::string describe_wall_mesh(const WorldSetup& setup, const WallMechanics& made)
 {
-    const WallMechanics made = expected_mechanics(setup.vessel, setup.mesh, setup.centreline);
     if (made.vertices == 0 || !std::isfinite(made.decay)) return {};
     const bool chosen = setup.vessel.wall_edge == 0;
     const double edge = chosen ? std::min(made.edge, 0.5 * made.decay) : made.edge;
@@ -64,10 +63,10 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
     text += "\n";
     for (const std::string& note : vessel.notes) text += "  vessel: " + note + "\n";
     if (const std::string thick = describe_thick_wall(setup.vessel, setup.centreline); !thick.empty()) text += "  note: " + thick + "\n";
-    if (const std::string coarse = describe_coarse_wall(expected_mechanics(setup.vessel, setup.mesh, setup.centreline), setup.vessel);
-        !coarse.empty() && setup.vessel.wall_edge > 0)
+    const WallMechanics made = expected_mechanics(setup.vessel, setup.mesh, setup.centreline);
+    if (const std::string coarse = describe_coarse_wall(made, setup.vessel); !coarse.empty() && setup.vessel.wall_edge > 0)
         text += "  note: " + coarse + "\n";
-    text += describe_wall_mesh(setup);
+    text += describe_wall_mesh(setup, made);
     for (const WireSetup& wire : setup.wires)
         if (!wire.inlet.empty())
             text += fmt::format("  {}inlet {}\n", wire.name.empty() ? "" : wire.name + ": ", wire.inlet);

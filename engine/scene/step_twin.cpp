@@ -115,8 +115,8 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     hand_release_.add(std::abs(readings.hand_force));
     friction_release_.add(readings.friction);
     window_.tip = run.rod(0).pos(0);
-    if (taken % estimate_.window_steps == 0) estimate_.tip_nodes = std::max(estimate_.tip_nodes, run.node_error(0));
     if (taken % estimate_.window_steps == 0) {
+        estimate_.tip_nodes = std::max(estimate_.tip_nodes, run.node_error(0));
         close();
         open(run, taken);
     }

@@ -174,6 +174,31 @@ private:
     }
 };
 
+/// All triangles (leaf order) in the leaves to which `is_near` leads. @return nodes that it was asked about
+template <class IsNear>
+std::uint64_t triangles_of_leaves(const WallTree& tree, std::vector<std::uint32_t>& result, IsNear is_near)
+{
+    result.clear();
+    if (tree.nodes.empty()) return 0;
+    std::uint32_t stack[SEL_TREE_STACK + 1];
+    int top = 0;
+    std::uint64_t asked = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+        const TreeNode& node = tree.nodes[stack[--top]];
+        ++asked;
+        if (!is_near(node)) continue;
+        if (node.count > 0) {
+            for (std::uint32_t k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) result.push_back(node.left_or_first + k);
+            continue;
+        }
+        SEL_ASSERT(top + 2 <= SEL_TREE_STACK + 1);
+        stack[top++] = node.left_or_first + 1;
+        stack[top++] = node.left_or_first;
+    }
+    return asked;
+}
+
 }  // namespace
 
 TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::uint64_t* visits, std::int64_t guess,
@@ -227,56 +252,24 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
 
 void triangles_around(const WallTree& tree, const Vec3& p, std::vector<std::uint32_t>& result, std::uint64_t* visits)
 {
-    result.clear();
-    if (tree.nodes.empty()) return;
     const Vec3 local = p - tree.centre;
     const float at[3] = {static_cast<float>(local[0]), static_cast<float>(local[1]), static_cast<float>(local[2])};
-    const auto holds = [&](const TreeNode& node) {
+    const std::uint64_t nodes = triangles_of_leaves(tree, result, [&](const TreeNode& node) {
         bool inside = true;
         for (int d = 0; d < 3; ++d) inside &= node.lo[d] <= at[d] && at[d] <= node.hi[d];
         return inside;
-    };
-    std::uint32_t stack[SEL_TREE_STACK + 1];
-    int top = 0;
-    std::uint64_t looked_at = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const TreeNode& node = tree.nodes[stack[--top]];
-        ++looked_at;
-        if (!holds(node)) continue;
-        if (node.count > 0) {
-            looked_at += SEL_LEAF_TRIANGLES(node.count);
-            for (std::uint32_t k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) result.push_back(node.left_or_first + k);
-            continue;
-        }
-        SEL_ASSERT(top + 2 <= SEL_TREE_STACK + 1);
-        stack[top++] = node.left_or_first + 1;
-        stack[top++] = node.left_or_first;
-    }
-    if (visits) *visits += looked_at;
+    });
+    if (visits) *visits += nodes + result.size();
 }
 
 void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi, std::vector<std::uint32_t>& result)
 {
-    result.clear();
-    if (tree.nodes.empty()) return;
     const Vec3 local_lo = lo - tree.centre, local_hi = hi - tree.centre;
-    std::uint32_t stack[SEL_TREE_STACK + 1];
-    int top = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const TreeNode& node = tree.nodes[stack[--top]];
+    triangles_of_leaves(tree, result, [&](const TreeNode& node) {
         bool apart = false;
         for (int d = 0; d < 3; ++d) apart |= node.lo[d] > local_hi[d] || node.hi[d] < local_lo[d];
-        if (apart) continue;
-        if (node.count > 0) {
-            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k)
-                result.push_back(k);
-            continue;
-        }
-        stack[top++] = node.left_or_first + 1;
-        stack[top++] = node.left_or_first;
-    }
+        return !apart;
+    });
     // leaf ranges come in increasing order only within a subtree's own items; the caller is promised order
     std::sort(result.begin(), result.end());
 }

@@ -75,7 +75,11 @@ double EdgeField::least() const
     return least;
 }
 
-WallSamples sample_wall(const WallMesh& wall, int wanted)
+namespace {
+
+/// As many points as wanted, one for each equal share of the area; `place(triangle, points so far)` puts them.
+template <class Place>
+WallSamples by_area(const WallMesh& wall, int wanted, Place place)
 {
     WallSamples samples;
     for (std::size_t t = 0; t < wall.triangles.size(); ++t) samples.area += 0.5 * double_area(triangle_of(wall, t)).norm();
@@ -85,30 +89,28 @@ WallSamples sample_wall(const WallMesh& wall, int wanted)
         const Triangle3 tri = triangle_of(wall, t);
         sum += 0.5 * double_area(tri).norm();
         for (; sum >= each && samples.points.size() < static_cast<std::size_t>(wanted); sum -= each)
-            samples.points.push_back((tri.a + tri.b + tri.c) / 3);
+            samples.points.push_back(place(tri, samples.points.size()));
     }
     return samples;
 }
 
+}  // namespace
+
+WallSamples sample_wall(const WallMesh& wall, int wanted)
+{
+    return by_area(wall, wanted, [](const Triangle3& tri, std::size_t) -> Vec3 { return (tri.a + tri.b + tri.c) / 3; });
+}
+
 WallSamples spread_over_wall(const WallMesh& wall, int wanted)
 {
-    // the plastic number's sequence fills a square evenly; the half beyond the diagonal is folded back
-    constexpr double step_u = 0.7548776662466927, step_v = 0.5698402909980532;
-    WallSamples samples;
-    for (std::size_t t = 0; t < wall.triangles.size(); ++t) samples.area += 0.5 * double_area(triangle_of(wall, t)).norm();
-    const double each = samples.area / wanted;
-    double sum = 0.5 * each;
-    for (std::size_t t = 0; t < wall.triangles.size(); ++t) {
-        const Triangle3 tri = triangle_of(wall, t);
-        sum += 0.5 * double_area(tri).norm();
-        for (; sum >= each && samples.points.size() < static_cast<std::size_t>(wanted); sum -= each) {
-            const auto k = static_cast<double>(samples.points.size());
-            double u = k * step_u - std::floor(k * step_u), v = k * step_v - std::floor(k * step_v);
-            if (u + v > 1) u = 1 - u, v = 1 - v;
-            samples.points.push_back(tri.a + u * (tri.b - tri.a) + v * (tri.c - tri.a));
-        }
-    }
-    return samples;
+    return by_area(wall, wanted, [](const Triangle3& tri, std::size_t count) -> Vec3 {
+        // the plastic number's sequence fills a square evenly; the half beyond the diagonal is folded back
+        constexpr double step_u = 0.7548776662466927, step_v = 0.5698402909980532;
+        const auto k = static_cast<double>(count);
+        double u = k * step_u - std::floor(k * step_u), v = k * step_v - std::floor(k * step_v);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        return tri.a + u * (tri.b - tri.a) + v * (tri.c - tri.a);
+    });
 }
 
 double expected_vertices(const WallSamples& wall, const EdgeField& field)
