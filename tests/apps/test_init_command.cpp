@@ -1,6 +1,7 @@
 // `seldinger init`: a first scene for a mesh of one's own, in whatever unit it is, that `check` and `run` accept as it stands.
 
 #include "apps/app_fixture.h"
+#include "support/approx.h"
 
 #include <array>
 
@@ -71,7 +72,7 @@ TEST_SUITE("apps/init_command")
             CHECK(ran.code == 0);
             CHECK(has(ran.out, "entered at 1 of 2"));
             // fed at 20 mm/s
-            CHECK(summary_of(folder.path / ("r-" + unit)).at("inserted_m").get<double>() == doctest::Approx(0.006).epsilon(1e-6));
+            CHECK(summary_of(folder.path / ("r-" + unit)).at("inserted_m").get<double>() == about(0.006).epsilon(1e-6));
         }
     }
 

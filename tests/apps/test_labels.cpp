@@ -2,6 +2,7 @@
 #include "app_fixture.h"
 #include "io/coco_write.h"
 #include "io/png_read.h"
+#include "support/approx.h"
 #include "support/skip.h"
 
 #include <cstring>
@@ -106,9 +107,9 @@ TEST_SUITE("apps/labels")
         CHECK(fs::exists(folder.path / "a_000003.png"));
         const json labels = folder.read("truth/a_000004.json");
         CHECK(labels["image"] == json::parse(R"({"file":"a_000004.png","width":96,"height":80,"pixel_m":)" + labels["image"]["pixel_m"].dump() + "}"));
-        CHECK(labels["image"]["pixel_m"].get<double>() == doctest::Approx(0.2 / 96));
+        CHECK(labels["image"]["pixel_m"].get<double>() == about(0.2 / 96));
         CHECK(labels["step"] == 8);
-        CHECK(labels["time_s"].get<double>() == doctest::Approx(0.016));
+        CHECK(labels["time_s"].get<double>() == about(0.016));
         for (const char* key : {"source_m", "right", "up", "towards_detector", "sid_m", "sod_m", "primary_deg", "secondary_deg"})
             CHECK_MESSAGE(labels["camera"].contains(key), key);
         REQUIRE(labels["instruments"].size() == 2);
@@ -146,8 +147,8 @@ TEST_SUITE("apps/labels")
         REQUIRE(run_app(folder, words + "-o two.png --c-arm \"LAO 30\" --c-arm \"RAO 60, CRA 10\" --labels truth").code == 0);
         CHECK(slurp(folder.path / "two_v1.png") == slurp(folder.path / "made/here/plain.png"));
         CHECK(slurp(folder.path / "two_v2.png") != slurp(folder.path / "made/here/plain.png"));
-        CHECK(folder.read("truth/two_v1.json")["camera"]["primary_deg"].get<double>() == doctest::Approx(30));
-        CHECK(folder.read("truth/two_v2.json")["camera"]["primary_deg"].get<double>() == doctest::Approx(-60));
+        CHECK(folder.read("truth/two_v1.json")["camera"]["primary_deg"].get<double>() == about(30));
+        CHECK(folder.read("truth/two_v2.json")["camera"]["primary_deg"].get<double>() == about(-60));
         CHECK(folder.read("truth/two_v2.json")["instruments"][1]["tip_m"] == folder.read("truth/two_v1.json")["instruments"][1]["tip_m"]);
         CHECK(projection_error(folder.read("truth/two_v2.json")) < 1e-6);
         const std::string noisy = "render run --view fluoro --size 64x64 --frames 4:4 -o n.png --c-arm 0,0 --c-arm 0,0";
@@ -167,8 +168,8 @@ TEST_SUITE("apps/labels")
             primary.push_back(camera["primary_deg"]), secondary.push_back(camera["secondary_deg"]);
             CHECK(std::abs(secondary.back()) <= 10);
         }
-        CHECK(primary[0] == doctest::Approx(-20));
-        CHECK(primary[3] == doctest::Approx(40));
+        CHECK(primary[0] == about(-20));
+        CHECK(primary[3] == about(40));
         CHECK(secondary[0] != secondary[1]);
         CHECK(secondary[0] == secondary[2]);  // each point of the grid sees the same draws
         folder.write("wrong.toml", "[vary]\n\"wire.radius_m\" = [1e-3]\n");

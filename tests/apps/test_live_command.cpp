@@ -3,6 +3,7 @@
 #include "apps/background_app.h"
 #include "session/session.h"
 #include "session/session_fixture.h"
+#include "support/approx.h"
 #include "support/skip.h"
 
 namespace test_live_command {
@@ -38,7 +39,7 @@ TEST_SUITE("apps/live")
         REQUIRE(result.code == 0);
         const auto summary = nlohmann::json::parse(result.out);
         CHECK(summary["steps"] == 500);
-        CHECK(summary["session_s"].get<double>() == doctest::Approx(0.5));
+        CHECK(summary["session_s"].get<double>() == about(0.5));
         for (const char* key : {"late", "late_share", "stretched_s", "step", "input_to_force", "packets", "coupling", "score", "state_hash"})
             CHECK(summary.contains(key));
         CHECK(nlohmann::json::parse(slurp(folder.path / "s.record.score.json"))["verdict"] == "open");
@@ -137,7 +138,7 @@ TEST_SUITE("apps/live")
         CHECK(score["verdict"] == "failed");
         CHECK(score["wall_force_max_n"].get<double>() > score["limits"]["wall_force_n"].get<double>());
         CHECK(score["time_s"].get<double>() < score["limits"]["time_s"].get<double>());
-        CHECK(score["fluoroscopy_s"].get<double>() == doctest::Approx(0.499));
+        CHECK(score["fluoroscopy_s"].get<double>() == about(0.499));
         const AppResult replay = run_app(folder, "run '" + file.string() + "' --replay s.record -o D --json --set scene.record_every=100");
         CAPTURE(replay.err);
         REQUIRE(replay.code == 0);
@@ -176,7 +177,7 @@ TEST_SUITE("apps/live")
         const auto summary = nlohmann::json::parse(result.out);
         CHECK(summary["late_share"].get<double>() > 0.5);
         CHECK(summary["wall_s"].get<double>() > 1.1 * summary["session_s"].get<double>());
-        CHECK(summary["stretched_s"].get<double>() == doctest::Approx(summary["wall_s"].get<double>() - summary["session_s"].get<double>()).epsilon(0.1));
+        CHECK(summary["stretched_s"].get<double>() == about(summary["wall_s"].get<double>() - summary["session_s"].get<double>()).epsilon(0.1));
     }
 
     TEST_CASE("property: the client of the documents pushes and feels, as it stands there")

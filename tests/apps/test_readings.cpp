@@ -1,5 +1,6 @@
 // What a run says of its readings: the band of its step, exits, a last step that is shorter, friction that was raised.
 #include "apps/app_fixture.h"
+#include "support/approx.h"
 
 #include <cmath>
 
@@ -35,19 +36,19 @@ TEST_SUITE("apps/readings")
         CHECK(a["error_estimate"]["windows"].get<int>() >= 1);
         CHECK(with.out.find("error of the step") != std::string::npos);
         // means over 20 ms, of which whole steps are 21 with the shorter last one or 20: in both runs, with and without bands
-        CHECK(a["end_mean_s"].get<double>() == doctest::Approx(0.02).epsilon(0.08));
+        CHECK(a["end_mean_s"].get<double>() == about(0.02).epsilon(0.08));
         CHECK(a["error_estimate"]["end_mean_s"] == a["end_mean_s"]);
-        CHECK(a["error_estimate"]["hand_force_n"]["value"].get<double>() == doctest::Approx(a["hand_force_mean_n"].get<double>()).epsilon(1e-12));
-        CHECK(a["error_estimate"]["friction_n"]["value"].get<double>() == doctest::Approx(a["friction_mean_n"].get<double>()).epsilon(1e-12));
+        CHECK(a["error_estimate"]["hand_force_n"]["value"].get<double>() == about(a["hand_force_mean_n"].get<double>()).epsilon(1e-12));
+        CHECK(a["error_estimate"]["friction_n"]["value"].get<double>() == about(a["friction_mean_n"].get<double>()).epsilon(1e-12));
         CHECK(b["hand_force_mean_n"] == a["hand_force_mean_n"]);
         // 500 ms in steps of 3 ms: 166 of them, and one of 2 ms
         CHECK(a["steps"].get<int>() == 167);
-        CHECK(a["simulated_s"].get<double>() == doctest::Approx(0.5).epsilon(1e-12));
-        CHECK(a["inserted_m"].get<double>() == doctest::Approx(0.05).epsilon(1e-9));
+        CHECK(a["simulated_s"].get<double>() == about(0.5).epsilon(1e-12));
+        CHECK(a["inserted_m"].get<double>() == about(0.05).epsilon(1e-9));
         // the tip goes from 7 mm to 57 mm of a tube of 40 mm
         REQUIRE(a["left_through"].size() == 1);
-        CHECK(a["left_through"][0]["centre_m"][0].get<double>() == doctest::Approx(0.04).epsilon(1e-6));
-        CHECK(a["left_through"][0]["left_s"].get<double>() == doctest::Approx(0.33).epsilon(0.02));
+        CHECK(a["left_through"][0]["centre_m"][0].get<double>() == about(0.04).epsilon(1e-6));
+        CHECK(a["left_through"][0]["left_s"].get<double>() == about(0.33).epsilon(0.02));
         CHECK(with.out.find("left through opening") != std::string::npos);
         CHECK(a["outside_max_m"].get<double>() == 0);
         CHECK(a["contact_regions_max"].get<int>() >= 1);

@@ -1,6 +1,7 @@
 // The real `seldinger report`: what a page holds of a run with several instruments, merged or a rod each, and of a batch of them.
 
 #include "apps/app_fixture.h"
+#include "support/approx.h"
 #include "support/skip.h"
 
 #include <array>
@@ -81,7 +82,7 @@ TEST_SUITE("apps/report")
                 const std::string name = k ? "wire" : "catheter";
                 CAPTURE(name);
                 CHECK(playback["instruments"][k]["name"] == name);
-                CHECK(playback["instruments"][k]["radius"].get<double>() == doctest::Approx(radius[k]));
+                CHECK(playback["instruments"][k]["radius"].get<double>() == about(radius[k]));
                 for (const auto& frame : playback["frames"]) REQUIRE(frame["nodes"].size() == 2);
                 last[k] = floats_of(playback["frames"].back()["nodes"][k]);
                 const auto nodes = nodes_in(folder.path / "D" / (name + ".csv"));
@@ -110,7 +111,7 @@ TEST_SUITE("apps/report")
         for (std::size_t i = 3; i < nodes.size(); i += 4) force += nodes[i];
         const double normal = data["trace"]["normal_n"].back();
         REQUIRE(normal > 0);
-        CHECK(force == doctest::Approx(normal).epsilon(0.1));  // friction's tenth at a right angle to it
+        CHECK(force == about(normal).epsilon(0.1));  // friction's tenth at a right angle to it
     }
 
     TEST_CASE("property: a report's policy lets its own scripts run, by their hashes, and no others, and loads nothing")
@@ -168,7 +169,7 @@ TEST_SUITE("apps/report")
         CHECK(data["units"]["column"].size() == data["columns"].size());
         REQUIRE(data["shapes"]["run"].size() == 2 * 2 * 64);
         CHECK(data["shapes"]["instrument"][64] == "wire");
-        CHECK(data["shapes"]["x_m"][64].get<double>() == doctest::Approx(data["table"]["wire.tip_x_m"][0].get<double>()).epsilon(1e-6));
+        CHECK(data["shapes"]["x_m"][64].get<double>() == about(data["table"]["wire.tip_x_m"][0].get<double>()).epsilon(1e-6));
         CHECK(data["vessel"].size() > 300);
         CHECK(data["summary"]["answer"] == summary_of(folder.path / "B")["answer"]);
 

@@ -2,6 +2,7 @@
 
 #include "apps/app_fixture.h"
 #include "io/vtp_read.h"
+#include "support/approx.h"
 #include "support/skip.h"
 
 #include <cmath>
@@ -58,8 +59,8 @@ TEST_SUITE("apps/run")
         for (const char* stage : {"detect", "evaluate", "reduce", "solve", "wall", "adapt", "record"})
             CHECK(summary["stage_ms"][stage].is_number());
         CHECK(summary["steps"] == 300);
-        CHECK(summary["simulated_s"].get<double>() == doctest::Approx(0.3));
-        CHECK(summary["inserted_m"].get<double>() == doctest::Approx(0.08 * 0.3));  // advance since the start
+        CHECK(summary["simulated_s"].get<double>() == about(0.3));
+        CHECK(summary["inserted_m"].get<double>() == about(0.08 * 0.3));  // advance since the start
         CHECK(summary["contacts_max"].get<int>() > 0);                              // it does reach the floor
         CHECK(summary["warnings"].empty());
 
@@ -75,14 +76,14 @@ TEST_SUITE("apps/run")
             CHECK(number(trace, k, "step") == 5.0 * static_cast<double>(k));
             // sums of the same numbers in another order: rounding only
             CHECK(number(trace, k, "friction_n") ==
-                  doctest::Approx(number(trace, k, "sliding_n") + number(trace, k, "static_n")).epsilon(1e-12));
+                  about(number(trace, k, "sliding_n") + number(trace, k, "static_n")).epsilon(1e-12));
             friction = std::max(friction, number(trace, k, "friction_n"));
         }
         CHECK(friction > 0);
         CHECK(summary["friction_max_n"].get<double>() >= friction);  // over every step, not only recorded ones
         const std::size_t last = trace.size() - 1;
         CHECK(summary["energy_j"].get<double>() ==
-              doctest::Approx(number(trace, last, "kinetic_j") + number(trace, last, "elastic_j") +
+              about(number(trace, last, "kinetic_j") + number(trace, last, "elastic_j") +
                               number(trace, last, "gravitational_j"))
                   .epsilon(1e-12));
 
@@ -91,7 +92,7 @@ TEST_SUITE("apps/run")
               std::vector<std::string>{"s_m", "x_m", "y_m", "z_m", "vx", "vy", "vz", "spin_rad", "fx_n", "fy_n", "fz_n"});
         REQUIRE(wire.size() == 1 + summary["nodes"].get<std::size_t>());
         CHECK(number(wire, 1, "s_m") == 0.0);  // tip first
-        CHECK(number(wire, wire.size() - 1, "s_m") == doctest::Approx(0.004 + 0.08 * 0.3).epsilon(1e-3));
+        CHECK(number(wire, wire.size() - 1, "s_m") == about(0.004 + 0.08 * 0.3).epsilon(1e-3));
         CHECK(wire.back()[7] == wire[wire.size() - 2][7]);  // spin of the last row repeats
 
         const auto contacts = csv_rows(dir / "contacts.csv");
@@ -103,9 +104,9 @@ TEST_SUITE("apps/run")
             const double stuck = number(contacts, k, "stuck");
             CHECK((stuck == 0 || stuck == 1));
             CHECK(std::hypot(number(contacts, k, "nx"), number(contacts, k, "ny"), number(contacts, k, "nz")) ==
-                  doctest::Approx(1).epsilon(1e-6));
+                  about(1).epsilon(1e-6));
         }
-        CHECK(normal == doctest::Approx(number(trace, last, "normal_n")).epsilon(1e-9));
+        CHECK(normal == about(number(trace, last, "normal_n")).epsilon(1e-9));
     }
 
     TEST_CASE("property: the ParaView series can be read and ends in the final state")
@@ -141,7 +142,7 @@ TEST_SUITE("apps/run")
         };
         for (std::size_t d = 0; d < 3; ++d) {
             CHECK(position(0, d) == wire.points.front()[d]);
-            CHECK(position(63, d) == doctest::Approx(wire.points.back()[d]).epsilon(1e-12));
+            CHECK(position(63, d) == about(wire.points.back()[d]).epsilon(1e-12));
         }
         CHECK(wire.point_data.at("radius").values[0] == 0.0004445);
         CHECK(wire.point_data.at("contact_force").components == 3);
@@ -276,8 +277,8 @@ force_n = [0.0, 0.0, -0.005]
 )");
         REQUIRE(run_app(folder, "run e.toml -o D").code == 0);
         const auto wire = csv_rows(folder.path / "D/wire.csv");
-        CHECK(number(wire, 1, "x_m") == doctest::Approx(0.1 * (1 - 0.05643)).epsilon(1e-3));
-        CHECK(number(wire, 1, "z_m") == doctest::Approx(-0.1 * 0.30172).epsilon(1e-3));
+        CHECK(number(wire, 1, "x_m") == about(0.1 * (1 - 0.05643)).epsilon(1e-3));
+        CHECK(number(wire, 1, "z_m") == about(-0.1 * 0.30172).epsilon(1e-3));
         CHECK(csv_rows(folder.path / "D/trace.csv").size() == 2);
         CHECK(summary_of(folder.path / "D")["steps"] == 0);
     }
@@ -296,7 +297,7 @@ force_n = [0.0, 0.0, -0.005]
         CHECK(summary["steps"].get<int>() < 5000);  // damped with 1/60 s: at rest long before
         // where it rests, the base carries weight and load: m g + F, m = rho pi r^2 L
         const double weight = 6450 * 3.14159265358979 * 4e-8 * 0.1 * 9.81;
-        CHECK(summary["base_force_n"][2].get<double>() == doctest::Approx(weight + 0.001).epsilon(0.01));
+        CHECK(summary["base_force_n"][2].get<double>() == about(weight + 0.001).epsilon(0.01));
     }
 
     TEST_CASE("property: a simulation that cannot go on is exit 4, names a setting, and leaves what is good")

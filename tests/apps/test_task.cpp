@@ -1,6 +1,7 @@
 // [task] in runs, batches and farms: one reading of the target, the same alone, in a batch, after stops and in a farm.
 
 #include "apps/app_fixture.h"
+#include "support/approx.h"
 
 #include <cmath>
 #include <map>
@@ -123,7 +124,7 @@ TEST_SUITE("apps/task")
             CHECK(std::stod(row.at("hand_force_max_n")) == alone["hand_force_max_n"]);
             CHECK(std::stod(row.at("until_patch_force_max_n")) == alone["task"]["until_patch_force_max_n"]);
             CHECK(std::stod(row.at("hand_force_n_band")) ==
-                  doctest::Approx(3 * std::abs(alone["hand_force_n"].get<double>() - half["hand_force_n"].get<double>())).epsilon(1e-12));
+                  about(3 * std::abs(alone["hand_force_n"].get<double>() - half["hand_force_n"].get<double>())).epsilon(1e-12));
             if (row.at("reached") == "1") {
                 CHECK(std::stod(row.at("reached_at_m")) == alone["task"]["reached_at_m"]);
                 peaks.push_back(std::stod(row.at("until_patch_force_max_n")));
@@ -143,7 +144,7 @@ TEST_SUITE("apps/task")
         REQUIRE(shapes.size() == 4 * 64);
         for (std::size_t k = 0; k < 4; ++k)  // the first station is the tip
             for (const char* c : {"x", "y", "z"})
-                CHECK(std::stod(shapes[64 * k].at(fmt::format("{}_m", c))) == doctest::Approx(std::stod(rows[k].at(fmt::format("tip_{}_m", c)))).epsilon(1e-6));
+                CHECK(std::stod(shapes[64 * k].at(fmt::format("{}_m", c))) == about(std::stod(rows[k].at(fmt::format("tip_{}_m", c)))).epsilon(1e-6));
 
         const std::string csv = slurp(folder.path / "B/results.csv"), npz = slurp(folder.path / "B/results.npz"), units = slurp(folder.path / "B/results-units.csv");
         CHECK(taken_up_again(folder, "batch t.toml --vary v.toml -o P --quiet --bands") > 2);

@@ -1,6 +1,7 @@
 // `seldinger vessel` and `check`.
 
 #include "apps/app_fixture.h"
+#include "support/approx.h"
 
 #include <cmath>
 
@@ -22,10 +23,10 @@ TEST_SUITE("apps/vessel")
         CHECK(report["triangles"].get<int>() > 1500);
         CHECK(report["triangles"].get<int>() < 2500);
         REQUIRE(report["loops"].size() == 2);
-        CHECK(report["loops"][0]["radius"].get<double>() == doctest::Approx(0.005).epsilon(0.01));
-        CHECK(std::abs(report["loops"][0]["inward"][0].get<double>()) == doctest::Approx(1));
-        CHECK(report["centreline"]["length_m"].get<double>() == doctest::Approx(0.1));
-        CHECK(report["centreline"]["radius"]["p50"].get<double>() == doctest::Approx(0.005));
+        CHECK(report["loops"][0]["radius"].get<double>() == about(0.005).epsilon(0.01));
+        CHECK(std::abs(report["loops"][0]["inward"][0].get<double>()) == about(1));
+        CHECK(report["centreline"]["length_m"].get<double>() == about(0.1));
+        CHECK(report["centreline"]["radius"]["p50"].get<double>() == about(0.005));
         CHECK(report["centreline"]["ends"].size() == 2);
         CHECK(report["inlets"].size() == 2);
     }
@@ -46,7 +47,7 @@ TEST_SUITE("apps/vessel")
             CHECK(report["loops"].size() == 2);
             CHECK(report["repairs"]["flipped"] == 0);
             // extracted, not exact: within a tenth of the radius
-            CHECK(report["centreline"]["radius"]["max"].get<double>() == doctest::Approx(0.005).epsilon(0.1));
+            CHECK(report["centreline"]["radius"]["max"].get<double>() == about(0.005).epsilon(0.1));
         }
         CHECK(fs::exists(folder.path / "V/centreline.vtp"));
     }

@@ -1,6 +1,7 @@
 // Area and pressure where a wire lies on a wall: the chord, laws with and without an overlap, and what a world tells.
 #include "contact/contact_patch.h"
 
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -36,9 +37,9 @@ TEST_SUITE("contact/contact_patch")
         CHECK(overlap_width(0, r) == 0);
         CHECK(overlap_width(-1e-6, r) == 0);
         // 2 sqrt(0.2 x 1.8) r = 1.2 r
-        CHECK(overlap_width(0.2 * r, r) == doctest::Approx(1.2 * r).epsilon(1e-14));
-        CHECK(overlap_width(r, r) == doctest::Approx(2 * r).epsilon(1e-14));
-        CHECK(overlap_width(1.7 * r, r) == doctest::Approx(2 * r).epsilon(1e-14));  // no wider than the wire
+        CHECK(overlap_width(0.2 * r, r) == test::about(1.2 * r).epsilon(1e-14));
+        CHECK(overlap_width(r, r) == test::about(2 * r).epsilon(1e-14));
+        CHECK(overlap_width(1.7 * r, r) == test::about(2 * r).epsilon(1e-14));  // no wider than the wire
     }
 
     TEST_CASE("analytic: a linear law of 50 kN/m^2 that carries 5 N/m over 2 mm of wire")
@@ -46,14 +47,14 @@ TEST_SUITE("contact/contact_patch")
         // depth 5/5e4 = 0.1 mm = 0.2 r, chord 1.2 r = 0.6 mm, area 1.2 mm^2, 10 mN over it: 8333 Pa
         const QuadratureModel m = plain_model(5e4, 1, 2e-3);
         const ContactPatch sunk = contact_patch(m, SEL_NORMAL_DAMPED, -1e-4, 1e-2);
-        CHECK(sunk.area == doctest::Approx(1.2e-6).epsilon(1e-12));
-        CHECK(sunk.pressure == doctest::Approx(1e-2 / 1.2e-6).epsilon(1e-12));
+        CHECK(sunk.area == test::about(1.2e-6).epsilon(1e-12));
+        CHECK(sunk.pressure == test::about(1e-2 / 1.2e-6).epsilon(1e-12));
         // laws that let nothing in: the same wire on the same bed, whatever their gap is
         for (const uint law : {SEL_NORMAL_AUGMENTED, SEL_NORMAL_CONSTRAINT, SEL_NORMAL_IMPULSE, SEL_NORMAL_BARRIER})
             for (const double gap : {1e-6, 0.0, -1e-9}) {
                 const ContactPatch held = contact_patch(m, law, gap, 1e-2);
-                CHECK(held.area == doctest::Approx(1.2e-6).epsilon(1e-12));
-                CHECK(held.pressure == doctest::Approx(1e-2 / 1.2e-6).epsilon(1e-12));
+                CHECK(held.area == test::about(1.2e-6).epsilon(1e-12));
+                CHECK(held.pressure == test::about(1e-2 / 1.2e-6).epsilon(1e-12));
             }
     }
 
@@ -62,8 +63,8 @@ TEST_SUITE("contact/contact_patch")
         QuadratureModel tip = plain_model(1e8, 2, 0);
         tip.weight = 1;
         const ContactPatch patch = contact_patch(tip, SEL_NORMAL_DAMPED, -0.2 * r, 1e-3);
-        CHECK(patch.area == doctest::Approx(std::numbers::pi * std::pow(0.6 * r, 2)).epsilon(1e-12));
-        CHECK(patch.pressure == doctest::Approx(1e-3 / patch.area).epsilon(1e-12));
+        CHECK(patch.area == test::about(std::numbers::pi * std::pow(0.6 * r, 2)).epsilon(1e-12));
+        CHECK(patch.pressure == test::about(1e-3 / patch.area).epsilon(1e-12));
     }
 
     TEST_CASE("regression: no force, or a force without overlap, has neither area nor pressure")
@@ -102,14 +103,14 @@ TEST_SUITE("contact/contact_patch")
         for (const ContactRow& row : now.contacts) {
             area += row.area, length += row.length, most = std::max(most, row.pressure);
             // beside the tip its own law lifts the wire a little
-            if (std::abs(row.along_a - 0.02) < 0.01) CHECK(row.pressure == doctest::Approx(load / (1.2 * r)).epsilon(0.02));
+            if (std::abs(row.along_a - 0.02) < 0.01) CHECK(row.pressure == test::about(load / (1.2 * r)).epsilon(0.02));
         }
-        CHECK(length == doctest::Approx(0.04).epsilon(1e-9));
-        CHECK(now.wires[0].contact_area == doctest::Approx(area).epsilon(1e-12));
-        CHECK(now.wires[0].contact_pressure_max == doctest::Approx(most).epsilon(1e-12));
+        CHECK(length == test::about(0.04).epsilon(1e-9));
+        CHECK(now.wires[0].contact_area == test::about(area).epsilon(1e-12));
+        CHECK(now.wires[0].contact_pressure_max == test::about(most).epsilon(1e-12));
         // the tip's own point law carries a little of the weight beside its end: 2 % of 40 mm
-        CHECK(area == doctest::Approx(0.04 * 1.2 * r).epsilon(0.02));
-        CHECK(most == doctest::Approx(load / (1.2 * r)).epsilon(0.02));
+        CHECK(area == test::about(0.04 * 1.2 * r).epsilon(0.02));
+        CHECK(most == test::about(load / (1.2 * r)).epsilon(0.02));
     }
 }
 

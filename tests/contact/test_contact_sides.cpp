@@ -3,6 +3,7 @@
 #include "contact/one_quadrature_point.h"
 #include "contact/wall_law.h"
 #include "shared/contact_sides.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -44,9 +45,9 @@ TEST_SUITE("contact/contact_sides")
         const double r = 0.5e-3;
         const LawSide rod = rod_side(r, 0);
         CHECK(effective_radius(rod, wall_side(INFINITY, r, 1e9)) == r);
-        CHECK(effective_radius(rod, wall_side(1e9 * r, r, 1e9)) == doctest::Approx(r).epsilon(1.1e-9));   // 1 / (1 - 1e-9)
-        CHECK(effective_radius(rod, wall_side(2 * r, r, 1e9)) == doctest::Approx(2 * r).epsilon(1e-15));  // 1/r* = 1/r - 1/R
-        CHECK(effective_radius(rod, rod_side(r, 0)) == doctest::Approx(r / 2).epsilon(1e-15));            // two equal rods
+        CHECK(effective_radius(rod, wall_side(1e9 * r, r, 1e9)) == about(r).epsilon(1.1e-9));   // 1 / (1 - 1e-9)
+        CHECK(effective_radius(rod, wall_side(2 * r, r, 1e9)) == about(2 * r).epsilon(1e-15));  // 1/r* = 1/r - 1/R
+        CHECK(effective_radius(rod, rod_side(r, 0)) == about(r / 2).epsilon(1e-15));            // two equal rods
         CHECK(effective_radius(rod, wall_side(0.9 * r, r, 1e9)) == r);  // a lumen that does not hold the wire counts as a plane
     }
 
@@ -54,11 +55,11 @@ TEST_SUITE("contact/contact_sides")
     {
         const double r = 0.5e-3, k = 2e9;
         CHECK(effective_modulus(rod_side(r, 0), wall_side(0.01, r, k)) == k);  // a rigid wire: the wall's own
-        CHECK(effective_modulus(rod_side(r, k), rod_side(r, k)) == doctest::Approx(k / 2).epsilon(1e-15));
-        CHECK(effective_modulus(rod_side(r, 1e6 * k), rod_side(r, k)) == doctest::Approx(k).epsilon(1.1e-6));  // the softer
+        CHECK(effective_modulus(rod_side(r, k), rod_side(r, k)) == about(k / 2).epsilon(1e-15));
+        CHECK(effective_modulus(rod_side(r, 1e6 * k), rod_side(r, k)) == about(k).epsilon(1.1e-6));  // the softer
         // (D6b), as printed: f = (4/3) k_f sqrt(2 r*) depth^1.5
         CHECK(line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, k)) ==
-              doctest::Approx(4.0 / 3 * k * std::sqrt(2 * r)).epsilon(1e-15));
+              about(4.0 / 3 * k * std::sqrt(2 * r)).epsilon(1e-15));
     }
 
     TEST_CASE("property: with the sides swapped the numbers are the same, bit for bit")

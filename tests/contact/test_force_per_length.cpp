@@ -1,6 +1,7 @@
 // Force per length, force on a patch and places in contact: closed forms, and that samples may lie where they like.
 #include "contact/force_per_length.h"
 
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -52,13 +53,13 @@ TEST_SUITE("contact/force_per_length")
                 CAPTURE(spacing);
                 const std::vector<LoadSample> samples = sampled(shift * spacing + spacing, spacing, 0.02, [](double) { return q; });
                 const LoadAlong load(samples);
-                CHECK(load.most_on(window).value / window == doctest::Approx(q).epsilon(1e-12));
-                CHECK(load.most_on(5e-3).value == doctest::Approx(5e-3 * q).epsilon(1e-12));
+                CHECK(load.most_on(window).value / window == test::about(q).epsilon(1e-12));
+                CHECK(load.most_on(5e-3).value == test::about(5e-3 * q).epsilon(1e-12));
                 for (const double s : {0.005, 0.00777, 0.0123})
-                    CHECK(load.per_length(s, window) == doctest::Approx(q).epsilon(1e-12));
+                    CHECK(load.per_length(s, window) == test::about(q).epsilon(1e-12));
                 // half of the window hangs over where the load begins
                 const double begin = samples.front().s - samples.front().length / 2;
-                CHECK(load.per_length(begin, window) == doctest::Approx(q / 2).epsilon(1e-12));
+                CHECK(load.per_length(begin, window) == test::about(q / 2).epsilon(1e-12));
                 CHECK(contact_regions(samples, window).size() == 1);
             }
     }
@@ -70,13 +71,13 @@ TEST_SUITE("contact/force_per_length")
         for (const double share : {0.0, 0.3, 0.5}) {
             const std::vector<LoadSample> two = {{0.01, length, (1 - share) * force}, {0.01 + length, length, share * force}};
             const LoadAlong load(two);
-            CHECK(load.most_on(window).value / window == doctest::Approx(force / window).epsilon(1e-12));
-            CHECK(load.most_on(5e-3).value == doctest::Approx(force).epsilon(1e-12));
+            CHECK(load.most_on(window).value / window == test::about(force / window).epsilon(1e-12));
+            CHECK(load.most_on(5e-3).value == test::about(force).epsilon(1e-12));
         }
         const std::vector<LoadSample> tip = {{0, 0, force}};
         const LoadAlong load(tip);
         CHECK(load.most_on(window).value == force);
-        CHECK(load.per_length(0, window) == doctest::Approx(force / window));
+        CHECK(load.per_length(0, window) == test::about(force / window));
         CHECK(load.per_length(window, window) == 0);
         CHECK(load.on(-1, 1) == force);
         CHECK(load.on(0, 0) == force);  // closed on both sides
@@ -92,10 +93,10 @@ TEST_SUITE("contact/force_per_length")
             total += force;
         }
         const LoadAlong load(samples);
-        CHECK(load.on(-1, 1) == doctest::Approx(total).epsilon(1e-12));
+        CHECK(load.on(-1, 1) == test::about(total).epsilon(1e-12));
         // 20,000 midpoints over 22 mm, q jumps at the tip's point only: within one part of it, 1.1 um of 0.013 N / 0.9 mm
-        CHECK(integral(load, window, -5e-3, 17e-3) == doctest::Approx(total).epsilon(1e-3));
-        CHECK(integral(load, 3.1e-3, -5e-3, 17e-3) == doctest::Approx(total).epsilon(1e-3));
+        CHECK(integral(load, window, -5e-3, 17e-3) == test::about(total).epsilon(1e-3));
+        CHECK(integral(load, 3.1e-3, -5e-3, 17e-3) == test::about(total).epsilon(1e-3));
     }
 
     TEST_CASE("property: the most on a stretch is not less than any stretch that one tries")
@@ -105,7 +106,7 @@ TEST_SUITE("contact/force_per_length")
         const LoadAlong load(samples);
         for (const double length : {window, 2.345e-3, 5e-3}) {
             const LoadAlong::Place most = load.most_on(length);
-            CHECK(load.on(most.at - length / 2, most.at + length / 2) == doctest::Approx(most.value).epsilon(1e-9));
+            CHECK(load.on(most.at - length / 2, most.at + length / 2) == test::about(most.value).epsilon(1e-9));
             double tried = 0;
             for (int k = -500; k < 2000; ++k) tried = std::max(tried, load.on(1e-5 * k, 1e-5 * k + length));
             CHECK(most.value >= tried - 1e-15);
@@ -120,11 +121,11 @@ TEST_SUITE("contact/force_per_length")
         };
         // nearer than a window: one place, and one reading of both where one window holds them
         CHECK(contact_regions(pair(0.5 * window), window).size() == 1);
-        CHECK(LoadAlong(pair(0.5 * window)).most_on(window).value == doctest::Approx(0.16).epsilon(1e-12));
+        CHECK(LoadAlong(pair(0.5 * window)).most_on(window).value == test::about(0.16).epsilon(1e-12));
         // farther: two, and the greater counts
         CHECK(contact_regions(pair(1.1 * window), window).size() == 2);
-        CHECK(LoadAlong(pair(1.1 * window)).most_on(window).value == doctest::Approx(0.1).epsilon(1e-12));
-        CHECK(LoadAlong(pair(1.1 * window)).most_on(5e-3).value == doctest::Approx(0.16).epsilon(1e-12));
+        CHECK(LoadAlong(pair(1.1 * window)).most_on(window).value == test::about(0.1).epsilon(1e-12));
+        CHECK(LoadAlong(pair(1.1 * window)).most_on(5e-3).value == test::about(0.16).epsilon(1e-12));
     }
 
     TEST_CASE("regression: samples too far apart for the window widen it, and it is said")
@@ -139,8 +140,8 @@ TEST_SUITE("contact/force_per_length")
         std::vector<ContactAlong> wall(1), others(1);
         read_along(rows, std::vector<AlongSpec>{{window, 5e-3, 0.003}}, wall, others);
         CHECK(wall[0].widened);
-        CHECK(wall[0].window == doctest::Approx(0.006));
-        CHECK(wall[0].per_length_max == doctest::Approx(0.2 / 0.006));  // a force between the two: F over the window that it has
+        CHECK(wall[0].window == test::about(0.006));
+        CHECK(wall[0].per_length_max == test::about(0.2 / 0.006));  // a force between the two: F over the window that it has
         CHECK(rows[0].region == 1);
         CHECK(rows[1].region == 1);
         read_along(rows, std::vector<AlongSpec>{{window, 5e-3, window / 2}}, wall, others);
@@ -168,7 +169,7 @@ TEST_SUITE("contact/force_per_length")
             // a window of half the place is off by one sample at most
             for (const ContactRow& row : rows)
                 if (std::abs(row.along_a - 0.011) < 0.4e-3)
-                    CHECK(row.pressure == doctest::Approx(even).epsilon(count == 1 ? 1e-12 : 2.0 / count));
+                    CHECK(row.pressure == test::about(even).epsilon(count == 1 ? 1e-12 : 2.0 / count));
         }
         std::vector<ContactRow> layer(1);
         layer[0].a = {BodyKind::Rod, 0, 0};
@@ -187,11 +188,11 @@ TEST_SUITE("contact/force_per_length")
         std::vector<ContactRow> rows = {row};
         std::vector<ContactAlong> wall(2), others(2);
         read_along(rows, std::vector<AlongSpec>{{window, 5e-3, 0}, {2 * window, 5e-3, 0}}, wall, others);
-        CHECK(others[0].per_length_max == doctest::Approx(0.3 / window));
-        CHECK(others[1].per_length_max == doctest::Approx(0.15 / window));
+        CHECK(others[0].per_length_max == test::about(0.3 / window));
+        CHECK(others[1].per_length_max == test::about(0.15 / window));
         CHECK(std::abs(others[0].per_length_at - 0.05) <= window / 2);  // anywhere that the window holds it
         CHECK(wall[0].regions + wall[1].regions == 0);
-        CHECK(rows[0].per_length == doctest::Approx(0.15 / window));  // of body a
+        CHECK(rows[0].per_length == test::about(0.15 / window));  // of body a
     }
 
     TEST_CASE("analytic: a wire that its weight presses on a flat wall reads its weight per length, however it is divided")
@@ -218,10 +219,10 @@ TEST_SUITE("contact/force_per_length")
                 REQUIRE_FALSE(settle(world).failed());
                 const ContactAlong read = world.output(Output::Contacts).wires[0].on_wall;
                 // A free end on a bed: it sinks by less than 1 % elsewhere (the tip's point law bears some of the load beside it)
-                CHECK(read.per_length_max == doctest::Approx(load).epsilon(0.02));
-                CHECK(read.patch_force == doctest::Approx(5e-3 * load).epsilon(0.02));
+                CHECK(read.per_length_max == test::about(load).epsilon(0.02));
+                CHECK(read.patch_force == test::about(5e-3 * load).epsilon(0.02));
                 CHECK(read.regions == 1);
-                CHECK(read.extent == doctest::Approx(0.04).epsilon(1e-9));
+                CHECK(read.extent == test::about(0.04).epsilon(1e-9));
                 CHECK(read.widened == (2 * 0.04 / (nodes - 1) / samples_per_edge > 1.01 * 2 * r));
             }
     }

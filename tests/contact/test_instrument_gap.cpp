@@ -168,7 +168,7 @@ void check_gradient(const TwoEdges& pair)
 {
     const std::vector<double> exact = gradient(pair), found = differences(pair);
     // gap of 1e-3 m to 1e-16 of it over 2e-8 m, and the third derivative, 1/(0.3 mm)^2, times nudge^2
-    for (std::size_t k = 0; k < exact.size(); ++k) CHECK(exact[k] == doctest::Approx(found[k]).epsilon(1e-7).scale(1));
+    for (std::size_t k = 0; k < exact.size(); ++k) CHECK(exact[k] == test::about(found[k]).epsilon(1e-7).scale(1));
 }
 
 void check_hessian(const TwoEdges& pair, unsigned seed, double within = 1e-6)
@@ -179,7 +179,7 @@ void check_hessian(const TwoEdges& pair, unsigned seed, double within = 1e-6)
         std::vector<double> v(pair.size());
         for (double& x : v) x = some(random);
         // in 1/(0.3 mm), the scale of curvature of a tube
-        CHECK(curvature_along(pair, v) == doctest::Approx(curvature_difference(pair, v)).epsilon(within).scale(3e3));
+        CHECK(curvature_along(pair, v) == test::about(curvature_difference(pair, v)).epsilon(within).scale(3e3));
     }
 }
 
@@ -199,14 +199,14 @@ TEST_SUITE("contact/instrument_gap")
             CHECK(std::sqrt(dot3(kink, kink)) < 1e-13);
         }
         for (double at = 0; at <= 8; at += 0.05)
-            CHECK(spline_at(rod, spline_material(rod, at)) == doctest::Approx(at).epsilon(1e-9));
+            CHECK(spline_at(rod, spline_material(rod, at)) == test::about(at).epsilon(1e-9));
     }
 
     TEST_CASE("analytic: a straight rod's spline is the rod, with its material where it is")
     {
         Nodes nodes;
         for (const double x : {0.0, 1.0, 1.3, 2.9, 3.4, 5.0}) nodes.add(make_vec3(1e-3 * x, 0, 0));
-        for (double s = 0; s <= 5e-3; s += 1e-4) CHECK(point_of_material(nodes.view(), s).x == doctest::Approx(s).epsilon(1e-12));
+        for (double s = 0; s <= 5e-3; s += 1e-4) CHECK(point_of_material(nodes.view(), s).x == test::about(s).epsilon(1e-12));
     }
 
     TEST_CASE("property: the nearest point is the nearest")
@@ -222,7 +222,8 @@ TEST_SUITE("contact/instrument_gap")
                 least = std::min(least, std::sqrt(dot3(d, d)));
             }
             CHECK(g.gap + 0.5e-3 <= least);
-            CHECK(g.gap + 0.5e-3 == doctest::Approx(least).epsilon(1e-6));
+            // half a step of the search is 0.5 um on the edge, 0.75 where the spline is stretched: (0.75 um)^2 / 2 farther off
+            CHECK(g.gap + 0.5e-3 > least - 0.5 * 0.75e-6 * 0.75e-6 / least);
         }
     }
 
@@ -277,7 +278,7 @@ TEST_SUITE("contact/instrument_gap")
             for (std::size_t k = pair.a.position.size(); k < v.size(); ++k) v[k] = v[pair.a.position.size() + k % 3];
             for (std::size_t k = 0; k < 3; ++k)
                 for (std::size_t i = 0; i < 12; ++i) v[pair.a.position.size() + 3 * i + k] = v[k];
-            CHECK(curvature_along(pair, v) == doctest::Approx(curvature_difference(pair, v)).epsilon(1e-6).scale(3e3));
+            CHECK(curvature_along(pair, v) == test::about(curvature_difference(pair, v)).epsilon(1e-6).scale(3e3));
         }
     }
 
@@ -294,9 +295,9 @@ TEST_SUITE("contact/instrument_gap")
         pair.s = plane + 1e-9;
         const InstrumentGap within = pair.gap();
         CHECK(std::abs(beyond.gap - within.gap) < 1e-14);  // (1 nm)^2 over a circle of 0.7 mm
-        CHECK(within.n.y == doctest::Approx(beyond.n.y).epsilon(1e-9));
+        CHECK(within.n.y == test::about(beyond.n.y).epsilon(1e-9));
         CHECK(std::abs(beyond.n.x) < 1e-5);
-        CHECK(within.gap == doctest::Approx(1e-3 - 0.2e-3 - 0.4e-3));
+        CHECK(within.gap == test::about(1e-3 - 0.2e-3 - 0.4e-3));
     }
 }
 

@@ -1,6 +1,7 @@
 // A wire and an elastic wall, solved together: known solutions, limits, conservation, bits.
 
 #include "core/parallel.h"
+#include "support/approx.h"
 #include "support/fed_world.h"
 #include "contact/yielding_wall.h"
 #include "world.h"
@@ -97,7 +98,7 @@ TEST_CASE("a line load sinks into a plate as Hetenyi has it, whatever the two me
             CAPTURE(edge);
             CAPTURE(triangles);
             const TestSetup setup = wire_on_plate(q, 2e-6, edge, triangles);
-            CHECK(rigid_middle(setup) - settled_middle(setup) == doctest::Approx(expected).epsilon(0.02));
+            CHECK(rigid_middle(setup) - settled_middle(setup) == about(expected).epsilon(0.02));
         }
 }
 
@@ -112,7 +113,7 @@ TEST_CASE("a wall that gets stiffer tends to the rigid one, with the order of it
         setup.vessel.youngs = factor * 1e6;
         // the law through the thickness is of the wall's E too: the rigid run has the same one
         const double off = rigid_middle(setup) - settled_middle(setup);
-        if (last > 0) CHECK(last / off == doctest::Approx(10).epsilon(0.1));
+        if (last > 0) CHECK(last / off == about(10).epsilon(0.1));
         last = off;
     }
     CHECK(last > 0);
@@ -186,7 +187,7 @@ TEST_CASE("analytic: the largest stress under a line load is that of a plate on 
         World world{WorldSetup(wire_on_plate(q, 2e-6, share * decay, 3000))};
         REQUIRE(!settle(world).failed());
         const WallReadings now = world.wall_readings();
-        CHECK(now.stress_max == doctest::Approx(exact).epsilon(0.04));
+        CHECK(now.stress_max == about(exact).epsilon(0.04));
         CHECK(std::abs(now.stress_max - exact) < now.stress_band);
         const WallReadings bare = read_wall(*world.impl().elastic_wall, world.impl().yielding->displacement(0), 0);
         if (share > 0.3) CHECK(bare.stress_max < 0.93 * exact);
@@ -226,7 +227,7 @@ TEST_CASE("wires of one system push the same wall")
     const double together = rigid_middle(setup) - settled_middle(setup);
     const double d = 1e6 * std::pow(0.0015, 3) / (12 * (1 - 0.45 * 0.45)), beta = std::pow(1e6 / (4 * d), 0.25);
     const double share = std::exp(-beta * apart) * (std::cos(beta * apart) + std::sin(beta * apart));
-    CHECK(together / alone == doctest::Approx(1 + share).epsilon(0.02));
+    CHECK(together / alone == about(1 + share).epsilon(0.02));
 }
 
 // What the wall has been given by contact is stored in it or lost to its damping; damping never gives.

@@ -4,6 +4,7 @@
 
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -255,12 +256,12 @@ TEST_SUITE("failure/elastic_walls")
             setup.wires[0].wire.nodes = nodes;
             make_elastic(setup, 0.1e6);
             FedWorld world(setup);
-            REQUIRE_FALSE(step(world, 1e-3).failed());
+            REQUIRE_FALSE(settle(world).failed());
             const WireSpec& wire = setup.wires[0].wire;
             const double weight = wire.shaft.density * pi * radius * radius * wire.length * setup.gravity.norm();
             const WireReadings now = world.readings(0);
-            CHECK(now.normal == doctest::Approx(weight * std::cos(std::atan(tilt))).epsilon(0.01));
-            CHECK(now.friction == doctest::Approx(weight * std::sin(std::atan(tilt))).epsilon(0.1));
+            CHECK(now.normal == about(weight * std::cos(std::atan(tilt))).epsilon(0.01));
+            CHECK(now.friction == about(weight * std::sin(std::atan(tilt))).epsilon(0.1));
             CHECK(now.outside == 0);
         }
     }

@@ -3,6 +3,7 @@
 #include "io/centreline_file.h"
 #include "io/file_remarks.h"
 #include "io/mesh_file.h"
+#include "support/approx.h"
 #include "support/shared_folder.h"
 
 #include <doctest/doctest.h>
@@ -46,7 +47,7 @@ void check_tetrahedron(const WallMesh& mesh)
         const auto at = [&](int k) { return mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])]; };
         volume += at(0).dot(at(1).cross(at(2))) / 6;
     }
-    CHECK(volume == doctest::Approx(1e-9).epsilon(1e-6));  // float32 at most
+    CHECK(volume == test::about(1e-9).epsilon(1e-6));  // float32 at most
 }
 
 struct LegacyFile {
@@ -237,7 +238,7 @@ TEST_SUITE("io/everyday_files")
         const std::vector<double> expected = {3e-3, 2e-3, 1e-3};
         const auto same = [&](const std::vector<double>& radius) {
             REQUIRE(radius.size() == 3);
-            for (std::size_t i = 0; i < 3; ++i) CHECK(radius[i] == doctest::Approx(expected[i]).epsilon(1e-14));
+            for (std::size_t i = 0; i < 3; ++i) CHECK(radius[i] == test::about(expected[i]).epsilon(1e-14));
         };
         for (const char* name : {"MaximumInscribedSphereRadius", "Radius", "radius", "RADIUS", "InscribedRadius", "vessel_radius"})
             same(read(array("Curvature", "9 9 9") + array(name, "3 2 1")));
@@ -283,9 +284,9 @@ TEST_SUITE("io/everyday_files")
         for (const auto& [lines, root] : files) {
             const Centreline line = parse_centreline(centreline_vtp(points, lines, array("Radius", radius)), "c.vtp", "mm");
             CHECK(line.points.size() == points.size());
-            CHECK(line.total_length() == doctest::Approx(30e-3).epsilon(1e-12));
+            CHECK(line.total_length() == test::about(30e-3).epsilon(1e-12));
             REQUIRE(std::count(line.parent.begin(), line.parent.end(), -1) == 1);
-            CHECK(line.points[0].x() == doctest::Approx(1e-3 * root));
+            CHECK(line.points[0].x() == test::about(1e-3 * root));
             std::vector<int> children(points.size(), 0);
             for (std::size_t i = 0; i < line.parent.size(); ++i) {
                 CHECK(line.parent[i] < static_cast<int>(i));  // behind its parent

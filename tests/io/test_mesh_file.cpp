@@ -3,6 +3,7 @@
 #include "core/file_io.h"
 #include "io/centreline_file.h"
 #include "io/mesh_file.h"
+#include "support/approx.h"
 #include "vessel/mesh_fixtures.h"
 #include "vtp_samples.h"
 
@@ -54,7 +55,7 @@ void check_tetrahedron(const WallMesh& mesh, double unit)
         const Triangle3 tri = triangle_of(mesh, t);
         volume += tri.a.dot(double_area(tri)) / 6;
     }
-    CHECK(volume == doctest::Approx(unit * unit * unit).epsilon(1e-6));
+    CHECK(volume == about(unit * unit * unit).epsilon(1e-6));
 }
 
 std::string sample(const char* name)
@@ -156,7 +157,7 @@ TEST_SUITE("scene/mesh_file")
         const WallMesh mesh = read_mesh(folder.write("two.vtp", both), "m");
         REQUIRE(mesh.vertices.size() == 8);
         REQUIRE(mesh.triangles.size() == 4);
-        for (std::size_t t = 0; t < 4; ++t) CHECK(double_area(triangle_of(mesh, t)).z() == doctest::Approx(1.0));  // all face +z
+        for (std::size_t t = 0; t < 4; ++t) CHECK(double_area(triangle_of(mesh, t)).z() == about(1.0));  // all face +z
         for (std::size_t t = 0; t < 2; ++t)  // polygons come before strips; the second piece has its own points
             CHECK(*std::min_element(mesh.triangles[t].begin(), mesh.triangles[t].end()) >= 4);
     }
@@ -176,7 +177,7 @@ TEST_SUITE("scene/mesh_file")
             CHECK(part >= 0);
             area += part;
         }
-        CHECK(area == doctest::Approx(3.0).epsilon(1e-12));
+        CHECK(area == about(3.0).epsilon(1e-12));
     }
 
     TEST_CASE("property: legacy .vtk, ASCII and binary, old and new cells")
@@ -268,7 +269,7 @@ TEST_SUITE("scene/mesh_file")
         write_mesh(folder.path / "b.stl", read_mesh(folder.path / "far.obj", "mm"), "mm");
         double rounding = 0;
         const WallMesh rounded = read_mesh(folder.path / "b.stl", "mm", nullptr, &rounding);
-        CHECK(rounding == doctest::Approx(std::exp2(-13) * 1e-3).epsilon(1e-12));
+        CHECK(rounding == about(std::exp2(-13) * 1e-3).epsilon(1e-12));
         const double off = std::abs(rounded.vertices[0].x() - 2.600123456789012);
         CHECK(off <= rounding);
         CHECK(off > 1e-9);
@@ -385,13 +386,13 @@ TEST_SUITE("scene/mesh_file")
         write_centreline_vtp(folder.path / "c.vtp", line, "mm");
         const Centreline back = read_centreline(folder.path / "c.vtp", "mm");
         REQUIRE(back.points.size() == line.points.size());
-        CHECK(back.total_length() == doctest::Approx(line.total_length()).epsilon(1e-14));
+        CHECK(back.total_length() == about(line.total_length()).epsilon(1e-14));
         CHECK(back.main_path().size() == line.main_path().size());
         CHECK(std::count(back.parent.begin(), back.parent.end(), -1) == 1);
         std::vector<double> a = line.radius, b = back.radius;
         std::sort(a.begin(), a.end());
         std::sort(b.begin(), b.end());
-        for (std::size_t i = 0; i < a.size(); ++i) CHECK(b[i] == doctest::Approx(a[i]).epsilon(1e-14));
+        for (std::size_t i = 0; i < a.size(); ++i) CHECK(b[i] == about(a[i]).epsilon(1e-14));
         CHECK_THROWS_AS((void)read_centreline(folder.write("t.vtp", sample("ascii")), "mm"), Error);
     }
 }

@@ -1,5 +1,6 @@
 // The banded factorisations against Eigen's dense ones, on matrices of the pattern that a wire gives.
 #include "math/band_matrix.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -210,8 +211,8 @@ TEST_SUITE("solve/band_matrix")
         CHECK(band.factor_ldlt() == 0);
         band.solve_ldlt({x.data(), static_cast<std::size_t>(x.size())});
         // rounding of the stiffness, 1e-16, against the whole chain's inertia, 1e-9, after 100 accumulations
-        CHECK(x.minCoeff() == doctest::Approx(1).epsilon(1e-4));
-        CHECK(x.maxCoeff() == doctest::Approx(1).epsilon(1e-4));
+        CHECK(x.minCoeff() == test::about(1).epsilon(1e-4));
+        CHECK(x.maxCoeff() == test::about(1).epsilon(1e-4));
     }
 }
 

@@ -1,5 +1,6 @@
 // Band and columns against dense matrices.
 #include "math/banded_solver.h"
+#include "support/approx.h"
 
 #include <Eigen/Dense>
 #include <doctest/doctest.h>
@@ -214,7 +215,7 @@ TEST_SUITE("math/banded_solver")
         VectorXd b = any_vector();
         std::vector<double> load(size, 0.0);
         solver.add_column(held, value, load);
-        for (int i = 0; i < size; ++i) CHECK(load[i] == doctest::Approx(a(i, held) * value).epsilon(1e-13));
+        for (int i = 0; i < size; ++i) CHECK(load[i] == test::about(a(i, held) * value).epsilon(1e-13));
         solver.fix(held);
         CHECK(solver.factor_symmetric() == 0);
         VectorXd rhs = b;

@@ -1,6 +1,7 @@
 // Unknowns beside the band against the dense matrix of the same system.
 
 #include "math/banded_solver.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -81,14 +82,14 @@ TEST_CASE("a band with unknowns beside it is solved as the dense whole is")
             CHECK((symmetric ? c.solver.factor_symmetric() : c.solver.factor_unsymmetric()) == 0);
             c.solver.solve(x);
             for (int i = 0; i < size; ++i)
-                CHECK(x[static_cast<std::size_t>(i)] == doctest::Approx(expected[i]).epsilon(1e-6).scale(1));
+                CHECK(x[static_cast<std::size_t>(i)] == test::about(expected[i]).epsilon(1e-6).scale(1));
 
             // and the product undoes it
             std::vector<double> back(static_cast<std::size_t>(size));
             c.solver.band.multiply(x, back);
             c.solver.condensed.add_product(x, back);
             for (int i = 0; i < size; ++i)
-                CHECK(back[static_cast<std::size_t>(i)] == doctest::Approx(rhs[i]).epsilon(1e-6).scale(1));
+                CHECK(back[static_cast<std::size_t>(i)] == test::about(rhs[i]).epsilon(1e-6).scale(1));
         }
 }
 
@@ -113,7 +114,7 @@ TEST_CASE("what is prescribed loads the others through the unknowns beside the b
     c.whole(held, held) = 1;
     rhs[held] = value;
     const Eigen::VectorXd expected = c.whole.partialPivLu().solve(rhs);
-    for (int i = 0; i < size; ++i) CHECK(x[static_cast<std::size_t>(i)] == doctest::Approx(expected[i]).epsilon(1e-6).scale(1));
+    for (int i = 0; i < size; ++i) CHECK(x[static_cast<std::size_t>(i)] == test::about(expected[i]).epsilon(1e-6).scale(1));
 }
 
 // A compliance of rank one: the two others beside the band say the same.
@@ -133,9 +134,9 @@ TEST_CASE("a singular compliance is no matter")
     std::vector<double> x{1, 0, 0, 1};
     solver.solve(x);
     // u0 = u1 = u, u + 2 u - (x0 + x1) = 0; 2 x0 - u = 1, 2 x1 - u = 0: u = 1/4
-    CHECK(x[0] == doctest::Approx(0.625));
-    CHECK(x[1] == doctest::Approx(0.125));
-    CHECK(x[3] == doctest::Approx(0.5));
+    CHECK(x[0] == test::about(0.625));
+    CHECK(x[1] == test::about(0.125));
+    CHECK(x[3] == test::about(0.5));
 }
 
 }  // namespace test_condensed

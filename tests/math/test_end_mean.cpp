@@ -1,5 +1,6 @@
 // Means over the last 20 ms: spans, whole steps, steps shorter than a slot.
 #include "math/end_mean.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -34,21 +35,21 @@ TEST_SUITE("math/end_mean")
             const double whole = std::max(dt, EndMean::slot_time + dt);
             CHECK(std::abs(mean.seconds - EndMean::span) <= 0.5 * whole * (1 + 1e-9));
             const double last = dt * static_cast<double>(std::lround(1.2 / dt));
-            CHECK(mean.hand == doctest::Approx(last - 0.5 * mean.seconds + 0.5 * dt).epsilon(1e-9));
-            CHECK(mean.friction == doctest::Approx(2 * mean.hand).epsilon(1e-9));
+            CHECK(mean.hand == test::about(last - 0.5 * mean.seconds + 0.5 * dt).epsilon(1e-9));
+            CHECK(mean.friction == test::about(2 * mean.hand).epsilon(1e-9));
         }
     }
 
     TEST_CASE("property: a step longer than the span counts alone, a short run as a whole, none as nothing, a pull as negative")
     {
-        CHECK(ramp(0.05, 1).seconds == doctest::Approx(0.05));
-        CHECK(ramp(0.05, 1).hand == doctest::Approx(1.0));
-        CHECK(ramp(1e-3, 5e-3).seconds == doctest::Approx(5e-3));
-        CHECK(ramp(1e-3, 5e-3).hand == doctest::Approx(3e-3));
+        CHECK(ramp(0.05, 1).seconds == test::about(0.05));
+        CHECK(ramp(0.05, 1).hand == test::about(1.0));
+        CHECK(ramp(1e-3, 5e-3).seconds == test::about(5e-3));
+        CHECK(ramp(1e-3, 5e-3).hand == test::about(3e-3));
         CHECK(EndMean{}.mean().seconds == 0);
         EndMean pull;
         pull.add(-2, 1, 1e-3);
-        CHECK(pull.mean().hand == doctest::Approx(-2));
+        CHECK(pull.mean().hand == test::about(-2));
         CHECK(pull.is_sound());
         EndMean stray = pull;
         stray.time[64] = 1e-3;  // no step before or after it

@@ -3,6 +3,7 @@
 #include "io/mesh_file.h"
 #include "scene/access.h"
 #include "scene/scene.h"
+#include "support/approx.h"
 #include "vessel/mesh_fixtures.h"
 #include "vessel/repair.h"
 
@@ -139,7 +140,7 @@ TEST_SUITE("scene/access")
             const std::vector<UnitGuess> guesses = guess_units(folder.tube(fmt::format("{}.obj", row.name).c_str(), row.radius, row.length, row.factor), vessel);
             CHECK(guesses[0].unit == row.unit);
             CHECK(guesses[0].plausible);
-            CHECK(guesses[0].lumen == doctest::Approx(row.radius).epsilon(0.05));
+            CHECK(guesses[0].lumen == about(row.radius).epsilon(0.05));
         }
         LoadedVessel vessel;
         const std::vector<UnitGuess> guesses = guess_units(folder.tube("c.obj", 1.4e-3, 19.5e-3, 1e3), vessel);

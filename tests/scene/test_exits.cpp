@@ -2,6 +2,7 @@
 #include "scene/exits.h"
 
 #include "scene/scene.h"
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -46,7 +47,7 @@ TEST_SUITE("scene/exits")
             watch_exits(tally, tip_at({-0.008 + 0.005 * k, 0.001, 0}), tube.openings, tube.vessel.mesh, 0.1 * k);
         REQUIRE(tally.count == 1);
         CHECK(tally.exit[0].opening == tube.at(0.1));
-        CHECK(tally.exit[0].left == doctest::Approx(2.2));  // -8 mm + 22 x 5 mm = 102 mm, 97 mm before
+        CHECK(tally.exit[0].left == test::about(2.2));  // -8 mm + 22 x 5 mm = 102 mm, 97 mm before
         CHECK(tally.exit[0].back == 0);
         Scene scene;
         const auto sentences = exit_sentences(tally, tube.openings, scene);

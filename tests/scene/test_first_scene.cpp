@@ -1,5 +1,6 @@
 // What `seldinger init` says of the way that it proposes.
 #include "scene/first_scene.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -29,7 +30,7 @@ TEST_CASE("A stenosis is told with its radius")
 {
     const WayThrough way = straight_way(3e-4);
     CHECK(way.narrowest == 3e-4);
-    CHECK(way.narrowest_at == doctest::Approx(0.05));
+    CHECK(way.narrowest_at == test::about(0.05));
     CHECK(choose_wire(way, "").why.find("the narrowest lumen on the longest way has a radius of 0.3 mm") != std::string::npos);
 }
 

@@ -6,6 +6,7 @@
 #include "scene/key_frames.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -114,9 +115,9 @@ TEST_SUITE("scene/instruments")
         const std::vector<Instrument> all = instruments();
         const double area_moment = std::numbers::pi * std::pow(0.035 * 0.0254, 4) / 64;
         // Harrison et al. 2011, doi:10.1583/11-3592.1; the files are rounded to three digits
-        CHECK(find(all, "lunderquist-035").wire.shaft.bend_stiffness == doctest::Approx(158.4e9 * area_moment).epsilon(0.005));
+        CHECK(find(all, "lunderquist-035").wire.shaft.bend_stiffness == test::about(158.4e9 * area_moment).epsilon(0.005));
         CHECK(find(all, "amplatz-super-stiff-035").wire.shaft.bend_stiffness ==
-              doctest::Approx(60.3e9 * area_moment).epsilon(0.005));
+              test::about(60.3e9 * area_moment).epsilon(0.005));
     }
 
     TEST_CASE("analytic: shapes turn the tip by the angles that their files say")
@@ -124,12 +125,12 @@ TEST_SUITE("scene/instruments")
         const std::vector<Instrument> all = instruments();
         const auto degrees = [&](const char* name) { return rest_angle(find(all, name).wire) * 180 / std::numbers::pi; };
         // curvatures are rounded to three digits: half a degree
-        CHECK(degrees("terumo-angled-035") == doctest::Approx(50).epsilon(0.02));
-        CHECK(degrees("pigtail-5f") == doctest::Approx(344).epsilon(0.01));
-        CHECK(degrees("judkins-right-4-5f") == doctest::Approx(120).epsilon(0.01));
-        CHECK(degrees("cobra-2-5f") == doctest::Approx(170).epsilon(0.01));
-        CHECK(degrees("vertebral-5f") == doctest::Approx(45).epsilon(0.01));
-        CHECK(degrees("simmons-1-5f") == doctest::Approx(145).epsilon(0.01));
+        CHECK(degrees("terumo-angled-035") == test::about(50).epsilon(0.02));
+        CHECK(degrees("pigtail-5f") == test::about(344).epsilon(0.01));
+        CHECK(degrees("judkins-right-4-5f") == test::about(120).epsilon(0.01));
+        CHECK(degrees("cobra-2-5f") == test::about(170).epsilon(0.01));
+        CHECK(degrees("vertebral-5f") == test::about(45).epsilon(0.01));
+        CHECK(degrees("simmons-1-5f") == test::about(145).epsilon(0.01));
         CHECK(degrees("bentson-035") == 0);
     }
 

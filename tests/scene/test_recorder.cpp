@@ -6,6 +6,7 @@
 #include "io/vtp_write.h"
 #include "scene/key_frames.h"
 #include "scene/recorder.h"
+#include "support/approx.h"
 #include "world.h"
 
 #include <doctest/doctest.h>
@@ -185,7 +186,7 @@ TEST_SUITE("scene/recorder")
         const std::string table = read_file(folder.path / "run" / "wire.csv");
         std::string row = table.substr(table.find('\n') + 1);
         for (int k = 0; k < 7; ++k) row.erase(0, row.find(',') + 1);
-        CHECK(std::stod(row) == doctest::Approx(0.02).epsilon(1e-6));  // 2 rad/s for 10 ms, nothing against it
+        CHECK(std::stod(row) == test::about(0.02).epsilon(1e-6));  // 2 rad/s for 10 ms, nothing against it
     }
 
     TEST_CASE("property: the greatest loads and hand force, with place and time, are those of every step however few rows there are")

@@ -1,5 +1,6 @@
 // The bound of a largest force where something that held lets go.
 #include "scene/release_watch.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -29,8 +30,8 @@ TEST_SUITE("scene/release_watch")
     TEST_CASE("analytic: a force that climbs and lets go is uncertain by its rate times the time of release")
     {
         // means of a straight rise are a straight rise: exact but for rounding
-        CHECK(after_a_rise(0.5, 0.02).bound() == doctest::Approx(0.5 * ReleaseWatch::release_time).epsilon(1e-9));
-        CHECK(after_a_rise(0.05, 0.02).bound() == doctest::Approx(0.05 * ReleaseWatch::release_time).epsilon(1e-9));
+        CHECK(after_a_rise(0.5, 0.02).bound() == test::about(0.5 * ReleaseWatch::release_time).epsilon(1e-9));
+        CHECK(after_a_rise(0.05, 0.02).bound() == test::about(0.05 * ReleaseWatch::release_time).epsilon(1e-9));
     }
 
     TEST_CASE("property: what climbs and stays, or gives way by less than a fifth, has not let go")

@@ -1,6 +1,7 @@
 // Scene files: the contract's defaults, every documented key, overrides, and the way back to text.
 #include "core/error.h"
 #include "scene/scene.h"
+#include "support/approx.h"
 #include "support/shared_folder.h"
 #include "support/temporary_folder.h"
 
@@ -382,9 +383,9 @@ TEST_SUITE("scene/scene")
         s.youngs = 60e9;
         s.poisson = 0.3;
         set_stiffness_from_material(s);
-        CHECK(s.bend_stiffness == doctest::Approx(4.7307e-5).epsilon(1e-4));
-        CHECK(s.twist_stiffness == doctest::Approx(s.bend_stiffness / 1.3).epsilon(1e-12));  // C/B = 1/(1 + nu)
-        CHECK(s.stretch_stiffness == doctest::Approx(4 * s.bend_stiffness / (178e-6 * 178e-6)).epsilon(1e-12));  // EA = 4 B / r^2
+        CHECK(s.bend_stiffness == test::about(4.7307e-5).epsilon(1e-4));
+        CHECK(s.twist_stiffness == test::about(s.bend_stiffness / 1.3).epsilon(1e-12));  // C/B = 1/(1 + nu)
+        CHECK(s.stretch_stiffness == test::about(4 * s.bend_stiffness / (178e-6 * 178e-6)).epsilon(1e-12));  // EA = 4 B / r^2
     }
 
     TEST_CASE("property: a section inherits what it does not give, and its own stiffness wins over its material")
@@ -399,8 +400,8 @@ TEST_SUITE("scene/scene")
         CHECK(tip.mu_sliding == 0.05);
         CHECK(tip.rest_curvature == Vec2(20, -3));
         // same material, thinner and of another Poisson's ratio: B ~ r^4, C/B = 1/(1 + nu)
-        CHECK(thin.bend_stiffness == doctest::Approx(shaft.bend_stiffness * std::pow(150.0 / 178.0, 4)).epsilon(1e-12));
-        CHECK(thin.twist_stiffness == doctest::Approx(thin.bend_stiffness / 1.2).epsilon(1e-12));
+        CHECK(thin.bend_stiffness == test::about(shaft.bend_stiffness * std::pow(150.0 / 178.0, 4)).epsilon(1e-12));
+        CHECK(thin.twist_stiffness == test::about(thin.bend_stiffness / 1.2).epsilon(1e-12));
     }
 
     TEST_CASE("property: a scene written out reads back to the same bits")

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "scene/instruments.h"
 #include "scene/scene.h"
+#include "support/approx.h"
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
 
@@ -216,12 +217,12 @@ TEST_SUITE("scene/scene_layers")
             const std::string sliding = fmt::format("mu_sliding = {}\n", mu), text = fmt::format("{}", mu);
             for (const Scene& scene : {read(wire + sliding), read(wire, {"wire.mu_sliding=" + text})}) {
                 CHECK(scene.wire.shaft.mu_sliding == mu);
-                CHECK(scene.wire.shaft.mu_static == doctest::Approx(ratio * mu).epsilon(1e-12));
+                CHECK(scene.wire.shaft.mu_static == test::about(ratio * mu).epsilon(1e-12));
                 CHECK(scene.warnings.empty());
             }
             const Scene of_static = read(wire, {"wire.mu_static=" + text});
             CHECK(of_static.wire.shaft.mu_static == mu);
-            CHECK(of_static.wire.shaft.mu_sliding == doctest::Approx(mu / ratio).epsilon(1e-12));
+            CHECK(of_static.wire.shaft.mu_sliding == test::about(mu / ratio).epsilon(1e-12));
         }
         const Scene both = read(wire + "mu_sliding = 0.3\n", {"wire.mu_static=0.31"});
         CHECK(both.wire.shaft.mu_sliding == 0.3);

@@ -4,6 +4,7 @@
 #include "io/mesh_file.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "support/approx.h"
 #include "vessel/inside.h"
 #include "vessel/shapes.h"
 #include "wall/wall_resolution.h"
@@ -123,7 +124,7 @@ TEST_SUITE("scene/scene_setup")
     {
         const WorldSetup setup = make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"));
         const FeedSpec& feed = setup.wires[0].feed;
-        CHECK(feed.direction.norm() == doctest::Approx(1));
+        CHECK(feed.direction.norm() == test::about(1));
         RepairReport report;
         (void)make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"), -1, &report);
         REQUIRE(report.loops.size() == 2);
@@ -190,7 +191,7 @@ TEST_SUITE("scene/scene_setup")
         const WallMechanics chosen = expected_mechanics(vessel, loaded.mesh, loaded.centreline);
         // of a beam on its bed, D = E t^3/(12 (1 - nu^2)), lambda^4 = 4 D/k_s
         const double bend = 5e5 * std::pow(9e-4, 3) / (12 * (1 - vessel.poisson * vessel.poisson));
-        CHECK(chosen.decay == doctest::Approx(std::pow(4 * bend / 3e6, 0.25)).epsilon(1e-12));
+        CHECK(chosen.decay == test::about(std::pow(4 * bend / 3e6, 0.25)).epsilon(1e-12));
         CHECK(chosen.edge / chosen.decay > 4);
         const std::string coarse = describe_coarse_wall(chosen, vessel);
         CHECK(coarse.find("vessel.wall_edge_m: got control edges of ") == 0);
@@ -198,7 +199,7 @@ TEST_SUITE("scene/scene_setup")
         CHECK(coarse.find("Fix: vessel.wall_edge_m = ") != std::string::npos);
         vessel.wall_edge = 0.9 * chosen.decay;
         const WallMechanics fine = expected_mechanics(vessel, loaded.mesh, loaded.centreline);
-        CHECK(fine.edge == doctest::Approx(vessel.wall_edge).epsilon(0.02));
+        CHECK(fine.edge == test::about(vessel.wall_edge).epsilon(0.02));
         CHECK(describe_coarse_wall(fine, vessel).empty());
         vessel.elastic = false;
         CHECK(describe_coarse_wall(expected_mechanics(vessel, loaded.mesh, loaded.centreline), vessel).empty());

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -125,7 +126,7 @@ TEST_SUITE("scene/start_inside")
         CHECK((rod.pos(rod.n - 1) - Vec3(-0.012, 0, -0.0018)).norm() == 0);
         CHECK(rod.tangent(rod.n - 2).dot(Vec3(-0.011, 0, -0.0005).normalized()) > 1 - 1e-9);  // edges point from tip to hub
         for (int j = 0; j + 1 < rod.n; ++j)
-            CHECK((rod.pos(j + 1) - rod.pos(j)).norm() == doctest::Approx(rod.rest_length[j]).epsilon(1e-8));
+            CHECK((rod.pos(j + 1) - rod.pos(j)).norm() == about(rod.rest_length[j]).epsilon(1e-8));
         int sub_steps = 0, best_effort = 0;
         double overlap = 0, outside = 0;
         for (int k = 0; k < 20; ++k) {

@@ -3,6 +3,7 @@
 
 #include "scene/joint_readings.h"
 #include "scene/scene.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -93,8 +94,8 @@ TEST_SUITE("scene/step_twin")
             return AtEnd{twin.finish(StepTwin::Finer::Never), change(0.02 / dt), change(50)};
         };
         const AtEnd fine = at_end(1e-3), coarse = at_end(4e-3);
-        CHECK(fine.estimate.end_seconds == doctest::Approx(0.02).epsilon(1e-9));
-        CHECK(coarse.estimate.end_seconds == doctest::Approx(0.02).epsilon(1e-9));
+        CHECK(fine.estimate.end_seconds == test::about(0.02).epsilon(1e-9));
+        CHECK(coarse.estimate.end_seconds == test::about(0.02).epsilon(1e-9));
         CAPTURE(fine.estimate.hand.value);
         CAPTURE(coarse.estimate.hand.value);
         CAPTURE(fine.change);

@@ -2,6 +2,7 @@
 
 #include "scene/instruments.h"
 #include "scene/scene.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -62,7 +63,7 @@ TEST_CASE("analytic: a three-point bend of each instrument's shaft gives its own
         for (int i = 0; i < rod.n; ++i)
             if (std::abs(rod.material_s[i] - overhang - span / 2) < std::abs(rod.material_s[middle] - overhang - span / 2)) middle = i;
         const double deflection = rod.pos(middle).y();
-        CHECK(force * span * span * span / (48 * deflection) == doctest::Approx(own).epsilon(0.005));
+        CHECK(force * span * span * span / (48 * deflection) == test::about(own).epsilon(0.005));
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "scene/scene.h"
 #include "scene/wall_path.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -70,10 +71,10 @@ TEST_CASE("property: on a plane of any size displacement and stress are those of
     for (const double size : {0.1, 0.5}) {
         CAPTURE(size);
         const Dent along = dent_of(pressed_wire(size, 0), true);
-        CHECK(along.readings.move_max == doctest::Approx(fine.readings.move_max).epsilon(0.01));
-        CHECK(along.readings.stress_max == doctest::Approx(fine.readings.stress_max).epsilon(0.05));
+        CHECK(along.readings.move_max == test::about(fine.readings.move_max).epsilon(0.01));
+        CHECK(along.readings.stress_max == test::about(fine.readings.stress_max).epsilon(0.05));
         CHECK(std::abs(along.readings.stress_max - fine.readings.stress_max) < along.readings.stress_band + fine.readings.stress_band);
-        CHECK(along.mechanics.edge_touched == doctest::Approx(0.5 * along.mechanics.decay));
+        CHECK(along.mechanics.edge_touched == test::about(0.5 * along.mechanics.decay));
         CHECK(along.mechanics.vertices < 2000);
     }
     // without the path the mesh is even, and 4 decay lengths long

@@ -1,5 +1,6 @@
 // Points at even arc lengths along polylines.
 #include "scene/wire_shapes.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -18,7 +19,7 @@ TEST_SUITE("scene/wire_shapes")
         put_stations(corner, 5, points);
         const std::vector<double> expected = {0, 0, 0, 1, 0, 0, 1, 1, 0, 1, 2, 0, 1, 3, 0};
         REQUIRE(points.size() == expected.size());
-        for (std::size_t i = 0; i < points.size(); ++i) CHECK(points[i] == doctest::Approx(expected[i]).epsilon(1e-15));
+        for (std::size_t i = 0; i < points.size(); ++i) CHECK(points[i] == test::about(expected[i]).epsilon(1e-15));
         for (const std::vector<Vec3>& line : {std::vector<Vec3>{{1, 2, 3}}, std::vector<Vec3>{{1, 2, 3}, {1, 2, 3}}}) {
             points.clear();
             put_stations(line, 3, points);

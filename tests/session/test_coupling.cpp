@@ -1,6 +1,7 @@
 // The virtual coupling (D14): rest, following, energies, and a sampled hand against Colgate's condition.
 
 #include "session/coupling.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -82,9 +83,9 @@ TEST_SUITE("session/coupling")
             coupling.stepped(wire.force);
         }
         const double k = advance_coupling.stiffness, together = k * 300 / (k + 300);
-        CHECK(coupling.force() == doctest::Approx(together * 0.01).epsilon(1e-9));
-        CHECK(coupling.force() == doctest::Approx(wire.force).epsilon(1e-9));
-        CHECK(coupling.stretch() == doctest::Approx(coupling.force() / k).epsilon(1e-9));
+        CHECK(coupling.force() == test::about(together * 0.01).epsilon(1e-9));
+        CHECK(coupling.force() == test::about(wire.force).epsilon(1e-9));
+        CHECK(coupling.stretch() == test::about(coupling.force() / k).epsilon(1e-9));
     }
 
     TEST_CASE("analytic: a free wire that is drawn along steadily is not felt, but for its own friction")
@@ -95,9 +96,9 @@ TEST_SUITE("session/coupling")
             wire.move_to(coupling.next(0.02 * dt * k, wire.load(), -no_end, no_end));
             coupling.stepped(wire.force);
         }
-        CHECK(wire.force == doctest::Approx(0.06).epsilon(1e-6));
+        CHECK(wire.force == test::about(0.06).epsilon(1e-6));
         // what the damper takes is thought to grow with every step: force is what the wire will answer plus that share
-        CHECK(coupling.force() == doctest::Approx(0.06 + 3 * 0.02).epsilon(1e-6));
+        CHECK(coupling.force() == test::about(0.06 + 3 * 0.02).epsilon(1e-6));
     }
 
     TEST_CASE("derivative: the force grows with the hand as force_per_advance says")
@@ -114,7 +115,7 @@ TEST_SUITE("session/coupling")
         (void)there.next(1.5e-3 + d, load, -no_end, no_end);
         const double whole = advance_coupling.stiffness + damper + load.stiffness;
         const double by_speed = damper * load.stiffness / whole;  // of the move within the step, which is not the position's
-        CHECK((there.force() - here.force()) / d == doctest::Approx(here.force_per_advance() + by_speed).epsilon(1e-6));
+        CHECK((there.force() - here.force()) / d == test::about(here.force_per_advance() + by_speed).epsilon(1e-6));
     }
 
     TEST_CASE("property: what the hand brings in is never less than what is stored and done, for any motion against any wire")
@@ -169,7 +170,7 @@ TEST_SUITE("session/coupling")
         coupling.place(0);
         CHECK(coupling.force() == 0);
         CHECK(coupling.position() == 0);
-        CHECK(coupling.energy() == doctest::Approx(energy));
+        CHECK(coupling.energy() == test::about(energy));
     }
 }
 

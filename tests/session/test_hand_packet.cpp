@@ -1,6 +1,7 @@
 // The packets of the hand channel byte by byte, as section 15 of the contract has them, and what the gate lets through.
 
 #include "session/hand_gate.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -149,7 +150,7 @@ TEST_SUITE("session/hand_packet")
         REQUIRE(give(gate, rebased, 2.0, 3) == Accepted);
         CHECK(gate.hand(0).advance == 0.2);
         REQUIRE(give(gate, request(2, 0.01), 2.1, 3) == Accepted);
-        CHECK(gate.hand(0).advance == doctest::Approx(0.21).epsilon(1e-12));
+        CHECK(gate.hand(0).advance == test::about(0.21).epsilon(1e-12));
     }
 
     TEST_CASE("regression: a device that was restarted on its own port is heard after a silence, and not before")

@@ -4,6 +4,7 @@
 #include "session/pacer.h"
 #include "session/time_histogram.h"
 #include "session/triple_buffer.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -21,7 +22,7 @@ TEST_SUITE("session/pacer")
         Pacer pacer(1e-3);
         pacer.start(5.0);
         for (int k = 0; k < 1000; ++k) {
-            CHECK(pacer.due() == doctest::Approx(5.0 + 1e-3 * k).epsilon(1e-13));
+            CHECK(pacer.due() == test::about(5.0 + 1e-3 * k).epsilon(1e-13));
             CHECK_FALSE(pacer.finished(pacer.due() + (k % 2 ? 0.9e-3 : 0.1e-3)));
         }
         CHECK(pacer.late() == 0);
@@ -34,10 +35,10 @@ TEST_SUITE("session/pacer")
         pacer.start(0);
         CHECK_FALSE(pacer.finished(0.5e-3));
         CHECK(pacer.finished(4.5e-3));  // was to be over at 2 ms
-        CHECK(pacer.stretched() == doctest::Approx(2.5e-3).epsilon(1e-12));
+        CHECK(pacer.stretched() == test::about(2.5e-3).epsilon(1e-12));
         CHECK(pacer.due() == 4.5e-3);
         CHECK_FALSE(pacer.finished(5.0e-3));
-        CHECK(pacer.due() == doctest::Approx(5.5e-3).epsilon(1e-12));  // a whole period after the one before
+        CHECK(pacer.due() == test::about(5.5e-3).epsilon(1e-12));  // a whole period after the one before
         CHECK(pacer.late() == 1);
         CHECK(pacer.steps() == 3);
     }
@@ -51,8 +52,8 @@ TEST_SUITE("session/pacer")
             now = std::max(now, pacer.due()) + 2e-3;
             CHECK(pacer.finished(now));
         }
-        CHECK(now == doctest::Approx(1.0).epsilon(1e-12));
-        CHECK(pacer.stretched() == doctest::Approx(0.5).epsilon(1e-12));
+        CHECK(now == test::about(1.0).epsilon(1e-12));
+        CHECK(pacer.stretched() == test::about(0.5).epsilon(1e-12));
     }
 
     TEST_CASE("property: a pause is neither late nor stretched")
@@ -71,9 +72,9 @@ TEST_SUITE("session/pacer")
         TimeHistogram times;
         for (int k = 1; k <= 10000; ++k) times.add(1e-6 * k);
         CHECK(times.count() == 10000);
-        for (const double share : {0.5, 0.99, 0.999}) CHECK(times.quantile(share) == doctest::Approx(1e-2 * share).epsilon(0.022));
-        CHECK(times.quantile(1) == doctest::Approx(1e-2));
-        CHECK(times.worst() == doctest::Approx(1e-2));
+        for (const double share : {0.5, 0.99, 0.999}) CHECK(times.quantile(share) == test::about(1e-2 * share).epsilon(0.022));
+        CHECK(times.quantile(1) == test::about(1e-2));
+        CHECK(times.worst() == test::about(1e-2));
     }
 
     TEST_CASE("property: a reader sees whole values in their order, and the last one")

@@ -4,6 +4,7 @@
 #include "session/session.h"
 
 #include "session/session_fixture.h"
+#include "support/approx.h"
 #include "support/temporary_folder.h"
 #include "support/tries.h"
 
@@ -99,7 +100,7 @@ TEST_SUITE("session/session")
             for (std::uint64_t k = 1; k <= 400; ++k) {
                 REQUIRE(line.ask(k, 2e-4 * static_cast<double>(k), 0.01 * static_cast<double>(k), answer));  // 0.2 m/s of session time
                 CHECK(answer.step == k);
-                CHECK(answer.time_s == doctest::Approx(1e-3 * static_cast<double>(k)));
+                CHECK(answer.time_s == about(1e-3 * static_cast<double>(k)));
                 if (k % static_cast<std::uint64_t>(pause_every) == 0) rest(3e-3);
             }
             session.stop();
@@ -159,7 +160,7 @@ TEST_SUITE("session/session")
         session.stop();
         session.finish();
         CHECK(session.failure().empty());
-        CHECK(session.world().readings(0).inserted == doctest::Approx(0.002).epsilon(0.05));
+        CHECK(session.world().readings(0).inserted == about(0.002).epsilon(0.05));
     }
 
     TEST_CASE("property: a page pushes the wire to the target, falls silent and is still, and the score says what was done")
@@ -182,8 +183,8 @@ TEST_SUITE("session/session")
         CHECK_FALSE(score.failed);
         CHECK(score.pushes == 1);
         CHECK(score.pull_backs == 0);
-        CHECK(score.path_length == doctest::Approx(score.advanced).epsilon(0.1));  // it slides along a straight floor
-        CHECK(score.fluoroscopy == doctest::Approx(score.time));
+        CHECK(score.path_length == about(score.advanced).epsilon(0.1));  // it slides along a straight floor
+        CHECK(score.fluoroscopy == about(score.time));
         CHECK(session.world().readings(0).inserted < 0.04);
         const auto sheet = nlohmann::json::parse(score_json(scene, score));
         CHECK(sheet["verdict"] == "passed");
@@ -315,7 +316,7 @@ TEST_SUITE("session/session")
         CAPTURE(stiffness);
         REQUIRE(measured > 10);
         // its factors are those of the last Newton iteration but one, and the curvature of the hub's own cell is left out
-        CHECK(stiffness == doctest::Approx(measured).epsilon(0.05));
+        CHECK(stiffness == about(measured).epsilon(0.05));
     }
 
     TEST_CASE("property: watching the stiffness and reading snapshots changes no bit")

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "solve/feed.h"
 #include "solve/wire_fixture.h"
+#include "support/approx.h"
 
 #include <string>
 
@@ -48,13 +49,13 @@ TEST_SUITE("solve/constraints")
             const auto& prescribed = rig.constraints[0].prescribed;
             REQUIRE(prescribed.size() == 3);
             CHECK(prescribed[0].first == 40);
-            CHECK(prescribed[0].second == doctest::Approx(e.x));
-            CHECK(prescribed[1].second == doctest::Approx(e.y));
+            CHECK(prescribed[0].second == test::about(e.x));
+            CHECK(prescribed[1].second == test::about(e.y));
             REQUIRE(rig.constraints[0].clamps.size() == 1);
             const RodClamp& clamp = rig.constraints[0].clamps[0];
-            CHECK(clamp.turns == doctest::Approx(-e.turn));
+            CHECK(clamp.turns == test::about(-e.turn));
             // +z turned about the direction of insertion, +x: towards -y
-            CHECK(clamp.director.y() == doctest::Approx(-std::sin(e.turn)));
+            CHECK(clamp.director.y() == test::about(-std::sin(e.turn)));
             CHECK(clamp.tangent.x() == about(-1));
         }
     }

@@ -4,6 +4,7 @@
 
 #include "engine.h"
 #include "scene/scene.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -303,7 +304,7 @@ TEST_SUITE("solve/reference_scenes")
             CHECK(distance({tip.x(), tip.y(), tip.z()}, values_of(of.at("expected"))) <= (rod.n - 1) * edge_error);
             CHECK(rod.n != 14);  // the uniform edges that it began with, 0.4 of the longest allowed
             CHECK(rod.rest_length[0] > 2 * rod.rest_length[rod.n - 2]);  // straight at the tip, bent at the clamp
-            CHECK(rod.material_s[rod.n - 1] == doctest::Approx(0.1).epsilon(1e-9));
+            CHECK(rod.material_s[rod.n - 1] == test::about(0.1).epsilon(1e-9));
             const int nodes = rod.n;
             REQUIRE_FALSE(settle(world).failed());
             CHECK(world.rod(0).n == nodes);

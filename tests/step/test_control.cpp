@@ -1,5 +1,6 @@
 // control.h through step(): a hand that is asked step by step against a path that is known beforehand, and its readings.
 
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -41,11 +42,11 @@ TEST_SUITE("step/control")
             REQUIRE_FALSE(step(handled, control, 1e-3).failed());
         }
         REQUIRE(keyed.readings(0).contacts > 0);
-        CHECK(handled.readings(0).inserted == doctest::Approx(speed * 0.7).epsilon(1e-12));
-        CHECK(handled.readings(0).turned == doctest::Approx(rate * 0.7).epsilon(1e-12));
+        CHECK(handled.readings(0).inserted == about(speed * 0.7).epsilon(1e-12));
+        CHECK(handled.readings(0).turned == about(rate * 0.7).epsilon(1e-12));
         CHECK(handled.readings(0).nodes == keyed.readings(0).nodes);
         CHECK((handled.rod(0).pos(0) - keyed.rod(0).pos(0)).norm() < 1e-7);
-        CHECK(handled.readings(0).hand_force == doctest::Approx(keyed.readings(0).hand_force).epsilon(1e-3));
+        CHECK(handled.readings(0).hand_force == about(keyed.readings(0).hand_force).epsilon(1e-3));
     }
 
     TEST_CASE("property: asked for nothing, a hub stays where it is to the last bit")
@@ -66,10 +67,10 @@ TEST_SUITE("step/control")
         const StepReport report = step(world, control, 0.1);
         REQUIRE_FALSE(report.failed());
         CHECK(report.sub_steps >= 6);
-        CHECK(world.readings(0).inserted == doctest::Approx(0.03).epsilon(1e-12));
+        CHECK(world.readings(0).inserted == about(0.03).epsilon(1e-12));
         control.move_to(0, 0.012, 0);
         REQUIRE_FALSE(step(world, control, 0.1).failed());
-        CHECK(world.readings(0).inserted == doctest::Approx(0.012).epsilon(1e-12));
+        CHECK(world.readings(0).inserted == about(0.012).epsilon(1e-12));
     }
 
     TEST_CASE("property: an output is a copy of what the views show, and later steps leave it alone")

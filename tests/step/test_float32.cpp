@@ -2,6 +2,7 @@
 
 #include "contact/device_records.h"
 #include "core/error.h"
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -66,8 +67,8 @@ TEST_SUITE("step/float32")
                          << b.overlap << " m");
         CHECK(apart > 0);     // another arithmetic it is
         CHECK(apart < 1e-8);  // what a gap must be right to (portable.h)
-        CHECK(b.normal == doctest::Approx(a.normal).epsilon(1e-3));
-        CHECK(b.friction == doctest::Approx(a.friction).epsilon(1e-3));
+        CHECK(b.normal == about(a.normal).epsilon(1e-3));
+        CHECK(b.friction == about(a.friction).epsilon(1e-3));
         CHECK(std::abs(a.overlap - b.overlap) < 1e-8);  // 0.01 um
     }
 

@@ -1,5 +1,6 @@
 // A step that is ended from outside leaves the world as it was before, bit for bit.
 
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -48,7 +49,7 @@ TEST_SUITE("step/stopped_step")
                     ++ended;
                     CHECK(stopped.state_hash() == before);
                     CHECK(stopped.save_state() == bytes);
-                    CHECK(stopped.time() == doctest::Approx(k * dt));
+                    CHECK(stopped.time() == about(k * dt));
                 }
                 CHECK(stopped.state_hash() == plain.state_hash());
             }

@@ -1,5 +1,6 @@
 // Systems of several instruments: fed in the same parts, halved, put back, retired and hashed as one.
 
+#include "support/approx.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -42,7 +43,7 @@ TEST_SUITE("step/systems")
             REQUIRE(apart.readings(w).contacts > 0);
             CHECK(together.readings(w).nodes == apart.readings(w).nodes);
             CHECK((together.rod(w).pos(0) - apart.rod(w).pos(0)).norm() < 1e-6);
-            CHECK(together.readings(w).normal == doctest::Approx(apart.readings(w).normal).epsilon(1e-2));
+            CHECK(together.readings(w).normal == about(apart.readings(w).normal).epsilon(1e-2));
         }
     }
 
@@ -56,7 +57,7 @@ TEST_SUITE("step/systems")
         REQUIRE(apart.report(0).sub_steps > 1);
         CHECK(apart.report(1).sub_steps == 1);
         CHECK(together.report(1).sub_steps == together.report(0).sub_steps);
-        CHECK(together.readings(1).inserted == doctest::Approx(0.001).epsilon(1e-12));
+        CHECK(together.readings(1).inserted == about(0.001).epsilon(1e-12));
     }
 
     TEST_CASE("property: a system is retired and hashed as a whole, and saved with the rest")

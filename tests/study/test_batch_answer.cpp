@@ -1,6 +1,7 @@
 // The answer of a batch: counts, ranking, resolved differences, and digits.
 #include "scene/force_text.h"
 #include "study/batch_answer.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -61,7 +62,7 @@ TEST_SUITE("study/batch_answer")
                                           "terumo-angled-035, 0.13 ± 0.02 N");
         rows[4].numbers[column_index("until_patch_force_max_n")] = 0.1295;
         CHECK(line(layout(true), rows) == "3 of 3 reached left subclavian; least peak on 5 mm of wall: bentson-035, 0.100 ± 0.012 N");
-        CHECK(answer_of(layout(true), rows).ranking[0].band == doctest::Approx(0.012));
+        CHECK(answer_of(layout(true), rows).ranking[0].band == test::about(0.012));
         // with half the step it misses: its readings until then are not comparable
         rows[3] = row(3, false, false, 0.05);
         CHECK(std::isnan(answer_of(layout(true), rows).ranking[0].band));

@@ -3,6 +3,7 @@
 #include "lab/chart.h"
 
 #include "core/error.h"
+#include "support/approx.h"
 #include "support/temporary_folder.h"
 
 #include <doctest/doctest.h>
@@ -157,7 +158,7 @@ TEST_SUITE("study/chart_models")
         }
         // torsion: sqrt(C / (rho I_p)) = sqrt(1e-7 / 3.18e-10) = 17.7 m/s; stretch: sqrt(10 / 3.97e-3) = 50.2 m/s, the fastest on
         // edges of 2.5 mm, where bending makes 4 sqrt(B / rho A) / h^2 = 32,100 rad/s against 2 c / h = 40,100
-        CHECK(explicit_step(scene.wire, 41) == doctest::Approx(0.25 * 2 / 40100).epsilon(0.01).scale(0));
+        CHECK(explicit_step(scene.wire, 41) == test::about(0.25 * 2 / 40100).epsilon(0.01).scale(0));
     }
 
     TEST_CASE_FIXTURE(ChartFixture,

@@ -6,7 +6,9 @@
 
 namespace seldinger::test {
 
-/// Equal to within .epsilon(e) times the larger of the two, and nothing else.
-inline doctest::Approx about(double x) { return doctest::Approx(x).scale(0); }
+/// Equal to within .epsilon(e) times the larger of the two, and nothing else; 0 equals 0.
+inline doctest::Approx about(double x) { return doctest::Approx(x).scale(1e-300); }
 
 }  // namespace seldinger::test
+
+#pragma GCC poison Approx  // a check with it passes whatever a small value is

@@ -1,4 +1,5 @@
 // Branches of a centreline: their numbers, their mouths, and the one that a point lies in.
+#include "support/approx.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/branches.h"
 
@@ -49,8 +50,8 @@ TEST_SUITE("vessel/branches")
         CHECK((end(2) - Vec3(0.04, -0.01, 0.01)).norm() < 1e-12);  // both leave 50 mm from the root: by the end's index
         CHECK((end(3) - Vec3(0.04, -0.025, 0)).norm() < 1e-12);
         CHECK((end(4) - Vec3(0.08, 0, 0)).norm() < 1e-12);
-        CHECK(branches.from_root(branches.points(1).front()) == doctest::Approx(0.021));
-        CHECK(branches.from_root(branches.points(3).back()) == doctest::Approx(0.065));
+        CHECK(branches.from_root(branches.points(1).front()) == test::about(0.021));
+        CHECK(branches.from_root(branches.points(3).back()) == test::about(0.065));
     }
 
     TEST_CASE("analytic: a point is in a branch from its mouth on, before it in none, and its depth is that behind the mouth")
@@ -63,10 +64,10 @@ TEST_SUITE("vessel/branches")
         CHECK(at(0.02, 0.004, 0).branch == 0);  // in the trunk's lumen yet
         CHECK(at(0.02, 0.0101, 0.001).branch == 1);
         // the mouth is the first point beyond 5 mm, 6 mm; depths are of the foot on the axis, whatever the spacing of its points
-        CHECK(at(0.02, 0.0101, 0.001).depth == doctest::Approx(0.0041));
-        CHECK(at(0.02, 0.0104, 0.0015).depth == doctest::Approx(0.0044));
-        CHECK(at(0.02, 0.0106, 0.0015).depth == doctest::Approx(0.0046));
-        CHECK(at(0.02, 0.0599, 0.001).depth == doctest::Approx(0.024));  // past the end: that of the end
+        CHECK(at(0.02, 0.0101, 0.001).depth == test::about(0.0041));
+        CHECK(at(0.02, 0.0104, 0.0015).depth == test::about(0.0044));
+        CHECK(at(0.02, 0.0106, 0.0015).depth == test::about(0.0046));
+        CHECK(at(0.02, 0.0599, 0.001).depth == test::about(0.024));  // past the end: that of the end
         CHECK(at(0.02, 0.0058, 0).depth == 0);  // nearer to the mouth than to the point before it
         CHECK(at(0.04, -0.006, 0).branch == 0);  // behind one fork, before the next
         CHECK(at(0.04, -0.01, 0.008).branch == 2);
@@ -82,7 +83,7 @@ TEST_SUITE("vessel/branches")
         const Branches one(tube);
         CHECK(one.count() == 1);
         CHECK(one.locate(tube, Vec3(0.007, 0.001, 0)).branch == 1);
-        CHECK(one.locate(tube, Vec3(0.007, 0.001, 0)).depth == doctest::Approx(0.007));
+        CHECK(one.locate(tube, Vec3(0.007, 0.001, 0)).depth == test::about(0.007));
         CHECK(Branches(Centreline{}).locate({}, Vec3::Zero()).branch == 0);
     }
 
@@ -96,7 +97,7 @@ TEST_SUITE("vessel/branches")
         const double radius[] = {0.01041 / 2, 0.00828 / 2, 0.0125 / 2};
         for (int number = 1; number <= 3; ++number) {
             CAPTURE(number);
-            CHECK(arch.centreline.radius[static_cast<std::size_t>(branches.points(number).back())] == doctest::Approx(radius[number - 1]).epsilon(0.02));
+            CHECK(arch.centreline.radius[static_cast<std::size_t>(branches.points(number).back())] == test::about(radius[number - 1]).epsilon(0.02));
             CHECK(branches.locate(arch.centreline, end(number)).branch == number);
         }
         CHECK(branches.locate(arch.centreline, end(4)).branch == 4);

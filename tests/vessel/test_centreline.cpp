@@ -1,5 +1,6 @@
 // The extracted axis of generated vessels, whose axes are known, and the tree's own methods.
 #include "mesh_fixtures.h"
+#include "support/approx.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
@@ -45,10 +46,10 @@ TEST_SUITE("vessel/centreline")
         const Centreline line = extract(tube.mesh, report);
         REQUIRE(line.points.size() > 10);
         CHECK(line.main_path().size() == line.points.size());
-        CHECK(line.total_length() == doctest::Approx(0.15).epsilon(0.01));
+        CHECK(line.total_length() == about(0.15).epsilon(0.01));
         for (std::size_t i = 0; i < line.points.size(); ++i) {
             CHECK(std::hypot(line.points[i].y(), line.points[i].z()) < 0.02 * 0.01);
-            CHECK(line.radius[i] == doctest::Approx(0.01).epsilon(0.02));
+            CHECK(line.radius[i] == about(0.01).epsilon(0.02));
         }
     }
 
@@ -60,7 +61,7 @@ TEST_SUITE("vessel/centreline")
         spec.lead_in = spec.lead_out = 0.04;
         const GeneratedVessel arc = make_arc(spec);
         const Centreline line = extract(arc.mesh, describe(arc.mesh));
-        CHECK(line.total_length() == doctest::Approx(arc.centreline.total_length()).epsilon(0.03));
+        CHECK(line.total_length() == about(arc.centreline.total_length()).epsilon(0.03));
         for (const Vec3& p : line.points) CHECK(distance_to(arc.centreline, p) < 0.1 * 0.005);
     }
 
@@ -74,7 +75,7 @@ TEST_SUITE("vessel/centreline")
         for (const int parent : line.parent)
             if (parent >= 0) ++children[static_cast<std::size_t>(parent)];
         CHECK(std::count(children.begin(), children.end(), 0) == 4);  // and the root makes five
-        CHECK(line.total_length() == doctest::Approx(arch.centreline.total_length()).epsilon(0.1));
+        CHECK(line.total_length() == about(arch.centreline.total_length()).epsilon(0.1));
         int outside = 0;
         for (const Vec3& p : line.points) outside += !lumen.inside(p);
         CHECK(outside == 0);
@@ -82,7 +83,7 @@ TEST_SUITE("vessel/centreline")
         for (std::size_t i = 0; i < line.points.size(); ++i)
             if (line.points[i].x() > 0.02 && line.points[i].x() < 0.1 && line.points[i].z() < 0.01) {
                 CHECK(distance_to(arch.centreline, line.points[i]) < 0.001);
-                CHECK(line.radius[i] == doctest::Approx(0.01225).epsilon(0.03));
+                CHECK(line.radius[i] == about(0.01225).epsilon(0.03));
             }
     }
 

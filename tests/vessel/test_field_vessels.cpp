@@ -1,5 +1,6 @@
 // Vessels as segmentations, printers and CAD programs make them: in parts, with a thick wall, of exact spheres.
 #include "core/error.h"
+#include "support/approx.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/mesh_fixtures.h"
 #include "vessel/parts.h"
@@ -122,7 +123,7 @@ TEST_SUITE("vessel/field_vessels")
                 if (turned == 2 && !joined)
                     for (std::size_t t = 0; t < mesh.triangles.size() / 2; ++t) flip(mesh, t);  // both shells face inwards
                 const RepairReport report = repair(mesh);
-                CHECK(largest_radius(mesh) == doctest::Approx(3e-3).epsilon(1e-6));
+                CHECK(largest_radius(mesh) == about(3e-3).epsilon(1e-6));
                 CHECK(mesh.triangles.size() == 2 * 32 * 60);
                 CHECK(report.loops.size() == 2);
                 CHECK(has_note(report, "inner of its two shells"));
@@ -167,7 +168,7 @@ TEST_SUITE("vessel/field_vessels")
             CHECK(parts.part_at(Vec3(0.07, 0, 0)) == 0);
             double all = 0;
             for (const VesselPart& part : parts.parts()) all += part.share;
-            CHECK(all == doctest::Approx(1));
+            CHECK(all == about(1));
             const std::vector<std::string> from_stump = parts.describe_choice(1);
             REQUIRE(from_stump.size() == 3);
             CHECK(from_stump[0].find("7 separate parts") != std::string::npos);

@@ -1,6 +1,7 @@
 // Repair: each kind of damage on its own, then all at once.
 #include "core/error.h"
 #include "mesh_fixtures.h"
+#include "support/approx.h"
 #include "vessel/repair.h"
 
 #include <doctest/doctest.h>
@@ -129,7 +130,7 @@ TEST_SUITE("vessel/repair")
         CHECK(report.non_manifold_edges == 0);
         CHECK(mesh.triangles.size() <= before);
         CHECK(facing_out_of_x_tube(mesh) == 0);
-        for (const BoundaryLoop& loop : report.loops) CHECK(loop.radius == doctest::Approx(0.01).epsilon(1e-9));
+        for (const BoundaryLoop& loop : report.loops) CHECK(loop.radius == about(0.01).epsilon(1e-9));
     }
 
     TEST_CASE("property: what is not a number goes, with its hole")

@@ -2,6 +2,7 @@
 
 #include "vessel/ridges.h"
 
+#include "support/approx.h"
 #include "vessel/shapes.h"
 
 #include <doctest/doctest.h>
@@ -43,7 +44,7 @@ TEST_SUITE("vessel/ridges")
     TEST_CASE("analytic: a roof has the angle between its facets, a valley and a plane none")
     {
         for (const double slope : {0.02, 0.1, 0.5})
-            CHECK(mean_ridge_angle(roof(slope), 0) == doctest::Approx(2 * slope).epsilon(1e-12));
+            CHECK(mean_ridge_angle(roof(slope), 0) == test::about(2 * slope).epsilon(1e-12));
         CHECK(mean_ridge_angle(roof(-0.1), 0) == 0);
         CHECK(mean_ridge_angle(roof(0), 0) == 0);
         CHECK(mean_ridge_angle(roof(0.1), 1.5) == 0);  // facets of sides 1, 1 and 1.41

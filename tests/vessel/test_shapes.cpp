@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "mesh_fixtures.h"
 #include "scene/vessel_load.h"
+#include "support/approx.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/repair.h"
 
@@ -33,14 +34,14 @@ TEST_SUITE("vessel/shapes")
         CHECK(report.non_manifold_edges == 0);
         CHECK(report.components == 1);
         for (const BoundaryLoop& loop : report.loops) {
-            CHECK(loop.radius == doctest::Approx(0.018).epsilon(1e-12));
-            CHECK(loop.inward.x() == doctest::Approx(loop.centre.x() < 0.1 ? 1.0 : -1.0).epsilon(1e-12));
+            CHECK(loop.radius == about(0.018).epsilon(1e-12));
+            CHECK(loop.inward.x() == about(loop.centre.x() < 0.1 ? 1.0 : -1.0).epsilon(1e-12));
         }
         // the floor is a line of vertices at exactly R below the axis, so that a wire lies level on it
         const auto floor = std::count_if(tube.mesh.vertices.begin(), tube.mesh.vertices.end(),
                                          [](const Vec3& v) { return v.z() < -0.018 * (1 - 1e-12); });
         CHECK(floor == static_cast<long>(tube.centreline.points.size()));
-        CHECK(tube.centreline.total_length() == doctest::Approx(0.30).epsilon(1e-12));
+        CHECK(tube.centreline.total_length() == about(0.30).epsilon(1e-12));
     }
 
     TEST_CASE("property: the tube's enclosed volume approaches that of the cylinder from inside")
@@ -59,7 +60,7 @@ TEST_SUITE("vessel/shapes")
                 std::count_if(tube.mesh.vertices.begin(), tube.mesh.vertices.end(), [](const Vec3& v) { return v.x() == 0; });
             const double n = static_cast<double>(around);
             // a prism over the regular n-gon: area n/2 R^2 sin(2 pi/n)
-            CHECK(volume / exact == doctest::Approx(n / 2 * std::sin(2 * std::numbers::pi / n) / std::numbers::pi).epsilon(1e-9));
+            CHECK(volume / exact == about(n / 2 * std::sin(2 * std::numbers::pi / n) / std::numbers::pi).epsilon(1e-9));
         }
     }
 
@@ -81,7 +82,7 @@ TEST_SUITE("vessel/shapes")
         CHECK((axis.points.front() - Vec3::Zero()).norm() < 1e-15);
         CHECK((axis.points.back() - Vec3(0.03 - 0.09, 0.08, 0)).norm() < 1e-12);
         const double exact = 0.03 + std::numbers::pi * 0.04 + 0.09;
-        CHECK(axis.total_length() == doctest::Approx(exact).epsilon(1e-5));  // chords: (step / bend radius)^2 / 24 of the bend
+        CHECK(axis.total_length() == about(exact).epsilon(1e-5));  // chords: (step / bend radius)^2 / 24 of the bend
         double off = 0, turn = 0;
         for (std::size_t i = 0; i < axis.points.size(); ++i) {
             const Vec3& p = axis.points[i];

@@ -3,6 +3,7 @@
 #include "mesh_fixtures.h"
 #include "io/mesh_file.h"
 #include "scene/vessel_load.h"
+#include "support/approx.h"
 #include "support/shared_folder.h"
 #include "vessel/inlets.h"
 #include "vessel/inside.h"
@@ -87,10 +88,10 @@ TEST_SUITE("vessel/shared_vessels")
             CHECK(vessel.report.loops.size() == row.openings);
             CHECK(vessel.report.non_manifold_edges == 0);
             CHECK(vessel.report.components == 1);
-            CHECK(line.total_length() / unit == doctest::Approx(row.length).epsilon(kAgreement));
-            CHECK(median_radius(line) / unit == doctest::Approx(row.radius_middle).epsilon(kAgreement));
+            CHECK(line.total_length() / unit == about(row.length).epsilon(kAgreement));
+            CHECK(median_radius(line) / unit == about(row.radius_middle).epsilon(kAgreement));
             CHECK(*std::max_element(line.radius.begin(), line.radius.end()) / unit ==
-                  doctest::Approx(row.radius_most).epsilon(kAgreement));
+                  about(row.radius_most).epsilon(kAgreement));
             const LumenQuery lumen(vessel.mesh, vessel.report.loops);
             long outside = 0;
             for (const Vec3& p : line.points) outside += !lumen.inside(p);

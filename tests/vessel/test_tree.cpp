@@ -1,5 +1,6 @@
 // The wall's tree against brute force, and its promises about depth, boxes and determinism.
 #include "mesh_fixtures.h"
+#include "support/approx.h"
 #include "vessel/inside.h"
 #include "vessel/shared_tree.h"
 #include "vessel/tree.h"
@@ -113,7 +114,7 @@ TEST_SUITE("vessel/tree")
             REQUIRE(hit.triangle >= 0);
             // the same arithmetic on the same triangles: equal to the bit
             CHECK(hit.distance2 == nearest_by_force(tree, p));
-            CHECK((hit.point - p).norm() == doctest::Approx(std::sqrt(hit.distance2)).epsilon(1e-9));
+            CHECK((hit.point - p).norm() == about(std::sqrt(hit.distance2)).epsilon(1e-9));
         }
     }
 
@@ -336,7 +337,7 @@ TEST_SUITE("vessel/tree")
         const WallTree tree = build_wall_tree(one);
         check_structure(tree);
         CHECK(tree.nodes.size() == 1);
-        CHECK(nearest_on_wall(tree, Vec3(0.2, 0.2, 1)).distance2 == doctest::Approx(1.0).epsilon(1e-6));
+        CHECK(nearest_on_wall(tree, Vec3(0.2, 0.2, 1)).distance2 == about(1.0).epsilon(1e-6));
         CHECK(tree.edge_bits[0] == 7);
 
         WallMesh same = one;

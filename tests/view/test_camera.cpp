@@ -1,4 +1,5 @@
 // Where points land, and that the automatic camera holds the vessel and no more.
+#include "support/approx.h"
 #include "view/camera.h"
 #include "view_fixtures.h"
 
@@ -21,11 +22,11 @@ TEST_SUITE("view/camera")
         const Viewport view = {10, 20, 400, 200};
         const Projected top = project(camera, view, {0, 1, 1}), right = project(camera, view, {1, 1, 0});
         // exact up to rounding of tan(pi/4)
-        CHECK(top.column == doctest::Approx(210).epsilon(1e-12));
-        CHECK(top.row == doctest::Approx(20).epsilon(1e-12));
-        CHECK(right.column == doctest::Approx(310).epsilon(1e-12));
-        CHECK(right.row == doctest::Approx(120).epsilon(1e-12));
-        CHECK(right.depth == doctest::Approx(1).epsilon(1e-12));
+        CHECK(top.column == about(210).epsilon(1e-12));
+        CHECK(top.row == about(20).epsilon(1e-12));
+        CHECK(right.column == about(310).epsilon(1e-12));
+        CHECK(right.row == about(120).epsilon(1e-12));
+        CHECK(right.depth == about(1).epsilon(1e-12));
     }
 
     TEST_CASE("property: the fitted camera holds every point and touches the margin on both sides of the tighter axis")

@@ -1,5 +1,6 @@
 // The force scale: its order must survive on paper.
 #include "math/vec3.h"
+#include "support/approx.h"
 #include "view/colour.h"
 #include "view/legend.h"
 
@@ -18,9 +19,9 @@ TEST_SUITE("view/colour")
     TEST_CASE("analytic: black, white and mid grey of sRGB")
     {
         CHECK(rgb_from_hex(0x000000).g == 0);
-        CHECK(rgb_from_hex(0xffffff).r == doctest::Approx(1).epsilon(1e-6));
-        CHECK(rgb_from_hex(0x808080).b == doctest::Approx(0.21586).epsilon(1e-4));     // ((128/255 + 0.055) / 1.055)^2.4
-        CHECK(lightness(rgb_from_hex(0xffffff)) == doctest::Approx(1).epsilon(1e-4));  // Oklab's white is 1 by definition
+        CHECK(rgb_from_hex(0xffffff).r == test::about(1).epsilon(1e-6));
+        CHECK(rgb_from_hex(0x808080).b == test::about(0.21586).epsilon(1e-4));     // ((128/255 + 0.055) / 1.055)^2.4
+        CHECK(lightness(rgb_from_hex(0xffffff)) == test::about(1).epsilon(1e-4));  // Oklab's white is 1 by definition
         for (std::uint32_t hex : {0x0b69c7u, 0x123456u, 0xfedcbau}) {
             const auto bytes = srgb_bytes(rgb_from_hex(hex));
             CHECK(((std::uint32_t{bytes[0]} << 16) | (std::uint32_t{bytes[1]} << 8) | bytes[2]) == hex);
@@ -37,7 +38,7 @@ TEST_SUITE("view/colour")
                 CHECK(v <= 1);
             }
             // Oklab there and back in float: the published matrices invert each other to 1e-6, cubes and roots triple it
-            CHECK(lightness(c) == doctest::Approx(0.36 + 0.56 * 0.01 * i).epsilon(1e-4));
+            CHECK(lightness(c) == test::about(0.36 + 0.56 * 0.01 * i).epsilon(1e-4));
         }
     }
 
@@ -60,7 +61,7 @@ TEST_SUITE("view/colour")
                 CHECK(v >= 0);
                 CHECK(v <= 1);
             }
-            CHECK(lightness(c) == doctest::Approx(0.94 - 0.58 * 0.02 * i).epsilon(1e-4));  // as above
+            CHECK(lightness(c) == test::about(0.94 - 0.58 * 0.02 * i).epsilon(1e-4));  // as above
             if (i == 0) continue;
             const double step = (oklab(c) - oklab(wall_colour(0.02 * (i - 1)))).norm();
             least = std::min(least, step), most = std::max(most, step);
@@ -79,11 +80,11 @@ TEST_SUITE("view/colour")
 
     TEST_CASE("analytic: round numbers above a value")
     {
-        CHECK(round_up_125(0.03) == doctest::Approx(0.05).epsilon(1e-12));
-        CHECK(round_up_125(0.05) == doctest::Approx(0.05).epsilon(1e-12));
-        CHECK(round_up_125(7) == doctest::Approx(10).epsilon(1e-12));
-        CHECK(round_force_up(0.111) == doctest::Approx(0.12).epsilon(1e-12));
-        CHECK(round_force_up(8.1e-4) == doctest::Approx(1e-3).epsilon(1e-12));
+        CHECK(round_up_125(0.03) == test::about(0.05).epsilon(1e-12));
+        CHECK(round_up_125(0.05) == test::about(0.05).epsilon(1e-12));
+        CHECK(round_up_125(7) == test::about(10).epsilon(1e-12));
+        CHECK(round_force_up(0.111) == test::about(0.12).epsilon(1e-12));
+        CHECK(round_force_up(8.1e-4) == test::about(1e-3).epsilon(1e-12));
     }
 }
 

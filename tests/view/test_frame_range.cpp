@@ -1,4 +1,5 @@
 // The rate of a film.
+#include "support/approx.h"
 #include "view/frame_range.h"
 
 #include <doctest/doctest.h>
@@ -21,7 +22,7 @@ TEST_SUITE("view/frame_range")
             choice.rate = asked;
             return film_rate(choice, run, {0, 30});
         };
-        CHECK(rate_of(25) == doctest::Approx(25));
+        CHECK(rate_of(25) == test::about(25));
         CHECK(rate_of(5) == 15);
         CHECK(rate_of(1000) == 60);
         CHECK(rate_of(5, 5) == 5);

@@ -1,6 +1,7 @@
 // A run's frames as glTF and USD: what the files hold is what the frames hold, and the formats' own rules.
 #include "core/error.h"
 #include "core/file_io.h"
+#include "support/approx.h"
 #include "view/model_export.h"
 #include "view_fixtures.h"
 
@@ -97,9 +98,9 @@ TEST_SUITE("view/model_export")
         const auto places = glb.floats(animation.at("samplers")[0].at("output"));
         for (int f = 0; f < 3; ++f) {
             const Vec3& p = model.tubes[0].poses[f][0].place;
-            CHECK(places[3 * f] == doctest::Approx(p.x()));
-            CHECK(places[3 * f + 1] == doctest::Approx(p.z()));
-            CHECK(places[3 * f + 2] == doctest::Approx(-p.y()));
+            CHECK(places[3 * f] == about(p.x()));
+            CHECK(places[3 * f + 1] == about(p.z()));
+            CHECK(places[3 * f + 2] == about(-p.y()));
         }
         for (const auto& view : glb.json.at("bufferViews"))
             CHECK(view.at("byteOffset").get<std::size_t>() + view.at("byteLength").get<std::size_t>() <= glb.bytes.size());

@@ -1,4 +1,5 @@
 // Named views, the tip's view, cameras that move, and what a wire is coloured by.
+#include "support/approx.h"
 #include "support/skip.h"
 #include "view/colour.h"
 #include "view/force_load.h"
@@ -99,13 +100,13 @@ TEST_SUITE("view/viewpoint")
         CHECK(same(orbit.forward(), -front.forward()));
         CHECK(same(f.camera(ViewFrom::Front, "orbit -180").forward(), f.camera(ViewFrom::Front, "0s 0 0; 1s -90 0").forward()));
         const Camera lifted = f.camera(ViewFrom::Front, "0s 0 0; 2s 0 60 3");  // half way: 30 degrees up, twice as near
-        CHECK(lifted.forward().dot(front.forward()) == doctest::Approx(std::cos(std::numbers::pi / 6)));
+        CHECK(lifted.forward().dot(front.forward()) == about(std::cos(std::numbers::pi / 6)));
         CHECK(lifted.eye.z() > front.eye.z());
-        CHECK((lifted.eye - lifted.target).norm() == doctest::Approx(0.5 * (front.eye - front.target).norm()));
+        CHECK((lifted.eye - lifted.target).norm() == about(0.5 * (front.eye - front.target).norm()));
         const Camera follow = f.camera(ViewFrom::Front, "follow 40 mm");
         CHECK(same(follow.target, f.frame.wires[0].nodes[0]));
         const Viewport view{0, 0, 600, 400};
-        CHECK(pixels_per_metre(follow, view, (follow.eye - follow.target).norm()) == doctest::Approx(400 / 0.04));
+        CHECK(pixels_per_metre(follow, view, (follow.eye - follow.target).norm()) == about(400 / 0.04));
     }
 
     TEST_CASE("regression: a move that is none is refused in one line with examples")
@@ -134,17 +135,17 @@ TEST_SUITE("view/viewpoint")
             const FrameLoads loads = loads_of(f.frame);
             double sum = 0;
             for (const double load : loads.nodes) sum += load * 0.06 / 240;
-            CHECK(sum == doctest::Approx(1.0).epsilon(0.01));  // the triangle's integral by 20 points a side
+            CHECK(sum == about(1.0).epsilon(0.01));  // the triangle's integral by 20 points a side
             peaks.push_back(loads.largest);
         }
-        for (const double peak : peaks) CHECK(peak == doctest::Approx(50.0).epsilon(0.01));  // 1 N / 20 mm
+        for (const double peak : peaks) CHECK(peak == about(50.0).epsilon(0.01));  // 1 N / 20 mm
         WireFrame none;
         CHECK(loads_of(none).largest == 0);
     }
 
     TEST_CASE("property: the scale of force per length gives its lower quarter half of the colours")
     {
-        CHECK(load_share(5, 20) == doctest::Approx(0.5));  // low values use half of the scale
+        CHECK(load_share(5, 20) == about(0.5));  // low values use half of the scale
         CHECK(lightness(load_colour(0.5)) > lightness(load_colour(0.2)));
     }
 }

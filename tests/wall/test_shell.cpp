@@ -1,5 +1,6 @@
 // The shell alone: rigid motion, patches, symmetry, energies by differences, pressure modes of a tube, bad input.
 #include "core/error.h"
+#include "support/approx.h"
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>
@@ -89,11 +90,11 @@ TEST_SUITE("wall/shell")
         const Shell::Energy e = shell.energy(w);
         CHECK(e.membrane > 0);
         CHECK(e.bending > 0);
-        CHECK(quadratic(m.elastic, w) == doctest::Approx(e.membrane + e.bending).epsilon(1e-11));
+        CHECK(quadratic(m.elastic, w) == about(e.membrane + e.bending).epsilon(1e-11));
         // area: 1^T A 1 is the surface's
         double area = 0;
         for (const ShellPoint& q : shell.points()) area += q.area;
-        CHECK(m.area.sum() == doctest::Approx(area).epsilon(1e-12));
+        CHECK(m.area.sum() == about(area).epsilon(1e-12));
     }
 
     TEST_CASE(
@@ -167,11 +168,11 @@ TEST_SUITE("wall/shell")
             (patch.rim(v) ? rim : inside) = std::max(patch.rim(v) ? rim : inside, out.segment<3>(3 * v).norm());
         for (const auto& t : flat.membrane) {
             const double mean = (t[0] + t[1]) / 2, apart = std::hypot((t[0] - t[1]) / 2, t[2]);
-            CHECK(mean == doctest::Approx(4.0 / 3 * 1000).epsilon(1e-9));
-            CHECK(apart == doctest::Approx(400).epsilon(1e-9));
+            CHECK(mean == about(4.0 / 3 * 1000).epsilon(1e-9));
+            CHECK(apart == about(400).epsilon(1e-9));
         }
         for (const auto& t : flat.bending) CHECK(t.norm() < 1e-6);
-        CHECK(flat.mises_inner[40] == doctest::Approx(std::sqrt(4.0 / 3 * 1000 * 4.0 / 3 * 1000 + 3 * 160000.0)).epsilon(1e-9));
+        CHECK(flat.mises_inner[40] == about(std::sqrt(4.0 / 3 * 1000 * 4.0 / 3 * 1000 + 3 * 160000.0)).epsilon(1e-9));
         // quadrature leaves forces between the triangles of an irregular mesh: small beside those that pull at the rim
         CHECK(inside < 0.05 * rim);
 
@@ -193,8 +194,8 @@ TEST_SUITE("wall/shell")
         const ShellStress curved = shell.stress(w);
         for (std::size_t k = 0; k < curved.bending.size(); ++k) {
             const auto& t = curved.bending[k];  // of either sign: the side that the normal is on
-            CHECK(std::abs(t[0] + t[1]) / 2 == doctest::Approx(2.0 / 3).epsilon(1e-6));
-            CHECK(std::hypot((t[0] - t[1]) / 2, t[2]) == doctest::Approx(0.2).epsilon(1e-6));
+            CHECK(std::abs(t[0] + t[1]) / 2 == about(2.0 / 3).epsilon(1e-6));
+            CHECK(std::hypot((t[0] - t[1]) / 2, t[2]) == about(0.2).epsilon(1e-6));
         }
     }
 
@@ -236,7 +237,7 @@ TEST_SUITE("wall/shell")
             const double unit = p / radius;
             CHECK(std::abs(energy(0)) < 0.02 * unit);
             CHECK(std::abs(energy(1)) < 0.02 * unit);
-            CHECK(energy(2) == doctest::Approx(3 * unit).epsilon(0.03));
+            CHECK(energy(2) == about(3 * unit).epsilon(0.03));
         }
     }
 

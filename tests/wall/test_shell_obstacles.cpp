@@ -2,6 +2,7 @@
 // (the shared reference case 14b_shell_obstacles). Elements are counted per quarter side. Within 2 % at 16 of them on regular
 // meshes; on those of which three quarters of the vertices are irregular, and not relaxed, within what a line says. Measured
 // values are beside each.
+#include "support/approx.h"
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>
@@ -117,40 +118,40 @@ TEST_SUITE("wall/shell_obstacles")
     {
         for (const bool uniform : {true, false}) {
             CAPTURE(uniform);
-            CHECK(plate(4, 0, uniform) == doctest::Approx(1).epsilon(0.01));
-            CHECK(plate(8, 0, uniform) == doctest::Approx(1).epsilon(0.002));
-            CHECK(plate(16, 0, uniform) == doctest::Approx(1).epsilon(0.001));
+            CHECK(plate(4, 0, uniform) == about(1).epsilon(0.01));
+            CHECK(plate(8, 0, uniform) == about(1).epsilon(0.002));
+            CHECK(plate(16, 0, uniform) == about(1).epsilon(0.001));
             // three quarters of the vertices irregular: without corrected second derivatives 0.75, at any n
-            CHECK(plate(8, 0.3, uniform) == doctest::Approx(1).epsilon(0.02));
-            CHECK(plate(16, 0.3, uniform) == doctest::Approx(1).epsilon(0.01));
+            CHECK(plate(8, 0.3, uniform) == about(1).epsilon(0.02));
+            CHECK(plate(16, 0.3, uniform) == about(1).epsilon(0.01));
         }
     }
 
     TEST_CASE("analytic: Scordelis-Lo roof")  // 1.0056, 1.0045, 1.0014 at 8, 16, 32; irregular 0.971, 1.000, 1.001
     {
         const double coarse = scordelis_lo(8, 0), fine = scordelis_lo(16, 0);
-        CHECK(coarse == doctest::Approx(1).epsilon(0.02));
-        CHECK(fine == doctest::Approx(1).epsilon(0.01));
-        CHECK(scordelis_lo(16, 0.3) == doctest::Approx(1).epsilon(0.02));
+        CHECK(coarse == about(1).epsilon(0.02));
+        CHECK(fine == about(1).epsilon(0.01));
+        CHECK(scordelis_lo(16, 0.3) == about(1).epsilon(0.02));
     }
 
     TEST_CASE("analytic: pinched cylinder")  // 0.935, 0.996, 1.002 at 8, 16, 32; irregular 0.865, 0.935, 1.001
     {
         const double coarse = pinched_cylinder(8, 0), fine = pinched_cylinder(16, 0);
-        CHECK(coarse == doctest::Approx(1).epsilon(0.1));
-        CHECK(fine == doctest::Approx(1).epsilon(0.02));
+        CHECK(coarse == about(1).epsilon(0.1));
+        CHECK(fine == about(1).epsilon(0.02));
         CHECK(order(coarse, fine) > 2);
-        CHECK(pinched_cylinder(16, 0.3) == doctest::Approx(1).epsilon(0.1));
+        CHECK(pinched_cylinder(16, 0.3) == about(1).epsilon(0.1));
     }
 
     // R/h = 250, l^2/(R h) = 10 and 2.5. The rest is the rim's boundary layer, sqrt(R h) = 0.63 wide, of edges of 1: mean
     // strains alone, which lock, gave 0.687, 0.973, 0.998 and on irregular meshes 0.335, 0.834, 0.984
     TEST_CASE("analytic: hemisphere with a hole")  // 0.979, 0.982, 0.998 at 8, 16, 32; irregular 0.950, 0.965, 0.988
     {
-        CHECK(hemisphere(8, 0) == doctest::Approx(1).epsilon(0.03));
-        CHECK(hemisphere(16, 0) == doctest::Approx(1).epsilon(0.02));
-        CHECK(hemisphere(8, 0.3) == doctest::Approx(1).epsilon(0.06));
-        CHECK(hemisphere(16, 0.3) == doctest::Approx(1).epsilon(0.04));
+        CHECK(hemisphere(8, 0) == about(1).epsilon(0.03));
+        CHECK(hemisphere(16, 0) == about(1).epsilon(0.02));
+        CHECK(hemisphere(8, 0.3) == about(1).epsilon(0.06));
+        CHECK(hemisphere(16, 0.3) == about(1).epsilon(0.04));
     }
 
     // of a thin sphere: rho omega^2 R^2 / E of its slowest motion, five modes of degree 2, bending aside [Lamb 1882]. Strains that
@@ -166,7 +167,7 @@ TEST_SUITE("wall/shell_obstacles")
                 const Eigen::VectorXd modes = sphere_modes(thickness, flips, nu) / thickness;
                 CHECK(std::abs(modes[5]) < 1e-9);
                 // 66 vertices: -3 to +1 %, irregular -10 to +1 %
-                for (int k = 6; k < 11; ++k) CHECK(modes[k] == doctest::Approx(slowest).epsilon(flips > 0 ? 0.11 : 0.05));
+                for (int k = 6; k < 11; ++k) CHECK(modes[k] == about(slowest).epsilon(flips > 0 ? 0.11 : 0.05));
                 CHECK(modes[11] > 1.1 * slowest);
             }
     }

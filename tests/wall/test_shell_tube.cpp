@@ -126,22 +126,22 @@ TEST_SUITE("wall/shell")
             constexpr int n = 2000;
             for (int k = 0; k < n; ++k) line.add_force({side * ((k + 0.5) / n - 0.5), 0, 0}, {0, 0, -side / n});
             auto w = line.solve();
-            CHECK(-line.displacement(w, {0, 0, 0}).z() == doctest::Approx(8.1585794408332e-05).epsilon(0.02));
+            CHECK(-line.displacement(w, {0, 0, 0}).z() == about(8.1585794408332e-05).epsilon(0.02));
             CHECK(-line.displacement(w, {0, 0.0030642589413147703, 0}).z() ==
-                  doctest::Approx(6.71505765497752e-05).epsilon(0.02));
+                  about(6.71505765497752e-05).epsilon(0.02));
             CHECK(-line.displacement(w, {0, 0.006128517882629541, 0}).z() ==
-                  doctest::Approx(4.147217938616991e-05).epsilon(0.02));
+                  about(4.147217938616991e-05).epsilon(0.02));
 
             point.add_force({0, 0, 0}, {0, 0, -0.05});
             w = point.solve();
-            CHECK(-point.displacement(w, {0, 0, 0}).z() == doctest::Approx(0.00033283262141642627).epsilon(0.02));
+            CHECK(-point.displacement(w, {0, 0, 0}).z() == about(0.00033283262141642627).epsilon(0.02));
             CHECK(-point.displacement(w, {0.00433351655343037, 0, 0}).z() ==
-                  doctest::Approx(0.00020975373818624767).epsilon(0.02));
+                  about(0.00020975373818624767).epsilon(0.02));
 
             const Vec3 elsewhere(0.0007, -0.0011, 0);  // somewhere in a triangle
             off.add_force(elsewhere, {0, 0, -0.05});
             w = off.solve();
-            CHECK(-off.displacement(w, elsewhere).z() == doctest::Approx(0.00033283262141642627).epsilon(0.02));
+            CHECK(-off.displacement(w, elsewhere).z() == about(0.00033283262141642627).epsilon(0.02));
         }
     }
 
@@ -167,8 +167,8 @@ TEST_SUITE("wall/shell")
                 const auto w = wall.solve();
                 REQUIRE(!w.empty());
                 const double tolerance = row.pressure > 0 ? 0.03 : 0.02;
-                CHECK(mean_radial(wall, w, 0) == doctest::Approx(row.w0).epsilon(tolerance));
-                CHECK(mean_radial(wall, w, 0.0033340386292873246) == doctest::Approx(row.profile).epsilon(tolerance));
+                CHECK(mean_radial(wall, w, 0) == about(row.w0).epsilon(tolerance));
+                CHECK(mean_radial(wall, w, 0.0033340386292873246) == about(row.profile).epsilon(tolerance));
             }
     }
 
@@ -188,8 +188,8 @@ TEST_SUITE("wall/shell")
                 const auto w = wall.solve();
                 REQUIRE(!w.empty());
                 const double w0 = wall.displacement(w, {R, 0, 0}).x();
-                if (pressed) CHECK(w0 == doctest::Approx(5.243637553237224e-05).epsilon(0.03));
-                else CHECK(w0 == doctest::Approx(0.00011318657380255451).epsilon(0.02));
+                if (pressed) CHECK(w0 == about(5.243637553237224e-05).epsilon(0.03));
+                else CHECK(w0 == about(0.00011318657380255451).epsilon(0.02));
             }
     }
 
@@ -209,10 +209,10 @@ TEST_SUITE("wall/shell")
                 REQUIRE(!w.empty());
                 const double w0 = wall.displacement(w, {R, 0, 0}).x(), opposite = -wall.displacement(w, {-R, 0, 0}).x();
                 if (pressed) {
-                    CHECK(w0 == doctest::Approx(9.35607120655068e-05).epsilon(0.03));
-                    CHECK(opposite == doctest::Approx(-7.383361544729761e-06).epsilon(0.03));
+                    CHECK(w0 == about(9.35607120655068e-05).epsilon(0.03));
+                    CHECK(opposite == about(-7.383361544729761e-06).epsilon(0.03));
                 } else {
-                    CHECK(w0 == doctest::Approx(0.00019223050822222146).epsilon(0.02));
+                    CHECK(w0 == about(0.00019223050822222146).epsilon(0.02));
                     CHECK(std::abs(opposite - 8.649142018751846e-07) < 0.01 * 8.6e-5);  // a hundredth of the middle's scale
                 }
             }

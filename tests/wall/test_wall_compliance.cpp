@@ -1,5 +1,6 @@
 // Factors of K + C/h: against Eigen's, two at once, columns, symmetry, holds, and a wall that could fly away.
 #include "core/error.h"
+#include "support/approx.h"
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>
@@ -85,7 +86,7 @@ TEST_SUITE("wall/wall_compliance")
         CHECK(columns.data() == factor->columns(v).data());
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
-                CHECK(columns[i * n + 3 * w + j] == doctest::Approx(factor->columns(w)[j * n + 3 * v + i]).epsilon(1e-9));
+                CHECK(columns[i * n + 3 * w + j] == about(factor->columns(w)[j * n + 3 * v + i]).epsilon(1e-9));
         // held: nothing moves it and it moves nothing
         for (const double x : factor->columns(0)) REQUIRE(x == 0);
         CHECK(columns[0] == 0);
@@ -97,7 +98,7 @@ TEST_SUITE("wall/wall_compliance")
         const WallCompliance wall(Shell(s, ShellSpec{}));
         const int v = 78;
         double before = wall.factor(0)->columns(v)[3 * v];
-        CHECK(wall.factor(1e3)->columns(v)[3 * v] == doctest::Approx(before).epsilon(1e-4));
+        CHECK(wall.factor(1e3)->columns(v)[3 * v] == about(before).epsilon(1e-4));
         for (const double h : {1e-1, 1e-2, 1e-3}) {
             const double now = wall.factor(h)->columns(v)[3 * v];
             CHECK(now > 0);

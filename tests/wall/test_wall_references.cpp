@@ -146,9 +146,9 @@ TEST_SUITE("wall/wall_references")
     {
         const World world = settled(parked(0) + tube(0.15, 0.003, 4000) + "[[wall_load]]\npressure_pa = 500\n");
         const Moved wall = moved(world);
-        CHECK(outward_beside(wall, 0, 0.002) == doctest::Approx(3.5643683513776676e-05).epsilon(0.02));
-        CHECK(outward_beside(wall, 0.0375, 0.002) == doctest::Approx(3.568628715649538e-05).epsilon(0.02));
-        CHECK(outward_beside(wall, -0.06, 0.002) == doctest::Approx(3.585060908343e-05).epsilon(0.02));
+        CHECK(outward_beside(wall, 0, 0.002) == test::about(3.5643683513776676e-05).epsilon(0.02));
+        CHECK(outward_beside(wall, 0.0375, 0.002) == test::about(3.568628715649538e-05).epsilon(0.02));
+        CHECK(outward_beside(wall, -0.06, 0.002) == test::about(3.585060908343e-05).epsilon(0.02));
     }
 
     // sides of 6 and 10 decay lengths (D/k_s)^(1/4): the rims of the smaller one are felt

@@ -44,13 +44,24 @@ def numbers(browser):
     return json.loads(browser.evaluate("JSON.stringify(seldinger.last.numbers.instruments[0])"))
 
 
-def drag(browser, begin, end, held=0.0):
-    """One finger, in ten moves; then it stays for so long."""
+def drag(browser, begin, end, until=None):
+    """One finger, in ten moves; then it stays until so much has come of it. @return did it"""
     browser.touch("touchStart", [begin])
     for k in range(1, 11):
         browser.touch("touchMove", [tuple(a + (b - a) * k / 10 for a, b in zip(begin, end))])
-    time.sleep(held)
+    came = True
+    if until:
+        try:
+            browser.wait(until, 60)
+        except TimeoutError:
+            came = False
     browser.touch("touchEnd", [])
+    some_frames(browser)
+    return came
+
+
+def some_frames(browser, count=5):
+    browser.wait(f"seldinger.frames > {browser.evaluate('seldinger.frames')} + {count}", 60)
 
 
 def turn_and_pinch(browser, check):
@@ -71,20 +82,15 @@ def push_and_turn(browser, check):
     x, y = middle_of(browser, "#pad")
     left, top, right, bottom = box_of(browser, "#pad")
     check(top >= 0 and bottom <= browser.evaluate("innerHeight"), "phone: the pad is on the first screen, below the picture")
+    of = "seldinger.last.numbers.instruments[0]"
     start = numbers(browser)
-    drag(browser, (x, y), (x, y - 45), 2.0)
-    time.sleep(0.5)
+    came = drag(browser, (x, y), (x, y - 45), f"{of}.advance > {start['advance']} + 0.03")
     pushed = numbers(browser)
-    check(pushed["advance"] > start["advance"] + 0.03, f"phone: a finger held upwards on the pad pushes ({pushed['advance']:.3f} m)")
-    time.sleep(0.5)
+    check(came, f"phone: a finger held upwards on the pad pushes ({pushed['advance']:.3f} m)")
+    some_frames(browser, 20)
     check(abs(numbers(browser)["advance"] - pushed["advance"]) < 1e-3, "phone: a finger taken off pushes no more")
-    drag(browser, (x, y), (x, y + 45), 1.0)
-    time.sleep(0.5)
-    pulled = numbers(browser)
-    check(pulled["advance"] < pushed["advance"] - 0.01, "phone: downwards it pulls back")
-    drag(browser, (x, y), (x + 70, y), 1.0)
-    time.sleep(0.5)
-    check(numbers(browser)["turn"] > pulled["turn"] + 1.5, "phone: sideways it turns")
+    check(drag(browser, (x, y), (x, y + 45), f"{of}.advance < {pushed['advance']} - 0.01"), "phone: downwards it pulls back")
+    check(drag(browser, (x, y), (x + 70, y), f"{of}.turn > {numbers(browser)['turn']} + 1.5"), "phone: sideways it turns")
 
 
 def tap(browser, element):
@@ -97,15 +103,15 @@ def buttons(browser, check):
         left, top, right, bottom = box_of(browser, "#" + name)
         check(bottom - top >= 36 and right - left >= 36, f"phone: the button {name} is large enough for a finger ({right - left:.0f} x {bottom - top:.0f})")
     tap(browser, "#fluoro")
-    browser.wait("seldinger.last.numbers.fluoro", 5)
+    browser.wait("seldinger.last.numbers.fluoro", 20)
     browser.touch("touchStart", [middle_of(browser, "#contrast")])
-    browser.wait("seldinger.last.numbers.contrast", 5)
-    time.sleep(1)
+    browser.wait("seldinger.last.numbers.contrast", 20)
+    some_frames(browser, 20)
     check(browser.evaluate("seldinger.last.numbers.contrast"), "phone: contrast runs while a finger is on its button")
     browser.touch("touchEnd", [])
-    browser.wait("!seldinger.last.numbers.contrast", 5)
+    browser.wait("!seldinger.last.numbers.contrast", 20)
     tap(browser, "#fluoro")
-    browser.wait("!seldinger.last.numbers.fluoro", 5)
+    browser.wait("!seldinger.last.numbers.fluoro", 20)
     check(True, "phone: a tap switches fluoroscopy on and off")
 
 

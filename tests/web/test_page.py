@@ -4,17 +4,21 @@
     test_page.py APP SOURCE [-o FOLDER]      pictures go into FOLDER where one is given
 """
 import argparse
+import io
 import json
 import os
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 import time
-import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+try:
+    from matplotlib.image import imread
+except ImportError:
+    print("skipped: no matplotlib")
+    sys.exit(77)
 from browser import Browser, WebSocket  # noqa: E402
 from phone import phone  # noqa: E402
 from session import LiveSession  # noqa: E402
@@ -29,61 +33,44 @@ def check(holds, what):
 
 
 def pixels(png):
-    """Rows of RGB of an 8-bit PNG."""
-    at, data, width, height, channels = 8, b"", 0, 0, 3
-    while at < len(png):
-        size, kind = struct.unpack(">I4s", png[at:at + 8])
-        body = png[at + 8:at + 8 + size]
-        if kind == b"IHDR":
-            width, height, _, colour = struct.unpack(">IIBB", body[:10])
-            channels = {2: 3, 6: 4}[colour]
-        if kind == b"IDAT":
-            data += body
-        at += 12 + size
-    raw, stride, rows, before = zlib.decompress(data), width * channels, [], bytearray(width * channels)
-    for y in range(height):
-        filter_kind, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for x in range(stride):
-            a, b, c = line[x - channels] if x >= channels else 0, before[x], before[x - channels] if x >= channels else 0
-            if filter_kind == 1:
-                line[x] = line[x] + a & 255
-            elif filter_kind == 2:
-                line[x] = line[x] + b & 255
-            elif filter_kind == 3:
-                line[x] = line[x] + (a + b) // 2 & 255
-            elif filter_kind == 4:
-                p = a + b - c
-                pa, pb, pc = abs(p - a), abs(p - b), abs(p - c)
-                line[x] = line[x] + (a if pa <= pb and pa <= pc else b if pb <= pc else c) & 255
-        rows.append([tuple(line[x:x + 3]) for x in range(0, stride, channels)])
-        before = line
-    return rows
+    """[h, w, 3], 0 ... 255"""
+    return (imread(io.BytesIO(png), format="png")[..., :3] * 255 + 0.5).astype(int)
 
 
 def share(rows, box, like):
+    """Of the box's pixels, those for which `like` holds."""
     x0, y0, x1, y1 = (int(v) for v in box)
-    inside = [pixel for row in rows[y0:y1] for pixel in row[x0:x1]]
-    return sum(map(like, inside)) / max(1, len(inside))
+    inside = rows[max(0, y0):y1, max(0, x0):x1]
+    return like(inside).mean() if inside.size else 0.0
 
 
-def reddish(pixel):
-    return pixel[0] > pixel[1] + 25 and pixel[0] > pixel[2] + 25
+def reddish(pixels):
+    return (pixels[..., 0] > pixels[..., 1] + 25) & (pixels[..., 0] > pixels[..., 2] + 25)
 
 
 def differing(a, b, box):
     x0, y0, x1, y1 = (int(v) for v in box)
-    return sum(p != q for ra, rb in zip(a[y0:y1], b[y0:y1]) for p, q in zip(ra[x0:x1], rb[x0:x1]))
+    return (a[y0:y1, x0:x1] != b[y0:y1, x0:x1]).any(axis=2).sum()
+
+
+ADVANCE = "seldinger.last.numbers.instruments[0].advance"
 
 
 def advance(browser):
-    return browser.evaluate("seldinger.last.numbers.instruments[0].advance")
+    return browser.evaluate(ADVANCE)
 
 
-def hold(browser, key, seconds):
+def hold(browser, key, until):
+    """A key is down until so much has come of it, however fast the machine is."""
     browser.key(key, key, True)
-    time.sleep(seconds)
+    try:
+        browser.wait(until, 60)
+        came = True
+    except TimeoutError:
+        came = False
     browser.key(key, key, False)
-    time.sleep(0.3)
+    browser.wait(f"seldinger.frames > {browser.evaluate('seldinger.frames')} + 5", 60)
+    return came
 
 
 def box_of(browser, element):
@@ -98,15 +85,12 @@ def drive(browser, session, pictures):
     before = pixels(browser.picture(os.path.join(pictures, "before.png")))
     scene = box_of(browser, "#scene")
     check(share(before, scene, reddish) > 0.03, "the canvas shows the vessel")
-    hold(browser, "ArrowUp", 4)
-    check(advance(browser) > 0.08, f"the arrow up pushes the wire ({advance(browser):.3f} m)")
+    check(hold(browser, "ArrowUp", f"{ADVANCE} > 0.08"), f"the arrow up pushes the wire ({advance(browser):.3f} m)")
     after = pixels(browser.picture(os.path.join(pictures, "wide-light.png")))
     check(differing(before, after, scene) > 300, "and the wire is seen")
     inserted, turned = advance(browser), browser.evaluate("seldinger.last.numbers.instruments[0].turn")
-    hold(browser, "ArrowDown", 1)
-    check(advance(browser) < inserted - 0.015, "the arrow down pulls it back")
-    hold(browser, "ArrowRight", 1)
-    check(browser.evaluate("seldinger.last.numbers.instruments[0].turn") > turned + 1.5, "the arrow right turns it")
+    check(hold(browser, "ArrowDown", f"{ADVANCE} < {inserted - 0.015}"), "the arrow down pulls it back")
+    check(hold(browser, "ArrowRight", f"seldinger.last.numbers.instruments[0].turn > {turned + 1.5}"), "the arrow right turns it")
     browser.wait("seldinger.fps > 0")
     print(f"        {browser.evaluate('seldinger.fps')} frames drawn in the last second")
     pedals(browser)
@@ -161,17 +145,16 @@ def training(app, source, pictures):
         browser.scheme("light")
         browser.open(session.url)
         browser.wait("window.seldinger && seldinger.frames > 5 && seldinger.viewer", 60)
-        time.sleep(2)
-        check(browser.evaluate("seldinger.last.numbers.time > 1 && seldinger.last.numbers.score.time === 0"), "training: the clock waits for the first push")
-        hold(browser, "ArrowUp", 1.5)
-        check(browser.evaluate("seldinger.last.numbers.score.time > 1"), "training: and runs from then on")
+        browser.wait("seldinger.last.numbers.time > 1", 60)
+        check(browser.evaluate("seldinger.last.numbers.score.time === 0"), "training: the clock waits for the first push")
+        check(hold(browser, "ArrowUp", "seldinger.last.numbers.score.time > 1"), "training: and runs from then on")
         press(browser, "r")
         browser.wait("seldinger.attempts.length === 1 && seldinger.last.numbers.score.time === 0", 10)
         check(browser.evaluate("seldinger.attempts[0].seen && document.querySelector('#attempts').textContent.startsWith('not reached')"), "training: an attempt is kept")
         check(browser.evaluate("(() => { const c = document.querySelector('.column.side'); return c.scrollHeight <= c.clientHeight })()"), "training: the sheet fits on 1280 x 720")
         press(browser, "e")
         press(browser, "f")
-        hold(browser, "ArrowUp", 2)
+        hold(browser, "ArrowUp", f"{ADVANCE} > {advance(browser)} + 0.03")
         rows = pixels(browser.picture(os.path.join(pictures, "exam.png")))
         check(share(rows, box_of(browser, "#scene"), reddish) == 0, "exam: the vessel is not in view")
         large = box_of(browser, "#fluoroscope")
@@ -250,9 +233,7 @@ def without_webgl(session, pictures):
         browser.wait("window.seldinger && seldinger.frames > 5", 60)
         said = browser.evaluate("document.querySelector('#message').hidden ? '' : document.querySelector('#message').textContent")
         check("no WebGL" in said, f"a browser without WebGL is told so ({said})")
-        before = advance(browser)
-        hold(browser, "ArrowUp", 1)
-        check(advance(browser) > before + 0.01, "and its keys push all the same")
+        check(hold(browser, "ArrowUp", f"{ADVANCE} > {advance(browser)} + 0.01"), "and its keys push all the same")
         check("N" in browser.evaluate("document.querySelector('#sheet').textContent"), "and it has its sheet")
         browser.picture(os.path.join(pictures, "no-webgl.png"))
     finally:
@@ -268,7 +249,7 @@ def reports(browser, app, source, pictures):
         browser.scheme("light")
         browser.open("file://" + os.path.join(folder, "report.html"))
         browser.wait("window.seldinger && seldinger.data && seldinger.viewer", 60)
-        time.sleep(1)
+        browser.wait("seldinger.frame > 50", 20)
         last = browser.evaluate("seldinger.frame")
         rows = pixels(browser.picture(os.path.join(pictures, "report.png")))
         check(share(rows, box_of(browser, "#scene"), reddish) > 0.02, "the report shows the vessel")
@@ -288,9 +269,10 @@ COLOURS = {"light": {"sheath": (0x1f, 0x7a, 0x8c), "catheter": (0x24, 0x43, 0x5f
 
 def like(colour):
     """Shaded: of its hue within a sixth, and neither black nor white."""
-    def same(pixel):
-        a, b = [max(1, sum(c)) for c in (pixel, colour)]
-        return 90 < sum(pixel) < 740 and all(abs(p / a - q / b) < 0.035 for p, q in zip(pixel, colour))
+    def same(pixels):
+        total = pixels.sum(axis=-1)
+        hue = abs(pixels / total.clip(1)[..., None] - [part / sum(colour) for part in colour])
+        return (total > 90) & (total < 740) & (hue < 0.035).all(axis=-1)
     return same
 
 

@@ -1,5 +1,6 @@
 // The C-arm against the reference's views and against what its words say.
 #include "core/error.h"
+#include "support/approx.h"
 #include "support/shared_folder.h"
 #include "view/xray/c_arm.h"
 #include "view/xray/reference_views.h"
@@ -22,7 +23,7 @@ TEST_SUITE("view/xray/c_arm")
                 const CArmPoint at = project(CArmView(arm), Vec3(p["point"][0], p["point"][1], p["point"][2]));
                 CHECK(std::abs(at.column - p["column"].get<double>()) < 1e-9);  // allowed: 0.05
                 CHECK(std::abs(at.row - p["row"].get<double>()) < 1e-9);
-                CHECK(at.magnification == doctest::Approx(p["magnification"].get<double>()).epsilon(1e-12));
+                CHECK(at.magnification == test::about(p["magnification"].get<double>()).epsilon(1e-12));
                 ++checked;
             }
         REQUIRE(checked == 36);

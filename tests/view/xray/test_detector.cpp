@@ -1,5 +1,6 @@
 // Pictures of what arrives: noise, blur and grey levels.
 #include "core/parallel.h"
+#include "support/approx.h"
 #include "view/xray/detector.h"
 #include "view/xray/spectrum.h"
 
@@ -68,7 +69,7 @@ TEST_SUITE("view/xray/detector")
                 CAPTURE(photons);
                 // 160,000 pixels: one sigma of the mean is a four hundredth of the spread, one of the variance 0.35 %
                 CHECK(std::abs(got.mean - mean) < 4 * std::sqrt(variance) / 400 + 1e-6 * mean);
-                CHECK(got.variance == doctest::Approx(variance).epsilon(0.02));
+                CHECK(got.variance == test::about(variance).epsilon(0.02));
             }
     }
 
@@ -117,16 +118,16 @@ TEST_SUITE("view/xray/detector")
                 const double value = picture[row * 101 + x];
                 sum += value, along += value * (x - 50.0) * (x - 50.0), across += value * (row - 50.0) * (row - 50.0);
             }
-        CHECK(sum == doctest::Approx(1).epsilon(1e-5));
-        CHECK(std::sqrt(along) == doctest::Approx(2.5).epsilon(0.01));  // cut off at 4 standard deviations
-        CHECK(std::sqrt(across) == doctest::Approx(2.5).epsilon(0.01));
+        CHECK(sum == test::about(1).epsilon(1e-5));
+        CHECK(std::sqrt(along) == test::about(2.5).epsilon(0.01));  // cut off at 4 standard deviations
+        CHECK(std::sqrt(across) == test::about(2.5).epsilon(0.01));
     }
 
     TEST_CASE("property: blur leaves an even picture as it is to its edges, and none is none")
     {
         const Exposure e = even_exposure(single_energy(60), 33, 0.3);
         Detector blurred({1, 20, 0}), plain({1, 0, 0});
-        for (const float s : blurred.read(e, std::nullopt)) CHECK(s == doctest::Approx(0.3).epsilon(1e-6));
+        for (const float s : blurred.read(e, std::nullopt)) CHECK(s == test::about(0.3).epsilon(1e-6));
         CHECK(plain.read(e, std::nullopt) == e.signal);
     }
 

@@ -1,6 +1,7 @@
 // What arrives: Beer and Lambert's law, displacement, the bolus.
 #include "core/error.h"
 #include "core/parallel.h"
+#include "support/approx.h"
 #include "view/xray/fluoroscope.h"
 
 #include <doctest/doctest.h>
@@ -49,17 +50,17 @@ TEST_SUITE("view/xray/fluoroscope")
         scope.set_wall(box({0.05, 0.01, 0.05}));
         const std::vector<Device> wire = {{{Vec3(-0.02, 0, 0), 1e-3}, {Vec3(0.02, 0, 0), 1e-3}}};
         scope.look({}, {}, std::nullopt);
-        CHECK(scope.line_integrals()[middle] == doctest::Approx(0.02 * blood).epsilon(1e-4));
+        CHECK(scope.line_integrals()[middle] == test::about(0.02 * blood).epsilon(1e-4));
         CHECK(scope.mended() == 0);
         scope.set_body({0.19, 0.11, 0.5});
         scope.look({}, {}, std::nullopt);
-        CHECK(scope.line_integrals()[middle] == doctest::Approx(0.02 * blood + 0.2 * soft).epsilon(1e-4));
+        CHECK(scope.line_integrals()[middle] == test::about(0.02 * blood + 0.2 * soft).epsilon(1e-4));
         scope.look(wire, {materials::stainless_steel()}, std::nullopt);
         const double chord = 2e-3 * (1 - std::pow(0.02 / 65 * 0.9 / 1e-3, 2) / 24);  // mean over the pixel's height
         CHECK(scope.line_integrals()[middle] ==
-              doctest::Approx((0.02 - chord) * blood + 0.2 * soft + chord * steel).epsilon(2e-3));
+              test::about((0.02 - chord) * blood + 0.2 * soft + chord * steel).epsilon(2e-3));
         const Exposure exposure = scope.exposure();
-        CHECK(exposure.signal[middle] == doctest::Approx(std::exp(-scope.line_integrals()[middle])).epsilon(1e-5));
+        CHECK(exposure.signal[middle] == test::about(std::exp(-scope.line_integrals()[middle])).epsilon(1e-5));
 
         Fluoroscope wide(tube_spectrum(75));
         wide.set_view(far_arm(65));
@@ -68,7 +69,7 @@ TEST_SUITE("view/xray/fluoroscope")
         double sum = 0;
         for (const SpectrumLine& line : tube_spectrum(75))
             sum += line.signal * std::exp(-0.02 * attenuation(materials::blood(), line.energy));
-        CHECK(wide.line_integrals()[middle] == doctest::Approx(-std::log(sum)).epsilon(1e-4));
+        CHECK(wide.line_integrals()[middle] == test::about(-std::log(sum)).epsilon(1e-4));
     }
 
     TEST_CASE("property: a C-arm inside the patient is refused in one line")
@@ -90,15 +91,15 @@ TEST_SUITE("view/xray/fluoroscope")
         const Bolus bolus(tube, {Vec3(0.02, 0, 0), Vec3::Zero(), 0.1, 0.1, keys});
         const std::vector<Vec3> places = {Vec3(0.05, 0.004, 0), Vec3(0.005, 0, 0)};
         const auto tau = bolus.travel_times(places);
-        CHECK(tau[0] == doctest::Approx(0.3).epsilon(1e-5));
+        CHECK(tau[0] == test::about(0.3).epsilon(1e-5));
         CHECK(tau[1] >= never);
-        CHECK(bolus.concentration(0.3, 1.8) == doctest::Approx(100).epsilon(1e-6));
-        CHECK(bolus.concentration(0.3, 1.305) == doctest::Approx(50).epsilon(1e-3));
+        CHECK(bolus.concentration(0.3, 1.8) == test::about(100).epsilon(1e-6));
+        CHECK(bolus.concentration(0.3, 1.305) == test::about(50).epsilon(1e-3));
         CHECK(bolus.concentration(0.3, 3.0) < 1e-6);
         double total = 0;  // what was injected passes: 100 * 1.0 s
         for (double t = 0; t < 4; t += 0.001) total += 0.001 * bolus.concentration(0.5, t);
-        CHECK(total == doctest::Approx(100).epsilon(1e-3));
-        CHECK(BolusMoment(bolus, 1.8).mean(0.1, 0.2) == doctest::Approx(100).epsilon(1e-3));
+        CHECK(total == test::about(100).epsilon(1e-3));
+        CHECK(BolusMoment(bolus, 1.8).mean(0.1, 0.2) == test::about(100).epsilon(1e-3));
     }
 
     TEST_CASE("analytic: flow divides by the cubes of the radii")
@@ -109,10 +110,10 @@ TEST_SUITE("view/xray/fluoroscope")
         tree.parent = {-1, 0, 1, 1};
         const Bolus bolus(tree, {Vec3::Zero(), Vec3::Zero(), 0.1, 0, {{0, 100}}});
         const auto tau = bolus.travel_times(tree.points);
-        CHECK(tau[1] == doctest::Approx(0.1).epsilon(1e-6));
+        CHECK(tau[1] == test::about(0.1).epsilon(1e-6));
         const double big = 512.0 / (512 + 64), length = std::sqrt(2e-4);
         const double volume = std::numbers::pi * 0.5 * (1e-4 + 0.64e-4) * length, flow = std::numbers::pi * 1e-4 * 0.1;
-        CHECK(tau[2] == doctest::Approx(0.1 + volume / (big * flow)).epsilon(1e-5));
+        CHECK(tau[2] == test::about(0.1 + volume / (big * flow)).epsilon(1e-5));
     }
 
     TEST_CASE("property: a picture is the same, to the bit, whatever was looked at before and on any number of threads")

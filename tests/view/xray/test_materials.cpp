@@ -1,5 +1,6 @@
 // Attenuation against the reference's NIST values and against the edges; the tube's spectrum.
 #include "core/error.h"
+#include "support/approx.h"
 #include "support/shared_folder.h"
 #include "view/xray/materials.h"
 #include "view/xray/spectrum.h"
@@ -44,7 +45,7 @@ TEST_SUITE("view/xray/materials")
                 }
                 for (std::size_t k = 0; k < 3; ++k) {
                     const double energy = c["expected"]["keV"][k], expected = m["mu_1_m"][k];
-                    CHECK(attenuation(own, energy) == doctest::Approx(expected).epsilon(0.005));  // allowed: 0.02; seen: 0.0008
+                    CHECK(attenuation(own, energy) == test::about(expected).epsilon(0.005));  // allowed: 0.02; seen: 0.0008
                     ++checked;
                 }
             }
@@ -54,8 +55,8 @@ TEST_SUITE("view/xray/materials")
 
     TEST_CASE("analytic: 60 keV, in 1/cm: platinum alloy 91, blood with 50 mg/ml of iodine 0.597")
     {
-        CHECK(attenuation(materials::platinum_alloy(), 60) == doctest::Approx(9100).epsilon(0.01));
-        CHECK(attenuation(materials::blood(), 60) + 50 * mass_attenuation(53, 60) == doctest::Approx(59.7).epsilon(0.005));
+        CHECK(attenuation(materials::platinum_alloy(), 60) == test::about(9100).epsilon(0.01));
+        CHECK(attenuation(materials::blood(), 60) + 50 * mass_attenuation(53, 60) == test::about(59.7).epsilon(0.005));
     }
 
     TEST_CASE("property: a mixture attenuates as its parts do, and an instrument keeps its density")
@@ -63,7 +64,7 @@ TEST_SUITE("view/xray/materials")
         const Material half = mixed_by_volume(materials::water(), materials::nitinol(), 0.5, "half");
         CHECK(
             attenuation(half, 60) ==
-            doctest::Approx(0.5 * (attenuation(materials::water(), 60) + attenuation(materials::nitinol(), 60))).epsilon(1e-12));
+            test::about(0.5 * (attenuation(materials::water(), 60) + attenuation(materials::nitinol(), 60))).epsilon(1e-12));
         CHECK(instrument_material(7900, false).density == 7900);
         CHECK(instrument_material(7900, false).name == "stainless steel");
         CHECK(instrument_material(6450, false).name == "nitinol");
@@ -80,8 +81,8 @@ TEST_SUITE("view/xray/materials")
                 CHECK(line.energy > before);
                 before = line.energy;
             }
-            CHECK(photons == doctest::Approx(1).epsilon(1e-12));
-            CHECK(signal == doctest::Approx(1).epsilon(1e-12));
+            CHECK(photons == test::about(1).epsilon(1e-12));
+            CHECK(signal == test::about(1).epsilon(1e-12));
             CHECK(before < kvp);
         }
         CHECK_THROWS_AS((void)tube_spectrum(39), Error);

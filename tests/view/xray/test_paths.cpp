@@ -1,5 +1,6 @@
 // Lengths of rays in meshes, ellipsoids and instruments against closed forms, and the reference's line integrals.
 #include "core/error.h"
+#include "support/approx.h"
 #include "support/shared_folder.h"
 #include "view/xray/device_paths.h"
 #include "view/xray/mesh_paths.h"
@@ -53,9 +54,9 @@ TEST_SUITE("view/xray/paths")
         const CArm arm = far_arm(0.03, 101, 101);
         const CArmView view(arm);
         const auto ball = trace_ellipsoid(view, Vec3::Zero(), Mat3::Identity(), Vec3::Constant(0.01));
-        CHECK(ball[50 * 101 + 50] == doctest::Approx(0.02).epsilon(1e-6));
+        CHECK(ball[50 * 101 + 50] == test::about(0.02).epsilon(1e-6));
         const double x = 20 * pixel_at_isocentre(arm);
-        CHECK(ball[50 * 101 + 70] == doctest::Approx(2 * std::sqrt(1e-4 - x * x)).epsilon(1e-4));  // rays lean by x/9 m
+        CHECK(ball[50 * 101 + 70] == test::about(2 * std::sqrt(1e-4 - x * x)).epsilon(1e-4));  // rays lean by x/9 m
     }
 
     TEST_CASE("analytic: an open tube, capped, seen from the side and along its axis")
@@ -68,15 +69,15 @@ TEST_SUITE("view/xray/paths")
         for (const int k : {0, 7, 15}) {
             const double d = k * pixel;
             // 256 facets make the radius smaller by up to 8e-5; a ray leans by 1/900 at most
-            CHECK(side.length[(100 + k) * 201 + 100] == doctest::Approx(2 * std::sqrt(25e-6 - d * d)).epsilon(5e-4));
+            CHECK(side.length[(100 + k) * 201 + 100] == test::about(2 * std::sqrt(25e-6 - d * d)).epsilon(5e-4));
         }
         const MeshPaths end = trace_mesh(view, close_openings(tube(Vec3::UnitY(), 0.005, 0.02, 256)));
         CHECK(end.mended == 0);
-        CHECK(end.length[100 * 201 + 100] == doctest::Approx(0.02).epsilon(1e-5));
+        CHECK(end.length[100 * 201 + 100] == test::about(0.02).epsilon(1e-5));
         CHECK(end.length[100 * 201 + 10] == 0.0f);
         double volume = 0;
         for (const float l : end.length) volume += l * pixel * pixel;
-        CHECK(volume == doctest::Approx(std::numbers::pi * 25e-6 * 0.02).epsilon(0.01));  // 56 pixels across
+        CHECK(volume == test::about(std::numbers::pi * 25e-6 * 0.02).epsilon(0.01));  // 56 pixels across
     }
 
     TEST_CASE("property: stretches add up to lengths and carry what vertices say")
@@ -136,7 +137,7 @@ TEST_SUITE("view/xray/paths")
             const double d = k * pixel_at_isocentre(arm);
             const double expected =
                 2 * (std::sqrt(outer * outer - d * d) - std::sqrt(std::max(0.0, inner * inner - d * d))) / std::sin(psi);
-            CHECK(length[(50 + k) * 101 + 50] == doctest::Approx(expected).epsilon(0.01));
+            CHECK(length[(50 + k) * 101 + 50] == test::about(expected).epsilon(0.01));
         }
     }
 
@@ -152,14 +153,14 @@ TEST_SUITE("view/xray/paths")
         };
         const double a = 0.2e-3, b = 0.5e-3, length = 0.01;
         CHECK(integral({{Vec3(-0.005, 0, 0), a}, {Vec3(0.005, 0, 0), b}}) ==
-              doctest::Approx(std::numbers::pi * length * (a * a + a * b + b * b) / 3).epsilon(0.005));
+              test::about(std::numbers::pi * length * (a * a + a * b + b * b) / 3).epsilon(0.005));
         // cut at the halving planes, a volume that is missing inside a kink is there outside [Pappus]
         Device bend;
         for (int k = 0; k <= 12; ++k)
             bend.push_back({Vec3(0.004 * std::cos(0.13 * k) - 0.003, 0.001 * k * 0.1, 0.004 * std::sin(0.13 * k) - 0.002), b});
         double straight = 0;
         for (std::size_t k = 1; k < bend.size(); ++k) straight += (bend[k].place - bend[k - 1].place).norm();
-        CHECK(integral(bend) == doctest::Approx(std::numbers::pi * b * b * straight).epsilon(0.005));
+        CHECK(integral(bend) == test::about(std::numbers::pi * b * b * straight).epsilon(0.005));
     }
 
     TEST_CASE("analytic: line integrals of the public reference [17_xray paths], slab, tube and wire through the same rays")
@@ -192,12 +193,12 @@ TEST_SUITE("view/xray/paths")
                         if (p.pixel == 4) wire += p.length;
                 }
                 CHECK(std::abs(l_outer - row["path_outer"].get<double>()) < 0.01 * outer);
-                CHECK(wire == doctest::Approx(row["path_wire"].get<double>()).epsilon(0.01));
+                CHECK(wire == test::about(row["path_wire"].get<double>()).epsilon(0.01));
                 const double slab = in["slab"], mu_slab = in["mu_background"], mu_wall = in["tube"]["mu_wall"],
                              mu_lumen = in["tube"]["mu_lumen"];
                 const double integral =
                     mu_slab * (slab - l_outer) + mu_wall * (l_outer - l_inner) + mu_lumen * (l_inner - wire) + mu_wire * wire;
-                CHECK(integral == doctest::Approx(row["line_integral"].get<double>()).epsilon(0.01));
+                CHECK(integral == test::about(row["line_integral"].get<double>()).epsilon(0.01));
                 CHECK(std::abs(std::exp(-integral) - row["transmission"].get<double>()) < 0.005);
                 ++checked;
             }
