@@ -36,6 +36,7 @@ nodes = 41
 velocity_m_s = [-0.02, 0.0, 0.0]
 place = {{ shape = "straight", base = [0.0, 0.0, {base}], direction = [1.0, 0.0, 0.0] }}
 [vessel]
+youngs_pa = 1.0e6
 {wall}
 [contact]
 mu_static = 0.12

@@ -35,6 +35,7 @@ from_tip_m = [0.0, 0.05]
 bend_nm2 = 1.0e-5
 twist_nm2 = 8.0e-6
 [vessel]
+youngs_pa = 1.0e6
 shape = "arc"
 radius_m = 0.004
 bend_radius_m = 0.04

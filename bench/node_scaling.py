@@ -43,6 +43,7 @@ contacts_every = 0
 
 TUBE = (SWING.split("[[hold]]")[0].replace("[wire]", 'start = "settled"\n[wire]')
         .replace("direction = [1.0, 0.0, 0.0]", "base = [0.0, 0.0, -0.00455], direction = [1.0, 0.0, 0.0]")) + """[vessel]
+youngs_pa = 1.0e6
 shape = "tube"
 radius_m = 0.005
 length_m = 0.6

@@ -47,16 +47,16 @@ def wire(w, nodes=101, place=""):
 
 
 def tube(radius, length, triangles=4000):
-    return f'[vessel]\nshape = "tube"\nradius_m = {radius}\nlength_m = {length}\naxis = [1.0, 0.0, 0.0]\ntriangles = {triangles}\n'
+    return f'[vessel]\nyoungs_pa = 1e6\nshape = "tube"\nradius_m = {radius}\nlength_m = {length}\naxis = [1.0, 0.0, 0.0]\ntriangles = {triangles}\n'
 
 
 def arc(radius, bend, angle, lead_in=0.02, lead_out=0.04, triangles=8000):
-    return (f'[vessel]\nshape = "arc"\nradius_m = {radius}\nbend_radius_m = {bend}\nangle_deg = {angle}\nlead_in_m = {lead_in}\nlead_out_m = {lead_out}\n'
+    return (f'[vessel]\nyoungs_pa = 1e6\nshape = "arc"\nradius_m = {radius}\nbend_radius_m = {bend}\nangle_deg = {angle}\nlead_in_m = {lead_in}\nlead_out_m = {lead_out}\n'
             f'origin = [0.0, 0.0, 0.0]\naxis = [1.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\ntriangles = {triangles}\n')
 
 
 def mesh(path, units):
-    return f'[vessel]\nmesh = "{path}"\nunits = "{units}"\n'
+    return f'[vessel]\nyoungs_pa = 1e6\nmesh = "{path}"\nunits = "{units}"\n'
 
 
 def contact(more=""):
@@ -89,7 +89,7 @@ def scenes(vessels):
         ("turned-hook", 0.5, "", 0.34, wire({**HOOK, "length": 0.08}, place=LEVEL), "[integrator]\ndamping_mass_1_s = 20.0\n",
          CLAMP.rstrip() + "\nturn = [[0.0, 0.0], [0.34, 3.0]]\n"),
         ("drop-on-plane", 4.0, "", 0.4, wire({**NITINOL, "length": 0.2}, place=LEVEL),
-         '[vessel]\nshape = "plane"\norigin = [0.1, 0.0, -0.02]\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.6\ntriangles = 2000\n', contact(), CLAMP),
+         '[vessel]\nyoungs_pa = 1e6\nshape = "plane"\norigin = [0.1, 0.0, -0.02]\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.6\ntriangles = 2000\n', contact(), CLAMP),
         ("tube", 0.2, "", 0.5, wire(LIMP), tube(0.005, 0.12), contact(), feed((0, 0.004, 0), (0.5, 0.054, 0.5), **slanted)),
         ("tube-fine", 0.05, "", 0.4, wire(LIMP), tube(0.005, 0.12), contact(), feed((0, 0.004, 0), (0.5, 0.054, 0.5), **slanted)),
         ("tube-narrow", 0.1, "20%", 0.4, wire(FLOPPY), tube(0.002, 0.1),
@@ -109,8 +109,8 @@ def scenes(vessels):
         ("coronary", 0.2, "", 0.5, wire(FLOPPY), mesh(coronary, "mm"), contact(), feed((0, 0.0, 0), (0.5, 0.03, 0), point="[0.001, 0.0, 0.0]", direction="[1.0, 0.0, 0.0]")),
         ("coronary-turned", 0.5, "", 0.5, wire({**FLOPPY, "tip": (0.03, 8.0e-6, 6.0e-6)}), mesh(coronary, "mm"), contact("rolling = true"),
          feed((0, 0.0, 0), (0.5, 0.025, 1.0), point="[0.001, 0.0, 0.0]", direction="[1.0, 0.0, 0.0]")),
-        ("arch", 1.0, "", 0.5, wire(STIFF), '[vessel]\nshape = "aortic-arch"\ntriangles = 12000\n', contact(), feed((0, 0.03, 0), (0.5, 0.13, 0))),
-        ("arch-hook", 0.3, "", 0.4, wire({**STIFF, "tip": (0.03, 1.0e-5, 8.0e-6), "curvature": 60.0}), '[vessel]\nshape = "aortic-arch"\ntriangles = 12000\n',
+        ("arch", 1.0, "", 0.5, wire(STIFF), '[vessel]\nyoungs_pa = 1e6\nshape = "aortic-arch"\ntriangles = 12000\n', contact(), feed((0, 0.03, 0), (0.5, 0.13, 0))),
+        ("arch-hook", 0.3, "", 0.4, wire({**STIFF, "tip": (0.03, 1.0e-5, 8.0e-6), "curvature": 60.0}), '[vessel]\nyoungs_pa = 1e6\nshape = "aortic-arch"\ntriangles = 12000\n',
          contact("rolling = true"), feed((0, 0.0, 0), (0.4, 0.06, 0.5))),
     ]
     if vessels.is_dir():

@@ -251,7 +251,7 @@ StabilityMap approach()
     map.scene +=
         "place = { shape = \"straight\", base = [-0.04, 0.0, 0.0004495], direction = [1.0, 0.0, 0.0] }\nvelocity_m_s = [0.0, "
         "0.0, 0.0]\n"
-        "[vessel]\nshape = \"plane\"\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.1\ntriangles = 200\n";
+        "[vessel]\nshape = \"plane\"\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.1\ntriangles = 200\nyoungs_pa = 1e6\n";
     map.set = [](double value, double, double, const fs::path&) {
         // 5 um above the floor; no weight would be felt for 1 ms on the way, so it starts at its speed
         return Texts{fmt::format("wire.velocity_m_s=[0.0, 0.0, {}]", -value)};
@@ -267,7 +267,7 @@ StabilityMap buckling()
         "place = { shape = \"straight\", base = [0.01, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
         "[[hold]]\nat = \"tip\"\nposition = true\n"
         "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0]]\n"
-        "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.1\ntriangles = 3000\n";
+        "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.1\ntriangles = 3000\nyoungs_pa = 1e6\n";
     map.set = [](double value, double, double pace, const fs::path&) {
         return Texts{fmt::format("vessel.radius_m={}", value * radius), "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6",
                      fmt::format("scene.duration_s={}", duration * pace),
@@ -284,7 +284,7 @@ StabilityMap alternating()
         "place = { shape = \"straight\", base = [0.01, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
         "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n"
         "[[link]]\nat = 0.02\nanchor = [0.07, 0.0, 0.0]\nstiffness_n_m = 1.0\nmove = [[0.0, 0.0, 0.0, 0.0]]\n"
-        "[vessel]\nshape = \"tube\"\nradius_m = 0.002\nlength_m = 0.1\ntriangles = 3000\n";
+        "[vessel]\nshape = \"tube\"\nradius_m = 0.002\nlength_m = 0.1\ntriangles = 3000\nyoungs_pa = 1e6\n";
     // a soft spring to an anchor a metre off is a force that hardly knows where the wire is
     map.set = [](double value, double dt, double, const fs::path&) {
         std::string rows;
@@ -303,7 +303,7 @@ StabilityMap alternating()
 std::string file_vessel(const char* feed_point, const char* direction)
 {
     return fmt::format(
-        "[vessel]\nmesh = \"mesh.ply\"\nunits = \"mm\"\n"
+        "[vessel]\nmesh = \"mesh.ply\"\nunits = \"mm\"\nyoungs_pa = 1e6\n"
         "[feed]\npoint = {}\ndirection = {}\nkeys = [ {{t_s = 0.0, advance_m = 0.0}} ]\n",
         feed_point, direction);
 }

@@ -29,6 +29,7 @@ nodes = 33
 // half a centimetre straight, then a quarter of a circle of 3 cm; the lumen is 5.6 wires wide
 inline constexpr const char* bend = R"(
 [vessel]
+youngs_pa = 1e6
 shape = "arc"
 radius_m = 0.0025
 bend_radius_m = 0.03

@@ -82,7 +82,6 @@ struct Scene : SceneInstrument {
     std::optional<CoaxialSpec> coaxial;   // which of them are inside each other
     IntegratorSpec integrator;
     VesselSpec vessel;  // paths absolute
-    bool wall_stiffness_given = false;  // vessel.youngs_pa or contact.stiffness is in the file
     SceneContact contact;
     bool instruments_touch = false;                          // WorldSetup's
     TaskSpec task;

@@ -243,10 +243,10 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                                    tally.overlap_at[2]));
     // a wall whose stiffness the scene gives is as soft as it is meant to be
     constexpr double soft = 0.02;  // of the radius: by so much a path is off, and with it the tip
-    if (!notes.scene->vessel.elastic && !notes.scene->wall_stiffness_given && notes.scene->contact.stiffness_from_wall && tally.overlap_share > soft && tally.overlap_share <= deep)
+    if (!notes.scene->vessel.elastic && !notes.scene->vessel.youngs_given && notes.scene->contact.stiffness_from_wall && tally.overlap_share > soft && tally.overlap_share <= deep)
         list.push_back(fmt::format("the wire sinks into the rigid wall by up to {:.2g} of its radius ({:.3g} um), at {:.4g} s near [{:.4g}, {:.4g}, "
-                                   "{:.4g}] m: the surface of vessel.youngs_pa = {:g} Pa, which the scene does not give, is soft. Fix: "
-                                   "vessel.youngs_pa = 1e9 for a hard wall (1e8 where that halves steps), or the wall's own modulus",
+                                   "{:.4g}] m: the default surface, vessel.youngs_pa = {:g}, is too soft for it. Fix: a larger vessel.youngs_pa, "
+                                   "with a smaller scene.dt_s where that halves steps; or the wall's own modulus, if it is meant to be soft",
                                    tally.overlap_share, 1e6 * tally.overlap_max, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
                                    tally.overlap_at[2], notes.scene->vessel.youngs));
     if (notes.vessel)
