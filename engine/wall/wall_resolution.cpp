@@ -38,8 +38,12 @@ LostPeak lost_peak(double load, double edge, double decay, double thickness, dou
 double decay_length(const VesselSpec& spec, double lumen_radius)
 {
     const double bend = spec.youngs * std::pow(spec.thickness, 3) / (12 * (1 - spec.poisson * spec.poisson));
-    const double hoop = std::isfinite(lumen_radius) ? spec.youngs * spec.thickness / (lumen_radius * lumen_radius) : 0;
-    return std::pow((hoop + spec.support) / (4 * bend), -0.25);
+    const bool tube = std::isfinite(lumen_radius);
+    const double bed = (tube ? spec.youngs * spec.thickness / (lumen_radius * lumen_radius) : 0) + spec.support;
+    const double tension = tube ? std::max(0.0, spec.pressure) * lumen_radius : 0;
+    const double below = tension * tension - 4 * bend * bed;  // negative: the roots are complex
+    const double square = below > 0 ? (tension + std::sqrt(below)) / (2 * bend) : 0.5 * std::sqrt(bed / bend) + tension / (4 * bend);
+    return 1 / std::sqrt(square);
 }
 
 double decay_length(const WallModel& wall)

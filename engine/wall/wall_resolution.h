@@ -10,8 +10,9 @@ namespace seldinger {
 
 struct WallModel;
 
-/// Length over which the dent of a ring (tube) or line (plane) load decays [m]: 1/beta, beta^4 = (E t/R^2 + k_s)/(4 D)
-/// [Hetenyi46, sec. 30]; infinite for a plane on nothing. @param lumen_radius  R [m]; infinite: a plane
+/// Length over which the dent of a ring (tube) or line (plane) load decays [m]: 1/Re m of the root of D m^4 - N m^2 + k = 0 that decays
+/// fastest, with k = E t/R^2 + k_s and the tension N = p R that mean pressure gives a tube. Without it 1/beta, beta^4 = k/(4 D); with
+/// much of it sqrt(D/N) [Hetenyi46, sec. 30, 51]. Infinite for a plane on nothing. @param lumen_radius  R [m]; infinite: a plane
 [[nodiscard]] double decay_length(const VesselSpec& spec, double lumen_radius);
 /// The same for a wall: the median where instruments are expected to touch (VesselSpec::touched), else that of the typical radius.
 [[nodiscard]] double decay_length(const WallModel& wall);
