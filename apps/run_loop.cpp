@@ -122,7 +122,14 @@ private:
         const NoPolling settling;
         const bool may_move = scene_.integrator.scheme != Scheme::Static;
         const std::vector<std::uint8_t> placed = may_move ? world_.save_state() : std::vector<std::uint8_t>{};
-        const StepReport report = settle(world_);
+        const auto read_at = [&](double time) {
+            world_.read(output_);
+            if (!may_move) output_.time = time;  // of the keys: that of the world stands still
+        };
+        const StepReport report = settle(world_, [&](int, double time) {
+            read_at(time);
+            recorder_.passed(output_);
+        });
         if (report.failed() && may_move) {
             world_.restore_state(placed);
             recorder_.warn(fmt::format("scene.start: got \"settled\", but {}. The run starts from the wire as it was placed. Fix: let the wire move "
@@ -134,7 +141,7 @@ private:
         }
         if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
         else {
-            world_.read(output_);
+            read_at(prescribed_until(scene_));
             recorder_.settled(output_, report);
         }
         return !report.failed();

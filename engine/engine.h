@@ -117,7 +117,9 @@ private:
 [[nodiscard]] StepReport step(World& world, double dt);
 
 /// Static equilibrium of every system (scheme = "static", and start = "settled").
-[[nodiscard]] StepReport settle(World& world);
+/// @param passed  called at each equilibrium on a system's path but the last, with the system and the time of its keys [s]; the world
+/// may be read then
+[[nodiscard]] StepReport settle(World& world, const std::function<void(int system, double time)>& passed = {});
 
 /// Reads or generates what setup.vessel describes, repairs it, and sets setup.mesh and setup.centreline. @throws Error BadFile,
 /// BadScene

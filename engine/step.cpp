@@ -38,7 +38,7 @@ StepReport step(World& world, const Control& control, double dt)
 
 StepReport step(World& world, double dt) { return step(world, Control{}, dt); }
 
-StepReport settle(World& world)
+StepReport settle(World& world, const std::function<void(int system, double time)>& passed)
 {
     World::Impl& state = world.impl();
     StepReport report;
@@ -46,7 +46,7 @@ StepReport settle(World& world)
 
     take_control(state, Control{}, 0);
     begin_step(state);
-    find_equilibrium(state, report);
+    find_equilibrium(state, report, passed);
     check_state(state, 0, report);
     show_groups(state);
 

@@ -169,7 +169,7 @@ WireMask balance_stuck(World::Impl& state, const std::vector<ContinuationPath>& 
 
 }  // namespace
 
-void find_equilibrium(World::Impl& state, StepReport& report)
+void find_equilibrium(World::Impl& state, StepReport& report, const std::function<void(int system, double time)>& passed)
 {
     WireMask going = everyone(state);
     std::vector<ContinuationPath> paths;
@@ -183,7 +183,12 @@ void find_equilibrium(World::Impl& state, StepReport& report)
             const auto wires = state.wires_of(s);
             if (!going[wires.front()]) continue;
             const bool any_failed = std::any_of(wires.begin(), wires.end(), [&](int w) { return failed[w]; });
+            const std::size_t reached = paths[s].next;
             const bool found = go_on(state, s, paths[s], any_failed);
+            if (passed && found && paths[s].next > reached && !paths[s].done()) {
+                show_groups(state);
+                passed(s, paths[s].reached);
+            }
             for (const int w : wires) {
                 if (!found) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
                 going[w] = found && !paths[s].done();

@@ -66,6 +66,6 @@ void fade_surplus_of(World::Impl& state, int wire, double dt);
 /// Non-finite values, and points beyond the wall, after a step of dt [s]; 0: an equilibrium.
 void check_state(World::Impl& state, double dt, StepReport& report);
 /// Static equilibrium with contact (scheme "static", start "settled").
-void find_equilibrium(World::Impl& state, StepReport& report);
+void find_equilibrium(World::Impl& state, StepReport& report, const std::function<void(int system, double time)>& passed);
 
 }  // namespace seldinger

@@ -219,6 +219,14 @@ void Recorder::take_greatest(const Output& now)
     tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, wall.stress_band, now.time);
 }
 
+void Recorder::passed(const Output& now)
+{
+    const Stopwatch watch(tally_.record);
+    take_in(now, {}, 0);
+    take_greatest(now);
+    if (due(++passed_, scene_.record_every)) write_row(now);
+}
+
 void Recorder::settled(const Output& now, const StepReport& report)
 {
     const Stopwatch watch(tally_.record);

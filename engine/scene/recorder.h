@@ -38,6 +38,8 @@ public:
     Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
              const Checkpoint& checkpoint);
 
+    /// At an equilibrium on the way of a static run: takes its readings in, and writes a row. @param now  Output::Everything
+    void passed(const Output& now);
     /// After settle(): takes its readings in, and writes row 0. @param now  Output::Everything
     void settled(const Output& now, const StepReport& report);
     /// Where settle() found nothing: the frame of the wires as they were placed. @param now  Output::Everything
@@ -93,6 +95,7 @@ private:
     bool yields_ = false;             // and it yields
     std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
     RunTally tally_;
+    long passed_ = 0;        // equilibria on the way of a static run
     WireReadings readings_;  // of all instruments, in the last accepted step
     std::vector<FrameMark> wire_frames_, contact_frames_;
     std::vector<std::string> warnings_;
