@@ -115,7 +115,7 @@ def main():
             if subprocess.run(command).returncode != 0:
                 sys.exit("the run failed")
         found = measure(folder)
-    # link: kinetic and elastic twist differ by what still turns, 1e-3; ply: as in test_plectoneme, and the loop's place goes by the nodes
+    # link: the hub's torque stands for the twist of the whole rod, 1e-3; ply: as in test_plectoneme
     allowed = {"turns": (10, 12), "link": (0.999, 1.001), "moment": (0.98, 1.02), "force per length": (0.98, 1.02),
                "tension": (0.97, 1.03), "distance of axes over diameter": (0.98, 1.02)}
     wrong = [name for name, (least, most) in allowed.items() if not least <= found[name] <= most]
