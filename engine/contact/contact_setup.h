@@ -14,7 +14,7 @@ struct ContactSetup {
     std::vector<WireSpec> wires;        // [wires]
     std::vector<ContactSpec> contacts;  // [wires]; detection, laws and precision are those of the first
     const WallModel& wall;              // outlives what is made from it
-    std::vector<std::uint8_t> several;  // [wires] solved together with others as rods of their own; empty: none is
+    std::vector<std::uint8_t> ridges;   // [wires] whether the tangent has how the normal turns over ridges; empty: of none
     bool known_velocities = false;      // steps may take contact at their start (ForceTerm::evaluate_start)
 
     /// Detection, laws and precision of all.

@@ -27,15 +27,14 @@ bool add_up(double normal, double friction, std::size_t samples, const ContactTo
 
 bool within_sum(const ContactAlong& along, const WireLoads& loads)
 {
-    double sum = 0, slopes = 0, least = std::numeric_limits<double>::infinity(), most = -least;
+    double sum = 0, slopes = 0, farthest = 0;
     for (const LoadSample& sample : loads.samples) {
         sum += sample.force;
         if (sample.length > 0) slopes += sample.force / sample.length;
-        least = std::min(least, sample.s - sample.length / 2);
-        most = std::max(most, sample.s + sample.length / 2);
+        farthest = std::max(farthest, std::abs(sample.s) + sample.length / 2);
     }
     if (loads.samples.empty()) return along.patch_force == 0 && along.per_length_max == 0;
-    const double allowed = 8 * static_cast<double>(loads.samples.size()) * rounding * (sum + (most - least) * slopes);
+    const double allowed = 8 * static_cast<double>(loads.samples.size()) * rounding * (sum + farthest * slopes);
     return along.patch_force <= sum + allowed && along.per_length_max * along.window <= sum + allowed;
 }
 

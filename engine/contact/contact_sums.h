@@ -7,8 +7,9 @@
 // and as much again for the magnitudes rounded before. In a float32 context the device's sums round to 2^-24.
 //
 // A reading of the load along a wire (force_per_length.h) cannot exceed its sum. The load between two places is a difference of
-// running sums of slopes F/l times lengths up to the whole stretch S. Its error is at most 4 n eps (sum F + S sum F/l), n the
-// number of ends.
+// running sums of slopes F/l times lengths. These are differences of coordinates, rounded in proportion to the coordinate: where one short stretch
+// touches far from the tip, that is most of the error. It is at most 4 n eps (sum F + s sum F/l), n the number of ends and s the
+// farthest of them from the tip.
 
 #include "contact/edge_sums.h"
 #include "contact/force_per_length.h"

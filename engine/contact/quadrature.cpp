@@ -71,8 +71,7 @@ QuadratureSet make_quadrature(const ContactSetup& setup)
         points.capacity = stretches + 1;
         points.s.push_back(0);
         const ContactSpec contact = with_lengths(contacts[w], spec.least_radius());
-        // one wire alone keeps its bits: there the step's few trials do not pay for the ridges' curvature
-        const double curved_ridges = !setup.several.empty() && setup.several[w] ? 1 : 0;
+        const double curved_ridges = !setup.ridges.empty() && setup.ridges[w] ? 1 : 0;
         const auto add_model = [&, reach = contact_reach * spec.least_radius()](QuadratureModel model) {
             model.reach = reach;  // the same all along the wire
             model.ridges = curved_ridges;

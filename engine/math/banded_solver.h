@@ -34,7 +34,7 @@ public:
 
     /// Zero band of `size` unknowns, nothing far from it, no columns.
     void reset(int size);
-    /// In which order nodes are eliminated where there are far entries: [nodes] the first, the second, ...; empty: as they lie.
+    /// In which order nodes are eliminated where there are far entries: [nodes] the first, the second, ...; empty: by minimum degree.
     /// Those that couple should be near each other.
     void set_order(std::span<const int> order) { order_.assign(order.begin(), order.end()); }
     /// See BandMatrix::set_fourth().

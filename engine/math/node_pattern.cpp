@@ -1,9 +1,9 @@
 // Blocks filled by the factors of band and far entries, in a given order of elimination.
 
+#include "math/dissection.h"
 #include "math/node_factors.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace seldinger {
 
@@ -38,11 +38,33 @@ void NodeFactors::find_joined(const BandRows& band)
 bool NodeFactors::is_known(const FarEntries& far, std::span<const int> order) const
 {
     const std::span<const FarEntries::Block> blocks = far.blocks();
-    const bool same_order = order.empty() ? std::is_sorted(order_.begin(), order_.end())
-                                          : std::equal(order.begin(), order.end(), order_.begin(), order_.end());
+    const bool same_order = order.empty() ? chosen_ : !chosen_ && std::equal(order.begin(), order.end(), order_.begin(), order_.end());
     return same_order && joined_ == known_joined_ &&
            std::equal(blocks.begin(), blocks.end(), known_.begin(), known_.end(),
                       [&](const FarEntries::Block& block, std::uint64_t known) { return key_of(block) == known; });
+}
+
+/// Minimum degree on the graph of joined nodes.
+std::vector<int> NodeFactors::chosen_order(const FarEntries& far) const
+{
+    const int count = static_cast<int>(joined_.size()) / RodDofs::reach;
+    std::vector<std::vector<std::int32_t>> beside(static_cast<std::size_t>(count));
+    const auto join = [&](int a, int b) {
+        if (a == b) return;
+        beside[static_cast<std::size_t>(a)].push_back(b);
+        beside[static_cast<std::size_t>(b)].push_back(a);
+    };
+    for (int node = 0; node < count; ++node)
+        for (int ahead = 1; ahead <= RodDofs::reach; ++ahead)
+            if (joined_[RodDofs::reach * node + ahead - 1]) join(node, node + ahead);
+    for (const FarEntries::Block& block : far.blocks()) join(block.row, block.col);
+    Graph graph;
+    for (const auto& nodes : beside) {
+        graph.first.push_back(static_cast<std::int32_t>(graph.adjacent.size()));
+        graph.adjacent.insert(graph.adjacent.end(), nodes.begin(), nodes.end());
+    }
+    graph.first.push_back(static_cast<std::int32_t>(graph.adjacent.size()));
+    return minimum_degree(graph);
 }
 
 /// Which blocks fill, unless that is known.
@@ -52,9 +74,9 @@ void NodeFactors::lay_out(const BandRows& band, const FarEntries& far, std::span
     if (is_known(far, order)) return;
     const int count = band.size() / width;
     SEL_ASSERT(order.empty() || static_cast<int>(order.size()) == count);
-    order_.assign(order.begin(), order.end());
-    order_.resize(count);
-    if (order.empty()) std::iota(order_.begin(), order_.end(), 0);
+    chosen_ = order.empty();
+    if (chosen_) order_ = chosen_order(far);
+    else order_.assign(order.begin(), order.end());
     place_.resize(count);
     for (int at = 0; at < count; ++at) place_[order_[at]] = at;
     known_.clear();

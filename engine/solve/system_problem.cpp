@@ -220,7 +220,7 @@ void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const For
     }
     if (terms_act_) terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear, symmetric);
     add_coaxial_tangents(mode, symmetric, terms_act_);
-    if (!linear.far.empty() && order_.empty()) order_nodes();
+    if (!linear.far.empty() && order_.empty() && wires_.size() > 1) order_nodes();
 }
 
 void SystemProblem::add_coaxial_tangents(HessianMode mode, bool symmetric, bool terms)

@@ -28,6 +28,7 @@ SEL_BEGIN
 #define SEL_SELF_RULES 4                          // of a cell, with a rule of quadrature each; a whole number of parts
 #define SEL_SELF_STRETCHES 4                      // of a piece of the curve, looked at for lobes
 #define SEL_SELF_LOBES 4                          // stretches of a cell that a point touches, at most
+#define SEL_SELF_LEVEL ((real)1e-4)  // slope that counts as none: misses the least gap by 1e-8 of the radii
 
 typedef struct SelfScene {
     InstrumentScene scene;
@@ -64,7 +65,7 @@ SEL_FN real nearest_place(SplineView b, vec3 x, real low, real high)
     for (real from = low; from < high;) {
         const SeenPiece piece = seen_piece(b, x, from);
         const real until = min_r(piece.high, high);
-        for (int k = 0; k <= SEL_SELF_STRETCHES; ++k) {
+        for (int k = from > low; k <= SEL_SELF_STRETCHES; ++k) {  // a piece begins where the one before ends
             const real at = from + (real)k / SEL_SELF_STRETCHES * (until - from), square = square_at(piece, at);
             if (square >= least) continue;
             least = square;
@@ -189,7 +190,7 @@ SEL_FN CellMark self_least(const SelfScene* self, CellMark left, CellMark right)
         const real share = k % 3 < 2 ? clamp_r(left.slope / (left.slope - right.slope), (real)0.01, (real)0.99) : (real)0.5;
         const CellMark middle = self_mark(self, left.s + share * (right.s - left.s));
         if (middle.gap < best.gap) best = middle;
-        if (fabs(middle.slope) < SEL_LEVEL || middle.gap >= SEL_FAR) break;
+        if (fabs(middle.slope) < SEL_SELF_LEVEL || middle.gap >= SEL_FAR) break;
         if (middle.slope < 0) left = middle;
         else right = middle;
     }
@@ -301,12 +302,11 @@ typedef struct SelfSums {
     real metres;            // that touch, as a strand beside a straight one would
 } SelfSums;
 
-// How fast the least gap at s closes.
-SEL_FN real closing_rate(const InstrumentScene* scene, real s, real start, real inv_dt)
+// How fast the least gap at a point closes.
+SEL_FN real closing_rate(const InstrumentScene* scene, const CellPoint* point, real inv_dt)
 {
-    const real gap = instrument_gap(scene->b, point_near(scene->a, s, scene->edge), start, part_for(scene, scene->b, s)).gap;
-    const real gap_t0 = gap_at_start(scene, s, start);
-    return gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - gap) * inv_dt : (real)0;
+    const real gap_t0 = gap_at_start(scene, point->s, point->g.at);
+    return point->gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - point->gap) * inv_dt : (real)0;
 }
 
 // The factor that damping puts on the elastic force at one point of a, and how it grows with the depth: damped_force() of contact_law.h.
@@ -411,7 +411,7 @@ SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closi
     const CellPoint point = self_point(self, s);
     real from, until, touching = 0;
     if (point.gap >= 0 || !self_range(self, s, &from, &until)) return;
-    const SelfDamping damping = damping_at(closing_rate(scene, s, point.g.at, law->par.inv_dt), closing, law);
+    const SelfDamping damping = damping_at(closing_rate(scene, &point, law->par.inv_dt), closing, law);
     if (damping.factor <= 0) return;
     const vec3 x = spline_sum(scene->a, point.a.node, point.a.w);
     const real reach = scene->part.reach_a + scene->part.reach_b;
@@ -455,7 +455,7 @@ SEL_FN void follow_self(const SelfScene* self, const SelfTouch* touch, real inv_
 {
     const CellPoint bottom = self_point(self, touch->deepest.s);
     Closing closing;
-    closing.rate = closing.approach = closing_rate(&self->scene, bottom.s, bottom.g.at, inv_dt);
+    closing.rate = closing.approach = closing_rate(&self->scene, &bottom, inv_dt);
     write_deepest(&self->scene, deep_point(&self->scene, &bottom), closing, epoch, now);
 }
 

@@ -59,6 +59,17 @@ TEST_SUITE("contact/contact_sums")
         CHECK(within_sum({}, {}));
     }
 
+    // the ends of the stretch are rounded to 1e-13 of its length
+    TEST_CASE("property: the load of one short stretch far from the tip is within its sum")
+    {
+        for (int k = 1; k <= 1000; ++k) {
+            WireLoads loads;
+            loads.add({2.0 * k / 1000, 3.17e-5, 1.25e-3}, 0);
+            CAPTURE(k);
+            CHECK(within_sum(greatest_loads(loads.samples, {1e-3, 5e-3, 0}), loads));
+        }
+    }
+
     TEST_CASE("property: a step whose samples are not those of its forces has a flag")
     {
         TestSetup setup;
