@@ -188,15 +188,16 @@ class Build:
             return 1, True
         return done.returncode, done.returncode in (-24, -9)
 
-    def order(self, room, entries):
+    def order(self, room, entries, without):
         rooms = TESTS[room].split()
         chosen = [t for t in self.tests if re.search(entries, t)] if entries else [t for t in self.tests if t.split("/")[0] in rooms]
+        if without: chosen = [t for t in chosen if not re.search(without, t)]
         rank = lambda t: rooms.index(t.split("/")[0]) if t.split("/")[0] in rooms else len(rooms)
         cost = lambda t: self.costs.get(t, 1)
         # the own room's short ones, others' short ones, then the long ones
         return sorted(chosen, key=lambda t: ((cost(t) > 1) + (cost(t) > 4), rank(t), cost(t)))
 
-    def run(self, mutant, entries, longest, ran):
+    def run(self, mutant, arguments, ran):
         """What becomes of it: (fate, entry). Entries in `ran` have not noticed it; it is added to."""
         place = self.made / "one"
         lines = (ROOT / mutant["file"]).read_text().split("\n")
@@ -207,8 +208,8 @@ class Build:
         if (place / "x.o").read_bytes() == self.alone(mutant["file"]).read_bytes(): return "same code", ""
         objects = [place / "x.o"] + [self.alone(f) for f in group if f != mutant["file"]]
         linked = {}
-        for name in self.order(mutant["room"], entries):
-            if self.costs.get(name, 1) > longest or name in ran: continue
+        for name in self.order(mutant["room"], arguments.entries, arguments.without):
+            if self.costs.get(name, 1) > arguments.longest or name in ran: continue
             program = self.tests[name]
             if program not in linked:
                 linked[program] = place / program
@@ -254,11 +255,11 @@ def run(arguments, build):
         if not known or (arguments.again and known["fate"] == "survived"):
             begun = resource.getrusage(resource.RUSAGE_CHILDREN)
             ran = known["ran"] if known else []
-            fate, entry = build.run(mutant, arguments.entries, arguments.longest, ran)
+            fate, entry = build.run(mutant, arguments, ran)
             children = resource.getrusage(resource.RUSAGE_CHILDREN)
             seconds = children.ru_utime + children.ru_stime - begun.ru_utime - begun.ru_stime
-            before = known["before_fate"] if known else fate
-            results[key(mutant)] = known = dict(fate=fate, entry=entry, before_fate=before, cpu=seconds, ran=ran)
+            before = known["before"] if known else f"{fate} {entry}".strip()
+            results[key(mutant)] = known = dict(fate=fate, entry=entry, before=before, cpu=seconds, ran=ran)
             kept.with_suffix(".tmp").write_text(json.dumps(results, indent=1))
             kept.with_suffix(".tmp").replace(kept)
             print(f"{mutant['file']}:{mutant['line']}  {mutant['kind']}\n  - {mutant['before']}\n  + {mutant['after']}\n  {fate} {entry} ({seconds:.0f} s)", flush=True)
@@ -277,7 +278,7 @@ def table(arguments, build):
         count += 1
         equivalent = why.get((mutant["file"], mutant["before"], mutant["after"]))
         now = f"equivalent: {equivalent}" if known["fate"] == "survived" and equivalent else f"{known['fate']} {known['entry']}".strip()
-        fates.setdefault("before", []).append(known["before_fate"])
+        fates.setdefault("before", []).append(re.match(r"survived|times out|caught", known["before"])[0])
         fates.setdefault("now", []).append("equivalent" if now.startswith("equivalent") else known["fate"])
         cell = lambda text: text.replace("|", "\\|")
         print(f"| {count} | {mutant['file']}:{mutant['line']} | `{cell(mutant['before'])}` → `{cell(mutant['after'])}` | {known['before_fate']} | {now} |")
@@ -293,6 +294,7 @@ def main():
     parser.add_argument("--count", type=int, default=60, help="mutants that compile and differ")
     parser.add_argument("--again", action="store_true", help="run those that survived once more")
     parser.add_argument("--entries", default="", help="regular expression: only these test entries")
+    parser.add_argument("--without", default="", help="regular expression: not these")
     parser.add_argument("--longest", type=float, default=20, help="no entry that takes longer than these seconds")
     parser.add_argument("--build", type=Path, default=ROOT / "build")
     arguments = parser.parse_args()

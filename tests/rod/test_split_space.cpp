@@ -61,6 +61,14 @@ struct UnevenWire : OneWire {
     }
 };
 
+/// What a wire of three nodes is bent by at the middle one [1/m].
+double curvature_of(const RodView& rod)
+{
+    RodFrames frames(rod.n);
+    REQUIRE(update_frames(rod, {rod.x, rod.y, rod.z, rod.theta}, {}, frames));
+    return std::hypot(frames.kappa1[1], frames.kappa2[1]) / rod.voronoi_length(1);
+}
+
 }  // namespace
 
 TEST_SUITE("rod/split")
@@ -203,6 +211,25 @@ TEST_SUITE("rod/split")
                 CHECK(wire.rod.rest_twist[i] == about(rates[2] * cell).epsilon(1e-12));
             }
         }
+    }
+
+    TEST_CASE("property: a wire of one edge has no natural curvature where it was placed, and one of two edges that of its turn")
+    {
+        OneWire bar(2, 4);
+        bar.place({Vec3(0.3, 0.1, 0), Vec3(0, 0, 0.2)});
+        set_rest_shape(bar.rod, uniform_spec(1, 0.8, 0.6, 400), true);
+        for (int i = 0; i < 2; ++i) {
+            CHECK(bar.rod.rest_kappa1[i] == 0);
+            CHECK(bar.rod.rest_kappa2[i] == 0);
+            CHECK(bar.rod.rest_twist[i] == 0);
+        }
+        OneWire knee(3, 4);
+        knee.place({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1 + std::cos(0.3), std::sin(0.3), 0)});
+        set_rest_shape(knee.rod, uniform_spec(3, 0.8, 0.6, 400), true);
+        const double turn = curvature_of(knee.rod);
+        REQUIRE(turn > 0.29);
+        for (int i = 0; i < 3; ++i)  // per length the same in all cells, as of one node nothing else is known
+            CHECK(std::hypot(knee.rod.rest_kappa1[i], knee.rod.rest_kappa2[i]) == about(turn * knee.rod.voronoi_length(i)).epsilon(1e-12));
     }
 }
 
