@@ -281,7 +281,7 @@ def table(arguments, build):
         fates.setdefault("before", []).append(re.match(r"survived|times out|caught", known["before"])[0])
         fates.setdefault("now", []).append("equivalent" if now.startswith("equivalent") else known["fate"])
         cell = lambda text: text.replace("|", "\\|")
-        print(f"| {count} | {mutant['file']}:{mutant['line']} | `{cell(mutant['before'])}` → `{cell(mutant['after'])}` | {known['before_fate']} | {now} |")
+        print(f"| {count} | {mutant['file']}:{mutant['line']} | `{cell(mutant['before'])}` → `{cell(mutant['after'])}` | {known['before']} | {now} |")
     for when, list_of in fates.items():
         print(f"\n{when}: " + ", ".join(f"{list_of.count(f)} {f}" for f in sorted(set(list_of))))
 
