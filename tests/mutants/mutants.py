@@ -199,7 +199,7 @@ class Build:
 
     def run(self, mutant, arguments, ran):
         """What becomes of it: (fate, entry). Entries in `ran` have not noticed it; it is added to."""
-        place = self.made / "one"
+        place = self.made / f"one-{os.getpid()}"  # several may run
         lines = (ROOT / mutant["file"]).read_text().split("\n")
         lines[mutant["line"] - 1] = mutant["text"]
         done = self.compile(mutant["file"], "\n".join(lines), place / "x.o")
@@ -246,7 +246,7 @@ def chosen(arguments):
 
 
 def run(arguments, build):
-    kept = build.made / "results.json"
+    kept = build.made / f"results{'-by-hand' if arguments.by_hand else ''}.json"
     results = json.loads(kept.read_text()) if kept.exists() else {}
     count = 0
     for mutant in chosen(arguments):
@@ -267,7 +267,7 @@ def run(arguments, build):
 
 
 def table(arguments, build):
-    results = json.loads((build.made / "results.json").read_text())
+    results = json.loads((build.made / f"results{'-by-hand' if arguments.by_hand else ''}.json").read_text())
     why, rows, fates = reasons(), [], {}
     print("| # | file | before → after | without the new tests | now |\n|---|---|---|---|---|")
     count = 0
@@ -302,7 +302,10 @@ def main():
         for _, mutant in zip(range(arguments.count), chosen(arguments)): print(f"{mutant['kind']:20} {key(mutant)}")
         return
     build = Build(arguments.build)
-    (run if arguments.action == "run" else table)(arguments, build)
+    try:
+        (run if arguments.action == "run" else table)(arguments, build)
+    finally:
+        shutil.rmtree(build.made / f"one-{os.getpid()}", ignore_errors=True)
 
 
 if __name__ == "__main__":

@@ -169,6 +169,43 @@ TEST_SUITE("rod/split")
         CHECK(wire.rod.az[5] == about(0.5).epsilon(1e-14));
     }
 
+    // The hub stands in its sleeve and takes no part. The base edge goes on as fast as the wire at its end does.
+    TEST_CASE("property: a birth and a merge at the base keep the momentum of what is outside, the hub's speed and the force")
+    {
+        for (const bool birth : {true, false}) {
+            CAPTURE(birth);
+            UnevenWire wire(false);
+            wire.hold_hub();
+            for (int i = 0; i < edges; ++i) wire.rod.set_vel(i, Vec3(0.1 * i, 0.3, -0.02 * i * i));
+            wire.rod.material_s[edges] -= 0.002, wire.rod.material_s[edges - 1] -= 0.001;  // both edges at the base are stretched
+            set_rest_shape(wire.rod, wire.spec, false);
+            const auto force = [&](int j) {
+                const RodView& rod = wire.rod;
+                return rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
+            };
+            const auto momentum = [&] {
+                Vec3 sum = Vec3::Zero();
+                for (int i = 0; i + 1 < wire.rod.n; ++i) sum += wire.rod.mass[i] * wire.rod.vel(i);
+                return sum;
+            };
+            const double first = wire.rod.rest_length[edges - 2], second = wire.rod.rest_length[edges - 1], length = wire.rod.material_s[edges];
+            const double mean = (first * force(edges - 2) + second * force(edges - 1)) / (first + second), base = force(edges - 1);
+            const Vec3 before = momentum();
+            SplitScratch scratch;
+            const SplitResult result = birth ? split_base_edge(wire.arrays, 0, 0.9, wire.spec, wire.clamps, scratch)
+                                             : merge_base_edges(wire.arrays, 0, wire.spec, wire.clamps);
+            wire.node_moved(birth ? 1 : -1);
+            const int hub = wire.rod.n - 1;
+            CHECK((momentum() - before).norm() < 1e-13 * before.norm());
+            CHECK(wire.rod.vel(hub) == Vec3::Zero());
+            CHECK(force(hub - 1) == about(birth ? base : mean).epsilon(1e-9));
+            if (birth) CHECK(force(hub - 2) == about(base).epsilon(1e-9));
+            CHECK(result.rest_length_added == about(wire.rod.material_s[hub] - length).epsilon(1e-9));
+            const Vec3 out = (wire.rod.pos(hub - 1) - wire.rod.pos(hub)).normalized();
+            CHECK(result.base_rate == about(out.dot(wire.rod.vel(hub - 1))).epsilon(1e-12));
+        }
+    }
+
     // Where the rest shape is the placed one a node that goes gives its natural curvature to its neighbours by the lever's rule.
     // On a straight line of edges the sum and the moment sum_i kappa_i s_i stay.
     TEST_CASE("property: a merge keeps the natural curvature's sum and moment along the wire, a split an even one")

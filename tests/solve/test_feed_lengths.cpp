@@ -107,7 +107,7 @@ TEST_SUITE("solve/feed")
         spec.point = Vec3(0.1, 0.2, 0.3);
         spec.direction = Vec3(0, 2, 0);
         spec.advance = 7.4 * edge;
-        spec.turn = 0.7;
+        spec.turn = 7.3;  // more than a turn
         const WireSpec wire = nitinol(0.2);
         start_feed(state, spec, wire, arrays, 0);
         const RodView rod = arrays.view(0);
@@ -118,7 +118,7 @@ TEST_SUITE("solve/feed")
         }
         for (int j = 0; j + 1 < rod.n; ++j) {
             CHECK(rod.rest_length[j] == about(spec.advance / 7).epsilon(1e-12));
-            CHECK(rod.theta[j] == -0.7);
+            CHECK(rod.theta[j] == -7.3);
         }
         WireConstraints inlet;
         add_feed_constraints(state, rod, inlet);
