@@ -209,7 +209,7 @@ class Build:
         objects = [place / "x.o"] + [self.alone(f) for f in group if f != mutant["file"]]
         linked = {}
         for name in self.order(mutant["room"], arguments.entries, arguments.without):
-            if self.costs.get(name, 1) > arguments.longest or name in ran: continue
+            if self.costs.get(name, 1) > arguments.longest or (name in ran and not arguments.entries): continue  # named ones may be new
             program = self.tests[name]
             if program not in linked:
                 linked[program] = place / program
@@ -252,6 +252,7 @@ def run(arguments, build):
     for mutant in chosen(arguments):
         if count == arguments.count: break
         known = results.get(key(mutant))
+        if arguments.again and not known: break
         if not known or (arguments.again and known["fate"] == "survived"):
             begun = resource.getrusage(resource.RUSAGE_CHILDREN)
             ran = known["ran"] if known else []
@@ -260,6 +261,7 @@ def run(arguments, build):
             seconds = children.ru_utime + children.ru_stime - begun.ru_utime - begun.ru_stime
             before = known["before"] if known else f"{fate} {entry}".strip()
             results[key(mutant)] = known = dict(fate=fate, entry=entry, before=before, cpu=seconds, ran=ran)
+            if kept.exists(): results |= {k: v for k, v in json.loads(kept.read_text()).items() if k != key(mutant)}  # another may be running
             kept.with_suffix(".tmp").write_text(json.dumps(results, indent=1))
             kept.with_suffix(".tmp").replace(kept)
             print(f"{mutant['file']}:{mutant['line']}  {mutant['kind']}\n  - {mutant['before']}\n  + {mutant['after']}\n  {fate} {entry} ({seconds:.0f} s)", flush=True)
