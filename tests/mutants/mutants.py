@@ -280,7 +280,7 @@ def table(arguments, build):
         count += 1
         equivalent = why.get((mutant["file"], mutant["before"], mutant["after"]))
         now = f"equivalent: {equivalent}" if known["fate"] == "survived" and equivalent else f"{known['fate']} {known['entry']}".strip()
-        fates.setdefault("before", []).append(re.match(r"survived|times out|caught", known["before"])[0])
+        fates.setdefault("before", []).append(re.match(r"survived|times out|caught|not run", known["before"])[0])
         fates.setdefault("now", []).append("equivalent" if now.startswith("equivalent") else known["fate"])
         cell = lambda text: text.replace("|", "\\|")
         print(f"| {count} | {mutant['file']}:{mutant['line']} | `{cell(mutant['before'])}` → `{cell(mutant['after'])}` | {known['before']} | {now} |")
