@@ -1,0 +1,197 @@
+// What splits and merges of a common centreline bent in space do to each instrument's twist and spin.
+#include "rod/coaxial_edge.h"
+#include "rod/coaxial_fixture.h"
+#include "rod/coaxial_nodes.h"
+#include "rod/coaxial_split.h"
+
+#include <doctest/doctest.h>
+
+namespace test_coaxial_twist {
+
+using namespace seldinger;
+using namespace seldinger::testing;
+
+namespace {
+
+constexpr int edges = 9;
+
+/// A wire in a catheter, both all the way to the hub and alike along it. The line is a curve with torsion, its edges are uneven;
+/// angles and spins are of no order.
+struct Pair {
+    std::vector<WireSpec> specs{instrument_spec(10, 0.8, 0.6), instrument_spec(10, 0.3, 0.9)};
+    RodArrays arrays{std::vector<int>{edges + 3, edges + 3}};
+    CoaxialRod rod{edges + 3, 2};
+    CoaxialBase base;
+    std::vector<int> wires{0, 1};
+
+    explicit Pair(bool straight)
+    {
+        for (const int w : wires) arrays.set_node_count(w, edges + 1);
+        for (int k = 0; k < 2; ++k) rod.instrument[k] = {&specs[static_cast<std::size_t>(k)], 0};
+        const RodView line = arrays.view(0);
+        for (int i = 0; i <= edges; ++i) {
+            const double s = 0.25 * (i + 0.2 * std::sin(3.0 * i));
+            line.set_pos(i, straight ? Vec3(-s, 0, 0) : Vec3(std::cos(s), std::sin(s), 0.5 * s * s));
+            line.material_s[i] = i > 0 ? line.material_s[i - 1] + (line.pos(i) - line.pos(i - 1)).norm() : 0.0;
+            line.set_vel(i, Vec3(0.1 * i, 0.3, -0.02 * i * i));
+            line.ax[i] = i * i, line.ay[i] = -i, line.az[i] = 0.5;
+        }
+        initialise_frames(line, Vec3(0.1, 0.2, 1));
+        const Vec3 hub = line.tangent(edges - 1);
+        base.tangent = straight ? hub : (hub + Vec3(0.1, 0.05, 0.1)).normalized();
+        base.director = unit_normal(line.ref_d1(edges - 1) + Vec3(0.2, 0.1, 0), base.tangent);
+        line.clamp_twist_a[edges] = coaxial::sleeve_reference(line, base, 0);
+        for (const int w : wires) {
+            const RodView own = arrays.view(w);
+            for (int j = 0; j <= edges; ++j) {
+                own.theta[j] = (0.3 + w) * j + 0.05 * j * j;
+                own.spin_rate[j] = 1 + w + 0.2 * j * j;
+            }
+        }
+        prepare_group(arrays, wires, rod);
+        follow_line(arrays, wires);
+    }
+    /// Of an instrument at node i; at the hub from the base edge to the clamp [rad].
+    [[nodiscard]] double twist(int w, int i)
+    {
+        const RodView own = arrays.view(w), line = arrays.view(0);
+        return own.theta[i] - own.theta[i - 1] + coaxial::joint_reference(line, i);
+    }
+    [[nodiscard]] double spin_momentum(int w)
+    {
+        const RodView own = arrays.view(w);
+        double sum = 0;
+        for (int j = 0; j + 1 < own.n; ++j) sum += own.spin_inertia[j] * own.spin_rate[j];
+        return sum;
+    }
+    [[nodiscard]] Vec3 momentum() { return coaxial::momentum(arrays.view(0), arrays.view(0).n - 1); }
+};
+
+/// Takes out `node`, in the way of the hub or in that of any node. The twist that goes is shared out by the lengths, and what the
+/// merged edge's director does to the reference twists is felt alike at both ends: by every instrument the same.
+void check_merge(int node, bool base)
+{
+    CAPTURE(node);
+    CAPTURE(base);
+    Pair pair(false);
+    double before[2][3], spin[2];
+    const Vec3 momentum = pair.momentum();
+    const double first = pair.arrays.view(0).rest_length[node - 1], second = pair.arrays.view(0).rest_length[node];
+    const double share = second / (first + second);
+    for (const int w : pair.wires) {
+        for (int k = 0; k < 3; ++k) before[w][k] = node + k > 1 ? pair.twist(w, node - 1 + k) : 0;
+        spin[w] = pair.spin_momentum(w);
+    }
+    if (base) (void)merge_coaxial_base(pair.arrays, pair.wires, pair.rod, pair.base);
+    else (void)merge_coaxial_edges(pair.arrays, pair.wires, pair.rod, pair.base, node);
+    REQUIRE(pair.arrays.view(0).n == edges);
+    for (const int w : pair.wires) {
+        CAPTURE(w);
+        const double at_b = pair.twist(w, node) - before[w][2] - (1 - share) * before[w][1];
+        if (node == 1) {
+            CHECK(std::abs(at_b) < 1e-14);
+        } else {
+            const double at_a = pair.twist(w, node - 1) - before[w][0] - share * before[w][1];
+            CHECK(std::abs(at_a - at_b) < 1e-13);
+            CHECK(std::abs(at_a) < 0.03);  // torsion times (kappa h)^2 times h
+        }
+        CHECK(pair.spin_momentum(w) == about(spin[w]).epsilon(base ? 0.01 : 1e-6));  // at the base the mean spin is kept: lengths change by (kappa h)^2/24
+    }
+    CHECK((pair.momentum() - momentum).norm() < 1e-13 * momentum.norm());
+}
+
+}  // namespace
+
+TEST_SUITE("rod/coaxial_nodes")
+{
+    TEST_CASE("property: a merge changes every instrument's twist at both ends of the merged edge alike")
+    {
+        for (int node = 1; node < edges; ++node) check_merge(node, false);
+        check_merge(edges - 1, true);
+    }
+
+    TEST_CASE("property: a split changes no instrument's twist per length at either end of the edge, and no momentum")
+    {
+        for (int edge = 0; edge < edges; ++edge)
+            for (const bool base : {false, true}) {
+                if (base && edge + 1 < edges) continue;
+                CAPTURE(edge);
+                CAPTURE(base);
+                Pair pair(false);
+                const auto rate = [&](int w, int i) { return pair.twist(w, i) / pair.rod.cells[static_cast<std::size_t>(i)].length; };
+                double before[2][2], spin[2];
+                const Vec3 momentum = pair.momentum();
+                for (const int w : pair.wires) {
+                    for (int k = 0; k < 2; ++k) before[w][k] = edge + k > 0 ? rate(w, edge + k) : 0;
+                    spin[w] = pair.spin_momentum(w);
+                }
+                if (base) (void)split_coaxial_base(pair.arrays, pair.wires, pair.rod, pair.base, 0.7);
+                else (void)split_coaxial_edge(pair.arrays, pair.wires, pair.rod, pair.base, edge, 0.7);
+                REQUIRE(pair.arrays.view(0).n == edges + 2);
+                for (const int w : pair.wires) {
+                    CAPTURE(w);
+                    // cells are longer by the arc's excess over its chord, (kappa h)^2/24
+                    if (edge > 0) CHECK(rate(w, edge) == about(before[w][0]).epsilon(0.01));
+                    CHECK(rate(w, edge + 2) == about(before[w][1]).epsilon(0.01));
+                    // a node at the base takes the base edge's spin: its momentum goes with the lengths
+                    CHECK(pair.spin_momentum(w) == about(spin[w]).epsilon(base ? 0.02 : 1e-12));
+                }
+                CHECK((pair.momentum() - momentum).norm() < 1e-13 * momentum.norm());
+            }
+    }
+
+    TEST_CASE("analytic: spins go on with the slopes at both ends of a split edge, accelerations between those of the nodes")
+    {
+        for (int edge = 1; edge + 1 < edges; ++edge) {
+            CAPTURE(edge);
+            Pair pair(true);
+            const RodView line = pair.arrays.view(0);
+            const double first = 0.3 * line.rest_length[edge], second = 0.7 * line.rest_length[edge];
+            double differ[2];
+            for (const int w : pair.wires) {
+                const std::span<const double> spin = pair.arrays.view(w).spin_rate;
+                const double tipwards = (spin[edge] - spin[edge - 1]) / line.voronoi_length(edge);
+                const double hubwards = (spin[edge + 1] - spin[edge]) / line.voronoi_length(edge + 1);
+                differ[w] = 0.5 * (tipwards * second + hubwards * first);
+            }
+            (void)split_coaxial_edge(pair.arrays, pair.wires, pair.rod, pair.base, edge, 0.3);
+            for (const int w : pair.wires) {
+                const RodView own = pair.arrays.view(w);
+                CHECK(own.spin_rate[edge + 1] - own.spin_rate[edge] == about(differ[w]).epsilon(1e-11));
+                CHECK(own.ax[edge + 1] == about(0.7 * edge * edge + 0.3 * (edge + 1) * (edge + 1)).epsilon(1e-13));
+                CHECK(own.ay[edge + 1] == about(-(edge + 0.3)).epsilon(1e-13));
+            }
+        }
+        Pair pair(true);
+        (void)split_coaxial_base(pair.arrays, pair.wires, pair.rod, pair.base, 0.3);
+        for (const int w : pair.wires) {
+            const RodView own = pair.arrays.view(w);
+            CHECK(own.spin_rate[edges] == own.spin_rate[edges - 1]);
+            CHECK(own.ax[edges] == about(0.7 * (edges - 1) * (edges - 1) + 0.3 * edges * edges).epsilon(1e-13));
+        }
+    }
+
+    TEST_CASE("analytic: halving the edge at the tip changes neither shape, twist, spins nor momentum")
+    {
+        Pair pair(false);
+        const Vec3 momentum = pair.momentum(), tip = pair.arrays.view(0).pos(0), next = pair.arrays.view(0).pos(1);
+        const double length = pair.arrays.view(0).rest_length[0];
+        double twist[2], spin[2];
+        for (const int w : pair.wires) twist[w] = pair.twist(w, 1), spin[w] = pair.spin_momentum(w);
+        split_coaxial_tip(pair.arrays, pair.wires, pair.rod);
+        const RodView line = pair.arrays.view(0);
+        REQUIRE(line.n == edges + 2);
+        CHECK((line.pos(1) - 0.5 * (tip + next)).norm() < 1e-16);
+        CHECK((pair.momentum() - momentum).norm() < 1e-13 * momentum.norm());
+        CHECK((line.vel(1) - 0.5 * (line.vel(0) + line.vel(2))).norm() < 1e-15);
+        CHECK(line.ax[1] == 0.5);
+        for (const int w : pair.wires) {
+            CHECK(pair.arrays.view(w).rest_length[0] == about(0.5 * length).epsilon(1e-14));
+            CHECK(pair.twist(w, 1) == 0);
+            CHECK(pair.twist(w, 2) == twist[w]);
+            CHECK(pair.spin_momentum(w) == about(spin[w]).epsilon(1e-13));
+        }
+    }
+}
+
+}  // namespace test_coaxial_twist
