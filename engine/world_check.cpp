@@ -171,7 +171,8 @@ void check_touching(const WorldSetup& setup)
     if (setup.integrator.scheme != Scheme::Newton && setup.integrator.scheme != Scheme::Static)
         refuse("integrator.scheme", "got linearised or explicit; expected newton or static where instruments touch each other");
     if (setup.wires[0].contact.precision != Precision::Float64)
-        refuse("wires[0].contact.precision", "got float32; expected float64 where instruments touch each other");
+        refuse("wires[0].contact.precision", "got float32; expected float64 where instruments touch each other. Fix: take contact.precision out and choose a device "
+               "with double precision (`seldinger devices` lists them)");
 }
 
 /// An elastic wall (D11).

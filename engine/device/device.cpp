@@ -125,6 +125,19 @@ std::vector<Context*> alive;  // under `launching`
 
 }  // namespace
 
+namespace {
+
+std::string platform_name(cl_device_id device)
+{
+    cl_platform_id platform = nullptr;
+    char name[64] = {};
+    CL_CHECK(clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr));
+    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
+    return name;
+}
+
+}  // namespace
+
 Context::Context(int index, bool float32) : float32_(float32)
 {
     const auto all = all_devices();
@@ -139,11 +152,14 @@ Context::Context(int index, bool float32) : float32_(float32)
     cl_device_type type = 0;
     CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_TYPE, sizeof type, &type, nullptr));
     cpu_ = type & CL_DEVICE_TYPE_CPU;
+    single_items_ = cpu_ && platform_name(heavy) != "rusticl";
     name_ = device_text(heavy, CL_DEVICE_NAME);
     if (!float32 && device_text(heavy, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") == std::string::npos)
-        throw Error(ExitCode::NoDevice, fmt::format("device \"{}\" has no double precision, which these kernels need; choose "
-                                                    "another (`seldinger devices` lists them)",
-                                                    name_));
+        throw Error(ExitCode::NoDevice,
+                    fmt::format("device \"{}\": got no double precision (cl_khr_fp64); expected it for contact.precision = "
+                                "\"float64\". Fix: set contact.precision = \"float32\", or choose another device with --device "
+                                "(`seldinger devices` lists them).",
+                                name_));
     if (index < 0)
         for (cl_device_id other : all)
             if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0 && name_.rfind("pthread", 0) == 0) light = other;
@@ -220,7 +236,7 @@ void Context::enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::siz
 std::size_t Context::workgroup(Items items) const
 {
     if (asked_workgroup() > 0) return asked_workgroup();
-    return cpu_ && items == Items::Branching ? 1 : 64;
+    return single_items_ && items == Items::Branching ? 1 : 64;
 }
 
 cl_program Context::program(const std::string& file, std::size_t workgroup, const std::string& defines)

@@ -101,6 +101,9 @@ private:
     std::vector<std::tuple<std::string, std::size_t, std::string, cl_program>> programs_;  // file, work-group size, defines
     std::string name_;
     bool float32_ = false, cpu_ = false;
+    // Branching items are groups of their own. Not in Mesa's rusticl on the CPU: its vectors hold eight items, and in a group of
+    // one (Mesa 22.3) loops within loops end early for the only item, without an error.
+    bool single_items_ = false;
     Queue queue_ = Queue::Inline;
     Counters counters_;
 };

@@ -3,46 +3,19 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "device/compiler_watch.h"
 #include "device/enumerate.h"
 #include "device/kernel_cache.h"
 
 #include <fmt/format.h>
 
 #include <atomic>
-#include <cstdio>
 #include <cstring>
 #include <optional>
-
-#include <fcntl.h>
-#include <unistd.h>
 
 namespace seldinger::device {
 
 namespace {
-
-// PoCL's compiler counts its errors on stderr; the reasons are in the build log, which our own message quotes. One at a time.
-class QuietStderr {
-public:
-    QuietStderr() : saved_(dup(STDERR_FILENO))
-    {
-        std::fflush(stderr);
-        const int nowhere = open("/dev/null", O_WRONLY);
-        if (nowhere < 0) return;
-        dup2(nowhere, STDERR_FILENO);
-        close(nowhere);
-    }
-    ~QuietStderr()
-    {
-        if (saved_ < 0) return;
-        dup2(saved_, STDERR_FILENO);
-        close(saved_);
-    }
-    QuietStderr(const QuietStderr&) = delete;
-    QuietStderr& operator=(const QuietStderr&) = delete;
-
-private:
-    int saved_;
-};
 
 std::atomic<int> builds = 0;
 
@@ -109,8 +82,11 @@ cl_program SharedContext::build(const std::string& file, const std::string& text
     {
         std::optional<CompilerCall> said;  // what others compile, and where they keep it, is not known
         if (device_text(devices_.front(), CL_DEVICE_VERSION).find("PoCL") != std::string::npos) said.emplace();
-        const QuietStderr quiet;
         const Building building;
+        const CompilerWatch watch(fmt::format(
+            "seldinger: device \"{}\": its OpenCL driver ended the process while it compiled kernels/{}. Fix: choose another device "
+            "with --device (`seldinger devices` lists them), or update the driver",
+            printable(device_text(devices_.front(), CL_DEVICE_NAME)), file));
         status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
     }
     if (status == CL_SUCCESS) return built;

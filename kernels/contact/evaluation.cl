@@ -7,8 +7,9 @@
 #define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
 // A hint if one item is a work-group, that is on a CPU. The records of a thousand wires do not fit its caches, and only the list
-// knows the next ones. (PoCL's own prefetch() does nothing.)
-#if SEL_WORKGROUP == 1 && defined(__clang__)
+// knows the next ones. (PoCL's own prefetch() does nothing.) Only where the compiler's target is the processor
+// itself: SPIR-V has no such instruction, and LLVM's translator to SPIR-V ends the process at it.
+#if SEL_WORKGROUP == 1 && defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__))
     #define SEL_AHEAD 4  // items: a third of a microsecond each
 static inline void ahead(const __global void* at, uint bytes)
 {

@@ -161,16 +161,15 @@ SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old,
     CarriedState carried;
     carried.old = old;
     carried.was_active = !closing.fresh && (old.flags & SEL_CONTACT_ACTIVE);
+    LawContext holding = *c;
+    NormalLoad load_held = held;
+    CarriedState held_from = carried;
     if (par.normal_law == SEL_NORMAL_CONSTRAINT && multiplier.live) {
-        LawContext anchored = *c;
-        anchored.m.friction_stiffness = SEL_TANGENTIAL * multiplier.stiffness;
-        NormalLoad all = held;
-        all.force = pushed;
-        add_friction(n, contact.normal, all, held_by_multiplier(carried, multiplier, anchored.m.friction_stiffness), &anchored,
-                     now, out);
-    } else {
-        add_friction(n, contact.normal, held, carried, c, now, out);
+        holding.m.friction_stiffness = SEL_TANGENTIAL * multiplier.stiffness;
+        load_held.force = pushed;
+        held_from = held_by_multiplier(carried, multiplier, holding.m.friction_stiffness);
     }
+    add_friction(n, contact.normal, load_held, held_from, &holding, now, out);
     add_rolling(contact.normal, footprint(contact.depth, per_metre, slope, c), held, carried, c, now, out);
 }
 

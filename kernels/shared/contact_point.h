@@ -9,6 +9,13 @@
 #include "shared/point_motion.h"
 #include "shared/wall_crossing.h"
 
+// Before a loop of two rounds whose body is long: once in the program, not once a round.
+#ifdef __cplusplus
+    #define SEL_ROLLED
+#else
+    #define SEL_ROLLED _Pragma("unroll 1")
+#endif
+
 SEL_BEGIN
 
 // The two records of a quadrature point, and which of them belong to the last step.
@@ -33,18 +40,32 @@ SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, c
     ContactPointPair out;
     // the last touched triangles are near: nothing farther away needs a test
     real near2 = (real)1e30;
-    if (was->a_lives) near2 = triangle_distance2(ball.p, ball.origin, was->a.triangle, near.wall.vertices);
-    if (was->b_lives) near2 = min_r(near2, triangle_distance2(ball.p, ball.origin, was->b.triangle, near.wall.vertices));
+    SEL_ROLLED for (int k = 0; k < 2; ++k)
+        if (k == 0 ? was->a_lives : was->b_lives) {
+            const uint touched = k == 0 ? was->a.triangle : was->b.triangle;
+            near2 = min_r(near2, triangle_distance2(ball.p, ball.origin, touched, near.wall.vertices));
+        }
     NearList list;
-    ContactPoint first = nearest_contact_point(ball, near, 0, near2, &list);
-    out.behind = first.outside && !(was->a_lives && same_side(was->a, first.normal)) && !(was->b_lives && same_side(was->b, first.normal));
-    if (out.behind) first = nearest_contact_point(ball, near, 1, near2, &list);
+    ContactPoint first = no_contact_point(ball.reach);
+    out.behind = 0;
+    SEL_ROLLED for (int front_only = 0; front_only <= out.behind; ++front_only) {
+        first = nearest_contact_point(ball, near, front_only, near2, &list);
+        if (front_only) break;
+        out.behind =
+            first.outside && !(was->a_lives && same_side(was->a, first.normal)) && !(was->b_lives && same_side(was->b, first.normal));
+    }
     if (was->a_lives) first.side = make_vec3(was->a.normal[0], was->a.normal[1], was->a.normal[2]);
     else if (was->b_lives) first.side = make_vec3(was->b.normal[0], was->b.normal[1], was->b.normal[2]);
-    ContactPoint second = smooth_and_oppose(&first, ball, near, &list);
-    list.count = SEL_NEAR_MOST + 1;  // it was of the first
     // the smooth maximum is taken on both sides: which of them is nearer may change without a jump
-    if (second.found) (void)smooth_and_oppose(&second, ball, near, &list);
+    ContactPoint side = first, second = first;
+    SEL_ROLLED for (int k = 0; k < 2; ++k) {
+        const ContactPoint opposite = smooth_and_oppose(&side, ball, near, &list);
+        if (k == 0) first = side;
+        else second = side;
+        if (k == 0) side = second = opposite;
+        if (!side.found) break;
+        list.count = SEL_NEAR_MOST + 1;  // it was of the first
+    }
     out.first = first;
     out.second = second;
     return out;
@@ -147,14 +168,11 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
     const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
     c.mv = motion_of(point.place, at, nodes, nodes_t0);
     const StatePair was = states_before(s, point.place.epoch, view.states_t0);
-    ContactState now[2];
-    now[0] = now[1] = no_contact_state();
+    uint written = 0;  // bit b: the record b
     const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
     ContactPointPair touching = contact_points_of(ball, point.near, &was);
     if (touching.behind && !par.known && gone_through(at.offset, c.mv.move, at.origin, point.near)) out.flags |= SEL_FORCE_BLOCKED;
     if (touching.first.found) {
-        if (c.m.ridges > 0) add_ridge(&touching.first, ball, point.near);
-        if (c.m.ridges > 0 && touching.second.found) add_ridge(&touching.second, ball, point.near);
         // the record that belongs to this side of the lumen: the one whose last normal is nearer
         const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
         const MultiplierState ma = plain ? no_multiplier() : view.multipliers[2 * s],
@@ -163,12 +181,24 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
                    to_b = fit(was.b, mb, was.b_lives, touching.first.normal);
         const int swap = (was.b_lives || mb.live) && (!(was.a_lives || ma.live) || to_b > to_a);
         const vec3 axis = at.origin + at.offset;
-        add_contact_point(touching.first, axis, swap ? was.b : was.a, swap ? mb : ma, &c, &now[swap ? 1 : 0], &out);
-        if (touching.second.found)
-            add_contact_point(touching.second, axis, swap ? was.a : was.b, swap ? ma : mb, &c, &now[swap ? 0 : 1], &out);
+        // records are read where they are used: both of them for the whole evaluation are 40 registers
+        ContactPoint touch = touching.first;
+        SEL_ROLLED for (uint k = 0; k < 2; ++k) {
+            if (!touch.found) break;
+            if (c.m.ridges > 0) add_ridge(&touch, ball, point.near);
+            const uint b = k == 0 ? (uint)swap : (uint)!swap;
+            ContactState state = no_contact_state();
+            const ContactState old = (b ? was.b_lives : was.a_lives) ? view.states_t0[2 * s + b] : no_contact_state();
+            const MultiplierState multiplier = plain ? no_multiplier() : view.multipliers[2 * s + b];
+            add_contact_point(touch, axis, old, multiplier, &c, &state, &out);
+            if (state.epoch != 0 || view.states[2 * s + b].epoch != 0) view.states[2 * s + b] = state;
+            written |= 1u << b;
+            touch = touching.second;
+        }
         if (out.contacts > 0) out.length = c.m.length;
     }
-    write_states(s, now, view.states);
+    SEL_ROLLED for (uint b = 0; b < 2; ++b)
+        if (!(written >> b & 1u) && view.states[2 * s + b].epoch != 0) view.states[2 * s + b] = no_contact_state();
     return out;
 }
 
