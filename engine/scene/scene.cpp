@@ -53,6 +53,19 @@ double prescribed_until(const Scene& scene)
     return end;
 }
 
+void choose_wall_youngs(Scene& scene)
+{
+    if (scene.vessel.youngs_given) return;
+    constexpr double tissue = 1e6, hardest = 1e9;
+    double youngs = tissue;
+    for (int k = 0; !scene.vessel.elastic && k < scene.instrument_count(); ++k) {
+        const WireSection& shaft = scene.instrument(k).wire.shaft;
+        const double own = 4 * shaft.bend_stiffness / (std::numbers::pi * std::pow(shaft.radius, 4));
+        youngs = std::max(youngs, std::pow(10, std::round(std::log10(own / 40))));
+    }
+    scene.vessel.youngs = std::min(youngs, hardest);
+}
+
 void set_stiffness_from_material(WireSection& section)
 {
     const double r2 = section.radius * section.radius;

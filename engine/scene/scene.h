@@ -106,6 +106,13 @@ struct Scene : SceneInstrument {
 
 /// When the last thing that the scene prescribes has come to its end [s]; rest before that is a pause.
 [[nodiscard]] double prescribed_until(const Scene& scene);
+
+/// The wall's modulus where the scene gives none. An elastic wall is soft tissue, 1 MPa. A rigid one is as hard as a fortieth of the
+/// hardest instrument, to a power of ten: a guidewire bent through a vessel then sinks in by some 0.02 of its radius,
+/// and a harder wall would cost steps and show nothing. Beams of one shape carry loads of 4 B/(pi r^4), an instrument's modulus
+/// as a solid one, times lengths; so their share of overlap goes by the ratio of the two moduli. Between 1 MPa and 1 GPa: below, a wall
+/// that is called rigid would be softer than tissue; above, steps are halved.
+void choose_wall_youngs(Scene& scene);
 // A moving wire can stand still for a step where it turns round; that it does so for this many in a row is rest.
 inline constexpr long steps_at_rest = 10;
 

@@ -238,6 +238,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     if (!all.has("instrument")) read_wire_table(table("wire"), "wire", {}, feed != nullptr, scene, scene);
     if (all.has("instrument")) read_instruments(root, scene);
     else if (feed) read_feed_table(*feed, "feed", {}, scene, scene);
+    choose_wall_youngs(scene);
     settle_bent_starts(table("scene"), scene);
     check_contact_lengths(TableReader(table("contact"), "contact", contact_keys), scene);
     read_holds_and_loads(root, scene);

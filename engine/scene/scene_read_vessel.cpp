@@ -151,7 +151,6 @@ void read_vessel_table(const toml::table& table, Scene& scene)
     read_axes(t, vessel);
     t.choice("wall", vessel.elastic, wall_words);
     vessel.youngs_given = t.has("youngs_pa");
-    choose_youngs(vessel);
     t.number("youngs_pa", vessel.youngs, positive);
     t.number("poisson", vessel.poisson, {0, 0.5, false, true, "a Poisson's ratio from 0 to below 0.5"});  // D6: 1 - 2 nu > 0
     t.number("thickness_m", vessel.thickness, positive);

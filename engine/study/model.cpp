@@ -72,7 +72,7 @@ Scene apply(const Model& model, Scene scene)
     if (model.friction) scene.contact.friction = *model.friction;
     if (model.rolling) scene.contact.rolling = *model.rolling;
     if (model.elastic_wall) scene.vessel.elastic = *model.elastic_wall;
-    choose_youngs(scene.vessel);
+    choose_wall_youngs(scene);
     if (model.wall_edge) scene.vessel.wall_edge = *model.wall_edge;
     if (model.precision) scene.contact.precision = *model.precision;
     if (model.restitution) scene.contact.restitution = *model.restitution;

@@ -30,7 +30,7 @@ struct VesselSpec {
     int triangles = 0;                 // about
     bool elastic = false;              // the wall yields; the rest of what it takes for that is below
     double youngs = 1.0e6;             // wall [Pa]
-    bool youngs_given = false;         // by the scene; otherwise choose_youngs()
+    bool youngs_given = false;         // by the scene; otherwise choose_wall_youngs()
     double poisson = 0.45;             // [-]
     double thickness = 0.001;          // H [m]
     double support = 1e6;              // of the tissue around it, per area [Pa/m]
@@ -45,12 +45,5 @@ struct VesselSpec {
     std::vector<Vec3> touched;
     std::filesystem::path centreline;  // optional .vtp with MaximumInscribedSphereRadius
 };
-
-/// A wall's modulus where the scene gives none: of soft tissue, if it is to yield. A rigid one is hard, so that a wire bent through
-/// a vessel sinks in by about 0.02 of its radius; with soft tissue's it would be 0.2 to 0.3, and the hand's force a tenth less.
-inline void choose_youngs(VesselSpec& vessel)
-{
-    if (!vessel.youngs_given) vessel.youngs = vessel.elastic ? 1e6 : 1e9;
-}
 
 }  // namespace seldinger

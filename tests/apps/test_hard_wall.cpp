@@ -43,7 +43,7 @@ TEST_SUITE("apps/hard_wall")
         CHECK(share(plain) < 0.025);
         CHECK(share(soft) > 0.2);
         CHECK(share(plain) < 0.1 * share(soft));
-        CHECK(share(stiffer) > 0.02);
+        CHECK(share(stiffer) > 0.025);
         CHECK(says(stiffer));
         for (const auto& quiet : {soft, hard}) CHECK_FALSE(says(quiet));
     }
