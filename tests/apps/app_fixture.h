@@ -203,6 +203,7 @@ twist_nm2 = 8.0e-6
 stretch_n = 1.0e4
 nodes = 41
 [vessel]
+youngs_pa = 1e6
 shape = "tube"
 radius_m = 0.005
 length_m = 0.1
