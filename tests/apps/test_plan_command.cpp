@@ -19,11 +19,11 @@ std::string touching_scene() { return tube_scene(0.07); }
 std::string soft_scene(double youngs, double support)
 {
     std::string text = touching_scene();
-    const std::string triangles = "triangles = 2000\n";
-    return text.replace(text.find(triangles), triangles.size(),
-                        triangles + fmt::format("wall = \"elastic\"\nyoungs_pa = {:e}\nsupport_pa_m = {:e}\nthickness_m = 5e-4\n"
-                                                "wall_edge_m = 0.002\n",
-                                                youngs, support));
+    const std::string rigid = "youngs_pa = 1e6\n";
+    return text.replace(text.find(rigid), rigid.size(),
+                        fmt::format("wall = \"elastic\"\nyoungs_pa = {:e}\nsupport_pa_m = {:e}\nthickness_m = 5e-4\n"
+                                    "wall_edge_m = 0.002\n",
+                                    youngs, support));
 }
 
 nlohmann::json plan_of(const AppResult& result)
