@@ -32,6 +32,28 @@ HoldSpec hold_at(double from_tip, bool position, bool direction, bool spin)
     return hold;
 }
 
+/// An arbitrary shape of a pair, accepted with the frames that it is carried to. @return unknowns of its second instrument
+std::vector<double> bend_at_random(World::Impl& state, std::mt19937& random)
+{
+    std::uniform_real_distribution<double> noise(-1, 1);
+    constrain_member(state, *state.merged[0], 0, 1);
+    constrain_member(state, *state.merged[0], 1, 1);
+    const RodView line = state.rods.view(0);
+    std::vector<double> q(RodDofs::count(line.n));
+    for (int i = 0; i < line.n; ++i) {
+        const Vec3 x = line.pos(i) + 2e-4 * Vec3(noise(random), noise(random), noise(random));
+        for (int c = 0; c < 3; ++c) q[RodDofs::position(i, c)] = x[c];
+        q[RodDofs::spin(i)] = 0.3 * noise(random);
+        line.set_pos(i, x);
+    }
+    for (int j = 0; j + 1 < line.n; ++j) {
+        const Vec3 from = line.tangent(j), to = (line.pos(j + 1) - line.pos(j)).normalized();
+        line.set_ref_d1(j, parallel_transport(line.ref_d1(j), from, to, one_plus_cos(from, to)));
+        line.set_tangent(j, to);
+    }
+    return q;
+}
+
 HoldSpec lifted(double from_tip, double height, bool direction = false)
 {
     HoldSpec hold = hold_at(from_tip, true, direction, false);
@@ -220,7 +242,6 @@ TEST_SUITE("coaxial/merged holds")
     TEST_CASE("derivative: force and tangent of all that a hold holds")
     {
         std::mt19937 random(5);
-        std::uniform_real_distribution<double> noise(-1, 1);
         for (const double from_tip : {0.0, 0.0004, 0.0113, 0.0126, 0.0295}) {
             WorldSetup setup = straight_pair(0.03, 0.03);
             setup.wires[1].holds.push_back(hold_at(from_tip, true, true, true));
@@ -228,23 +249,8 @@ TEST_SUITE("coaxial/merged holds")
             World world(setup);
             World::Impl& state = world.impl();
             const int at = state.rods.node_begin(1), n = state.rods.node_count(1), unknowns = RodDofs::count(n);
-            constrain_member(state, *state.merged[0], 0, 1);
-            constrain_member(state, *state.merged[0], 1, 1);
+            const std::vector<double> q = bend_at_random(state, random);
             const std::vector<std::uint8_t> live = {1, 1};
-            // an arbitrary shape, accepted with the frames that it is carried to
-            std::vector<double> q(unknowns);
-            for (int i = 0; i < n; ++i) {
-                const Vec3 x = state.rods.view(0).pos(i) + 2e-4 * Vec3(noise(random), noise(random), noise(random));
-                for (int c = 0; c < 3; ++c) q[RodDofs::position(i, c)] = x[c];
-                q[RodDofs::spin(i)] = 0.3 * noise(random);
-                state.rods.view(0).set_pos(i, x);
-            }
-            const RodView line = state.rods.view(0);
-            for (int j = 0; j + 1 < n; ++j) {
-                const Vec3 from = line.tangent(j), to = (line.pos(j + 1) - line.pos(j)).normalized();
-                line.set_ref_d1(j, parallel_transport(line.ref_d1(j), from, to, one_plus_cos(from, to)));
-                line.set_tangent(j, to);
-            }
             state.line_holds->prepare(state.rods, live);
             TrialState trial;
             for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(state.rods.total_capacity());
@@ -287,6 +293,44 @@ TEST_SUITE("coaxial/merged holds")
                 }
             CHECK(compared > 20);
             CHECK(*std::ranges::max_element(here) > 0);
+        }
+    }
+
+    // U = |t_c - (1 - w) t_a - w t_b|^2 / (2 c), c = w (1 - w) l/B: its derivative by the place, which the hand feels, by differences
+    TEST_CASE("derivative: what a held direction pulls along is the slope of its energy")
+    {
+        std::mt19937 random(6);
+        const double edge = 2e-3;
+        for (const double from_tip : {0.0113, 0.0117, 0.0126, 0.0189}) {
+            WorldSetup setup = straight_pair(0.03, 0.03, Scheme::Static, edge);
+            setup.wires[1].holds.push_back(hold_at(from_tip, false, true, false));
+            World world(setup);
+            World::Impl& state = world.impl();
+            const Vec3 held = state.rods.view(0).tangent(0);
+            (void)bend_at_random(state, random);
+            const RodView line = state.rods.view(0);
+            const int a = static_cast<int>(std::floor(from_tip / edge - 0.5));  // the place is between the middles of edges a and a + 1
+            const auto energy = [&](double s) {
+                const double w = s / edge - 0.5 - a;
+                return (held - (1 - w) * line.tangent(a) - w * line.tangent(a + 1)).squaredNorm() * pair_bend / (2 * w * (1 - w) * edge);
+            };
+            TrialState trial;
+            for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(state.rods.total_capacity());
+            for (const int wire : {0, 1})
+                for (int i = 0; i < line.n; ++i) {
+                    const int at = state.rods.node_begin(wire) + i;
+                    trial.x[at] = line.pos(i).x();
+                    trial.y[at] = line.pos(i).y();
+                    trial.z[at] = line.pos(i).z();
+                }
+            const std::vector<std::uint8_t> live = {1, 1};
+            state.line_holds->prepare(state.rods, live);
+            state.line_holds->evaluate(trial, 0, live);
+            // 1e-5 of an edge: the difference's own error is (1e-5)^2 of a slope that changes over a tenth of an edge
+            const double step = 1e-5 * edge, slope = (energy(from_tip + step) - energy(from_tip - step)) / (2 * step);
+            CAPTURE(from_tip);
+            CHECK(state.line_holds->along(1) == about(slope).epsilon(1e-6));
+            CHECK(state.line_holds->along(0) == 0);
         }
     }
 

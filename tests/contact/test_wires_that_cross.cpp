@@ -1,6 +1,7 @@
 // Two wires that cross, a third one away from them: what is read of the contact, on either wire, is where they cross and what they bear.
 #include "contact/instrument_fixture.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace test_wires_that_cross {
@@ -38,11 +39,12 @@ TEST_SUITE("contact/instruments")
         CHECK(contact_force(world, 1) == Vec3::Zero());
 
         const Output out = world.output(Output::Contacts);
-        double sum = 0;
+        double sum = 0, deepest = 0;
         for (const ContactRow& row : out.contacts) {
             REQUIRE(row.a.body == 0);
             REQUIRE(row.b.body == 2);
             sum += row.normal_force;
+            deepest = std::max(deepest, -row.gap);
             CHECK(std::abs(row.along_a - from_tip[0]) < 2 * radius);
             CHECK(std::abs(row.along_b - from_tip[1]) < 2 * radius);
             CHECK(row.gap < 0);
@@ -60,6 +62,7 @@ TEST_SUITE("contact/instruments")
                 CHECK(std::abs(along.patch_at - from_tip[k]) <= 0.5 * along.patch + 2 * radius);
                 CHECK(along.per_length_max * along.window == about(sum).epsilon(0.2));  // the place is as long as a window or shorter
                 CHECK(read.wires[k == 0 ? 0 : 2].readings.normal_between == about(sum).epsilon(1e-9));
+                CHECK(read.wires[k == 0 ? 0 : 2].readings.overlap == about(deepest).epsilon(1e-9));
                 CHECK(read.wires[k == 0 ? 0 : 2].on_wall.patch_force == 0);
             }
             CHECK(read.wires[1].on_instruments.patch_force == 0);

@@ -115,6 +115,7 @@ def by_hand():
 class Build:
     def __init__(self, folder):
         self.folder, self.made = folder, folder / "mutants"
+        self.newest_header = max(f.stat().st_mtime for f in ROOT.glob("engine/**/*.h"))
         self.made.mkdir(exist_ok=True)
         self.sources = {}  # file: (its command, files of its group)
         for entry in json.loads(self.ninja("-t", "compdb")):
@@ -164,10 +165,10 @@ class Build:
         return subprocess.run(words, cwd=self.folder, capture_output=True, text=True)
 
     def alone(self, file):
-        """The object of an unchanged file, compiled alone."""
+        """The object of an unchanged file, compiled alone: anew if it or any header of the engine is newer."""
         target = self.made / "alone" / file.replace("/", "_") / "x.o"
         source = ROOT / file
-        if not target.exists() or target.stat().st_mtime < source.stat().st_mtime:
+        if not target.exists() or target.stat().st_mtime < max(source.stat().st_mtime, self.newest_header):
             done = self.compile(file, source.read_text(), target)
             if done.returncode: sys.exit(f"{file}: does not compile alone\n{done.stderr}")
         return target
