@@ -350,9 +350,11 @@ void add_answer(Json& summary, const BatchSource& source, const std::vector<Batc
     summary["runs"] = source.sweep.run_count();
     summary["done"] = runs.size() - stopped;
     summary["stopped"] = stopped;
-    Json branches = Json::object();
-    for (const auto& [branch, count] : answer.branches) branches[std::to_string(branch)] = count;
+    Json branches = Json::object(), left = Json::object();
+    for (const auto& [branch, count] : answer.ends.branches) branches[std::to_string(branch)] = count;
+    for (const auto& [way_in, count] : answer.ends.left) left[std::to_string(way_in)] = count;
     summary["branches"] = std::move(branches);
+    summary["left_through"] = std::move(left);
     if (layout.task) {
         Json ranking = Json::array();
         for (const BatchAnswer::Ranked& one : answer.ranking)

@@ -32,12 +32,14 @@ struct ExitTally {
 };
 static_assert(std::is_trivially_copyable_v<ExitTally>);
 
-/// @param openings  of `mesh`, before it has moved
-void watch_exits(ExitTally& tally, std::span<const WireOutput> wires, std::span<const BoundaryLoop> openings, const WallMesh& mesh,
-                 double time);
+/// @param tips  of each wire [m]  @param openings  of `mesh`, before it has moved
+void watch_exits(ExitTally& tally, std::span<const Vec3> tips, std::span<const BoundaryLoop> openings, const WallMesh& mesh, double time);
 
-/// One sentence for each, with place and time.
-[[nodiscard]] std::vector<std::string> exit_sentences(const ExitTally& tally, std::span<const BoundaryLoop> openings,
-                                                      const Scene& scene);
+/// Opening beyond which a wire's tip is, -1: none.
+[[nodiscard]] int outside_through(const ExitTally& tally, int wire);
+
+/// One sentence for each, with the way in that it left through, place and time.
+[[nodiscard]] std::vector<std::string> exit_sentences(const ExitTally& tally, const std::vector<BoundaryLoop>& openings,
+                                                      const Centreline& centreline, const Scene& scene);
 
 }  // namespace seldinger

@@ -302,8 +302,8 @@ std::string first_scene_text(const FirstScene& first)
     text += fmt::format("[scene]\nname = {}\ngravity = {}  # m/s^2: the patient lies on the back (docs/axes.md)\nduration_s = {:.2f}\n"
                         "dt_s = 0.001\n\n",
                         toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
-    text += fmt::format("[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # \"elastic\": it yields (docs/wall.md)\n"
-                        "youngs_pa = 1.0e6  # of the wall: how stiff its surface is\nthickness_m = 0.001\n\n",
+    text += fmt::format("[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
+                        "it yields, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
                         toml_quoted(path), first.unit, first.unit_why);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",

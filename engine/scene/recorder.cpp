@@ -195,7 +195,9 @@ void Recorder::take_in(const Output& now, const StepReport& report, double dt)
         for (int k = 0; k < 3; ++k) tally_.overlap_at[k] = readings_.overlap_at[k];
     }
     if (std::abs(readings_.hand_force) > tally_.hand_force_max) tally_.hand_force_time = now.time;
-    watch_exits(tally_.exits, now.wires, vessel_.loops, mesh_, now.time);
+    tips_.clear();
+    for (const WireOutput& wire : now.wires) tips_.push_back(wire.tip);
+    watch_exits(tally_.exits, tips_, vessel_.loops, mesh_, now.time);
     tally_.take_in(readings_, report.flags, report.newton_iterations, dt);
     tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);

@@ -86,6 +86,7 @@ private:
 
     const Scene& scene_;
     const RepairReport& vessel_;
+    std::vector<Vec3> tips_;  // scratch of take_in
     const WallMesh& mesh_;  // of the world
     std::filesystem::path dir_;
     std::uint64_t vessel_hash_ = 0;

@@ -156,8 +156,9 @@ public:
         const LumenPlace place = lumen().locate(feed.point);
         if (place.inside()) return check_inside_at_start(scene, k, feed, radius);
         const Vec3& p = feed.point;
-        const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim",
-                                                                   place.opening, 1e3 * (place.nearest - p).norm())
+        const std::string where = place.opening >= 0 ? fmt::format("beyond way in {} of the vessel, {:.4g} mm from its rim",
+                                                                   way_in_through(vessel_.report.loops, vessel_.centreline, place.opening),
+                                                                   1e3 * (place.nearest - p).norm())
                                                      : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
         fail(scene, key_of(scene, k, scene.instrument(k).feed.inlet_auto ? "feed.inlet" : "feed.point"),
              fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)",

@@ -6,6 +6,7 @@
 #include "scene/force_text.h"
 #include "scene/frames.h"
 #include "scene/vessel_load.h"
+#include "vessel/inlets.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -17,14 +18,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& openings, const Scene& scene)
+Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& openings, const Centreline& centreline, const Scene& scene)
 {
     Json list = Json::array();
     for (int k = 0; k < exits.count; ++k) {
         const ExitTally::Exit& exit = exits.exit[k];
         const BoundaryLoop& rim = openings[static_cast<std::size_t>(exit.opening)];
         list.push_back({{"instrument", series_of(scene, exit.wire)},
-                        {"opening", exit.opening},
+                        {"way_in", way_in_through(openings, centreline, exit.opening)},
                         {"centre_m", {rim.centre.x(), rim.centre.y(), rim.centre.z()}},
                         {"radius_m", rim.radius},
                         {"left_s", exit.left},
@@ -250,7 +251,7 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                                    tally.overlap_share, 1e6 * tally.overlap_max, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
                                    tally.overlap_at[2], notes.scene->vessel.youngs));
     if (notes.vessel)
-        for (const std::string& sentence : exit_sentences(tally.exits, notes.vessel->loops, *notes.scene)) list.push_back(sentence);
+        for (const std::string& sentence : exit_sentences(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene)) list.push_back(sentence);
     if (const std::string touch = describe(tally.end_touch, *notes.scene); !touch.empty()) list.push_back(touch);
     if (notes.estimate)
         for (const std::string& sentence : unresolved(*notes.estimate)) list.push_back(sentence);
@@ -396,7 +397,7 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     if (notes.scene->task.on) out["task"] = task_of(*notes.scene, tally.score);
     set_forces_and_energies(number, out, tally, r);
     set_wall(number, out, tally, world);
-    if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, *notes.scene);
+    if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene);
     if (notes.estimate) out["error_estimate"] = estimate_json(*notes.estimate);
     std::vector<std::string> lost;
     if (!notes.scene->label.empty()) out["instruments"] = instruments_of(world, *notes.scene, lost);

@@ -130,10 +130,11 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
     }
     scene_ = scenes.front();
     key_frames_ = KeyFrames(scenes);
+    std::vector<BoundaryLoop> openings = vessel.report.loops;
     WorldSetup setup = make_setup(scenes, std::move(vessel), device);
     find_wall_path(scenes, setup);
     world_ = std::make_unique<World>(std::move(setup));
-    branches_ = Branches(world_->setup().centreline);
+    places_ = VesselPlaces(world_->setup().centreline, std::move(openings));
     if (scene_.task.on) score_.emplace(scene_, *world_, ScoreWatch::Patch::WhereItCounts);
 }
 
@@ -142,7 +143,7 @@ void BatchWorld::finish(int system, RunStatus status, std::vector<BatchRow>& row
     Run& run = runs_[static_cast<std::size_t>(system)];
     if (status == RunStatus::Done) take_loads(system), take_wall(system, Output::Wall);
     keep_files(system);
-    rows.push_back(make_row(run.index, status, *world_, system, run.tally, branches_));
+    rows.push_back(make_row(run.index, status, *world_, system, run.tally, places_));
     run.finished = true;
     world_->retire(system);
     --left_;
@@ -214,6 +215,14 @@ void BatchWorld::take_wall(int system, unsigned parts)
     tally.wall_stress.take_in(now.stress_max, now.stress_at, now.stress_band, time);
 }
 
+void BatchWorld::follow_tips(int system)
+{
+    const auto [first, end] = world_->wires_of(system);
+    tips_.clear();
+    for (int w = first; w < end; ++w) tips_.push_back(world_->rod(w).pos(0));
+    watch_exits(runs_[static_cast<std::size_t>(system)].tally.exits, tips_, places_.openings, world_->setup().mesh, world_->time(first));
+}
+
 void BatchWorld::follow_task(int system)
 {
     if (score_) score_->stepped(*world_, system, scene_.step_length(world_->step_count() - 1), false, false, runs_[static_cast<std::size_t>(system)].tally.score);
@@ -266,6 +275,7 @@ std::vector<BatchRow> BatchWorld::step()
         }
         run.tally.steps++;
         run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, scene_.step_length(static_cast<long>(run.tally.steps - 1)));
+        follow_tips(k);
         const bool has_row = run.tally.steps % scene_.record_every == 0;
         if (has_row) take_loads(k), keep_row(k);
         else take_greatest_loads(k);

@@ -92,13 +92,15 @@ private:
     void keep_row(int system);
     void keep_files(int system);
 
+    void follow_tips(int system);
     void follow_task(int system);
 
     Scene scene_;            // of the first run: what they share
     std::vector<Run> runs_;  // in the order of the world's systems
     KeyFrames key_frames_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
-    Branches branches_;
+    VesselPlaces places_;
+    std::vector<Vec3> tips_;  // scratch of follow_tips
     std::int64_t sweep_runs_ = 0;  // later items are of half the step, and nothing is kept of them
     KeptFiles kept_;
     std::optional<ScoreWatch> score_;  // of [task]

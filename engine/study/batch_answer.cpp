@@ -15,12 +15,17 @@ constexpr std::size_t most_named = 2;  // runs that the best is not told apart f
 
 double number(const BatchRow& row, std::string_view column) { return row.numbers[column_index(column)]; }
 
-std::string branches_line(const std::map<int, std::size_t>& branches)
+/// "ended in branch 3 (1 run), left the vessel through way in 2 (1 run)"; empty where no centreline tells them apart.
+std::string ends_line(const BatchAnswer::Ends& ends)
 {
     std::string text;
-    for (const auto& [branch, runs] : branches)
-        text += fmt::format("{}{} ({} run{})", text.empty() ? "" : ", ", branch == 0 ? "before any branch" : fmt::format("in branch {}", branch),
-                            runs, runs == 1 ? "" : "s");
+    const auto runs = [](std::size_t count) { return fmt::format("({} run{})", count, count == 1 ? "" : "s"); };
+    const bool known = ends.branches.size() > 1 || (ends.branches.size() == 1 && ends.branches.begin()->first > 0) || !ends.left.empty();
+    if (!known) return text;
+    for (const auto& [branch, count] : ends.branches)
+        text += fmt::format("{}{} {}", text.empty() ? "ended " : ", ", branch == 0 ? "before any branch" : fmt::format("in branch {}", branch), runs(count));
+    for (const auto& [way_in, count] : ends.left)
+        text += fmt::format("{}left the vessel through way in {} {}", text.empty() ? "" : ", ", way_in, runs(count));
     return text;
 }
 
@@ -54,6 +59,13 @@ std::string best_line(const Sweep& sweep, const BatchLayout& layout, const Batch
 
 }  // namespace
 
+void BatchAnswer::Ends::take_in(const BatchRow& row)
+{
+    const int way_in = static_cast<int>(number(row, "left_through"));
+    if (way_in > 0) ++left[way_in];
+    else ++branches[static_cast<int>(number(row, "branch"))];
+}
+
 BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& rows)
 {
     constexpr std::size_t peak = column_index("until_patch_force_max_n");
@@ -61,9 +73,9 @@ BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& ro
     for (const RunRows& of : rows_by_run(layout, rows)) {
         ++answer.runs;
         if (of.row->status != RunStatus::Done) continue;
-        ++answer.branches[static_cast<int>(number(*of.row, "branch"))];
+        answer.ends.take_in(*of.row);
         if (!layout.task) continue;
-        if (!(number(*of.row, "reached") > 0)) ++answer.missed[static_cast<int>(number(*of.row, "branch"))];
+        if (!(number(*of.row, "reached") > 0)) answer.missed.take_in(*of.row);
         answer.reached += number(*of.row, "reached") > 0;
         if (!(number(*of.row, "passed") > 0)) continue;
         ++answer.passed;
@@ -77,13 +89,13 @@ BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& ro
 std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const BatchAnswer& answer)
 {
     if (!layout.task) {
-        const bool has_branches = answer.branches.size() > 1 || (answer.branches.size() == 1 && answer.branches.begin()->first > 0);
-        return has_branches ? "tips ended " + branches_line(answer.branches) : "";
+        const std::string ends = ends_line(answer.ends);
+        return ends.empty() ? "" : "tips " + ends;
     }
     std::string text = fmt::format("{} of {} reached {}", answer.reached, answer.runs, layout.target);
     if (layout.limits && answer.reached > 0) text += fmt::format(", {} within the limits", answer.passed);
-    if (answer.missed.size() > 1 || (answer.missed.size() == 1 && answer.missed.begin()->first > 0))
-        text += fmt::format("{} ended {}", answer.reached > 0 ? ", the others" : "; they", branches_line(answer.missed));
+    if (const std::string ends = ends_line(answer.missed); !ends.empty())
+        text += fmt::format("{} {}", answer.reached > 0 ? ", the others" : "; they", ends);
     if (answer.ranking.empty()) return text;
     return text + best_line(sweep, layout, answer) + (layout.bands ? "" : " (--bands computes its band)");
 }

@@ -17,8 +17,12 @@ struct BatchAnswer {
     std::size_t runs = 0, reached = 0, passed = 0;  // that ended; within the limits, too
     std::vector<Ranked> ranking;                    // of those that passed, the least force first, then by run
     std::vector<std::size_t> rising;                // of those, whose force still rose when the target was reached
-    std::map<int, std::size_t> branches;            // runs whose tip ended in a branch, 0: before any
-    std::map<int, std::size_t> missed;              // of those, without the ones that reached the target
+    struct Ends {
+        std::map<int, std::size_t> branches;        // runs whose tip ended in a branch, 0: before any
+        std::map<int, std::size_t> left;            // runs whose tip is outside, by the way in that it left through
+        void take_in(const BatchRow& row);
+    };
+    Ends ends, missed;                              // of all; without the ones that reached the target
 };
 
 [[nodiscard]] BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& rows);

@@ -118,7 +118,12 @@ const char* column_kind_word(ColumnKind kind)
     return "";
 }
 
-BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally, const Branches& branches)
+VesselPlaces::VesselPlaces(const Centreline& centreline, std::vector<BoundaryLoop> loops) : branches(centreline), openings(std::move(loops))
+{
+    for (std::size_t k = 0; k < openings.size(); ++k) way_in.push_back(way_in_through(openings, centreline, static_cast<int>(k)));
+}
+
+BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally, const VesselPlaces& places)
 {
     BatchRow row;
     row.run = run;
@@ -126,13 +131,16 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     const WireReadings r = joint_readings(world, system);
     const auto [first, end] = world.wires_of(system);
     const Vec3 tip = world.rod(first).pos(0);
-    const Branches::Place place = branches.locate(world.setup().centreline, world.rod(leading_wire(world, system)).pos(0));
+    const int leading = leading_wire(world, system);
+    const Branches::Place place = places.branches.locate(world.setup().centreline, world.rod(leading).pos(0));
+    const int opening = outside_through(tally.exits, leading - first);
     const ScoreNumbers& score = tally.score;
     const double never = std::nan("");
     const EndMean::Mean mean = tally.at_end(r);
     const auto whole = [](std::int64_t count) { return static_cast<double>(count); };
     row.numbers = {whole(place.branch),
                    place.depth,
+                   whole(opening < 0 ? 0 : places.way_in[static_cast<std::size_t>(opening)]),
                    whole(score.reached),
                    whole(score.reached && !score.failed),
                    score.reached ? score.reached_at_m : never,

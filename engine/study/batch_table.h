@@ -1,6 +1,7 @@
 #pragma once
 // The results of a batch: one row per run, as CSV and as NumPy's .npz.
 
+#include "scene/exits.h"
 #include "scene/summary.h"
 #include "scene/wire_shapes.h"
 #include "vessel/branches.h"
@@ -30,6 +31,7 @@ struct BatchColumn {
 };
 inline constexpr BatchColumn batch_columns[] = {{"branch", true, ColumnKind::Outcome},
                                                 {"branch_depth_m", false, ColumnKind::Outcome, true},
+                                                {"left_through", true, ColumnKind::Outcome},
                                                 {"reached", true, ColumnKind::Outcome, false, true},
                                                 {"passed", true, ColumnKind::Outcome, false, true},
                                                 {"reached_at_m", false, ColumnKind::Outcome, true, true},
@@ -123,9 +125,18 @@ struct BatchLayout {
     bool limits = false;                   // the task has some
 };
 
+/// What a vessel's places are called.
+struct VesselPlaces {
+    Branches branches;
+    std::vector<BoundaryLoop> openings;
+    std::vector<int> way_in;  // [openings] number, from 1, of the way in through each
+    VesselPlaces() = default;
+    VesselPlaces(const Centreline& centreline, std::vector<BoundaryLoop> loops);
+};
+
 /// @param system  of the world, in the state that the row is to show; tip and hand of `numbers` are its first instrument's
 [[nodiscard]] BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally,
-                                const Branches& branches);
+                                const VesselPlaces& places);
 
 /// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (scene/step_twin.h). NaN where the
 /// other run stopped, or, of what happens until the target is reached, where only one of the two reaches it.

@@ -97,6 +97,13 @@ std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const 
     return without_copies(inlets);
 }
 
+int way_in_through(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, int opening)
+{
+    const std::vector<Inlet> inlets = find_inlets(openings, centreline);
+    const auto at = std::ranges::find(inlets, opening, &Inlet::opening);
+    return at == inlets.end() || opening < 0 ? 0 : static_cast<int>(at - inlets.begin()) + 1;
+}
+
 std::string describe(const Inlet& inlet)
 {
     const Vec3 &p = inlet.point, &d = inlet.direction;

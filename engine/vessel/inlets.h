@@ -24,6 +24,9 @@ struct Inlet {
 /// once. Empty without centreline and openings.
 [[nodiscard]] std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
+/// Number, from 1, of the way in through an opening; 0: it is none.
+[[nodiscard]] int way_in_through(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, int opening);
+
 /// Its place in metres and millimetres, its radius and its kind, in words.
 [[nodiscard]] std::string describe(const Inlet& inlet);
 

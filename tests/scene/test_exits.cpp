@@ -4,6 +4,7 @@
 #include "scene/scene.h"
 #include "support/approx.h"
 #include "support/world_fixture.h"
+#include "vessel/inlets.h"
 
 #include <doctest/doctest.h>
 
@@ -28,12 +29,7 @@ struct Tube {
     [[nodiscard]] int at(double x) const { return std::abs(openings[0].centre.x() - x) < 1e-6 ? 0 : 1; }
 };
 
-std::vector<WireOutput> tip_at(const Vec3& p)
-{
-    std::vector<WireOutput> wires(1);
-    wires[0].tip = p;
-    return wires;
-}
+std::vector<Vec3> tip_at(const Vec3& p) { return {p}; }
 
 }  // namespace
 
@@ -49,14 +45,22 @@ TEST_SUITE("scene/exits")
         CHECK(tally.exit[0].opening == tube.at(0.1));
         CHECK(tally.exit[0].left == test::about(2.2));  // -8 mm + 22 x 5 mm = 102 mm, 97 mm before
         CHECK(tally.exit[0].back == 0);
+        CHECK(outside_through(tally, 0) == tube.at(0.1));
+        CHECK(outside_through(tally, 1) == -1);
+        // as people count them: the way in at the centreline's root, x = 0, is the first, whatever the order of the mesh's loops
+        CHECK(way_in_through(tube.openings, tube.vessel.centreline, tube.at(0)) == 1);
+        CHECK(way_in_through(tube.openings, tube.vessel.centreline, tube.at(0.1)) == 2);
+        CHECK(way_in_through(tube.openings, tube.vessel.centreline, -1) == 0);
         Scene scene;
-        const auto sentences = exit_sentences(tally, tube.openings, scene);
+        const auto sentences = exit_sentences(tally, tube.openings, tube.vessel.centreline, scene);
         REQUIRE(sentences.size() == 1);
         CHECK(sentences[0].find("2.2 s") != std::string::npos);
         CHECK(sentences[0].find("radius 5 mm") != std::string::npos);
+        CHECK(sentences[0].find("left through way in 2 ([0.1,") != std::string::npos);
         watch_exits(tally, tip_at({0.09, 0.001, 0}), tube.openings, tube.vessel.mesh, 3.0);
         CHECK(tally.count == 1);
         CHECK(tally.exit[0].back == 3.0);
+        CHECK(outside_through(tally, 0) == -1);
         watch_exits(tally, tip_at({0.11, 0.001, 0}), tube.openings, tube.vessel.mesh, 4.0);  // out again: told again
         CHECK(tally.count == 2);
     }

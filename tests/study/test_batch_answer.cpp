@@ -47,8 +47,8 @@ TEST_SUITE("study/batch_answer")
         const std::vector<BatchRow> rows = {row(2, true, true, 0.20), row(0, true, true, 0.10), row(1, false, false, 0.01, 3)};
         CHECK(line(layout(false), rows) == "2 of 3 reached left subclavian, the others ended in branch 3 (1 run); least peak on 5 mm of wall: bentson-035, 0.1 N (--bands computes its band)");
         const BatchAnswer answer = answer_of(layout(false), rows);
-        CHECK(answer.branches.at(1) == 2);
-        CHECK(answer.branches.at(3) == 1);
+        CHECK(answer.ends.branches.at(1) == 2);
+        CHECK(answer.ends.branches.at(3) == 1);
         REQUIRE(answer.ranking.size() == 2);
         CHECK(std::isnan(answer.ranking[0].band));
     }
@@ -102,6 +102,17 @@ TEST_SUITE("study/batch_answer")
         CHECK(line(free, {row(0, false, false, 0, 0)}).empty());
     }
 
+    TEST_CASE("property: a tip that left the vessel ended in no branch, and the line says by which way in")
+    {
+        std::vector<BatchRow> rows = {row(0, true, true, 0.10), row(1, false, false, 0.1, 3), row(2, false, false, 0.1, 3)};
+        rows[2].numbers[column_index("left_through")] = 2;
+        CHECK(line(layout(false), rows).starts_with("1 of 3 reached left subclavian, the others ended in branch 3 (1 run), "
+                                                    "left the vessel through way in 2 (1 run); least peak"));
+        BatchLayout free = layout(false);
+        free.task = false;
+        CHECK(line(free, {rows[2]}) == "tips left the vessel through way in 2 (1 run)");
+    }
+
     TEST_CASE("analytic: as many digits as the band leaves")
     {
         CHECK(newtons(0.10347, 0.0134) == "0.103 ± 0.013 N");
@@ -116,9 +127,9 @@ TEST_SUITE("study/batch_answer")
     {
         const std::vector<BatchRow> rows = {row(0, true, true, 0.10), row(3, true, true, 0.096)};
         const std::string csv = batch_csv(sweep, layout(true), rows), plain = batch_csv(sweep, [] { BatchLayout l = layout(false); l.task = false; return l; }(), rows);
-        CHECK(csv.starts_with("run,wire.preset,status,branch,branch_depth_m,branch_depth_m_band,reached,passed,"));
+        CHECK(csv.starts_with("run,wire.preset,status,branch,branch_depth_m,branch_depth_m_band,left_through,reached,passed,"));
         CHECK(csv.find(",until_patch_force_max_n,until_patch_force_max_n_band,") != std::string::npos);
-        CHECK(plain.starts_with("run,wire.preset,status,branch,branch_depth_m,patch_force_max_n,"));
+        CHECK(plain.starts_with("run,wire.preset,status,branch,branch_depth_m,left_through,patch_force_max_n,"));
         CHECK(std::count(csv.begin(), csv.end(), '\n') == 2);  // the half step's row is no row
         const std::string units = batch_units_csv(sweep, layout(true));
         for (const char* said : {"wire.preset,,varied\n", "until_patch_force_max_n,N,outcome\n", "until_patch_force_max_n_band,N,outcome\n",
