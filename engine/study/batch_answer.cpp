@@ -76,12 +76,15 @@ BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& ro
         answer.ends.take_in(*of.row);
         if (!layout.task) continue;
         if (!(number(*of.row, "reached") > 0)) answer.missed.take_in(*of.row);
+        if (const double distance = number(*of.row, "distance_m"); !answer.nearest || distance < answer.nearest_distance)
+            answer.nearest = static_cast<std::size_t>(of.row->run), answer.nearest_distance = distance;
         answer.reached += number(*of.row, "reached") > 0;
         if (!(number(*of.row, "passed") > 0)) continue;
         ++answer.passed;
         if (is_rising(number(*of.row, "until_patch_force_max_s"), number(*of.row, "reached_at_s"))) answer.rising.push_back(static_cast<std::size_t>(of.row->run));
         answer.ranking.push_back({static_cast<std::size_t>(of.row->run), of.row->numbers[peak], of.half ? band_of(*of.row, *of.half, peak) : std::nan("")});
     }
+    if (answer.reached > 0) answer.nearest.reset();
     std::stable_sort(answer.ranking.begin(), answer.ranking.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
     return answer;
 }
@@ -96,6 +99,8 @@ std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const Bat
     if (layout.limits && answer.reached > 0) text += fmt::format(", {} within the limits", answer.passed);
     if (const std::string ends = ends_line(answer.missed); !ends.empty())
         text += fmt::format("{} {}", answer.reached > 0 ? ", the others" : "; they", ends);
+    if (answer.nearest)
+        text += fmt::format("; nearest at the end: {}, {:.3g} mm from it", label_of(sweep, *answer.nearest), 1e3 * answer.nearest_distance);
     if (answer.ranking.empty()) return text;
     return text + best_line(sweep, layout, answer) + (layout.bands ? "" : " (--bands computes its band)");
 }

@@ -4,6 +4,7 @@
 #include "study/batch_table.h"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct BatchAnswer {
         void take_in(const BatchRow& row);
     };
     Ends ends, missed;                              // of all; without the ones that reached the target
+    std::optional<std::size_t> nearest;             // run whose tip ended nearest to the target, where none reached it
+    double nearest_distance = 0;                    // [m]
 };
 
 [[nodiscard]] BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& rows);

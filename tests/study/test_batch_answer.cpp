@@ -90,7 +90,9 @@ TEST_SUITE("study/batch_answer")
               "2 of 3 reached left subclavian, 1 within the limits; least peak on 5 mm of wall: terumo-angled-035, 0.15 N (--bands computes its band)");
         rows[0] = rows[1] = row(0, false, false, 0.1);
         rows[1].run = 1;
-        CHECK(line(layout(false), rows) == "0 of 3 reached left subclavian; they ended in branch 1 (2 runs)");
+        rows[0].numbers[column_index("distance_m")] = 0.031, rows[1].numbers[column_index("distance_m")] = 0.0124;
+        CHECK(line(layout(false), rows) ==
+              "0 of 3 reached left subclavian; they ended in branch 1 (2 runs); nearest at the end: terumo-angled-035, 12.4 mm from it");
     }
 
     TEST_CASE("property: without a task the line says where the tips ended, and nothing where there is no centreline")
