@@ -77,9 +77,14 @@ private:
     std::vector<std::string> lost_;
 };
 
-Json task_of(const Scene& scene, const ScoreNumbers& s)
+Json task_of(const World& world, const Scene& scene, const ScoreNumbers& s)
 {
-    Json task = {{"target", scene.task.target == TaskSpec::Target::None ? Json() : Json(target_name(scene.task))},
+    const TaskTarget target(scene.task, world.setup().centreline, scene.source);
+    const bool some = scene.task.target != TaskSpec::Target::None;
+    const Vec3 at = target.mark();
+    Json task = {{"target", some ? Json(target_name(scene.task)) : Json()},
+                 {"target_at_m", some ? Json{at.x(), at.y(), at.z()} : Json()},
+                 {"target_radius_m", some ? Json(target.mark_radius()) : Json()},
                  {"verdict", verdict_of(scene.task, s)},
                  {"reached", s.reached != 0},
                  {"reached_at_m", s.reached ? Json(s.reached_at_m) : Json()},
@@ -297,7 +302,7 @@ std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
              {"energy_open_j", ledger.open()}}};
 }
 
-std::string task_json(const Scene& scene, const ScoreNumbers& score) { return json_text(task_of(scene, score)); }
+std::string task_json(const World& world, const Scene& scene, const ScoreNumbers& score) { return json_text(task_of(world, scene, score)); }
 
 EndMean::Mean RunTally::at_end(const WireReadings& last) const
 {
@@ -394,7 +399,7 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
         number.set("branch_depth_m", notes.branch_depth);
         out["branches"] = notes.branches;
     }
-    if (notes.scene->task.on) out["task"] = task_of(*notes.scene, tally.score);
+    if (notes.scene->task.on) out["task"] = task_of(world, *notes.scene, tally.score);
     set_forces_and_energies(number, out, tally, r);
     set_wall(number, out, tally, world);
     if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene);

@@ -108,7 +108,7 @@ struct SummaryNotes {
 [[nodiscard]] std::string summary_json(const World& world, const RunTally& tally, const SummaryNotes& notes);
 
 /// What became of [task], as `task` of summary.json.
-[[nodiscard]] std::string task_json(const Scene& scene, const ScoreNumbers& score);
+[[nodiscard]] std::string task_json(const World& world, const Scene& scene, const ScoreNumbers& score);
 
 /// Five lines from the JSON of a run in `dir` and its warnings; the last line is the answer: where the tip is, or what became of the task.
 /// @param verbose  more lines: model, numerics, what the bands come from

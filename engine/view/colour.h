@@ -43,7 +43,7 @@ inline constexpr std::uint32_t wire = 0x15304f;         // blued steel
 inline constexpr std::uint32_t instruments[] = {0x1f7a8c, wire, 0x7d4e9e, 0x8a6d1d};
 inline constexpr std::uint32_t halo = 0xfff4ea;     // light line around wire and contacts
 inline constexpr std::uint32_t outline = 0x6f7b86;  // where a wall was that has moved
-inline constexpr std::uint32_t ink = 0x1f2933, faint_ink = 0x616e7c, accent = 0x0b69c7;
+inline constexpr std::uint32_t ink = 0x1f2933, faint_ink = 0x616e7c, accent = 0x0b69c7, target = 0x2f8f3e;
 }  // namespace palette
 
 }  // namespace seldinger

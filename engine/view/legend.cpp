@@ -81,20 +81,26 @@ void draw_cube(Canvas& canvas, const Font& font, const LegendFacts& facts)
     }
 }
 
-void draw_tip_mark(Canvas& canvas, const LegendFacts& facts, const Camera& camera, const Viewport& view, double radius)
+constexpr double tip_mark = 8;  // radius of a tip's ring [units]
+
+/// A ring about a place that is in the view. @param radius  [pixels]
+void draw_mark(Canvas& canvas, double unit, const Projected& at, const Viewport& view, double radius, std::uint32_t colour)
 {
-    if (facts.frame->wires.empty()) return;
-    for (const WireLine& wire : facts.frame->wires) {
-        if (wire.nodes.empty()) continue;
-        const Projected tip = project(camera, view, wire.nodes.front());
-        if (tip.depth <= 0 || tip.column < view.x || tip.column > view.x + view.width || tip.row < view.y ||
-            tip.row > view.y + view.height) {
-            continue;
-        }
-        const double unit = facts.layout.unit;
-        canvas.ring(tip.column, tip.row, radius, 4.0 * unit, 0xffffff, 0.9);
-        canvas.ring(tip.column, tip.row, radius, 2.0 * unit, palette::accent);
-    }
+    if (at.depth <= 0 || at.column < view.x || at.column > view.x + view.width || at.row < view.y || at.row > view.y + view.height) return;
+    canvas.ring(at.column, at.row, radius, 4.0 * unit, 0xffffff, 0.9);
+    canvas.ring(at.column, at.row, radius, 2.0 * unit, colour);
+}
+
+/// Tips, and round the target a ring as wide as that, if it can be told from a tip's.
+void draw_marks(Canvas& canvas, const LegendFacts& facts, const Camera& camera, const Viewport& view)
+{
+    const double unit = facts.layout.unit;
+    for (const WireLine& wire : facts.frame->wires)
+        if (!wire.nodes.empty()) draw_mark(canvas, unit, project(camera, view, wire.nodes.front()), view, tip_mark * unit, palette::accent);
+    if (!facts.target) return;
+    const Projected at = project(camera, view, facts.target->at);
+    const double wide = at.depth > 0 ? facts.target->radius * pixels_per_metre(camera, view, at.depth) : 0;
+    draw_mark(canvas, unit, at, view, std::max(wide, 1.75 * tip_mark * unit), palette::target);
 }
 
 /// The inset's frame, its own scale bar, and its outline in the main view.
@@ -196,6 +202,10 @@ double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts,
     y += 20 * unit;
     canvas.ring(x + 14 * unit, y - 4 * unit, 5.5 * unit, 2 * unit, palette::accent);
     canvas.text(font, x + 36 * unit, y, size, "tip", palette::ink);
+    if (!facts.target) return y;
+    y += 20 * unit;
+    canvas.ring(x + 14 * unit, y - 4 * unit, 5.5 * unit, 2 * unit, palette::target);
+    canvas.text(font, x + 36 * unit, y, size, "target: " + facts.target->name, palette::ink);
     return y;
 }
 
@@ -276,7 +286,7 @@ void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts)
     const double unit = layout.unit;
     if (facts.ruler) draw_scale_bar(canvas, font, facts.main_camera, layout.main, unit, 0.12);
     if (!facts.cube.empty()) draw_cube(canvas, font, facts);
-    if (facts.ruler) draw_tip_mark(canvas, facts, facts.main_camera, layout.main, 8 * unit);
+    if (facts.ruler) draw_marks(canvas, facts, facts.main_camera, layout.main);
     double x = layout.panel.x + 6 * unit, y = layout.panel.y + 14 * unit, width = layout.panel.width - 24 * unit;
     if (facts.inset) {
         draw_inset(canvas, font, facts);

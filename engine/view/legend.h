@@ -33,6 +33,7 @@ struct LegendFacts {
     double load_scale = 0;   // [N/m] at the top of the scale that colours the wire; 0: it has its own colour
     bool ruler = true;       // scale bar and tip mark
     std::vector<Vec3> cube;  // the patient's left, back and head in the scene; empty: no cube
+    const TargetMark* target = nullptr;
     WallScale wall_scale;    // top 0: the wall is not coloured
     double least_pixels = 3;
     bool widened = false;  // some wire was drawn wider than it is

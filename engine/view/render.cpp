@@ -28,11 +28,12 @@ WallScale wall_scale(const RunFolder& run, const std::filesystem::path& dir, con
     return {*options.wall, top, most > top};
 }
 
-Look look_of(const RenderOptions& options, const RunReach& reach)
+Look look_of(const RenderOptions& options, const RunFolder& run, const RunReach& reach)
 {
     Look look;
     look.legend = options.legend && options.labels.empty() && options.preview.empty();  // labels are of the whole picture
     look.inset = look.ruler = options.from != ViewFrom::Endoscopic;
+    look.target = run.target;
     look.cube = options.from != ViewFrom::Endoscopic;
     look.head = options.patient.head, look.back = options.patient.back;
     if (options.ground != Ground::Shaded) look.background_top = look.background_bottom = 0xffffff;
@@ -62,7 +63,7 @@ std::vector<std::uint8_t> cut_out(const std::vector<std::uint8_t>& white, const 
 class Drawing {
 public:
     Drawing(const std::filesystem::path& dir, const RenderOptions& options, const RunFolder& run, RunReach reach)
-        : options_(options), run_(run), renderer_(options.width, options.height, look_of(options, reach))
+        : options_(options), run_(run), renderer_(options.width, options.height, look_of(options, run, reach))
     {
         scenery_ = {&run.wall, std::move(reach.nodes), options.patient, run.frames.front().time, run.frames.back().time};
         renderer_.set_wall(run.wall);

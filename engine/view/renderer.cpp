@@ -517,6 +517,7 @@ void Renderer::Impl::write_legend(const WireFrame& frame, const std::vector<View
     facts.force_scale = moved ? 0 : force_scale;
     facts.load_scale = moved ? 0 : look.load_scale;
     facts.ruler = look.ruler;
+    if (look.target) facts.target = &*look.target;
     if (look.cube) facts.cube = {look.back.cross(look.head), look.back, look.head};
     if (moved) facts.wall_scale = wall_scale;
     facts.least_pixels = look.least_pixels;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,13 @@ struct WireFrame {
     double per_length = std::numeric_limits<double>::quiet_NaN();  // largest load on the wire; else the contacts' largest [N/m]
 };
 
+/// Where a tip is to go.
+struct TargetMark {
+    Vec3 at = Vec3::Zero();  // [m]
+    double radius = 0;       // [m]
+    std::string name;
+};
+
 /// Constant data.
 struct Look {
     bool legend = true;       // text, scale bars, force scale; needs a font (canvas.h); left out below about 290 rows
@@ -73,6 +81,7 @@ struct Look {
     bool ruler = true;             // scale bar and tip mark
     bool cube = false;             // which way the patient lies
     Vec3 head = {0, 0, 1}, back = {0, 1, 0};  // of the patient, for the cube
+    std::optional<TargetMark> target;  // ringed, and named in the legend
     double least_pixels = 3;  // the wire is drawn at least this wide, and the legend says so
 };
 

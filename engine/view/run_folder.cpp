@@ -8,6 +8,7 @@
 #include "view/force_load.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
 #include <algorithm>
@@ -114,6 +115,20 @@ std::vector<std::string> split(const std::string& line)
     std::stringstream stream(line);
     for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
     return cells;
+}
+
+/// `task` of summary.json, where the run had a target.
+std::optional<TargetMark> read_target(const FilePlace& file)
+{
+    const nlohmann::json summary = nlohmann::json::parse(read_file(file), nullptr, false);
+    if (summary.is_discarded()) fail(file.path(), "got something that is not JSON; expected the summary of a run. Fix: run again with --overwrite");
+    const nlohmann::json task = summary.is_object() ? summary.value("task", nlohmann::json()) : nlohmann::json();
+    if (!task.is_object()) return std::nullopt;
+    const nlohmann::json at = task.value("target_at_m", nlohmann::json()), radius = task.value("target_radius_m", nlohmann::json());
+    const bool complete = at.is_array() && at.size() == 3 && radius.is_number() && task["target"].is_string() &&
+                          std::ranges::all_of(at, [](const auto& x) { return x.is_number(); });
+    if (!complete) return std::nullopt;
+    return TargetMark{{at[0].get<double>(), at[1].get<double>(), at[2].get<double>()}, radius.get<double>(), task["target"].get<std::string>()};
 }
 
 /// Columns are found by name; a trace without them is not an error, only a legend without those lines.
@@ -276,6 +291,7 @@ RunFolder read_run_folder(const fs::path& dir)
     if (!run.folder.has("wire.pvd")) fail(dir, "no wire.pvd in it: not a run's folder, or the run recorded no wire ([output] wire_every)");
     run.frames = read_frame_list(run.folder / "wire.pvd");
     if (run.folder.has("vessel.vtp")) run.wall = read_wall(run.folder / "vessel.vtp");
+    if (run.folder.has("summary.json")) run.target = read_target(run.folder / "summary.json");
     if (run.folder.has("trace.csv")) run.trace = read_trace(run.folder / "trace.csv");
     for (const std::string& name : run.frames.front().names)
         if (const std::string own = "trace_" + name + ".csv"; !name.empty() && run.folder.has(own))

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace seldinger {
@@ -26,6 +27,7 @@ struct TraceRow {
 };
 
 struct RunFolder {
+    std::optional<TargetMark> target;  // of [task]; none in a folder without summary.json
     Folder folder;                  // where it all lies; a link in it is not followed
     WallMesh wall;                  // vessel.vtp, normals into the lumen; empty when there is none
     std::vector<FrameFile> frames;  // in the order of wire.pvd, at least one

@@ -139,7 +139,7 @@ void bind_world(py::module_& module)
         return alone(h, [&] { return h.state_hash(system); });
     });
     c.def("time", [](Handle& h) { return alone(h, [&] { return h.world().time(); }); });
-    c.def("task", [](Handle& h, int system) { return alone(h, [&] { return task_json(h.scene(), h.score(system)); }); });
+    c.def("task", [](Handle& h, int system) { return alone(h, [&] { return task_json(h.world(), h.scene(), h.score(system)); }); });
     c.def("branch", [](Handle& h, int system) {
         return alone(h, [&] {
             const Branches::Place place = h.branch(system);

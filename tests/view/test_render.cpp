@@ -1,5 +1,6 @@
 // From a run's folder to PNG files, and the message for another folder.
 #include "view/render.h"
+#include "view/run_folder.h"
 #include "view_fixtures.h"
 
 #include <fmt/format.h>
@@ -364,6 +365,18 @@ TEST_SUITE("view/render")
         for (auto [first, last] : {std::pair{2, 2}, {1, 0}, {-1, 1}, {0, 2}}) {
             options.first = first, options.last = last;
             check_refused(dir.path, options, ExitCode::BadScene, "0 <= A <= B <= 1, the run has 2 frames");
+        }
+        write_text(dir.path / "summary.json", "{ \"task\": ");
+        check_refused(dir.path, {}, ExitCode::BadFile, "summary.json: got something that is not JSON");
+        write_text(dir.path / "summary.json", R"({"task": {"target": "left", "target_at_m": [0.1, 0.2, 0.3], "target_radius_m": 0.004}})");
+        const std::optional<TargetMark> target = read_run_folder(dir.path).target;
+        REQUIRE(target);
+        CHECK(target->at == Vec3(0.1, 0.2, 0.3));
+        CHECK(target->radius == 0.004);
+        CHECK(target->name == "left");
+        for (const char* none : {R"({"task": {"target": null}})", R"({"task": {"target": "left", "target_at_m": [0, 1]}})", "[]", "{}"}) {
+            write_text(dir.path / "summary.json", none);
+            CHECK_FALSE(read_run_folder(dir.path).target);
         }
         fs::remove(dir.path / "wire_000001.vtp");
         check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");

@@ -218,6 +218,34 @@ TEST_SUITE("view/renderer")
         CHECK(longest > 0.05 * main.width);
     }
 
+    TEST_CASE("analytic: the target's ring is as wide as the target, where that is")
+    {
+        Look look;
+        look.target = TargetMark{{0.03, 0.02, -0.04}, 0.015, "left"};
+        std::unique_ptr<Renderer> r;
+        try {
+            r = renderer_or_skip(1280, 720, look);
+        } catch (const Error& e) {
+            skip(e.what());  // no font
+        }
+        if (!r) return;
+        r->set_camera(side_camera(1));
+        r->draw({});
+        const Viewport main = r->main_view();
+        const auto [column, row] = pinhole(look.target->at, 1, main.width, main.height);
+        const double radius = look.target->radius * 0.5 * main.height / std::tan(0.15) / (1 + look.target->at.y());
+        const auto green = [&](double x, double y) {
+            const Pixel p = pixel_at(*r, x, y);
+            return p.g > p.r + 40 && p.g > p.b + 40;
+        };
+        for (int k = 0; k < 12; ++k) {
+            const double angle = 2 * std::numbers::pi * k / 12;
+            CHECK(green(column + radius * std::cos(angle), row + radius * std::sin(angle)));
+            CHECK_FALSE(green(column + (radius - 5) * std::cos(angle), row + (radius - 5) * std::sin(angle)));
+            CHECK_FALSE(green(column + (radius + 5) * std::cos(angle), row + (radius + 5) * std::sin(angle)));
+        }
+    }
+
     TEST_CASE("regression: the force scale of the legend has the colours of the contacts, at sizes that divide unevenly")
     {
         for (const auto& size : {std::pair{1280, 720}, {960, 540}, {777, 501}}) {
