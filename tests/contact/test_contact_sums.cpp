@@ -1,6 +1,7 @@
 // Samples of contact against the forces on the nodes: what rounding leaves passes, what belongs to another state does not.
 
 #include "contact/contact_sums.h"
+#include "contact/edge_sums.h"
 #include "step_stages.h"
 #include "support/world_fixture.h"
 #include "world.h"
@@ -36,6 +37,28 @@ TEST_SUITE("contact/contact_sums")
         }
         CHECK(add_up(0, 0, 0, {}, false));
         CHECK_FALSE(add_up(1e-300, 0, 1, {}, false));
+    }
+
+    TEST_CASE("property: of a wall's contacts and those between wires, depths are the larger ones with their place, forces and counts add")
+    {
+        ContactTotals wall, wires;
+        wall.contacts = 3, wall.depth = 2e-6, wall.deepest = 7, wall.outside = 4e-6, wall.normal = 0.5, wall.length = 1e-3;
+        wires.contacts = 2, wires.depth = 3e-6, wires.deepest = -1, wires.normal = 0.25, wires.length = 2e-3;
+        for (const bool wall_first : {false, true}) {
+            ContactTotals sum = wall_first ? wall : wires;
+            sum += wall_first ? wires : wall;
+            CHECK(sum.contacts == 5);
+            CHECK(sum.depth == 3e-6);
+            CHECK(sum.deepest == -1);  // not on the wall
+            CHECK(sum.outside == 4e-6);
+            CHECK(sum.normal == 0.75);
+            CHECK(sum.length == 3e-3);
+        }
+        wall.depth = 5e-6;
+        ContactTotals sum = wires;
+        sum += wall;
+        CHECK(sum.depth == 5e-6);
+        CHECK(sum.deepest == 7);
     }
 
     TEST_CASE("property: what is read of a load is within its sum; of another load it is not")

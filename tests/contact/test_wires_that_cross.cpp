@@ -45,6 +45,8 @@ TEST_SUITE("contact/instruments")
             REQUIRE(row.b.body == 2);
             sum += row.normal_force;
             deepest = std::max(deepest, -row.gap);
+            // as wide as the lens of two circles that overlap by so much
+            CHECK(row.area == about(2 * std::sqrt(-row.gap * (radius + row.gap / 4)) * row.length).epsilon(1e-9));
             CHECK(std::abs(row.along_a - from_tip[0]) < 2 * radius);
             CHECK(std::abs(row.along_b - from_tip[1]) < 2 * radius);
             CHECK(row.gap < 0);

@@ -29,6 +29,13 @@ TEST_SUITE("step/settle")
         // q L^4/(8 B); the droop of 3 mm in 50 is straight enough for 1 %
         const double q = 7900 * 9.81 * std::numbers::pi * 0.4445e-3 * 0.4445e-3, droop = q * std::pow(0.05, 4) / (8 * 1e-5);
         CHECK(-world.rod(1).pos(0).z() == about(droop).epsilon(0.02));
+        // What is tried again for the one is no matter of the other's: it is where it is when it settles alone.
+        TestSetup alone;
+        alone.wires = {placed_wire(steel_wire(0.05, 21), Vec3(0, 0.1, 0))};
+        alone.wires[0].holds = {hold};
+        FedWorld other(std::move(alone));
+        CHECK_FALSE(settle(other).failed());
+        for (int i = 0; i < other.rod(0).n; ++i) CHECK(other.rod(0).pos(i) == world.rod(1).pos(i));
     }
 }
 
