@@ -34,7 +34,7 @@ class Batch {
     this.keys = this.columns.filter((name) => this.groups[name] === 'varied');
     this.task = data.summary.task || null;
     this.outcomes = this.task ? [['passed', '--good'], ['over a limit', '--force'], ['not reached', '--bad'], ['stopped', '--faint']]
-      : [...new Set(this.table.branch || [])].sort((a, b) => a - b).map((b) => [b ? `branch ${b}` : 'before any branch', `--instrument-${b % 8 + 1}`]).concat([['stopped', '--faint']]);
+      : [...new Set(this.table.branch || [])].sort((a, b) => a - b).map((b) => [b ? `branch ${b}` : 'before any branch', `--instrument-${b % 8 + 1}`]).concat([['left the vessel', '--bad'], ['stopped', '--faint']]);
     this.outcomes = this.outcomes.filter(([name]) => this.runs().some((k) => this.outcome(k) === name));
   }
 
@@ -45,6 +45,7 @@ class Batch {
   outcome(k) {
     if (this.table.status[k] !== 'done') return 'stopped';
     if (this.task) return this.number('passed', k) ? 'passed' : this.number('reached', k) ? 'over a limit' : 'not reached';
+    if (this.number('left_through', k)) return 'left the vessel';
     const branch = this.number('branch', k);
     return branch ? `branch ${branch}` : 'before any branch';
   }
@@ -56,7 +57,7 @@ class Batch {
   // Readings that a plot may show: the least force first that the task is judged by.
   responses() {
     const able = this.columns.filter((name) => ['outcome', 'largest', 'last'].includes(this.groups[name]) && !name.endsWith('_band') &&
-      !['branch', 'reached', 'passed', 'status'].includes(name) && this.runs().some((k) => Number.isFinite(this.number(name, k))));
+      !['branch', 'left_through', 'reached', 'passed', 'status'].includes(name) && this.runs().some((k) => Number.isFinite(this.number(name, k))));
     const first = ['until_patch_force_max_n', 'patch_force_max_n'].find((name) => able.includes(name));
     return first ? [first, ...able.filter((name) => name !== first)] : able;
   }
@@ -69,6 +70,18 @@ class Batch {
 }
 
 // ---- plots ----
+
+// In the logarithm where positive numbers span more than 30, so that small ones are told apart beside large ones.
+function valueAxis(lows, highs) {
+  const least = Math.min(...lows), most = Math.max(...highs);
+  if (!(least > 0 && most / least > 30)) {
+    const round = roundTicks(Math.min(0, least), Math.max(0, most), 4);
+    return { low: round.low, high: round.high, at: (v) => v, ticks: round.ticks.map((t) => [t, tickText(t, round.step)]) };
+  }
+  const low = Math.floor(Math.log10(least)), high = Math.ceil(Math.log10(most)), ticks = [];
+  for (let e = low; e <= high; ++e) for (const m of high - low > 2 || e === high ? [1] : [1, 3]) ticks.push([e + Math.log10(m), String(Number((m * 10 ** e).toPrecision(1)))]);
+  return { low, high, at: (v) => Math.log10(Math.max(v, 10 ** low)), ticks };
+}
 
 class KeyPlot {
   constructor(batch, key, canvas) { Object.assign(this, { batch, key, canvas }); }
@@ -99,9 +112,9 @@ class KeyPlot {
     const runs = batch.runs().filter((k) => Number.isFinite(batch.number(response, k)));
     const [factor, unit] = scaleOf(batch.units[response] || '', runs.map((k) => batch.number(response, k)));
     const value = (k) => factor * batch.number(response, k), band = (k) => factor * (batch.number(`${response}_band`, k) || 0);
-    const x = this.axis(), y = roundTicks(Math.min(0, ...runs.map((k) => value(k) - band(k))), Math.max(0, ...runs.map((k) => value(k) + band(k))), 4);
+    const x = this.axis(), y = valueAxis(runs.map((k) => value(k) - band(k)), runs.map((k) => value(k) + band(k)));
     const left = 48, right = w - 8, top = 22, bottom = h - 34;
-    const px = (v) => left + (right - left) * (v - x.low) / Math.max(1e-12, x.high - x.low), py = (v) => bottom - (bottom - top) * (v - y.low) / (y.high - y.low);
+    const px = (v) => left + (right - left) * (v - x.low) / Math.max(1e-12, x.high - x.low), py = (v) => bottom - (bottom - top) * (y.at(v) - y.low) / (y.high - y.low);
     this.drawAxes(g, x, y, { left, right, top, bottom, px, py, w }, titleOf(response, unit));
     const beside = new Map();  // runs at one place stand beside each other
     for (const k of runs) {
@@ -122,7 +135,11 @@ class KeyPlot {
     g.strokeStyle = cssColour('--line');
     g.fillStyle = cssColour('--faint');
     g.textAlign = 'right';
-    for (const t of y.ticks) { g.beginPath(); g.moveTo(left, py(t)); g.lineTo(right, py(t)); g.stroke(); g.fillText(tickText(t, y.step), left - 4, py(t) + 4); }
+    for (const [at, text] of y.ticks) {
+      const row = bottom - (bottom - top) * (at - y.low) / (y.high - y.low);
+      g.beginPath(); g.moveTo(left, row); g.lineTo(right, row); g.stroke();
+      g.fillText(text, left - 4, row + 4);
+    }
     const room = (right - left) / Math.max(1, x.ticks.length);
     let end = -Infinity;
     for (const [at, text] of x.ticks) {
