@@ -163,7 +163,7 @@ private:
         if (encoding_ == Encoding::Ascii) {
             const std::string_view word = words_.word();
             if (const auto read = number(word)) return *read;
-            damaged(fmt::format("got \"{}\"; expected a number", excerpt(word)));
+            refuse_number(name_, "", excerpt(word));
         }
         char bytes[8];
         const std::size_t size = size_of(type);

@@ -22,7 +22,7 @@ double number_in(TextWords& words, const std::string& name, const std::string& w
 {
     const std::string_view word = words.word();
     if (const auto value = number(word)) return *value;
-    refuse_damaged(name, fmt::format("{}: got \"{}\"; expected a number", where, excerpt(word)));
+    refuse_number(name, fmt::format("{}: ", where), excerpt(word));
 }
 
 std::array<double, 3> point_in(TextWords& words, const std::string& name, const std::string& where)

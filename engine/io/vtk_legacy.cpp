@@ -180,7 +180,7 @@ private:
         for (std::size_t i = 0; i < n; ++i) {
             const std::string text = word();
             if (text.empty()) cut_off(section, n, "values", i);
-            if (!parse(text, result[i])) damaged(fmt::format("{}: got \"{}\"; expected a number", section, excerpt(text)));
+            if (!parse(text, result[i])) refuse_number(name_, fmt::format("{}: ", section), excerpt(text));
         }
         return result;
     }

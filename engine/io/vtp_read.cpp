@@ -188,8 +188,11 @@ void parse_ascii(const FileFacts& file, std::string_view text, std::vector<Wante
         if (at == end) return;
         Wanted v{};
         const auto [after, problem] = std::from_chars(at, end, v);
-        if (problem != std::errc() || after == at)
-            refuse_damaged(file.name, fmt::format("got \"{}\"; expected a number", excerpt(std::string_view(at, static_cast<std::size_t>(std::min<std::ptrdiff_t>(16, end - at))))));
+        if (problem != std::errc() || after == at) {
+            const std::size_t begin = text.find_last_of(" \n\t\r", static_cast<std::size_t>(at - text.data()));
+            const std::string_view rest = text.substr(begin == std::string_view::npos ? 0 : begin + 1);
+            refuse_number(file.name, "", excerpt(rest.substr(0, rest.find_first_of(" \n\t\r"))));
+        }
         values.push_back(v);
         at = after;
     }

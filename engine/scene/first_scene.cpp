@@ -128,7 +128,7 @@ std::string describe_unit(const std::vector<UnitGuess>& guesses, const UnitGuess
     std::string others;
     for (const UnitGuess& other : guesses)
         if (other.plausible && other.unit != taken.unit && other.misfit < taken.misfit + in_doubt)
-            others += fmt::format("{}in {} it would be {:.3g} mm in {:.4g} mm", others.empty() ? "" : ", ", other.unit, 1e3 * other.lumen, 1e3 * other.extent);
+            others += fmt::format("{}in {} it would be {:.3g} mm in {:.4g} mm", others.empty() ? "" : ", ", other.unit == "in" ? "inches" : other.unit, 1e3 * other.lumen, 1e3 * other.extent);
     if (!others.empty()) text += fmt::format("; in doubt: {}; --units decides", others);
     return text;
 }

@@ -199,6 +199,24 @@ TEST_SUITE("io/everyday_files")
         CHECK(remarks_in(mark + ply, "x.ply").axes == FileAxes::Lps);
     }
 
+    TEST_CASE("property: decimal commas are named, not taken for damage")
+    {
+        const std::pair<const char*, std::string> files[] = {
+            {"t.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0,5 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid x\n"},
+            {"t.obj", "v 0,5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+            {"t.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\n"
+                      "end_header\n0,5 0 0\n3 0 0 0\n"},
+            {"t.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0,5 0 0\n"},
+            {"t.vtp", "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+                      "format=\"ascii\">\n0,5 0 0\n</DataArray></Points></Piece></PolyData></VTKFile>"}};
+        for (const auto& [name, text] : files) {
+            CAPTURE(name);
+            const std::string said = refusal(text, name);
+            CHECK_MESSAGE(said.find("got \"0,5\"; expected a number with a decimal point, not a comma. Fix: export it again") != std::string::npos, said);
+        }
+        CHECK(refusal("v zero, 0 0\n", "t.obj").find("decimal") == std::string::npos);
+    }
+
     TEST_CASE("property: axes and unit are read wherever programs write them")
     {
         const auto says = [](const std::string& bytes, const char* name, FileAxes axes, const char* units) {

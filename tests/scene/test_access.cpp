@@ -147,6 +147,7 @@ TEST_SUITE("scene/access")
         const std::string words = describe_unit(guesses, guesses[0], "guessed from its size");
         CHECK(words.find("a lumen of 1.") != std::string::npos);
         CHECK(words.find("in doubt: in cm it would be 1") != std::string::npos);
+        CHECK(words.find("in in ") == std::string::npos);
         // an aorta with its legs in cm (half of its axis is wider than 6 mm) is no vessel of 0.6 mm
         CHECK(guess_units(folder.tube("l.obj", 6.2e-3, 0.38, 1e2), vessel)[0].unit == "cm");
         // a drum of 150 mm radius is a vessel in no unit
