@@ -61,6 +61,32 @@ TEST_SUITE("contact/contact_sums")
         CHECK(sum.deepest == 7);
     }
 
+    TEST_CASE("property: a wire's totals are the sums over its own edges, the largest depth with its place")
+    {
+        EdgeSums sums;
+        sums.wire_edges = {0, 1, 4};
+        double expected[8] = {};
+        for (int e = 0; e < 4; ++e) {
+            EdgeForce f{};
+            f.depth = static_cast<real>(e == 2 ? 8e-6 : 1e-6 * e);
+            real* const sum[8] = {&f.normal_sum, &f.friction_sum, &f.sliding_sum, &f.rolling_sum, &f.length, &f.normal_work, &f.friction_work, &f.rolling_work};
+            for (int k = 0; k < 8; ++k) {
+                *sum[k] = static_cast<real>(std::pow(2.0, e) * (k + 1));  // exact in either precision
+                if (e > 0) expected[k] += *sum[k];
+            }
+            f.contacts = 1u << e;
+            sums.edges.push_back(f);
+            sums.edge_node.push_back(static_cast<std::uint32_t>(10 + e));
+        }
+        const ContactTotals t = sums.totals(1, 1e-3);
+        const double read[8] = {t.normal, t.friction, t.sliding, t.rolling, t.length, t.work.normal, t.work.friction, t.work.rolling};
+        for (int k = 0; k < 8; ++k) CHECK(read[k] == expected[k]);
+        CHECK(t.contacts == 2 + 4 + 8);
+        CHECK(t.depth == static_cast<real>(8e-6));
+        CHECK(t.deepest == 12);
+        CHECK(t.outside == 0);
+    }
+
     TEST_CASE("property: what is read of a load is within its sum; of another load it is not")
     {
         std::mt19937 random(3);

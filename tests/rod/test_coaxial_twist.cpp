@@ -110,6 +110,31 @@ TEST_SUITE("rod/coaxial_nodes")
         check_merge(edges - 1, true);
     }
 
+    TEST_CASE("analytic: a merged edge bears the mean of both tensions by their lengths")
+    {
+        for (int node = 1; node < edges; ++node)
+            for (const bool base : {false, true}) {
+                if (base && node + 1 < edges) continue;
+                CAPTURE(node);
+                CAPTURE(base);
+                Pair pair(true);
+                const RodView line = pair.arrays.view(0);
+                const double stretch = line.stretch_stiffness[0], tension[2] = {4e-4 * stretch, -1e-4 * stretch};
+                double length[2];
+                for (const int k : {0, 1}) {
+                    const int j = node - 1 + k;
+                    line.rest_length[j] = length[k] = (line.pos(j + 1) - line.pos(j)).norm() / (1 + tension[k] / line.stretch_stiffness[j]);
+                }
+                for (int i = 1; i < line.n; ++i) line.material_s[i] = line.material_s[i - 1] + line.rest_length[i - 1];
+                prepare_group(pair.arrays, pair.wires, pair.rod);
+                for (const int k : {0, 1}) REQUIRE(coaxial::axial_force(line, node - 1 + k) == about(tension[k]).epsilon(1e-9));
+                if (base) (void)merge_coaxial_base(pair.arrays, pair.wires, pair.rod, pair.base);
+                else (void)merge_coaxial_edges(pair.arrays, pair.wires, pair.rod, pair.base, node);
+                const double mean = (length[0] * tension[0] + length[1] * tension[1]) / (length[0] + length[1]);
+                CHECK(coaxial::axial_force(pair.arrays.view(0), node - 1) == about(mean).epsilon(1e-9));
+            }
+    }
+
     TEST_CASE("property: a split changes no instrument's twist per length at either end of the edge, and no momentum")
     {
         for (int edge = 0; edge < edges; ++edge)

@@ -227,6 +227,24 @@ TEST_SUITE("solve/equilibrium")
         }
     }
 
+    TEST_CASE("analytic: residuals are compared with the weight, or with B/L^2 where that is more")
+    {
+        for (const double g : {0.0, 9.81}) {
+            const WireSpec spec = nitinol(0.4);
+            Rig rig(spec, 21);
+            rig.hold({clamp_base()});
+            rig.integrate_with({}, {0, 0, -g});
+            REQUIRE(rig.settle());
+            double mass = 0;
+            for (int i = 0; i < rig.rod().n; ++i) mass += rig.rod().mass[i];
+            const double bending = spec.shaft.bend_stiffness / 0.16;
+            if (g > 0) REQUIRE(mass * g > bending);
+            CHECK(rig.reports[0].force_scale == about(g > 0 ? mass * g : bending).epsilon(1e-9));
+            CHECK(rig.reports[0].residual <= rig.reports[0].tolerance);
+            CHECK(rig.reports[0].tolerance >= IntegratorSpec{}.tolerance * rig.reports[0].force_scale);
+        }
+    }
+
     // free tip: P_cr = pi^2 B / (4 L^2); 50 edges: second-order error below 1e-3
     TEST_CASE("analytic: a pushed column stays straight below Euler's load and buckles above")
     {
