@@ -22,8 +22,9 @@ struct Plate {
     std::unique_ptr<WallModel> model;
     std::unique_ptr<ElasticWall> wall;
 
-    explicit Plate(double support_damping = 1e4, double relaxation = 0.02)
+    explicit Plate(double support_damping = 1e4, double relaxation = 0.02, const std::vector<WallLoad>& loads = {})
     {
+        setup.vessel.loads = loads;
         setup.vessel.shape = VesselShape::Plane;
         setup.vessel.size = 0.04;
         setup.vessel.triangles = 800;
@@ -52,6 +53,7 @@ void full_step(const ElasticWall& wall, double h, std::span<const WallDynamics::
     std::vector<double> rhs(w.size());
     Eigen::Map<Eigen::VectorXd>(rhs.data(), size) =
         (1 / h) * (wall.compliance().damping() * Eigen::Map<const Eigen::VectorXd>(w.data(), size));
+    for (std::size_t i = 0; i < wall.load().size(); ++i) rhs[i] += wall.load()[i];
     for (const auto& push : pushed) add_to(&rhs[3 * static_cast<std::size_t>(push.vertex)], push.force);
     WallSolveWork scratch;
     wall.compliance().factor(h)->solve(rhs, scratch);
@@ -97,6 +99,23 @@ TEST_CASE("where tissue and wall relax alike, or the wall does not relax at all,
 {
     CHECK(largest_miss(Plate(2e4, 0.02)) < 1e-9);
     CHECK(largest_miss(Plate(1e4, 0)) < 1e-9);
+}
+
+TEST_CASE("a scene's load on the wall acts in every step, beside what pushes on it")
+{
+    const std::vector<WallLoad> loads = {{0, Vec3(0.004, -0.003, 0), Vec3(0.01, 0, 0.04)}};
+    const Plate plate(1e4, 0, loads);
+    REQUIRE(plate.wall->load().size() == static_cast<std::size_t>(plate.wall->unknowns()));
+    CHECK(largest_miss(plate) < 1e-9);
+    WallDynamics rest(*plate.wall);
+    rest.begin_step(0);
+    rest.end_step({});
+    std::vector<double> expected(plate.wall->load().begin(), plate.wall->load().end());
+    WallSolveWork scratch;
+    plate.wall->compliance().factor(0)->solve(expected, scratch);
+    const std::vector<double> now = rest.displacement();
+    REQUIRE(largest(expected) > 0);
+    for (std::size_t i = 0; i < now.size(); ++i) CHECK(std::abs(now[i] - expected[i]) <= 1e-12 * largest(expected));
 }
 
 TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, and an equilibrium is there at once")
