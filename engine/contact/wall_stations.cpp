@@ -34,7 +34,7 @@ double fade(double distance, double full, double none)
 
 }  // namespace
 
-WallStations::WallStations(const ElasticWall& wall, int nodes) : wall_(wall), stations_(nodes), clear_(nodes) {}
+WallStations::WallStations(const ElasticWall& wall, int nodes) : wall_(wall), stations_(nodes), feet_(nodes), clear_(nodes) {}
 
 void WallStations::provide(int nodes)
 {

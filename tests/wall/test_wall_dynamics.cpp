@@ -1,5 +1,6 @@
 // Steps of the wall in blocks against a full solve in every step.
 
+#include "contact/wall_stations.h"
 #include "engine.h"
 #include "wall/wall_compliance.h"
 #include "wall/wall_dynamics.h"
@@ -116,6 +117,32 @@ TEST_CASE("a scene's load on the wall acts in every step, beside what pushes on 
     const std::vector<double> now = rest.displacement();
     REQUIRE(largest(expected) > 0);
     for (std::size_t i = 0; i < now.size(); ++i) CHECK(std::abs(now[i] - expected[i]) <= 1e-12 * largest(expected));
+}
+
+// The map X -> X + U(X) of a wall pulled sideways: a node at x has its foot at y with y + U(foot of y) = x. One pass from y = x would
+// leave the slope of U times U, here a tenth of a radius; passes end where one changes less than 1e-3 radii.
+TEST_CASE("a node's foot on a moved wall is that of the place which the wall has carried to it")
+{
+    constexpr double radius = 4.4e-4;
+    const Plate plate(1e4, 0, {{0, Vec3(0.004, -0.003, 0), Vec3(0.5, 0.1, 0.1)}});
+    WallDynamics wall(*plate.wall);
+    wall.begin_step(0);
+    wall.end_step({});
+    wall.begin_step(1e-3);
+    int tried = 0;
+    for (const double off : {0.0, 0.003, -0.004, 0.006}) {
+        const Vec3 x(0.004 + off, -0.003, radius);
+        WallStations stations(*plate.wall, 3);
+        stations.place(0, x, nullptr, wall, radius);
+        REQUIRE(stations[0].near);
+        const Vec3 carried = x - stations[0].start;
+        stations.place(1, x, &carried, wall, radius);  // one pass, from where the first one ended
+        stations.place(2, x, &x, wall, radius);        // one pass, from the node itself
+        REQUIRE(stations[1].near);
+        CHECK((stations[1].start - stations[0].start).norm() <= 1e-3 * radius);
+        tried += (stations[2].start - stations[0].start).norm() > 1e-2 * radius;
+    }
+    CHECK(tried >= 2);  // the passes make a difference
 }
 
 TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, and an equilibrium is there at once")
