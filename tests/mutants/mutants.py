@@ -249,12 +249,13 @@ def chosen(arguments):
 def run(arguments, build):
     kept = build.made / f"results{'-by-hand' if arguments.by_hand else ''}.json"
     results = json.loads(kept.read_text()) if kept.exists() else {}
-    count = 0
+    count, equivalent = 0, reasons()
     for mutant in chosen(arguments):
         if count == arguments.count: break
         known = results.get(key(mutant))
         if arguments.again and not known: break
-        if not known or (arguments.again and known["fate"] == "survived"):
+        named = (mutant["file"], mutant["before"], mutant["after"]) in equivalent
+        if not known or (arguments.again and known["fate"] == "survived" and not named):
             begun = resource.getrusage(resource.RUSAGE_CHILDREN)
             ran = known["ran"] if known else []
             fate, entry = build.run(mutant, arguments, ran)
