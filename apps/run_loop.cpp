@@ -165,7 +165,8 @@ private:
             world_.read(output_, recorder_.wants(world_));
             recorder_.stepped(output_, report, seconds);
             follow_task(dt);
-            if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps));
+            if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps),
+                                      recorder_.tally().on_wall.patch_force);
         }
         return !report.failed();
     }

@@ -65,6 +65,9 @@ public:
     [[nodiscard]] WallMechanics wall_mechanics() const;
     /// How far the finite length of a wire's edges has its tip from its position, estimated from its shape (rod/adapt.h) [m].
     [[nodiscard]] double node_error(int wire) const;
+    /// Bending energy of a wire, and how far the finite length of its edges has it from that of a smooth one (rod/adapt.h). Zeros of an
+    /// instrument that has no nodes of its own, because it shares another's centreline.
+    [[nodiscard]] BendingError bending_error(int wire) const;
     /// How the last step() or settle() went.
     [[nodiscard]] const WireReport& report(int wire) const;
     /// Contact force on each node of a wire [n] [N].

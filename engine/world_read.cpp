@@ -330,14 +330,37 @@ WallReadings World::wall_readings(int system) const
     return impl_->yielding->readings(system, impl_->yielding->displacement(system));
 }
 
+namespace {
+
+/// What a wire's shape is judged by.
+NodeDemands demands_of(const World::Impl& s, int wire, const RodView& rod)
+{
+    NodeDemands demands;
+    for (const RodClamp& clamp : s.constraints[static_cast<std::size_t>(wire)].clamps)
+        if (clamp.direction && clamp.node == rod.n - 1) demands.hub_tangent = clamp.tangent;
+    return demands;
+}
+
+NodePlanner planner_of(const World::Impl& s, int wire)
+{
+    return {s.setup.wires[static_cast<std::size_t>(wire)].wire, s.rods.capacity(wire)};
+}
+
+}  // namespace
+
 double World::node_error(int wire) const
 {
-    NodePlanner planner(impl_->setup.wires[static_cast<std::size_t>(wire)].wire, impl_->rods.capacity(wire));
     const RodView rod = impl_->rods.view(wire);
-    NodeDemands demands;
-    for (const RodClamp& clamp : impl_->constraints[static_cast<std::size_t>(wire)].clamps)
-        if (clamp.direction && clamp.node == rod.n - 1) demands.hub_tangent = clamp.tangent;
-    return rod.n > 2 ? planner.tip_error(rod, demands) : 0;
+    return rod.n > 2 ? planner_of(*impl_, wire).tip_error(rod, demands_of(*impl_, wire, rod)) : 0;
+}
+
+BendingError World::bending_error(int wire) const
+{
+    const RodView rod = impl_->rods.view(wire);
+    if (rod.n <= 2 || impl_->is_passenger(wire)) return {};
+    NodeDemands demands = demands_of(*impl_, wire, rod);
+    demands.contact = std::span(impl_->results[static_cast<std::size_t>(wire)].nodal_contact).first(static_cast<std::size_t>(rod.n));
+    return planner_of(*impl_, wire).bending_error(rod, demands);
 }
 
 void World::stop_when(std::function<bool()> asked)

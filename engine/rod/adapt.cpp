@@ -127,6 +127,23 @@ double NodePlanner::tip_error(const RodView& rod, const NodeDemands& demands)
     return sum;
 }
 
+BendingError NodePlanner::bending_error(const RodView& rod, const NodeDemands& demands)
+{
+    measure(rod, demands);
+    BendingError sum;
+    for (int i = 0; i < rod.n; ++i) {
+        const double b = rod.bend_stiffness[i], l = rod.voronoi_length(i);
+        const double h = l * (i == 0 || i == rod.n - 1 ? 2 : 1);  // mean of the edges beside it
+        const double touch = demands.contact.empty() ? 0 : demands.contact[i].norm();
+        sum.energy += l * moment_[i].squaredNorm() / (2 * b);
+        sum.missed += touch * curvature_[i] * h * h / 12;
+        if (i == 0) continue;
+        const double mean_b = 0.5 * (rod.bend_stiffness[i - 1] + b);
+        sum.missed += rod.rest_length[i - 1] * (moment_[i] - moment_[i - 1]).squaredNorm() / (12 * mean_b);
+    }
+    return sum;
+}
+
 void NodePlanner::note_touching(const RodView& rod, const NodeDemands& demands)
 {
     std::fill(touching_.begin(), touching_.end(), std::numeric_limits<double>::infinity());

@@ -68,6 +68,16 @@ public:
     /// How far the finite length of all edges has the tip from its position, as judged by e(h) above: the sum over them, as if all
     /// erred alike [m]. Needs no adaptive nodes.
     [[nodiscard]] double tip_error(const RodView& rod, const NodeDemands& demands);
+    /// How much energy the finite length of edges is wrong by. With the moments M at nodes [N m] and the contact forces F [N], the
+    /// nodes' energy sum l M^2/(2 B) differs from that of a smooth wire under the same loads by at most
+    ///
+    ///     sum over edges  h (M_j+1 - M_j)^2/(12 B)      a moment that is linear along an edge, of which nodes see the ends
+    ///     sum over nodes  F kappa h^2/12                the mean distance of arc and chord, on which the wall works
+    ///
+    /// The first is exact for loads at nodes: a cantilever of n edges under an end load has 1/(2 n^2) of its energy too much, which
+    /// is how much too far its end goes. Loads between nodes have sum M M'' h^3/(12 B) beside it, which for an even load is the
+    /// negative of the first, but for the wire's ends (by parts): the first alone bounds both.
+    [[nodiscard]] BendingError bending_error(const RodView& rod, const NodeDemands& demands);
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call
     std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);

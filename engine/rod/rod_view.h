@@ -89,4 +89,9 @@ struct BasicRodView {
 using RodView = BasicRodView<double>;             // state that may be changed
 using ConstRodView = BasicRodView<const double>;  // of a World that is read
 
+/// Bending energy of a wire beyond its natural shape, and what the finite length of its edges leaves out of it or adds [J].
+struct BendingError {
+    double energy = 0, missed = 0;
+};
+
 }  // namespace seldinger

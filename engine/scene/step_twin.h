@@ -1,5 +1,5 @@
 #pragma once
-// Estimate of the time-step error in a run's forces and tip, by the run itself.
+// Estimate of the error in a run's forces and tip by its step, its nodes and the facets of its wall, by the run itself.
 //
 // The run is cut into windows of least_steps steps, or of mean_time where that is longer. Some are computed again in a separate
 // world, from the state at their beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
@@ -26,16 +26,25 @@
 // It cannot see a history that differed before the window began (a branch missed, an earlier slip).
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
-// Twins have the run's nodes. What the length of edges does to the tip is estimated from the wire's shape at the end of each window
-// (rod/adapt.h), and added to the tip's band. Forces have no band for it, nor for facets of the mesh.
+// Twins have the run's nodes and wall. What edges and facets do is estimated from the state at the end of each window: the tip's
+// error by the wire's shape (rod/adapt.h), that of forces by energy and contacts (scene/grid_error.h), times grid_safety. A band is the
+// sum of these shares and that of the step.
+//
+// The largest force on a patch is that of single steps. Its share by the step is the difference of the largest values in the window that
+// has it. The work of the hand is a sum over the run: its share by the step is the mean difference of
+// the compared windows' mean forces, over the whole path of the hand. Histories of n windows add up like independent ones, to sqrt(n) times
+// that of one.
 //
 // The twin is a separate world: the run's bits are those of a run without it.
 
 #include "engine.h"
 #include "math/end_mean.h"
+#include "math/running_peak.h"
+#include "scene/grid_error.h"
 #include "scene/key_frames.h"
 #include "scene/release_watch.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +60,9 @@ struct ErrorBand {
     bool resolved = true;  // the band is at most a fifth of the value, or below what is told apart
     bool let_go = false;   // the band is that of a release
     int parts = 2;
+    double step = 0, nodes = 0, facets = 0;  // shares of the band
+    bool known = true;                       // the run has seen where the value comes from
+    [[nodiscard]] const char* largest_source() const { return nodes > std::max(step, facets) ? "nodes" : facets > step ? "facets" : "step"; }
 };
 
 struct ErrorEstimate {
@@ -62,15 +74,41 @@ struct ErrorEstimate {
     long window_steps = 0;
     double end_seconds = 0;        // that the means at the end span
     ErrorBand hand, hand_peak, friction, friction_peak;  // 20 ms means: at the end, signed; the largest [N]
+    ErrorBand patch, work;                               // largest force on a patch of wall [N]; work of the hand's push [J]
     double tip = 0;                                      // by the step [m]
     double tip_nodes = 0;                                // by the length of edges, largest at the ends of windows (World::node_error) [m]
+    double tip_facets = 0;                               // the largest distance of facets from a smooth wall [m]
     bool adaptive = false;                               // the wire's nodes
-    /// Of the tip's position, by both [m].
-    [[nodiscard]] double tip_band() const { return tip + tip_nodes; }
+    /// Of the tip's position, by all of them [m].
+    [[nodiscard]] double tip_band() const { return tip + tip_nodes + tip_facets; }
 };
 
-/// One sentence for each reading that the step does not resolve.
+/// What makes the share of a source smaller.
+[[nodiscard]] const char* advice_for(const ErrorEstimate& estimate, const char* source);
+
+/// One sentence for each reading that is not resolved.
 [[nodiscard]] std::vector<std::string> unresolved(const ErrorEstimate& estimate);
+
+/// How much a force falls in all, as means over a time, against its largest.
+class FallSum {
+public:
+    explicit FallSum(std::size_t steps) : mean_(steps) {}
+    void add(double value)
+    {
+        mean_.add(value);
+        if (!mean_.full()) return;
+        const double now = mean_.mean();
+        fallen_ += std::max(0.0, last_ - now);
+        last_ = now;
+        most_ = std::max(most_, now);
+    }
+    /// 1 for falls of the largest value or more.
+    [[nodiscard]] double share() const { return most_ > 0 ? std::min(1.0, fallen_ / most_) : 1; }
+
+private:
+    RunningPeak mean_;
+    double last_ = 0, most_ = 0, fallen_ = 0;
+};
 
 class StepTwin {
 public:
@@ -85,6 +123,7 @@ public:
     static constexpr double mean_time = EndMean::span;  // [s]
     static constexpr double wanted = 0.2;         // band over value that counts as resolved
     static constexpr double least_force = 1e-3;   // bands below are resolved: forces that no hand feels [N]
+    static constexpr double grid_safety = 1.5;    // times estimates of GridErrors
 
     /// @param scene, run  outlive this   @param taken  steps of the run so far
     StepTwin(const Scene& scene, const World& run, long taken);
@@ -93,7 +132,8 @@ public:
     void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
 
     /// After each accepted step. @param readings  of all instruments as one   @param taken  steps of the run with this one
-    void stepped(const World& run, const WireReadings& readings, long taken);
+    /// @param patch  the largest force on a patch so far [N]
+    void stepped(const World& run, const WireReadings& readings, long taken, double patch = 0);
     /// Checks the remaining windows. @return the estimate over all
     [[nodiscard]] ErrorEstimate finish(Finer finer);
 
@@ -104,10 +144,13 @@ private:
         std::vector<double> hand, friction;       // of each step, a pull is negative [N]
         double hand_peak = 0, friction_peak = 0;  // largest means [N]
         Vec3 tip = Vec3::Zero();                  // at its end [m]
+        bool has_patch = false;                   // the largest force on a patch has risen in it
+        GridErrors grid;                          // larger of those at its beginning and end
     };
     struct Examined {
         double hand_peak = 0, friction_peak = 0;  // of the twin [N]
         int parts = 2;
+        double patch = 0;  // largest force on one [N]
         bool found = false;
         std::vector<double> hand, friction;  // of each of its steps
     };
@@ -116,6 +159,13 @@ private:
     /// Hand force and friction at the end, with their bands.
     void set_end(const Window& end, const Examined& twin);
     void close();
+    /// Errors by nodes and facets at the end of the present window.
+    void gauge(const World& run);
+    /// The shares of nodes and facets, and the sum. @param force  that they are relative to   @param e  where that force is
+    /// @param pushing  force that pushes by normals of facets are relative to
+    void complete(ErrorBand& band, double force, const GridErrors& e, double pushing) const;
+    void set_patch(const Examined& hand, const Examined& friction);
+    void set_work();
     /// @param parts  of each of the run's steps; of more than two the window before is taken again too
     Examined examine(const Window& window, int parts);
     /// At half the step, and finer where that is wanted and the step is a long one. @return the finest that found its states
@@ -126,8 +176,18 @@ private:
     KeyFrames key_frames_;
     std::unique_ptr<World> world_;  // made when first needed
     std::function<bool()> stop_asked_;
-    Window window_, last_, best_hand_, best_friction_;
+    Window window_, last_, best_hand_, best_friction_, best_patch_;
+    GridErrorGauge gauge_;
+    GridErrors grid_;           // at the end of the last window
+    double axial_squares_ = 0;  // sum over ends of windows with contact of GridErrors::axial^2
+    long axial_count_ = 0;
+    double patch_ = 0, inserted_ = 0;  // so far [N], [m]
+    bool patch_seen_ = false;          // it has risen since the run began
+    double path_ = 0, work_ = 0, pushed_ = 0;  // of the hand: its length [m], its work, the sum of magnitudes of that [J]
+    double work_nodes_ = 0, work_facets_ = 0, window_pushed_ = 0;
+    double mean_differences_ = 0;              // sum over compared windows of margin |mean - mean of the twin| [N]
     ReleaseWatch hand_release_, friction_release_;
+    FallSum hand_falls_, friction_falls_;
     long closed_ = 0, seen_ = 0;  // windows, steps
     double other_hand_peak_ = 0, other_friction_peak_ = 0;  // largest of all twins [N]
     ErrorEstimate estimate_;

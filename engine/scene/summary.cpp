@@ -38,9 +38,11 @@ Json estimate_json(const ErrorEstimate& e)
 {
     const auto band = [](const ErrorBand& b) -> Json {
         // let_go: the old name of sudden_release, until 0.3.0
-        return {{"value", b.value},       {"twin", b.twin},     {"parts", b.parts},          {"band", b.band},
+        return {{"value", b.value},       {"twin", b.twin},     {"parts", b.parts},          {"band", b.known ? Json(b.band) : Json()},
+                {"step", b.step},         {"nodes", b.nodes},   {"facets", b.facets},        {"largest_source", b.largest_source()},
                 {"resolved", b.resolved}, {"let_go", b.let_go}, {"sudden_release", b.let_go}};
     };
+    const char* of_tip = e.tip_nodes > std::max(e.tip, e.tip_facets) ? "nodes" : e.tip_facets > e.tip ? "facets" : "step";
     return {{"windows", e.windows},
             {"failed_windows", e.failed},
             {"window_steps", e.window_steps},
@@ -54,11 +56,16 @@ Json estimate_json(const ErrorEstimate& e)
             {"hand_force_peak_n", band(e.hand_peak)},
             {"friction_n", band(e.friction)},
             {"friction_peak_n", band(e.friction_peak)},
+            {"patch_force_max_n", band(e.patch)},
+            {"hand_work_j", band(e.work)},
             {"tip_band_m", e.tip_band()},
             {"tip_step_band_m", e.tip},
             {"tip_nodes_band_m", e.tip_nodes},
-            {"tip_largest_source", e.tip_nodes > e.tip ? "nodes" : "step"},
-            {"tip_advice", e.tip_nodes <= e.tip ? "smaller scene.dt_s" : e.adaptive ? "smaller wire.edge_error_m" : "wire.nodes = \"adaptive\" or more nodes"}};
+            {"tip_facets_band_m", e.tip_facets},
+            {"tip_largest_source", of_tip},
+            {"tip_advice", advice_for(e, of_tip)},
+            {"largest_source", e.hand_peak.largest_source()},
+            {"advice", advice_for(e, e.hand_peak.largest_source())}};
 }
 
 /// Null where the number is not finite; its key is remembered.
@@ -435,14 +442,15 @@ std::string estimate_for_people(const Json& e)
                        e.at("window_steps").get<int>(), 1e3 * shortest, 1e3 * e.at("tip_band_m").get<double>(), more);
 }
 
-/// What the forces of the closing line are means of.
-std::string means_for_people(double end_seconds, bool has_bands)
+/// What the forces of the closing line are means of, and what their bands come from.
+std::string means_for_people(double end_seconds, const Json* estimate)
 {
     if (end_seconds == 0) return "equilibrium";
     const std::string at_end = fmt::format("{:.3g} ms", 1e3 * end_seconds);
-    if (!has_bands) return fmt::format("at the end the mean of {}, largest of single steps; error of the step not estimated", at_end);
+    if (!estimate) return fmt::format("at the end the mean of {}, largest of single steps; error not estimated", at_end);
     const std::string largest = fmt::format("{:.3g} ms", 1e3 * StepTwin::mean_time);
-    return fmt::format("means of {}{}; ± error of the step", largest, at_end == largest ? "" : ", at the end of " + at_end);
+    return fmt::format("means of {}{}; ± mostly by the {}: less with {}", largest, at_end == largest ? "" : ", at the end of " + at_end,
+                       estimate->at("largest_source").get<std::string>(), estimate->at("advice").get<std::string>());
 }
 
 /// The tip's band, its largest source and what shrinks that.
@@ -466,7 +474,15 @@ std::string forces_for_people(const Json& s)
     return fmt::format("  hand force {} at the end, largest {}{}; friction largest {} ({}){}\n", force("hand_force_n", "hand_force_mean_n"),
                        force("hand_force_peak_n", "hand_force_max_n"), is_release ? " as the wire springs free" : "",
                        force("friction_peak_n", "friction_max_n"),
-                       means_for_people(span, has_bands), has_bands ? tip_for_people(s.at("error_estimate")) : "");
+                       means_for_people(span, has_bands ? &s.at("error_estimate") : nullptr), has_bands ? tip_for_people(s.at("error_estimate")) : "");
+}
+
+/// The band of the largest force on a patch; NaN where it has none.
+double patch_band_of(const Json& s)
+{
+    if (!s.contains("error_estimate")) return std::nan("");
+    const Json& band = s.at("error_estimate").at("patch_force_max_n").at("band");
+    return band.is_number() && band.get<double>() > 0 ? band.get<double>() : std::nan("");
 }
 
 /// What became of the task, or where the tip is.
@@ -543,7 +559,7 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir, 
     text += forces_for_people(s);
     if (number("patch_force_max_n") > 0)
         text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {} on {:.3g} mm of wire; {:.4g} mm in contact at most\n",
-                            number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), newtons(number("patch_force_max_n"), std::nan("")),
+                            number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), newtons(number("patch_force_max_n"), patch_band_of(s)),
                             1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"));
     if (s.contains("wall_move_max_m")) text += wall_for_people(s);
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";

@@ -34,7 +34,20 @@ TEST_SUITE("apps/readings")
         CHECK(a["state_hash"] == b["state_hash"]);
         CHECK_FALSE(b.contains("error_estimate"));
         CHECK(a["error_estimate"]["windows"].get<int>() >= 1);
-        CHECK(with.out.find("error of the step") != std::string::npos);
+        CHECK(with.out.find("± mostly by the ") != std::string::npos);
+        // a band is the sum of its shares, and names the largest
+        for (const char* reading : {"hand_force_n", "hand_force_peak_n", "friction_n", "friction_peak_n", "patch_force_max_n", "hand_work_j"}) {
+            CAPTURE(reading);
+            const auto& band = a["error_estimate"][reading];
+            const double step = band["step"].get<double>(), nodes = band["nodes"].get<double>(), facets = band["facets"].get<double>();
+            REQUIRE(band["band"].get<double>() > 0);
+            CHECK(band["band"].get<double>() == about(step + nodes + facets).epsilon(1e-9));
+            CHECK(nodes > 0);
+            CHECK(facets > 0);
+            CHECK(band[band["largest_source"].get<std::string>()].get<double>() == std::max({step, nodes, facets}));
+        }
+        CHECK(a["error_estimate"]["hand_work_j"]["value"] == a["hand_work_j"]);
+        CHECK(a["error_estimate"]["patch_force_max_n"]["value"] == a["patch_force_max_n"]);
         // means over 20 ms, of which whole steps are 21 with the shorter last one or 20: in both runs, with and without bands
         CHECK(a["end_mean_s"].get<double>() == about(0.02).epsilon(0.08));
         CHECK(a["error_estimate"]["end_mean_s"] == a["end_mean_s"]);

@@ -168,6 +168,27 @@ TEST_SUITE("scene/recorder")
         CHECK(summary["status"] == "stopped");
     }
 
+    TEST_CASE("property: divided steps are counted, and are a warning from above one in a hundred on")
+    {
+        const TempFolder folder;
+        const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
+        const World world(make_setup(scene));
+        SummaryNotes notes;
+        notes.scene = &scene;
+        const auto summary_of = [&](int halved) {
+            RunTally tally;
+            tally.steps = 1000;
+            for (int k = 0; k < 1000; ++k) tally.take_in(world.readings(0), k < halved ? StepHalved : 0u, 1, 1e-3);
+            return nlohmann::json::parse(summary_json(world, tally, notes));
+        };
+        const auto few = summary_of(10), many = summary_of(11);
+        CHECK(few["halved_steps"] == 10);
+        CHECK(few["warnings"].empty());
+        CHECK(many["halved_steps"] == 11);
+        REQUIRE(many["warnings"].size() == 1);
+        CHECK(many["warnings"][0].get<std::string>().find("11 of 1000 steps were halved") != std::string::npos);
+    }
+
     TEST_CASE("property: spin_rad grows with spin_rad_s, in the sense of every other turn")
     {
         const TempFolder folder;

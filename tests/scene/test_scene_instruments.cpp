@@ -163,6 +163,27 @@ TEST_SUITE("scene/scene_instruments")
         CHECK(error_of(catheter_and_wire() + tied, {"coaxial.model=merged"}).empty());
     }
 
+    TEST_CASE("property: a friction between merged instruments that has no effect is a warning, and none where it has one")
+    {
+        const std::string merged = "[coaxial]\norder = [\"catheter\", \"wire\"]\n";
+        const auto warned = [](const std::string& coaxial) {
+            for (const std::string& warning : read(catheter_and_wire(coaxial)).warnings)
+                if (warning.find("coaxial.mu_sliding: got 0.1") != std::string::npos) {
+                    CHECK(warning.find("coaxial.lumen_friction = true") != std::string::npos);
+                    CHECK(warning.find("model = \"separate\"") != std::string::npos);
+                    return true;
+                }
+            return false;
+        };
+        CHECK(warned(merged + "mu_static = 0.2\nmu_sliding = 0.1\n"));
+        CHECK(warned(merged + "model = \"merged\"\nmu_static = 0.2\nmu_sliding = 0.1\n"));
+        CHECK_FALSE(warned(merged + "lumen_friction = true\nmu_static = 0.2\nmu_sliding = 0.1\n"));
+        CHECK_FALSE(warned(merged + "model = \"separate\"\nmu_static = 0.2\nmu_sliding = 0.1\n"));
+        CHECK(read(catheter_and_wire(merged)).warnings.empty());
+        // what the scene that a run writes says: every default
+        CHECK(read(catheter_and_wire(merged + "mu_static = 0.06\nmu_sliding = 0.05\n")).warnings.empty());
+    }
+
     TEST_CASE("error: one line for what contradicts itself")
     {
         const std::pair<std::string, std::string> wrong[] = {

@@ -1,0 +1,107 @@
+// Errors of forces by edges and facets, from bending energy and contacts.
+#include "scene/grid_error.h"
+
+#include "vessel/wall_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+/// Angle at the first of three points.
+double angle_at(const Vec3& a, const Vec3& b, const Vec3& c)
+{
+    const Vec3 u = b - a, v = c - a;
+    return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+/// Barycentric coordinates of the point of a triangle's plane nearest to x, drawn into the triangle.
+Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x)
+{
+    const Vec3 normal = (b - a).cross(c - a);
+    const double area = normal.squaredNorm();
+    if (!(area > 0)) return Vec3::Constant(1.0 / 3);
+    Vec3 at(normal.dot((c - b).cross(x - b)) / area, normal.dot((a - c).cross(x - c)) / area, normal.dot((b - a).cross(x - a)) / area);
+    at = at.cwiseMax(Vec3::Zero());
+    return at / at.sum();
+}
+
+/// Part of the normal forces that is not the wire's own weight.
+double elastic_part(const World& run, double normal, int first, int end)
+{
+    double mass = 0;
+    for (int w = first; w < end; ++w)
+        for (const double m : run.rod(w).mass) mass += m;
+    return normal > 0 ? std::max(0.0, 1 - mass * run.setup().gravity.norm() / normal) : 0;
+}
+
+/// Half of the longest edge over the length of a wire.
+double hub_share(const ConstRodView& rod)
+{
+    const auto edges = rod.rest_length.first(static_cast<std::size_t>(rod.n - 1));
+    return *std::max_element(edges.begin(), edges.end()) / (2 * rod.material_s[rod.n - 1]);
+}
+
+}  // namespace
+
+void GridErrors::widen(const GridErrors& other)
+{
+    for (double GridErrors::*entry : {&GridErrors::nodes, &GridErrors::facets, &GridErrors::axial, &GridErrors::normal, &GridErrors::offset})
+        this->*entry = std::max(this->*entry, other.*entry);
+}
+
+void GridErrorGauge::find_normals(const WallMesh& mesh)
+{
+    if (!normals_.empty()) return;
+    normals_.assign(mesh.vertices.size(), Vec3::Zero());
+    for (const auto& triangle : mesh.triangles) {
+        const Vec3 corner[] = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]]};
+        const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+        for (int k = 0; k < 3; ++k) normals_[triangle[k]] += angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * normal;
+    }
+    for (Vec3& normal : normals_) normal.normalize();
+}
+
+GridErrors GridErrorGauge::of(const World& run)
+{
+    GridErrors errors;
+    const auto [first, end] = run.wires_of(0);
+    double energy = 0, missed = 0;
+    for (int w = first; w < end; ++w) {
+        const BendingError bending = run.bending_error(w);
+        energy += bending.energy;
+        missed += bending.missed;
+        const WireReadings r = run.readings(w);
+        errors.normal += r.normal - r.normal_between;
+    }
+    if (!(energy > 0) || !(errors.normal > 0)) return errors;  // nothing is bent, or nothing touches
+    const double part = elastic_part(run, errors.normal, first, end);
+    errors.nodes = part * std::min(1.0, missed / energy) + (1 - part) * hub_share(run.rod(first));
+    const WorldSetup& setup = run.setup();
+    if (setup.vessel.elastic || setup.mesh.triangles.empty()) return errors;
+    find_normals(setup.mesh);
+    double work = 0, axial = 0;
+    for (const ContactRow& row : run.contacts()) {
+        if (row.b.kind != BodyKind::Wall || row.a.body < first || row.a.body >= end || !(row.normal_force > 0)) continue;
+        const auto& triangle = setup.mesh.triangles[static_cast<std::size_t>(row.b.element)];
+        const Vec3 at = barycentric(setup.mesh.vertices[triangle[0]], setup.mesh.vertices[triangle[1]], setup.mesh.vertices[triangle[2]], row.point);
+        Vec3 smooth = Vec3::Zero();
+        double offset = 0;
+        for (int k = 0; k < 3; ++k) {
+            smooth += at[k] * normals_[triangle[k]];
+            offset += at[k] * (row.point - setup.mesh.vertices[triangle[k]]).dot(normals_[triangle[k]]) / 2;
+        }
+        if (!(smooth.norm() > 0)) continue;
+        const ConstRodView rod = run.rod(row.a.body);
+        const Vec3 tangent = rod.tangent(std::clamp(row.a.element, 0, rod.n - 2));
+        axial += row.normal_force * (row.normal - smooth.normalized()).dot(tangent);
+        work += row.normal_force * std::abs(offset);
+        errors.offset = std::max(errors.offset, std::abs(offset));
+    }
+    errors.facets = part * std::min(1.0, work / (2 * energy));
+    errors.axial = std::abs(axial) / errors.normal;
+    return errors;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,47 @@
+#pragma once
+// Estimate of what the lengths of edges and the facets of the wall do to a run's forces, from its state at one moment.
+//
+// In a lumen the wall prescribes the wire's shape, so that forces are derivatives of the bending energy U, which is quadratic in the
+// deflections d of the wire: U = K d^2/2, F = K d.
+//
+//     edges     energy wrong by dU in the same shape: a stiffness wrong by dU/U, so   dF/F = dU/U       (rod/adapt.h)
+//     facets    a wall that lies o nearer to the axis than a smooth one gives U back as the work of the normal forces F_i on it,
+//               dU = sum F_i o_i, of a deflection that is wrong by dd/d = dU/(2 U), so  dF/F = sum F_i o_i/(2 U)
+//     facets    a normal n_i that differs from the smooth wall's m_i pushes along the wire's tangent t_i:  dF = sum F_i (n_i - m_i).t_i
+//
+// The smooth wall goes through the mesh's vertices with the normals there (means over their triangles by angle). At a point x
+// with barycentric coordinates b_k it has the normal sum b_k m_k, and lies at o = sum b_k (x - v_k).m_k/2, the sagitta L^2/(8 R) in the middle
+// of a facet of length L across a radius R: tangent planes at the vertices are twice as far away as the surface that touches them.
+//
+// The equilibrium of that push changes normal forces and friction by the same share of themselves, sum F_i (n_i - m_i).t_i/sum F_i.
+//
+// Weight on the floor of a lumen is borne whatever the wire's stiffness: the errors by energy are those of the part of the normal forces
+// beyond the weight. The rest is off by the weight of half an edge, which the hub's node bears: h/(2 L) of a wire of length L. Elastic walls: their facets move, and the mesh has bands of its own (wall/wall_resolution.h); none here.
+
+#include "engine.h"
+
+#include <vector>
+
+namespace seldinger {
+
+/// Errors of forces at one moment. No safety is in them.
+struct GridErrors {
+    double nodes = 0, facets = 0;  // relative to forces
+    double axial = 0;              // by normals of facets, along the wire, relative to the sum of normal forces
+    double normal = 0;             // that sum [N]
+    double offset = 0;             // largest distance of facet and smooth wall where the wire touches [m]
+    /// The larger of each.
+    void widen(const GridErrors& other);
+};
+
+class GridErrorGauge {
+public:
+    /// Of the instruments of system 0, at the accepted state.
+    [[nodiscard]] GridErrors of(const World& run);
+
+private:
+    void find_normals(const WallMesh& mesh);
+    std::vector<Vec3> normals_;  // of the mesh's vertices; made when first needed
+};
+
+}  // namespace seldinger
