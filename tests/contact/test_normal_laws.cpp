@@ -3,10 +3,13 @@
 #include "support/world_fixture.h"
 
 #include "contact/wall_law.h"
+#include "core/error.h"
 #include "shared/contact_law.h"
 #include "vessel/shapes.h"
 
 #include <doctest/doctest.h>
+
+#include <cstring>
 
 namespace test_normal_laws {
 
@@ -317,6 +320,30 @@ TEST_SUITE("contact/normal_laws")
             last = overlap;
         }
         CHECK(last == 0);
+    }
+
+    // The radii that a barrier frees wires with lie somewhere in the state: a number of 5 m in their place is none.
+    TEST_CASE("bad input: a saved state with a radius out of bounds is refused")
+    {
+        TestSetup setup = over_floor(NormalLaw::Barrier, -2e-5, 0.01);
+        FedWorld world(std::move(setup));
+        REQUIRE_FALSE(step(world, 1e-3).failed());
+        const std::vector<std::uint8_t> good = world.save_state();
+        world.restore_state(good);
+        int refused = 0;
+        const real five = 5;
+        for (std::size_t at = 0; at + sizeof(five) <= good.size(); ++at) {
+            std::vector<std::uint8_t> damaged = good;
+            std::memcpy(damaged.data() + at, &five, sizeof(five));
+            try {
+                world.restore_state(damaged);
+            } catch (const Error& error) {
+                refused += std::string(error.what()).find("a radius is out of bounds") != std::string::npos;
+            }
+        }
+        CHECK(refused >= 10);  // one for each quadrature point of the ten edges, at least
+        world.restore_state(good);
+        CHECK(world.save_state() == good);
     }
 
     // F12: no solution without overlap. The wire's radius is 0.44 mm, the tube's 0.40
