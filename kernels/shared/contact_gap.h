@@ -64,13 +64,12 @@ typedef struct NearList {
     real d2[SEL_NEAR_MOST];
 } NearList;
 
-SEL_FN void note_near(NearList* list, uint t, real d2)
+SEL_FN void note_near(SEL_OUT NearList* list, uint count, uint t, real d2)
 {
-    if (list->count < SEL_NEAR_MOST) {
-        list->triangle[list->count] = t;
-        list->d2[list->count] = d2;
+    if (count < SEL_NEAR_MOST) {
+        list->triangle[count] = t;
+        list->d2[count] = d2;
     }
-    ++list->count;
 }
 
 // Distance within which triangles are joined with a nearest one at the distance d: eps <= 2 smoothing r (smooth_maximum.h).
@@ -96,44 +95,62 @@ typedef struct Nearest {
     real d2;     // [m^2]
     real align;  // how much its normal looks at the ball: on a shared edge or vertex the side is told by the facet that looks
                  // most along the direction to the ball [Baerentzen05]
+    uint triangle;
+    int found;
 } Nearest;
 
-// Takes triangle t for the contact point if it is nearer than the nearest so far. v: from its closest point to the ball's centre.
-// @return it was taken
-SEL_FN int take_nearer(ContactPoint* contact, Nearest* nearest, ContactBall ball, Triangle tri, vec3 v, int feature,
-                       int at_boundary, int front_only)
+// How much a triangle with this normal looks at the ball's centre, which is v from the triangle's closest point.
+SEL_FN real alignment(vec3 v, real d, vec3 facet, ContactBall ball, int at_boundary)
 {
-    const real d2 = dot3(v, v), d = sqrt(d2);
-    const vec3 facet = triangle_normal(tri);
-    const int is_near = d <= (real)1e-3 * ball.radius;
-    real align = !is_near ? dot3(v, facet) / d : dot3(v, facet) >= 0 ? (real)1 : (real)-1;
-    if (at_boundary) align = fabs(align);
+    const real align = d > (real)1e-3 * ball.radius ? dot3(v, facet) / d : dot3(v, facet) >= 0 ? (real)1 : (real)-1;
+    return at_boundary ? fabs(align) : align;
+}
+
+// Takes triangle t if it is nearer than the nearest so far. v: from its closest point to the ball's centre. @return it was taken
+SEL_FN int take_nearer(Nearest* nearest, uint t, ContactBall ball, Triangle tri, vec3 v, int at_boundary, int front_only)
+{
+    const real d2 = dot3(v, v), align = alignment(v, sqrt(d2), triangle_normal(tri), ball, at_boundary);
     if (front_only && align < 0) return 0;
     if (d2 >= nearest->d2 * (1 - SEL_TIE) && fabs(align) <= fabs(nearest->align)) return 0;
     nearest->d2 = d2;
     nearest->align = align;
-    contact->found = 1;
-    contact->outside = align < 0;
-    contact->depth = align < 0 ? ball.radius + d : ball.radius - d;
-    contact->to_wall = -v;
-    // near the wall the direction v/d is noise; on a face it is the facet's normal anyway
-    contact->normal = (feature == SEL_FEATURE_FACE || is_near) ? facet : ((align < 0 ? -1 : 1) / d) * v;
+    nearest->triangle = t;
+    nearest->found = 1;
     return 1;
+}
+
+// The contact point with triangle t, the nearest.
+SEL_FN ContactPoint contact_point_with(uint t, ContactBall ball, WallView wall)
+{
+    ContactPoint contact = no_contact_point(ball.reach);
+    const Triangle tri = load_triangle(wall.vertices, t, ball.origin);
+    int feature;
+    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature), facet = triangle_normal(tri);
+    const real d = sqrt(dot3(v, v)), align = alignment(v, d, facet, ball, on_boundary(wall.boundary[t], feature));
+    contact.found = 1;
+    contact.triangle = t;
+    contact.outside = align < 0;
+    contact.depth = align < 0 ? ball.radius + d : ball.radius - d;
+    contact.to_wall = -v;
+    // near the wall the direction v/d is noise; on a face it is the facet's normal anyway
+    contact.normal = (feature == SEL_FEATURE_FACE || d <= (real)1e-3 * ball.radius) ? facet : ((align < 0 ? -1 : 1) / d) * v;
+    return contact;
 }
 
 // @param front_only  walls seen from behind are not there
 // @param near2  squared distance of some triangle below the listed nodes, which the nearest cannot be beyond; anything larger
 // than the reach: not known
-SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, real near2, NearList* list)
+SEL_FN Nearest nearest_triangle(ContactBall ball, NearWallView near, int front_only, real near2, SEL_OUT NearList* list)
 {
-    ContactPoint contact = no_contact_point(ball.reach);
     Nearest nearest;
     // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
     nearest.d2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
     nearest.align = 0;
+    nearest.triangle = 0;
+    nearest.found = 0;
     const real known2 = front_only ? nearest.d2 : min_r(near2, nearest.d2);
     real shell = shell_distance(sqrt(known2), ball);
-    list->count = 0;
+    uint listed = 0;
     Walk walk;
     start_walk(&walk);
     uint t;
@@ -143,14 +160,19 @@ SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, i
         int feature;
         const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
         const real d2 = dot3(v, v);
-        if (d2 <= shell * shell) note_near(list, t, d2);
+        if (d2 <= shell * shell) note_near(list, listed++, t, d2);
         if (d2 > nearest.d2 * (1 + SEL_TIE)) continue;
         const int at_boundary = on_boundary(near.wall.boundary[t], feature);
-        if (!take_nearer(&contact, &nearest, ball, tri, v, feature, at_boundary, front_only)) continue;
-        contact.triangle = t;
-        shell = min_r(shell, shell_distance(sqrt(d2), ball));
+        if (take_nearer(&nearest, t, ball, tri, v, at_boundary, front_only)) shell = min_r(shell, shell_distance(sqrt(d2), ball));
     }
-    return contact;
+    list->count = listed;
+    return nearest;
+}
+
+SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, real near2, SEL_OUT NearList* list)
+{
+    const Nearest nearest = nearest_triangle(ball, near, front_only, near2, list);
+    return nearest.found ? contact_point_with(nearest.triangle, ball, near.wall) : no_contact_point(ball.reach);
 }
 
 SEL_END
