@@ -95,59 +95,43 @@ typedef struct Nearest {
     real d2;     // [m^2]
     real align;  // how much its normal looks at the ball: on a shared edge or vertex the side is told by the facet that looks
                  // most along the direction to the ball [Baerentzen05]
-    uint triangle;
-    int found;
 } Nearest;
 
-// How much a triangle with this normal looks at the ball's centre, which is v from the triangle's closest point.
-SEL_FN real alignment(vec3 v, real d, vec3 facet, ContactBall ball, int at_boundary)
+// Takes triangle t for the contact point if it is nearer than the nearest so far. v: from its closest point to the ball's centre.
+// @return it was taken
+SEL_FN int take_nearer(SEL_OUT ContactPoint* contact, Nearest* nearest, uint t, ContactBall ball, Triangle tri, vec3 v,
+                       int feature, int at_boundary, int front_only)
 {
-    const real align = d > (real)1e-3 * ball.radius ? dot3(v, facet) / d : dot3(v, facet) >= 0 ? (real)1 : (real)-1;
-    return at_boundary ? fabs(align) : align;
-}
-
-// Takes triangle t if it is nearer than the nearest so far. v: from its closest point to the ball's centre. @return it was taken
-SEL_FN int take_nearer(Nearest* nearest, uint t, ContactBall ball, Triangle tri, vec3 v, int at_boundary, int front_only)
-{
-    const real d2 = dot3(v, v), align = alignment(v, sqrt(d2), triangle_normal(tri), ball, at_boundary);
+    const real d2 = dot3(v, v), d = sqrt(d2);
+    const vec3 facet = triangle_normal(tri);
+    const int is_near = d <= (real)1e-3 * ball.radius;
+    real align = !is_near ? dot3(v, facet) / d : dot3(v, facet) >= 0 ? (real)1 : (real)-1;
+    if (at_boundary) align = fabs(align);
     if (front_only && align < 0) return 0;
     if (d2 >= nearest->d2 * (1 - SEL_TIE) && fabs(align) <= fabs(nearest->align)) return 0;
     nearest->d2 = d2;
     nearest->align = align;
-    nearest->triangle = t;
-    nearest->found = 1;
-    return 1;
-}
-
-// The contact point with triangle t, the nearest.
-SEL_FN ContactPoint contact_point_with(uint t, ContactBall ball, WallView wall)
-{
-    ContactPoint contact = no_contact_point(ball.reach);
-    const Triangle tri = load_triangle(wall.vertices, t, ball.origin);
-    int feature;
-    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature), facet = triangle_normal(tri);
-    const real d = sqrt(dot3(v, v)), align = alignment(v, d, facet, ball, on_boundary(wall.boundary[t], feature));
-    contact.found = 1;
-    contact.triangle = t;
-    contact.outside = align < 0;
-    contact.depth = align < 0 ? ball.radius + d : ball.radius - d;
-    contact.to_wall = -v;
+    contact->triangle = t;
+    contact->found = 1;
+    contact->outside = align < 0;
+    contact->depth = align < 0 ? ball.radius + d : ball.radius - d;
+    contact->to_wall = -v;
     // near the wall the direction v/d is noise; on a face it is the facet's normal anyway
-    contact.normal = (feature == SEL_FEATURE_FACE || d <= (real)1e-3 * ball.radius) ? facet : ((align < 0 ? -1 : 1) / d) * v;
-    return contact;
+    contact->normal = (feature == SEL_FEATURE_FACE || is_near) ? facet : ((align < 0 ? -1 : 1) / d) * v;
+    return 1;
 }
 
 // @param front_only  walls seen from behind are not there
 // @param near2  squared distance of some triangle below the listed nodes, which the nearest cannot be beyond; anything larger
 // than the reach: not known
-SEL_FN Nearest nearest_triangle(ContactBall ball, NearWallView near, int front_only, real near2, SEL_OUT NearList* list)
+SEL_FN void find_nearest(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallView near, int front_only, real near2,
+                         SEL_OUT NearList* list)
 {
+    *contact = no_contact_point(ball.reach);
     Nearest nearest;
     // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
     nearest.d2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
     nearest.align = 0;
-    nearest.triangle = 0;
-    nearest.found = 0;
     const real known2 = front_only ? nearest.d2 : min_r(near2, nearest.d2);
     real shell = shell_distance(sqrt(known2), ball);
     uint listed = 0;
@@ -163,17 +147,20 @@ SEL_FN Nearest nearest_triangle(ContactBall ball, NearWallView near, int front_o
         if (d2 <= shell * shell) note_near(list, listed++, t, d2);
         if (d2 > nearest.d2 * (1 + SEL_TIE)) continue;
         const int at_boundary = on_boundary(near.wall.boundary[t], feature);
-        if (take_nearer(&nearest, t, ball, tri, v, at_boundary, front_only)) shell = min_r(shell, shell_distance(sqrt(d2), ball));
+        if (!take_nearer(contact, &nearest, t, ball, tri, v, feature, at_boundary, front_only)) continue;
+        shell = min_r(shell, shell_distance(sqrt(d2), ball));
     }
     list->count = listed;
-    return nearest;
 }
 
-SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, real near2, SEL_OUT NearList* list)
+#if !SEL_SUMS_IN_MEMORY
+SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, real near2, NearList* list)
 {
-    const Nearest nearest = nearest_triangle(ball, near, front_only, near2, list);
-    return nearest.found ? contact_point_with(nearest.triangle, ball, near.wall) : no_contact_point(ball.reach);
+    ContactPoint contact;
+    find_nearest(&contact, ball, near, front_only, near2, list);
+    return contact;
 }
+#endif
 
 SEL_END
 #endif

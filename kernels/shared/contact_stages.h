@@ -60,7 +60,7 @@ SEL_FN LawContext staged_context(StagedPoint of, NodeView nodes, NodeView nodes_
 SEL_FN void stage_nearest(StagedPoint of, SEL_OUT ContactStage* stage)
 {
     SEL_OUT ContactPoint* first = &stage->side[0];
-    *first = nearest_contact_point(of.ball, of.point.near, 0, touched_distance2(of.ball, of.point.near.wall, of.was), &stage->list);
+    find_nearest(first, of.ball, of.point.near, 0, touched_distance2(of.ball, of.point.near.wall, of.was), &stage->list);
     first->side = last_side(of.was);
     stage->behind = is_behind(first, of.was);
     stage->flags = 0;
@@ -70,7 +70,7 @@ SEL_FN void stage_behind(StagedPoint of, NodeView nodes, NodeView nodes_t0, SEL_
 {
     if (!stage->behind) return;
     SEL_OUT ContactPoint* first = &stage->side[0];
-    *first = nearest_contact_point(of.ball, of.point.near, 1, (real)1e30, &stage->list);
+    find_nearest(first, of.ball, of.point.near, 1, (real)1e30, &stage->list);
     first->side = last_side(of.was);
     const vec3 move = motion_of(of.point.place, of.at, nodes, nodes_t0).move;
     if (!of.par.known && gone_through(of.at.offset, move, of.at.origin, of.point.near)) stage->flags |= SEL_FORCE_BLOCKED;

@@ -63,15 +63,11 @@ SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes
     smooth_maximum(first, planes);
 }
 
-// The contact point with triangle t of the other side, which faces the ball.
-SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoint* first, ContactBall ball, WallView wall,
-                          uint t)
+SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoint* first, uint t, FacingTriangle facing, real depth)
 {
-    FacingTriangle facing;
-    (void)faces(ball, load_triangle(wall.vertices, t, ball.origin), wall.boundary[t], &facing);
     second->found = 1;
     second->triangle = t;
-    second->depth = ball.radius - facing.d;
+    second->depth = depth;
     second->normal = facing.n;
     second->to_wall = -facing.v;
     second->side = -first->side;
@@ -100,7 +96,6 @@ SEL_FN void walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoin
     const real range2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
     const WallQuery query = opposite_query(first, ball, surely_own);
     real deepest = -ball.reach;
-    uint opposite = first->triangle;  // none
     Walk walk;
     start_walk(&walk);
     uint t;
@@ -116,9 +111,8 @@ SEL_FN void walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoin
         const real depth = ball.radius - facing.d;
         if (!(depth > deepest)) continue;
         deepest = depth;
-        opposite = t;
+        take_opposite(second, first, t, facing, depth);
     }
-    if (opposite != first->triangle) take_opposite(second, first, ball, near.wall, opposite);
 }
 
 SEL_END
