@@ -171,6 +171,7 @@ SEL_OPTION_OF(std::optional<int>);
 SEL_OPTION_OF(std::optional<double>);
 SEL_OPTION_OF(std::optional<std::int64_t>);
 SEL_OPTION_OF(std::optional<std::uint64_t>);
+SEL_OPTION_OF(std::vector<int>);
 SEL_OPTION_OF(std::vector<std::string>);
 SEL_OPTION_OF(std::vector<std::filesystem::path>);
 #undef SEL_OPTION_OF

@@ -1,14 +1,15 @@
-// seldinger bench [--device N] [--json] [-o DIR] [--quick] [--repeat N] [--scenes FILE …] [--kernels-only] [--overwrite]
-// [--quiet]
+// seldinger bench [--device N] [--json] [-o DIR] [--quick] [--repeat N] [--scenes FILE …] [--kernels-only] [--gpu [--wires N,…]]
+// [--overwrite] [--quiet]
 
 #include "assets.h"
-#include "lab/bench_report.h"
 #include "command_line.h"
-#include "lab/lab_commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
 #include "core/note.h"
 #include "device/enumerate.h"
+#include "lab/bench_gpu.h"
+#include "lab/bench_report.h"
+#include "lab/lab_commands.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -23,11 +24,14 @@ namespace {
 struct BenchArguments {
     std::filesystem::path dir;
     std::vector<std::filesystem::path> scenes;
+    std::vector<int> wires = {1, 64, 1024, 4096};
     int device = -1, repeat = 3;
-    bool quick = false, json = false, overwrite = false, quiet = false, kernels_only = false;
+    bool quick = false, json = false, overwrite = false, quiet = false, kernels_only = false, gpu = false;
 };
 
 constexpr long quick_steps = 600;
+constexpr long fleet_steps = 60, quick_fleet_steps = 3;  // a second, and a check
+constexpr const char* gpu_file = "gpu.json";
 
 /// One line on stderr; nothing when it is not a terminal.
 void show(const BenchArguments& options, const std::string& doing)
@@ -44,7 +48,9 @@ void stop_when_asked()
 void check_folder(const BenchArguments& options)
 {
     if (options.dir.empty() || options.overwrite) return;
-    for (const char* file : bench_files)
+    const std::vector<const char*> files = options.gpu ? std::vector<const char*>{gpu_file}
+                                                       : std::vector<const char*>(std::begin(bench_files), std::end(bench_files));
+    for (const char* file : files)
         if (std::filesystem::exists(options.dir / file))
             throw Error(ExitCode::BadScene,
                         fmt::format("{}: holds results of a benchmark ({}); give --overwrite, or another folder with -o",
@@ -103,6 +109,24 @@ void measure_scenes(const BenchArguments& options, BenchResults& results)
     }
 }
 
+/// --gpu: one file for all of it.
+ExitCode bench_fleets(const BenchArguments& options)
+{
+    const GpuBench how = {options.device, options.wires, options.quick ? quick_fleet_steps : fleet_steps};
+    const std::string found = measure_gpu(
+        how, [&](const std::string& doing) { show(options, doing); },
+        [] {
+            stop_when_asked();
+            return false;
+        });
+    show(options, "");
+    if (!options.dir.empty()) make_folder(options.dir), write_file(options.dir / gpu_file, found);
+    if (options.json) print(found);
+    else if (!options.quiet) print(gpu_summary(found));
+    if (!options.json && !options.quiet && !options.dir.empty()) print(fmt::format("{}\n", (options.dir / gpu_file).string()));
+    return ExitCode::Done;
+}
+
 ExitCode bench(const BenchArguments& options)
 {
     const StopSignal listening;
@@ -115,6 +139,7 @@ ExitCode bench(const BenchArguments& options)
         throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
     results.device =
         list[static_cast<std::size_t>(options.device < 0 ? device::default_device(device::all_devices()) : options.device)];
+    if (options.gpu) return bench_fleets(options);
     for (const auto& file : options.scenes) (void)read_scene(file);  // before minutes are spent on kernels
     results.chosen = options.device < 0 ? "default" : "asked for";
     measure_kernels(options, results);
@@ -151,6 +176,14 @@ void add_bench(CommandLine& app, Command& chosen)
         ->type_name("N");
     command->add_flag("--quick", options->quick, "short check: small loads, 600 steps of each scene, once");
     command->add_flag("--kernels-only", options->kernels_only, "time kernels only, no scenes");
+    command->add_flag(
+        "--gpu", options->gpu,
+        "many wires at once: launches, bytes over the bus and the device's own time of each kernel, compared with the "
+        "processor; -o writes gpu.json");
+    command->add_option("--wires", options->wires, "numbers of wires for --gpu (default: 1,64,1024,4096)")
+        ->check(in_range(1, 100000))
+        ->type_name("N,...")
+        ->delimiter(',');
     command->add_flag("--overwrite", options->overwrite, "replace the results in DIR");
     command->add_option("--device", options->device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")

@@ -8,12 +8,15 @@
 // Includes nothing of kernels/shared: those headers are compiled in double, in float and with numbers that count
 // (kernel_bench_*.cpp).
 
+#include "contact/force_kernels.h"
 #include "device/device.h"
 
 #include <string>
 #include <vector>
 
 namespace seldinger::kernel_bench {
+
+using seldinger::ForceKernels;
 
 /// The tube, as DeviceWall holds it.
 struct BenchWall {

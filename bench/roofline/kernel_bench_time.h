@@ -3,6 +3,7 @@
 
 namespace {
 
+using sel_bench::ForceKernels;
 using sel_bench::KernelBenchOptions;
 using sel_bench::KernelTiming;
 using sel_device::Buffer;
@@ -74,11 +75,11 @@ public:
             k.launch(queue_, n_, static_cast<uint>(n_), real(1), list_, places_, hi_, lo_, theta_, tree_, vertices_, boundary_,
                      ratios_);
         });
-        run("evaluation.cl", "contact_evaluate", n_, record + states + sizeof(ContactForce) + sizeof(real) + lists,
-            [&](Kernel& k) {
-                k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_, lo_,
-                         theta_, hi_t0_, lo_t0_, theta_t0_, states_t0_, states_, forces_, barys_, multipliers_, clearances_);
-            });
+        ForceKernels forces(context_, "contact/evaluation.cl", n_, {true, true});
+        time(forces, "contact_evaluate", n_, record + states + sizeof(ContactForce) + sizeof(real) + lists, [&](ForceKernels& k) {
+            k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_, lo_,
+                     theta_, hi_t0_, lo_t0_, theta_t0_, states_t0_, states_, forces_, barys_, multipliers_, clearances_);
+        });
         const std::size_t edges = load_.layer_edges.size();
         const Buffer sums(context_, edges * sizeof(EdgeForce));
         run("edge_sums.cl", "contact_reduce", edges, samples_per_edge * (sizeof(ContactForce) + sizeof(real)) + sizeof(EdgeForce),
@@ -137,6 +138,12 @@ private:
     void run(const char* file, const char* name, std::size_t items, double bytes, const Launch& launch)
     {
         Kernel kernel(context_, std::string("contact/") + file, name);
+        time(kernel, name, items, bytes, launch);
+    }
+
+    template <class Kernels, class Launch>
+    void time(Kernels& kernels, const char* name, std::size_t items, double bytes, const Launch& launch)
+    {
         const KernelWork& work = per_item(name);
         KernelTiming timing;
         timing.kernel = name;
@@ -145,7 +152,7 @@ private:
         timing.items = items;
         timing.time = sel_device::median_time(
             [&] {
-                launch(kernel);
+                launch(kernels);
                 context_.finish(queue_);
             },
             options_.repeats, options_.least);

@@ -107,7 +107,8 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     std::vector<real> barys(n);
     for (std::size_t k = 0; k < n; ++k) barys[k] = s.places[k].bary;
     count(work, "contact_reduce", edges, [&] {
-        for (std::size_t e = 0; e < edges; ++e) (void)reduce_edge(forces.data(), barys.data(), s.first[e], s.first[e + 1]);
+        EdgeForce sum;
+        for (std::size_t e = 0; e < edges; ++e) reduce_edge(forces.data(), barys.data(), s.first[e], s.first[e + 1], &sum);
         return static_cast<double>(n);
     });
     ContactParams par = s.par;

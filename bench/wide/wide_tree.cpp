@@ -29,7 +29,7 @@ std::vector<Span> find_spans(const WallTree& tree)
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children stand behind their parents
         const TreeNode& node = tree.nodes[i];
         Span& span = spans[i];
-        if (node.count > 0) {
+        if (!SEL_IS_INNER(node.count)) {
             span = {node.left_or_first, SEL_LEAF_TRIANGLES(node.count), 0, 0};
             continue;
         }

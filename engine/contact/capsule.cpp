@@ -37,7 +37,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& set
       states_(context, quadrature_),
       near_(context, quadrature_, wall_, nodes_, states_, near_lengths(quadrature_, tree, kernel_law(setup.method().normal))),
       active_(context, quadrature_, sums_, rods.total_capacity()),
-      evaluation_(context, quadrature_.models.size())
+      evaluation_(context, quadrature_.models)
 {
     params_.friction = static_cast<uint>(setup.method().friction);
     params_.normal_law = kernel_law(setup.method().normal);

@@ -1,4 +1,4 @@
-// Launches of contact_evaluate and contact_reduce.
+// Launches of the force kernels and of contact_reduce.
 
 #include "contact/evaluation.h"
 
@@ -9,12 +9,26 @@
 
 namespace seldinger {
 
-Evaluation::Evaluation(device::Context& context, std::size_t points)
+namespace {
+
+ForceKernels::Rare rare_laws(std::span<const QuadratureModel> models)
+{
+    ForceKernels::Rare rare{false, false};
+    for (const QuadratureModel& m : models) {
+        rare.ridges = rare.ridges || m.ridges > 0;
+        rare.rolling = rare.rolling || m.roll_arm > 0;
+    }
+    return rare;
+}
+
+}  // namespace
+
+Evaluation::Evaluation(device::Context& context, std::span<const QuadratureModel> models)
     : context_(context),
-      evaluate_(context, programs::quadrature, "contact_evaluate", device::Items::Branching),
+      evaluate_(context, programs::quadrature, models.size(), rare_laws(models)),
       reduce_(context, programs::quadrature, "contact_reduce", device::Items::Branching),
-      forces_(context, points * device_size<ContactForce>(context)),
-      barys_(context, points * device_size<double>(context)),
+      forces_(context, models.size() * device_size<ContactForce>(context)),
+      barys_(context, models.size() * device_size<double>(context)),
       no_multipliers_(context, sizeof(MultiplierState))
 {
 }

@@ -1,14 +1,18 @@
 #pragma once
-// The two launches that make contact forces of quadrature points and sum them by edge.
+// The launches that make contact forces of quadrature points and sum them by edge.
 
+#include "contact/force_kernels.h"
 #include "contact/quadrature_buffers.h"
 #include "shared/contact_types.h"
+
+#include <span>
 
 namespace seldinger {
 
 class Evaluation {
 public:
-    Evaluation(device::Context& context, std::size_t points);
+    /// @param models  of all points, which stay as they are
+    Evaluation(device::Context& context, std::span<const QuadratureModel> models);
 
     /// Forces of the first par.item_count listed points; 0: the kernel is launched with nothing to do. before: nodes where the
     /// moves of the step begin; multipliers: [points][2] or nullptr
@@ -19,7 +23,8 @@ public:
 
 private:
     device::Context& context_;
-    device::Kernel evaluate_, reduce_;
+    ForceKernels evaluate_;
+    device::Kernel reduce_;
     device::Buffer forces_, barys_;
     device::Buffer no_multipliers_;  // for the laws that have none
 };

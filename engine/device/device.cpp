@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "device/enumerate.h"
+#include "device/profile_record.h"
 #include "device/shared_context.h"
 
 #include <fmt/format.h>
@@ -168,9 +169,10 @@ Context::Context(int index, bool float32) : float32_(float32)
     if (light != heavy) devices.push_back(light);
     shared_ = &SharedContext::of(devices);
     cl_int status = CL_SUCCESS;
-    queues_[1] = clCreateCommandQueue(shared_->handle(), heavy, 0, &status);
+    const cl_command_queue_properties timed = profiling() ? CL_QUEUE_PROFILING_ENABLE : 0;
+    queues_[1] = clCreateCommandQueue(shared_->handle(), heavy, timed, &status);
     check(status, "clCreateCommandQueue");
-    queues_[0] = light == heavy ? queues_[1] : clCreateCommandQueue(shared_->handle(), light, 0, &status);
+    queues_[0] = light == heavy ? queues_[1] : clCreateCommandQueue(shared_->handle(), light, timed, &status);
     check(status, "clCreateCommandQueue");
     const std::lock_guard<std::mutex> turn(launching);
     for (Context* other : alive) {  // who was alone until now has not waited for its last launches
@@ -205,6 +207,7 @@ void Context::write(Queue queue, const Buffer& to, const void* source, std::size
     SEL_ASSERT(offset + bytes <= to.bytes());
     CL_CHECK(clEnqueueWriteBuffer(command_queue(queue), to.handle(), CL_FALSE, offset, bytes, source, 0, nullptr, nullptr));
     counters_.writes++;
+    note_written(bytes);
 }
 
 void Context::read(Queue queue, const Buffer& from, void* target, std::size_t bytes, std::size_t offset)
@@ -213,6 +216,7 @@ void Context::read(Queue queue, const Buffer& from, void* target, std::size_t by
     SEL_ASSERT(offset + bytes <= from.bytes());
     CL_CHECK(clEnqueueReadBuffer(command_queue(queue), from.handle(), CL_TRUE, offset, bytes, target, 0, nullptr, nullptr));
     counters_.reads++;
+    note_read(bytes);
 }
 
 void Context::copy(Queue queue, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset)
@@ -228,7 +232,11 @@ void Context::enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::siz
 {
     const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
     const std::lock_guard<std::mutex> turn(launching);
-    CL_CHECK(clEnqueueNDRangeKernel(command_queue(queue), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
+    cl_event event = nullptr;
+    const bool timed = profiling();
+    CL_CHECK(clEnqueueNDRangeKernel(command_queue(queue), kernel, 1, nullptr, &global, &workgroup, 0, nullptr,
+                                    timed ? &event : nullptr));
+    if (timed) note_launch(kernel, items, workgroup, event);
     if (alive.size() > 1) CL_CHECK(clFinish(command_queue(queue)));
     counters_.launches++;
 }

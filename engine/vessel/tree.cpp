@@ -219,7 +219,7 @@ void build_nodes(WallTree& tree, std::vector<Item>& items, int threads)
     for (std::size_t k = 0; k < parts.size(); ++k) {
         const auto offset = static_cast<std::uint32_t>(top.nodes.size()) - 1;  // part node i > 0 becomes offset + i
         for (TreeNode& node : parts[k].nodes)
-            if (node.count == 0) node.left_or_first += offset;
+            if (SEL_IS_INNER(node.count)) node.left_or_first += offset;
         top.nodes[subtrees[k].node] = parts[k].nodes[0];
         top.nodes.insert(top.nodes.end(), parts[k].nodes.begin() + 1, parts[k].nodes.end());
         top.depth = std::max(top.depth, parts[k].depth);
@@ -275,7 +275,7 @@ bool is_division(const TreeDivision& division, std::size_t triangles)
         ++visited;
         const auto [left_or_first, count] = division.nodes[i];
         if (count == 0) {
-            if (left_or_first <= i) return false;  // children stand behind their parent
+            if (left_or_first <= i || SEL_IS_RIGHT(left_or_first)) return false;  // children stand behind their parent, in pairs
             stack.push_back({left_or_first + std::size_t{1}, depth + 1});
             stack.push_back({left_or_first, depth + 1});
             continue;
@@ -293,7 +293,7 @@ int write_boxes(WallTree& tree)
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
         TreeNode& node = tree.nodes[i];
         Box box;
-        if (node.count > 0) {
+        if (!SEL_IS_INNER(node.count)) {
             const std::size_t first = node.left_or_first, end = first + SEL_LEAF_TRIANGLES(node.count);
             for (const float *v = &tree.vertices[9 * first], *stop = v + 9 * (end - first); v != stop; v += 3) {
                 const Lane4 p(v[0], v[1], v[2], 0);
@@ -309,6 +309,19 @@ int write_boxes(WallTree& tree)
         box.store(node);
     }
     return height[0];
+}
+
+/// Inner nodes below the root get their parent's index (tree_types.h).
+void link_parents(std::vector<TreeNode>& nodes)
+{
+    SEL_ASSERT(nodes.size() < (1u << 29));
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        if (!SEL_IS_INNER(nodes[i].count)) continue;
+        const std::uint32_t left = nodes[i].left_or_first;
+        SEL_ASSERT(!SEL_IS_RIGHT(left));
+        for (const std::uint32_t child : {left, left + 1})
+            if (SEL_IS_INNER(nodes[child].count)) nodes[child].count = i << 3;
+    }
 }
 
 /// The slab of a leaf whose box and whose triangles' vertices are there (tree_types.h).
@@ -399,7 +412,8 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
     }
     write_triangles(tree, mesh);
     for (TreeNode& node : tree.nodes)
-        if (node.count > 0) set_slab(tree, node);
+        if (!SEL_IS_INNER(node.count)) set_slab(tree, node);
+    link_parents(tree.nodes);
     return tree;
 }
 
@@ -407,7 +421,8 @@ TreeDivision division_of(const WallTree& tree)
 {
     TreeDivision division{{}, tree.original, tree.edge_bits};
     division.nodes.reserve(tree.nodes.size());
-    for (const TreeNode& node : tree.nodes) division.nodes.push_back({node.left_or_first, node.count});
+    for (const TreeNode& node : tree.nodes)
+        division.nodes.push_back({node.left_or_first, SEL_IS_INNER(node.count) ? 0 : node.count});
     return division;
 }
 
@@ -425,6 +440,7 @@ std::optional<WallTree> divided_wall_tree(const WallMesh& mesh, TreeDivision div
     tree.edge_bits = std::move(division.edge_bits);
     write_triangles(tree, mesh);
     tree.depth = write_boxes(tree);
+    link_parents(tree.nodes);
     return tree;
 }
 

@@ -28,7 +28,7 @@ std::vector<Below> gather(const WallTree& tree)
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
         const TreeNode& node = tree.nodes[i];
         Below& here = below[i];
-        if (node.count == 0) {
+        if (SEL_IS_INNER(node.count)) {
             const Below &left = below[node.left_or_first], &right = below[node.left_or_first + 1];
             here = {left.first, right.end, left.area + right.area};
             continue;
@@ -82,7 +82,7 @@ std::size_t grandchildren(const WallTree& tree, std::uint32_t node, std::uint32_
     std::size_t count = 0;
     for (std::uint32_t child = tree.nodes[node].left_or_first, end = child + 2; child < end; ++child) {
         const TreeNode& below = tree.nodes[child];
-        if (below.count > 0) found[count++] = child;
+        if (!SEL_IS_INNER(below.count)) found[count++] = child;
         else found[count++] = below.left_or_first, found[count++] = below.left_or_first + 1;
     }
     return count;
@@ -106,7 +106,7 @@ Layout lay_out(const WallTree& tree)
         std::uint32_t found[4];
         for (auto k = static_cast<std::uint32_t>(grandchildren(tree, next.node, found)); k-- > 0;) {
             const TreeNode& node = tree.nodes[found[k]];
-            if (node.count == 0) stack.push_back({found[k], here, k});
+            if (SEL_IS_INNER(node.count)) stack.push_back({found[k], here, k});
             else quad.child[k] = TreeQuad::leaf | (SEL_LEAF_TRIANGLES(node.count) - 1) << TreeQuad::count_shift | node.left_or_first;
         }
     }
@@ -117,7 +117,7 @@ Layout lay_out(const WallTree& tree)
 
 std::vector<TreeQuad> make_quads(const WallTree& tree)
 {
-    if (tree.nodes.empty() || tree.nodes[0].count > 0) return {};
+    if (tree.nodes.empty() || !SEL_IS_INNER(tree.nodes[0].count)) return {};
     SEL_ASSERT(tree.triangle_count() <= TreeQuad::first_triangle + 1);
     const std::vector<Below> below = gather(tree);
     const double slack = slack_of_extent * tree.extent();

@@ -82,7 +82,7 @@ struct NearestSearch {
         while (true) {
             if (current_entry <= best.distance2) {
                 const TreeNode& node = tree.nodes[current];
-                if (node.count > 0) {
+                if (!SEL_IS_INNER(node.count)) {
                     look_at(node.left_or_first, SEL_LEAF_TRIANGLES(node.count));
                 } else {
                     looked_at += 3;
@@ -188,7 +188,7 @@ std::uint64_t triangles_of_leaves(const WallTree& tree, std::vector<std::uint32_
         const TreeNode& node = tree.nodes[stack[--top]];
         ++asked;
         if (!is_near(node)) continue;
-        if (node.count > 0) {
+        if (!SEL_IS_INNER(node.count)) {
             for (std::uint32_t k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) result.push_back(node.left_or_first + k);
             continue;
         }
@@ -232,7 +232,7 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
         const TreeNode& node = tree.nodes[stack[--top]];
         ++looked_at;
         if (!(box_entry(node, local, inverse) < best)) continue;
-        if (node.count > 0) {
+        if (!SEL_IS_INNER(node.count)) {
             looked_at += SEL_LEAF_TRIANGLES(node.count);
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const double t = ray_triangle(local, direction, tree.triangle(k));

@@ -1,5 +1,6 @@
 // Start of a step with the barrier law, and the largest feasible step of a trial.
 //   launch  engine/contact/barrier_path.cpp       test  tests/contact/test_host_reference.cpp
+#define SEL_SUMS_IN_MEMORY 0  // rare: not in stages (shared/contact_stages.h)
 #include "shared/barrier_path.h"
 #include "shared/sweep.h"
 #ifndef SEL_WORKGROUP

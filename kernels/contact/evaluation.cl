@@ -1,16 +1,32 @@
-// Forces of quadrature points, by any law.
-//   launch  engine/contact/evaluation.cpp       test  tests/contact/test_host_reference.cpp
-#include "shared/contact_point.h"
+// Forces of quadrature points, by any law: in one kernel where an item is a work-group, that is on a CPU, else in stages.
+//   launch  engine/contact/force_kernels.cpp       test  tests/contact/test_host_reference.cpp
+#include "shared/contact_stages.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone
 #endif
 #define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
-// A hint if one item is a work-group, that is on a CPU. The records of a thousand wires do not fit its caches, and only the list
-// knows the next ones. (PoCL's own prefetch() does nothing.) Only where the compiler's target is the processor
-// itself: SPIR-V has no such instruction, and LLVM's translator to SPIR-V ends the process at it.
-#if SEL_WORKGROUP == 1 && defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__))
-    #define SEL_AHEAD 4  // items: a third of a microsecond each
+// Forces of active quadrature points.
+//   item    one entry of `list` (quadrature points with near nodes, ordered by wire and edge); range rounded up to the work-group
+//           size
+//   reads   list [item_count]; models, places, counts [points]; near_nodes [points][slots]; wall; nodes, at the trial and at the
+//           start of the step; states_t0, multipliers [points][2]; clearances [points]
+//   writes  forces, barys [item_count]; states [points][2]; clearances
+#define SEL_FORCE_ARGUMENTS                                                                                              \
+    const ContactParams par, __global const uint *restrict list, __global const QuadratureModel *restrict models,        \
+        __global const QuadraturePlace *restrict places, __global const uint *restrict near_nodes,                       \
+        __global const uint *restrict counts, SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS(node), SEL_NODE_ARGUMENTS(node_t0), \
+        __global const ContactState *restrict states_t0, __global ContactState *restrict states,                         \
+        __global ContactForce *restrict forces, __global real *restrict barys,                                           \
+        __global const MultiplierState *restrict multipliers, __global Clearance *restrict clearances
+
+#if !SEL_SUMS_IN_MEMORY
+
+    // A hint. The records of a thousand wires do not fit its caches, and only the list
+    // knows the next ones. (PoCL's own prefetch() does nothing.) Only where the compiler's target is the processor
+    // itself: SPIR-V has no such instruction, and LLVM's translator to SPIR-V ends the process at it.
+    #if defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__))
+        #define SEL_AHEAD 4  // items: a third of a microsecond each
 static inline void ahead(const __global void* at, uint bytes)
 {
     for (uint k = 0; k < bytes; k += 64) __builtin_prefetch((const __global char*)at + k);
@@ -20,19 +36,7 @@ static inline void ahead(const __global void* at, uint bytes)
 static inline void ahead(const __global void* at, uint bytes) {}
 #endif
 
-// Forces of active quadrature points.
-//   item    one entry of `list` (quadrature points with near nodes, ordered by wire and edge); range rounded up to the work-group
-//           size
-//   reads   list [item_count]; models, places, counts [points]; near_nodes [points][slots]; wall; nodes, at the trial and at the
-//           start of the step; states_t0, multipliers [points][2]; clearances [points]
-//   writes  forces, barys [item_count]; states [points][2]; clearances
-SEL_KERNEL void contact_evaluate(
-    const ContactParams par, __global const uint* restrict list, __global const QuadratureModel* restrict models,
-    __global const QuadraturePlace* restrict places, __global const uint* restrict near_nodes,
-    __global const uint* restrict counts, SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS(node), SEL_NODE_ARGUMENTS(node_t0),
-    __global const ContactState* restrict states_t0, __global ContactState* restrict states,
-    __global ContactForce* restrict forces, __global real* restrict barys, __global const MultiplierState* restrict multipliers,
-    __global Clearance* restrict clearances)
+SEL_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
@@ -52,3 +56,92 @@ SEL_KERNEL void contact_evaluate(
         barys[item] = places[s].bary;
     }
 }
+
+#else
+
+// Stages of the same (shared/contact_stages.h).
+//   item    of contact_clear: one entry of `list`; of the others: one of the todo[0] that follow it in `todo`
+//   reads   side: 0, the nearer side of the lumen; 1, the opposite one
+//   writes  todo: places in `list` of the quadrature points that have to be evaluated, in any order; todo[0] is 0 before.
+//           stages [points]
+    #define SEL_STAGE(name)                                                                                             \
+        SEL_KERNEL void name(SEL_FORCE_ARGUMENTS, __global ContactStage* restrict stages, __global uint* restrict todo, \
+                             const uint side)
+    #define SEL_POINT_OF(item)                                             \
+        const uint s = list[item];                                         \
+        const StateView view = state_view(states_t0, states, multipliers); \
+        const PointView point =                                            \
+            point_view(s, models[s], places[s], near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]))
+    #define SEL_NEXT_POINT                                                      \
+        if (get_global_id(0) >= todo[0]) return;                                \
+        const uint item = todo[1 + get_global_id(0)];                           \
+        SEL_POINT_OF(item);                                                     \
+        const StagedPoint of = staged_point(point, par, SEL_NODES(node), view); \
+        __global ContactStage* stage = stages + item
+
+SEL_STAGE(contact_clear)
+{
+    const uint item = get_global_id(0);
+    if (item >= par.item_count) return;
+    SEL_POINT_OF(item);
+    barys[item] = point.place.bary;
+    if (is_clear(point, SEL_NODES(node), view, clearances + s)) write_force(no_force(point.model), forces + item);
+    else todo[1 + atomic_inc(todo)] = item;
+}
+
+SEL_STAGE(contact_nearest)
+{
+    SEL_NEXT_POINT;
+    stage_nearest(of, stage);
+}
+
+SEL_STAGE(contact_behind)
+{
+    SEL_NEXT_POINT;
+    stage_behind(of, SEL_NODES(node), SEL_NODES(node_t0), stage);
+}
+
+SEL_STAGE(contact_join)
+{
+    SEL_NEXT_POINT;
+    stage_join(of, side, stage);
+}
+
+SEL_STAGE(contact_oppose)
+{
+    SEL_NEXT_POINT;
+    stage_oppose(of, stage);
+}
+
+SEL_STAGE(contact_ridge)
+{
+    SEL_NEXT_POINT;
+    stage_ridge(of, side, stage);
+}
+
+SEL_STAGE(contact_press)
+{
+    SEL_NEXT_POINT;
+    if (side == 0) start_force(of, stage, states + 2 * s, forces + item);
+    stage_press(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
+}
+
+SEL_STAGE(contact_rub)
+{
+    SEL_NEXT_POINT;
+    stage_rub(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
+}
+
+SEL_STAGE(contact_tangent)
+{
+    SEL_NEXT_POINT;
+    stage_tangent(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
+}
+
+SEL_STAGE(contact_roll)
+{
+    SEL_NEXT_POINT;
+    stage_roll(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
+}
+
+#endif

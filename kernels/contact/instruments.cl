@@ -1,5 +1,6 @@
 // Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
 //   launch  engine/contact/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
+#define SEL_SUMS_IN_MEMORY 0  // its records are its own (instrument_types.h)
 #include "shared/instrument_block.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone

@@ -1,5 +1,6 @@
 // The published layer detection: pairs of an edge, and their forces. Their sums: edge_sums.cl.
 //   launch  engine/contact/layer.cpp       test  tests/contact/test_layer.cpp, tests/contact/test_host_reference.cpp
+#define SEL_SUMS_IN_MEMORY 0  // rare: not in stages (shared/contact_stages.h)
 #include "shared/layer.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone

@@ -64,13 +64,12 @@ typedef struct NearList {
     real d2[SEL_NEAR_MOST];
 } NearList;
 
-SEL_FN void note_near(NearList* list, uint t, real d2)
+SEL_FN void note_near(SEL_OUT NearList* list, uint count, uint t, real d2)
 {
-    if (list->count < SEL_NEAR_MOST) {
-        list->triangle[list->count] = t;
-        list->d2[list->count] = d2;
+    if (count < SEL_NEAR_MOST) {
+        list->triangle[count] = t;
+        list->d2[count] = d2;
     }
-    ++list->count;
 }
 
 // Distance within which triangles are joined with a nearest one at the distance d: eps <= 2 smoothing r (smooth_maximum.h).
@@ -100,8 +99,8 @@ typedef struct Nearest {
 
 // Takes triangle t for the contact point if it is nearer than the nearest so far. v: from its closest point to the ball's centre.
 // @return it was taken
-SEL_FN int take_nearer(ContactPoint* contact, Nearest* nearest, ContactBall ball, Triangle tri, vec3 v, int feature,
-                       int at_boundary, int front_only)
+SEL_FN int take_nearer(SEL_OUT ContactPoint* contact, Nearest* nearest, uint t, ContactBall ball, Triangle tri, vec3 v,
+                       int feature, int at_boundary, int front_only)
 {
     const real d2 = dot3(v, v), d = sqrt(d2);
     const vec3 facet = triangle_normal(tri);
@@ -112,6 +111,7 @@ SEL_FN int take_nearer(ContactPoint* contact, Nearest* nearest, ContactBall ball
     if (d2 >= nearest->d2 * (1 - SEL_TIE) && fabs(align) <= fabs(nearest->align)) return 0;
     nearest->d2 = d2;
     nearest->align = align;
+    contact->triangle = t;
     contact->found = 1;
     contact->outside = align < 0;
     contact->depth = align < 0 ? ball.radius + d : ball.radius - d;
@@ -124,16 +124,17 @@ SEL_FN int take_nearer(ContactPoint* contact, Nearest* nearest, ContactBall ball
 // @param front_only  walls seen from behind are not there
 // @param near2  squared distance of some triangle below the listed nodes, which the nearest cannot be beyond; anything larger
 // than the reach: not known
-SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, real near2, NearList* list)
+SEL_FN void find_nearest(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallView near, int front_only, real near2,
+                         SEL_OUT NearList* list)
 {
-    ContactPoint contact = no_contact_point(ball.reach);
+    *contact = no_contact_point(ball.reach);
     Nearest nearest;
     // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
     nearest.d2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
     nearest.align = 0;
     const real known2 = front_only ? nearest.d2 : min_r(near2, nearest.d2);
     real shell = shell_distance(sqrt(known2), ball);
-    list->count = 0;
+    uint listed = 0;
     Walk walk;
     start_walk(&walk);
     uint t;
@@ -143,15 +144,23 @@ SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, i
         int feature;
         const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
         const real d2 = dot3(v, v);
-        if (d2 <= shell * shell) note_near(list, t, d2);
+        if (d2 <= shell * shell) note_near(list, listed++, t, d2);
         if (d2 > nearest.d2 * (1 + SEL_TIE)) continue;
         const int at_boundary = on_boundary(near.wall.boundary[t], feature);
-        if (!take_nearer(&contact, &nearest, ball, tri, v, feature, at_boundary, front_only)) continue;
-        contact.triangle = t;
+        if (!take_nearer(contact, &nearest, t, ball, tri, v, feature, at_boundary, front_only)) continue;
         shell = min_r(shell, shell_distance(sqrt(d2), ball));
     }
+    list->count = listed;
+}
+
+#if !SEL_SUMS_IN_MEMORY
+SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, real near2, NearList* list)
+{
+    ContactPoint contact;
+    find_nearest(&contact, ball, near, front_only, near2, list);
     return contact;
 }
+#endif
 
 SEL_END
 #endif

@@ -87,7 +87,7 @@ SEL_FN CarriedState held_by_multiplier(CarriedState carried, MultiplierState mul
 
 // Data of a contact point before its force.
 // @param axis  the point of the axis, relative to the mesh centre
-SEL_FN void write_contact(ContactPoint contact, vec3 n, vec3 axis, Closing closing, uint epoch, ContactState* now)
+SEL_FN void write_contact(ContactPoint contact, vec3 n, vec3 axis, Closing closing, uint epoch, SEL_OUT ContactState* now)
 {
     now->epoch = epoch;
     now->flags = contact.outside ? SEL_CONTACT_OUTSIDE : 0u;
@@ -104,7 +104,7 @@ SEL_FN void write_contact(ContactPoint contact, vec3 n, vec3 axis, Closing closi
 }
 
 // fn along g, the gradient of the gap, and how both change.
-SEL_FN void add_normal(ContactPoint contact, NormalLoad load, ContactForce* out)
+SEL_FN void add_normal(ContactPoint contact, NormalLoad load, SEL_OUT ContactForce* out)
 {
     const vec3 g = contact.normal;
     const real fn = load.force;
@@ -130,47 +130,90 @@ SEL_FN Footprint footprint(real depth, real per_metre, real slope, const LawCont
     return foot;
 }
 
-// One contact point of one quadrature point: normal law, friction, rolling. `old` is its state at the start of the step.
-SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier,
-                              const LawContext* c, ContactState* now, ContactForce* out)
+// The normal force of a contact point, as friction and rolling need it.
+typedef struct Pressure {
+    NormalLoad held;        // what they go by
+    real pushed;            // [N]
+    real per_metre, slope;  // [N/m], [N/m^2]
+    int acts, was_active;   // was_active: it was in contact at the start of the step
+} Pressure;
+
+// Normal law of one contact point. `old` is its state at the start of the step.
+SEL_FN Pressure add_pressure(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier, const LawContext* c,
+                             SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
 {
     const ContactParams par = c->par;
     const real size = sqrt(dot3(contact.normal, contact.normal));
     const vec3 n = size > 0 ? (1 / size) * contact.normal : contact.normal;
     const Closing closing = closing_of(contact, n, old, c);
+    Pressure pressure;
+    pressure.acts = 0;
     write_contact(contact, n, axis, closing, c->mv.epoch, now);
     out->depth = max_r(out->depth, contact.depth);
     if (contact.outside) out->flags |= SEL_FORCE_OUTSIDE;
     if (!par.known && blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     real slope;
     const real per_metre = normal_force_per_metre(closing, multiplier, c, &slope);
-    if (c->m.weight * per_metre <= 0) return;
+    if (c->m.weight * per_metre <= 0) return pressure;
     real ignored;
-    NormalLoad load, held;
+    NormalLoad load;
     load.force = c->m.weight * (par.known == SEL_KNOWN_LINEAR ? elastic_normal(contact.depth, c->m, &ignored) : per_metre);
     load.slope = c->m.weight * slope;
     add_normal(contact, load, out);
     out->normal_work += load.force * dot3(contact.normal, c->mv.move);
-    const real pushed = load.force * size;  // |fn g|: between two facets the gradient g is a little shorter than 1
+    pressure.pushed = load.force * size;  // |fn g|: between two facets the gradient g is a little shorter than 1
     now->flags |= SEL_CONTACT_ACTIVE;
-    now->normal_force = pushed;
-    out->normal_sum += pushed;
+    now->normal_force = pressure.pushed;
+    out->normal_sum += pressure.pushed;
     const int lagged = par.known == SEL_KNOWN_LINEAR && par.friction == SEL_FRICTION_SIGN;
-    held.force = lagged ? c->m.weight * per_metre * size : pushed;  // what friction goes by
-    held.slope = load.slope * size;
+    pressure.held.force = lagged ? c->m.weight * per_metre * size : pressure.pushed;
+    pressure.held.slope = load.slope * size;
+    pressure.per_metre = per_metre;
+    pressure.slope = slope;
+    pressure.acts = 1;
+    pressure.was_active = !closing.fresh && (old.flags & SEL_CONTACT_ACTIVE);
+    return pressure;
+}
+
+SEL_FN CarriedState carried_state(ContactState old, Pressure pressure)
+{
     CarriedState carried;
     carried.old = old;
-    carried.was_active = !closing.fresh && (old.flags & SEL_CONTACT_ACTIVE);
+    carried.was_active = pressure.was_active;
+    return carried;
+}
+
+// Friction under that load. @param n  unit normal     @return its tangent, which add_friction_tangent adds
+SEL_FN SlipTangent add_rubbing(vec3 n, Pressure pressure, ContactState old, MultiplierState multiplier, const LawContext* c,
+                               SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
+{
     LawContext holding = *c;
-    NormalLoad load_held = held;
-    CarriedState held_from = carried;
-    if (par.normal_law == SEL_NORMAL_CONSTRAINT && multiplier.live) {
+    NormalLoad load = pressure.held;
+    CarriedState held_from = carried_state(old, pressure);
+    if (c->par.normal_law == SEL_NORMAL_CONSTRAINT && multiplier.live) {
         holding.m.friction_stiffness = SEL_TANGENTIAL * multiplier.stiffness;
-        load_held.force = pushed;
-        held_from = held_by_multiplier(carried, multiplier, holding.m.friction_stiffness);
+        load.force = pressure.pushed;
+        held_from = held_by_multiplier(held_from, multiplier, holding.m.friction_stiffness);
     }
-    add_friction(n, contact.normal, load_held, held_from, &holding, now, out);
-    add_rolling(contact.normal, footprint(contact.depth, per_metre, slope, c), held, carried, c, now, out);
+    return add_friction_force(n, load, held_from, &holding, now, out);
+}
+
+SEL_FN void add_resistance(ContactPoint contact, Pressure pressure, ContactState old, const LawContext* c,
+                           SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
+{
+    add_rolling(contact.normal, footprint(contact.depth, pressure.per_metre, pressure.slope, c), pressure.held,
+                carried_state(old, pressure), c, now, out);
+}
+
+// One contact point of one quadrature point: normal law, friction, rolling. `old` is its state at the start of the step.
+SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier, const LawContext* c,
+                              SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
+{
+    const Pressure pressure = add_pressure(contact, axis, old, multiplier, c, now, out);
+    if (!pressure.acts) return;
+    const vec3 n = make_vec3(now->normal[0], now->normal[1], now->normal[2]);
+    add_friction_tangent(n, contact.normal, add_rubbing(n, pressure, old, multiplier, c, now, out), c, out);
+    add_resistance(contact, pressure, old, c, now, out);
 }
 
 SEL_END

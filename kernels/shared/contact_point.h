@@ -9,74 +9,101 @@
 #include "shared/point_motion.h"
 #include "shared/wall_crossing.h"
 
-// Before a loop of two rounds whose body is long: once in the program, not once a round.
-#ifdef __cplusplus
-    #define SEL_ROLLED
-#else
-    #define SEL_ROLLED _Pragma("unroll 1")
-#endif
-
 SEL_BEGIN
 
-// The two records of a quadrature point, and which of them belong to the last step.
-typedef struct StatePair {
-    ContactState a, b;
+// The two records of a quadrature point at the start of the step, and which of them belong to the last one. They are read where they
+// are used: both of them for the whole evaluation are 40 registers.
+typedef struct LastTouch {
+    SEL_GLOBAL const ContactState* states;  // [2]
     int a_lives, b_lives;
-} StatePair;
+} LastTouch;
 
-// Whether this record belongs to the wall with this normal.
-SEL_FN int same_side(ContactState state, vec3 normal)
+SEL_FN LastTouch last_touch(uint s, uint epoch, SEL_GLOBAL const ContactState* states_t0)
 {
-    return state.normal[0] * normal.x + state.normal[1] * normal.y + state.normal[2] * normal.z > 0;
+    LastTouch was;
+    was.states = states_t0 + 2 * s;
+    was.a_lives = was.states[0].epoch + 1 == epoch;
+    was.b_lives = was.states[1].epoch + 1 == epoch;
+    return was;
 }
 
+SEL_FN int lives(LastTouch was, uint k) { return k == 0 ? was.a_lives : was.b_lives; }
+
+SEL_FN ContactState last_state(LastTouch was, uint k) { return lives(was, k) ? was.states[k] : no_contact_state(); }
+
+SEL_FN vec3 last_normal(LastTouch was, uint k)
+{
+    SEL_GLOBAL const real* n = was.states[k].normal;
+    return make_vec3(n[0], n[1], n[2]);
+}
+
+// Squared distance of the nearest of the triangles that were touched last; 1e30 where none was.
+SEL_FN real touched_distance2(ContactBall ball, WallView wall, LastTouch was)
+{
+    real near2 = (real)1e30;
+    SEL_ROLLED for (uint k = 0; k < 2; ++k) if (lives(was, k)) near2 =
+        min_r(near2, triangle_distance2(ball.p, ball.origin, was.states[k].triangle, wall.vertices));
+    return near2;
+}
+
+// Is the nearest facet seen from behind, and was it not touched in the last step?
+SEL_FN int is_behind(SEL_OUT const ContactPoint* first, LastTouch was)
+{
+    const vec3 n = first->normal;
+    return first->outside && !(was.a_lives && dot3(last_normal(was, 0), n) > 0) &&
+           !(was.b_lives && dot3(last_normal(was, 1), n) > 0);
+}
+
+// Axis of the side of the lumen, from the last step; zero without one.
+SEL_FN vec3 last_side(LastTouch was)
+{
+    return was.a_lives ? last_normal(was, 0) : was.b_lives ? last_normal(was, 1) : make_vec3(0, 0, 0);
+}
+
+#if !SEL_SUMS_IN_MEMORY
 typedef struct ContactPointPair {
     ContactPoint first, second;  // the nearer side of the lumen, and the opposite one
-    int behind;                  // the nearest facet is seen from behind, and was not touched in the last step
+    int behind;                  // see is_behind
 } ContactPointPair;
 
-SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, const StatePair* was)
+SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, LastTouch was)
 {
     ContactPointPair out;
     // the last touched triangles are near: nothing farther away needs a test
-    real near2 = (real)1e30;
-    SEL_ROLLED for (int k = 0; k < 2; ++k)
-        if (k == 0 ? was->a_lives : was->b_lives) {
-            const uint touched = k == 0 ? was->a.triangle : was->b.triangle;
-            near2 = min_r(near2, triangle_distance2(ball.p, ball.origin, touched, near.wall.vertices));
-        }
+    const real near2 = touched_distance2(ball, near.wall, was);
     NearList list;
-    ContactPoint first = no_contact_point(ball.reach);
+    NeighbourPlanes planes;
+    ContactPoint side = no_contact_point(ball.reach);
     out.behind = 0;
     SEL_ROLLED for (int front_only = 0; front_only <= out.behind; ++front_only) {
-        first = nearest_contact_point(ball, near, front_only, near2, &list);
-        if (front_only) break;
-        out.behind =
-            first.outside && !(was->a_lives && same_side(was->a, first.normal)) && !(was->b_lives && same_side(was->b, first.normal));
+        side = nearest_contact_point(ball, near, front_only, near2, &list);
+        if (!front_only) out.behind = is_behind(&side, was);
+        else break;
     }
-    if (was->a_lives) first.side = make_vec3(was->a.normal[0], was->a.normal[1], was->a.normal[2]);
-    else if (was->b_lives) first.side = make_vec3(was->b.normal[0], was->b.normal[1], was->b.normal[2]);
+    side.side = last_side(was);
+    out.first = side;
+    out.second.found = 0;
     // the smooth maximum is taken on both sides: which of them is nearer may change without a jump
-    ContactPoint side = first, second = first;
     SEL_ROLLED for (int k = 0; k < 2; ++k) {
-        const ContactPoint opposite = smooth_and_oppose(&side, ball, near, &list);
-        if (k == 0) first = side;
-        else second = side;
-        if (k == 0) side = second = opposite;
+        const int joins = has_sides(&side, ball);
+        if (joins) join_neighbours(&side, &planes, ball, near, &list);
+        if (k == 0) out.first = side;
+        else out.second = side;
+        if (k == 1 || !joins) break;
+        walk_opposite(&out.first, &side, ball, near);
         if (!side.found) break;
         list.count = SEL_NEAR_MOST + 1;  // it was of the first
     }
-    out.first = first;
-    out.second = second;
     return out;
 }
+#endif
 
 // How well a record fits a wall: the cosine between its last normal and the wall's.
-SEL_FN real fit(ContactState state, MultiplierState multiplier, int lives, vec3 normal)
+SEL_FN real fit(LastTouch was, uint k, MultiplierState multiplier, vec3 normal)
 {
-    if (!lives && multiplier.live)
-        return normal.x * multiplier.normal[0] + normal.y * multiplier.normal[1] + normal.z * multiplier.normal[2];
-    return normal.x * state.normal[0] + normal.y * state.normal[1] + normal.z * state.normal[2];
+    if (lives(was, k)) return dot3(normal, last_normal(was, k));
+    return multiplier.live ? normal.x * multiplier.normal[0] + normal.y * multiplier.normal[1] + normal.z * multiplier.normal[2]
+                           : (real)0;
 }
 
 // Data of a quadrature point when contact is evaluated.
@@ -114,27 +141,30 @@ SEL_FN StateView state_view(SEL_GLOBAL const ContactState* states_t0, SEL_GLOBAL
     return view;
 }
 
-// Both records of a quadrature point; most second ones are empty, before and after.
-SEL_FN void write_states(uint s, const ContactState* now, SEL_GLOBAL ContactState* states)
+// Most second records are empty, before and after.
+SEL_FN void clear_state(SEL_GLOBAL ContactState* state)
 {
-    for (uint k = 0; k < 2; ++k)
-        if (now[k].epoch != 0 || states[2 * s + k].epoch != 0) states[2 * s + k] = now[k];
+    if (state->epoch != 0) *state = no_contact_state();
 }
 
-SEL_FN StatePair states_before(uint s, uint epoch, SEL_GLOBAL const ContactState* states_t0)
+// Multipliers of record k of quadrature point s, for the laws that have any.
+SEL_FN MultiplierState multiplier_of(uint s, uint k, ContactParams par, StateView view)
 {
-    StatePair was;
-    was.a_lives = states_t0[2 * s].epoch + 1 == epoch;
-    was.b_lives = states_t0[2 * s + 1].epoch + 1 == epoch;
-    was.a = was.a_lives ? states_t0[2 * s] : no_contact_state();
-    was.b = was.b_lives ? states_t0[2 * s + 1] : no_contact_state();
-    return was;
+    const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
+    return plain ? no_multiplier() : view.multipliers[2 * s + k];
+}
+
+// The record that belongs to this side of the lumen, the first contact point's: the one whose last normal is nearer.
+SEL_FN uint record_of(vec3 normal, LastTouch was, uint s, ContactParams par, StateView view)
+{
+    const MultiplierState a = multiplier_of(s, 0, par, view), b = multiplier_of(s, 1, par, view);
+    return (was.b_lives || b.live) && (!(was.a_lives || a.live) || fit(was, 1, b, normal) > fit(was, 0, a, normal));
 }
 
 // Over a ridge or a corner of the wall, d = |v| from it to the axis, the normal v/d turns as the axis moves past:
 //     d2(depth)/dp2 = -(1 - n n^T - t t^T)/d,       t along the ridge; none at a corner.
 // What the smooth maximum leaves to neighbours of this is not counted.
-SEL_FN void add_ridge(ContactPoint* contact, ContactBall ball, NearWallView near)
+SEL_FN void add_ridge(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallView near)
 {
     if (contact->depth <= 0 || contact->outside) return;
     const Triangle tri = load_triangle(near.wall.vertices, contact->triangle, ball.origin);
@@ -157,6 +187,7 @@ SEL_FN void add_ridge(ContactPoint* contact, ContactBall ball, NearWallView near
     contact->hessian[5] -= (1 - n.z * n.z - t.z * t.z) / d;
 }
 
+#if !SEL_SUMS_IN_MEMORY
 // Contact of one quadrature point.
 SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view)
 {
@@ -167,40 +198,31 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
     ContactForce out = no_force(c.m);
     const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
     c.mv = motion_of(point.place, at, nodes, nodes_t0);
-    const StatePair was = states_before(s, point.place.epoch, view.states_t0);
+    const LastTouch was = last_touch(s, point.place.epoch, view.states_t0);
     uint written = 0;  // bit b: the record b
     const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
-    ContactPointPair touching = contact_points_of(ball, point.near, &was);
+    ContactPointPair touching = contact_points_of(ball, point.near, was);
     if (touching.behind && !par.known && gone_through(at.offset, c.mv.move, at.origin, point.near)) out.flags |= SEL_FORCE_BLOCKED;
     if (touching.first.found) {
-        // the record that belongs to this side of the lumen: the one whose last normal is nearer
-        const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
-        const MultiplierState ma = plain ? no_multiplier() : view.multipliers[2 * s],
-                              mb = plain ? no_multiplier() : view.multipliers[2 * s + 1];
-        const real to_a = fit(was.a, ma, was.a_lives, touching.first.normal),
-                   to_b = fit(was.b, mb, was.b_lives, touching.first.normal);
-        const int swap = (was.b_lives || mb.live) && (!(was.a_lives || ma.live) || to_b > to_a);
+        const uint first = record_of(touching.first.normal, was, s, par, view);
         const vec3 axis = at.origin + at.offset;
-        // records are read where they are used: both of them for the whole evaluation are 40 registers
         ContactPoint touch = touching.first;
         SEL_ROLLED for (uint k = 0; k < 2; ++k) {
             if (!touch.found) break;
             if (c.m.ridges > 0) add_ridge(&touch, ball, point.near);
-            const uint b = k == 0 ? (uint)swap : (uint)!swap;
+            const uint b = first ^ k;
             ContactState state = no_contact_state();
-            const ContactState old = (b ? was.b_lives : was.a_lives) ? view.states_t0[2 * s + b] : no_contact_state();
-            const MultiplierState multiplier = plain ? no_multiplier() : view.multipliers[2 * s + b];
-            add_contact_point(touch, axis, old, multiplier, &c, &state, &out);
+            add_contact_point(touch, axis, last_state(was, b), multiplier_of(s, b, par, view), &c, &state, &out);
             if (state.epoch != 0 || view.states[2 * s + b].epoch != 0) view.states[2 * s + b] = state;
             written |= 1u << b;
             touch = touching.second;
         }
         if (out.contacts > 0) out.length = c.m.length;
     }
-    SEL_ROLLED for (uint b = 0; b < 2; ++b)
-        if (!(written >> b & 1u) && view.states[2 * s + b].epoch != 0) view.states[2 * s + b] = no_contact_state();
+    SEL_ROLLED for (uint b = 0; b < 2; ++b) if (!(written >> b & 1u)) clear_state(view.states + 2 * s + b);
     return out;
 }
+#endif
 
 // A quadrature point that touched nothing in the last step and touches nothing now, without more ado. @return 0: it has to be
 // evaluated
@@ -210,12 +232,11 @@ SEL_FN int is_clear(PointView point, NodeView nodes, StateView view, SEL_GLOBAL 
         if (view.states_t0[k].epoch + 1 == point.place.epoch) return 0;
     const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
     if (!is_clear_of_wall(at, point.model, point.near, clearance)) return 0;
-    ContactState now[2];
-    now[0] = now[1] = no_contact_state();
-    write_states(point.index, now, view.states);
+    for (uint k = 2 * point.index; k < 2 * point.index + 2; ++k) clear_state(view.states + k);
     return 1;
 }
 
+#if !SEL_SUMS_IN_MEMORY
 // What contact_evaluate does for one quadrature point: see is_clear and evaluate_point.
 SEL_FN ContactForce contact_force(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view,
                                   SEL_GLOBAL Clearance* clearance)
@@ -223,6 +244,7 @@ SEL_FN ContactForce contact_force(PointView point, ContactParams par, NodeView n
     if (is_clear(point, nodes, view, clearance)) return no_force(point.model);
     return evaluate_point(point, par, nodes, nodes_t0, view);
 }
+#endif
 
 SEL_END
 #endif

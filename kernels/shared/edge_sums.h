@@ -6,7 +6,7 @@
 SEL_BEGIN
 
 // Adds what a quadrature point's couple does: q = (x_a, x_b, theta), x = a x_a + b x_b, w = x_b - x_a.
-SEL_FN void add_couple(const ContactForce* f, real a, real b, EdgeForce* out)
+SEL_FN void add_couple(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
 {
     const int place[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};  // of (i, j) among xx xy xz yy yz zz
     for (int i = 0; i < 3; ++i) {
@@ -46,7 +46,7 @@ SEL_FN EdgeForce no_edge_force(void)
 }
 
 // Force on the axis point x = a x_a + b x_b, and the symmetric part of its tangent.
-SEL_FN void add_axis_force(const ContactForce* f, real a, real b, EdgeForce* out)
+SEL_FN void add_axis_force(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
 {
     const int block[6] = {0, 1, 2, 4, 5, 7};  // xx xy xz yy yz zz among the ten of `sym`
     const int spin[3] = {3, 6, 8};            // xt yt zt
@@ -65,7 +65,7 @@ SEL_FN void add_axis_force(const ContactForce* f, real a, real b, EdgeForce* out
 }
 
 // What sliding makes unsymmetric.
-SEL_FN void add_sliding(const ContactForce* f, real a, real b, EdgeForce* out)
+SEL_FN void add_sliding(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
 {
     for (int i = 0; i < 9; ++i) {
         out->u_aa[i] += a * a * f->skew[i];
@@ -80,31 +80,31 @@ SEL_FN void add_sliding(const ContactForce* f, real a, real b, EdgeForce* out)
 }
 
 // Sums forces[first..last) (consecutive on one edge) in order. barys: where on the edge they act.
-SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last)
+SEL_FN void reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last,
+                        SEL_OUT EdgeForce* out)
 {
-    EdgeForce out = no_edge_force();
+    *out = no_edge_force();
     for (uint k = first; k < last; ++k) {
-        const ContactForce f = forces[k];
-        out.depth = max_r(out.depth, f.depth);
-        out.flags |= f.flags;
-        if (f.contacts == 0) continue;
+        SEL_GLOBAL const ContactForce* f = forces + k;
+        out->depth = max_r(out->depth, f->depth);
+        out->flags |= f->flags;
+        if (f->contacts == 0) continue;
         const real b = barys[k], a = 1 - b;
-        add_axis_force(&f, a, b, &out);
-        if (f.flags & SEL_FORCE_COUPLE) add_couple(&f, a, b, &out);
-        if (f.flags & SEL_FORCE_SLIDING) add_sliding(&f, a, b, &out);
-        out.torque += f.force[3];
-        out.s_tt += f.sym[9];
-        out.normal_sum += f.normal_sum;
-        out.friction_sum += f.friction_sum;
-        out.sliding_sum += f.sliding_sum;
-        out.rolling_sum += f.rolling_sum;
-        out.normal_work += f.normal_work;
-        out.friction_work += f.friction_work;
-        out.rolling_work += f.rolling_work;
-        out.length += f.length;
-        out.contacts += f.contacts;
+        add_axis_force(f, a, b, out);
+        if (f->flags & SEL_FORCE_COUPLE) add_couple(f, a, b, out);
+        if (f->flags & SEL_FORCE_SLIDING) add_sliding(f, a, b, out);
+        out->torque += f->force[3];
+        out->s_tt += f->sym[9];
+        out->normal_sum += f->normal_sum;
+        out->friction_sum += f->friction_sum;
+        out->sliding_sum += f->sliding_sum;
+        out->rolling_sum += f->rolling_sum;
+        out->normal_work += f->normal_work;
+        out->friction_work += f->friction_work;
+        out->rolling_work += f->rolling_work;
+        out->length += f->length;
+        out->contacts += f->contacts;
     }
-    return out;
 }
 
 SEL_END

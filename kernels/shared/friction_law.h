@@ -44,7 +44,7 @@ SEL_FN SlipRow slip_row(vec3 v, vec3 n, real radius, PointMotion mv)
 }
 
 // adds s * row row^T to the symmetric part
-SEL_FN void add_slip(ContactForce* out, real s, SlipRow row)
+SEL_FN void add_slip(SEL_OUT ContactForce* out, real s, SlipRow row)
 {
     const real x[3] = {row.x.x, row.x.y, row.x.z}, w[3] = {row.w.x, row.w.y, row.w.z};
     add_outer(out->sym, s, row.x, row.theta);
@@ -61,7 +61,7 @@ SEL_FN void add_slip(ContactForce* out, real s, SlipRow row)
 }
 
 // adds s * row g^T to the unsymmetric part
-SEL_FN void add_skew(ContactForce* out, real s, SlipRow row, vec3 g)
+SEL_FN void add_skew(SEL_OUT ContactForce* out, real s, SlipRow row, vec3 g)
 {
     const real force[4] = {row.x.x, row.x.y, row.x.z, row.theta}, w[3] = {row.w.x, row.w.y, row.w.z};
     for (int i = 0; i < 4; ++i) {
@@ -142,7 +142,7 @@ SEL_FN SlipLaw slip_law(real size, real fn, CarriedState carried, const LawConte
 }
 
 // State after the step. slip: of `size`
-SEL_FN void write_friction(vec3 slip, real size, vec3 f, SlipLaw law, const LawContext* c, ContactState* now)
+SEL_FN void write_friction(vec3 slip, real size, vec3 f, SlipLaw law, const LawContext* c, SEL_OUT ContactState* now)
 {
     const int sticks = c->par.friction == SEL_FRICTION_STICK_SLIP;
     // an elastic slip longer than the cone holds is drawn after the wire
@@ -157,7 +157,7 @@ SEL_FN void write_friction(vec3 slip, real size, vec3 f, SlipLaw law, const LawC
     if (law.stuck) now->flags |= SEL_CONTACT_STUCK;
 }
 
-SEL_FN void exert(ContactForce* out, vec3 f, SlipRow row)
+SEL_FN void exert(SEL_OUT ContactForce* out, vec3 f, SlipRow row)
 {
     out->force[0] += f.x;
     out->force[1] += f.y;
@@ -169,15 +169,31 @@ SEL_FN void exert(ContactForce* out, vec3 f, SlipRow row)
     out->flags |= SEL_FORCE_COUPLE;
 }
 
-// Writes the contact's state, adds force and tangent. See the top for the slip, and for values from the start of the step
-// (par.known).
-// @param n  unit normal     g  gradient of the gap     load  what friction goes by
-SEL_FN void add_friction(vec3 n, vec3 g, NormalLoad load, CarriedState carried, const LawContext* c, ContactState* now,
-                         ContactForce* out)
+// What friction's tangent is made of.
+typedef struct SlipTangent {
+    vec3 along_slip;     // d: direction of the slip, in the wall's plane
+    real along, across;  // stiffness along it and across [N/m]
+    real skew;           // -df/dx = skew d g^T while the contact slides: the normal force changes [N/m]
+    int acts, slides;
+} SlipTangent;
+
+SEL_FN SlipTangent no_slip_tangent(void)
+{
+    SlipTangent none;
+    none.along_slip = make_vec3(0, 0, 0);
+    none.along = none.across = none.skew = 0;
+    none.acts = none.slides = 0;
+    return none;
+}
+
+// Writes the contact's state and adds the force. See the top for the slip, and for values from the start of the step (par.known).
+// @param n  unit normal     load  what friction goes by     @return its tangent
+SEL_FN SlipTangent add_friction_force(vec3 n, NormalLoad load, CarriedState carried, const LawContext* c,
+                                      SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
 {
     const ContactParams par = c->par;
-    const real radius = c->m.radius;
-    if (c->mv.fresh || par.friction == SEL_FRICTION_NONE) return;
+    SlipTangent tangent = no_slip_tangent();
+    if (c->mv.fresh || par.friction == SEL_FRICTION_NONE) return tangent;
     const int lagged = par.known && par.friction == SEL_FRICTION_SIGN;
     const vec3 move = surface_move(n, c), slip = total_slip(move, n, carried, c);
     const real size = sqrt(dot3(slip, slip));
@@ -189,23 +205,33 @@ SEL_FN void add_friction(vec3 n, vec3 g, NormalLoad load, CarriedState carried, 
         const real ahead = dot3(d, move);
         f = f + law.across * (move - ahead * d) + ((size > 0 ? law.along : law.across) * ahead) * d;
     }
-    exert(out, f, slip_row(f, n, radius, c->mv));
+    exert(out, f, slip_row(f, n, c->m.radius, c->mv));
     out->friction_work += dot3(f, move);
-    const SlipRow row = slip_row(d, n, radius, c->mv);
-    if (!lagged) {
-        add_slip(out, size > 0 ? law.along : law.across, row);
-        add_slip(out, law.across, slip_row(cross3(n, d), n, radius, c->mv));
-        if (!law.stuck && size > 0 && load.slope > 0) {
-            // -df/dx = mu d (dfn/dx) = -mu dfn d n^T
-            add_skew(out, -(law.cone > 0 ? law.force / load.force : 0) * load.slope, row, g);
-            // The rotation of the normal between two facets is neglected. It holds over the smooth maximum's micron only. Taken for
-            // more, it keeps Newton from ending in a neck as narrow as the wire (F12), for 10 % fewer iterations round a drum
-            out->flags |= SEL_FORCE_SLIDING;
-        }
-    }
     write_friction(slip, size, f, law, c, now);
     out->friction_sum += law.force;
     if (!law.stuck) out->sliding_sum += law.force;
+    tangent.along_slip = d;
+    tangent.along = size > 0 ? law.along : law.across;
+    tangent.across = law.across;
+    tangent.acts = !lagged;
+    tangent.slides = !law.stuck && size > 0 && load.slope > 0;
+    // -df/dx = mu d (dfn/dx) = -mu dfn d n^T
+    if (tangent.slides) tangent.skew = -(law.cone > 0 ? law.force / load.force : 0) * load.slope;
+    return tangent;
+}
+
+// @param g  gradient of the gap
+SEL_FN void add_friction_tangent(vec3 n, vec3 g, SlipTangent tangent, const LawContext* c, SEL_OUT ContactForce* out)
+{
+    if (!tangent.acts) return;
+    const SlipRow row = slip_row(tangent.along_slip, n, c->m.radius, c->mv);
+    add_slip(out, tangent.along, row);
+    add_slip(out, tangent.across, slip_row(cross3(n, tangent.along_slip), n, c->m.radius, c->mv));
+    if (!tangent.slides) return;
+    // The rotation of the normal between two facets is neglected. It holds over the smooth maximum's micron only. Taken for more, it
+    // keeps Newton from ending in a neck as narrow as the wire (F12), for 10 % fewer iterations round a drum
+    add_skew(out, tangent.skew, row, g);
+    out->flags |= SEL_FORCE_SLIDING;
 }
 
 SEL_END

@@ -35,7 +35,7 @@ typedef struct NormalLoad {
 } NormalLoad;
 
 // adds s * a a^T to the 4 x 4 symmetric block, a = (v, w)
-SEL_FN void add_outer(real* sym, real s, vec3 v, real w)
+SEL_FN void add_outer(SEL_OUT real* sym, real s, vec3 v, real w)
 {
     sym[0] += s * v.x * v.x;
     sym[1] += s * v.x * v.y;

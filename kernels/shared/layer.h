@@ -42,18 +42,17 @@ SEL_FN int sphere_touches(vec3 p, real radius, WallView wall, vec3* normal)
 {
     const real r2 = radius * radius;
     const vec3 zero = make_vec3(0, 0, 0);
-    uint stack[SEL_TREE_STACK];
-    uint top = 0;
     int states = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const TreeNode node = wall.nodes[stack[--top]];
-        if (box_distance2(p, node) > r2) continue;
-        if (node.count == 0) {
-            stack[top++] = node.left_or_first + 1;
-            stack[top++] = node.left_or_first;
+    Descent way = descent_from(0);
+    while (way.at != SEL_NO_NODE) {
+        const TreeNode node = wall.nodes[way.at];
+        const int near = box_distance2(p, node) <= r2;
+        if (near && SEL_IS_INNER(node.count)) {
+            go_down(&way, node);
             continue;
         }
+        go_on(&way, wall.nodes);
+        if (!near) continue;
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
             const Triangle tri = load_triangle(wall.vertices, node.left_or_first + k, zero);
             int feature;
@@ -217,17 +216,17 @@ SEL_FN uint find_pairs(LayerEdge e, NodeView nodes, WallView wall, uint slots, S
     const Layer layer = make_layer(a, a + at.edge, e, wall);
     if (!layer.found) return 0;
     *touching = (layer.to - layer.from) * sqrt(dot3(at.edge, at.edge));
-    uint stack[SEL_TREE_STACK];
-    uint top = 0, count = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const TreeNode node = wall.nodes[stack[--top]];
-        if (!layer_meets_box(layer, node)) continue;
-        if (node.count == 0) {
-            stack[top++] = node.left_or_first + 1;
-            stack[top++] = node.left_or_first;
+    uint count = 0;
+    Descent way = descent_from(0);
+    while (way.at != SEL_NO_NODE) {
+        const TreeNode node = wall.nodes[way.at];
+        const int meets = layer_meets_box(layer, node);
+        if (meets && SEL_IS_INNER(node.count)) {
+            go_down(&way, node);
             continue;
         }
+        go_on(&way, wall.nodes);
+        if (!meets) continue;
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
             const uint t = node.left_or_first + k;
             const Triangle tri = load_triangle(wall.vertices, t, zero);

@@ -13,7 +13,7 @@ SEL_BEGIN
 #define SEL_SIDE ((real)0.2)  // cosine: see above
 
 // Axis and limit of `first`, whose `side` is the last normal or zero.
-SEL_FN void tell_side(ContactPoint* first)
+SEL_FN void tell_side(SEL_OUT ContactPoint* first)
 {
     if (first->limit != 0) return;
     const int axis = dot3(first->side, first->side) > 0, own = !axis || dot3(first->normal, first->side) >= -SEL_SIDE;
@@ -22,98 +22,97 @@ SEL_FN void tell_side(ContactPoint* first)
     first->limit = own ? -SEL_SIDE : SEL_SIDE;
 }
 
-// Planes among the listed triangles.
-SEL_FN void join_listed(NeighbourPlanes* planes, const ContactPoint* first, ContactBall ball, WallView wall, const NearList* list)
+// Takes the plane of triangle t if it is of the own side.
+SEL_FN void join_triangle(SEL_OUT NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball, WallView wall,
+                          uint t)
 {
-    const real shell = shell_distance(ball.radius - first->depth, ball), shell2 = shell * shell;
-    for (uint k = 0; k < list->count; ++k) {
-        const uint t = list->triangle[k];
-        if (t == first->triangle || list->d2[k] > shell2) continue;
-        FacingTriangle facing;
-        if (!faces(ball, load_triangle(wall.vertices, t, ball.origin), wall.boundary[t], &facing)) continue;
-        if (dot3(facing.n, first->side) < first->limit) continue;
-        join_plane(planes, first, ball, facing);
-    }
+    FacingTriangle facing;
+    if (t == first->triangle || !faces(ball, load_triangle(wall.vertices, t, ball.origin), wall.boundary[t], &facing)) return;
+    if (dot3(facing.n, first->side) >= first->limit) join_plane(planes, first, ball, facing);
 }
 
-SEL_FN void take_opposite(ContactPoint* second, ContactBall ball, uint t, FacingTriangle facing)
+// Are facets beside the nearest to be joined with it, and an opposite wall to be looked for?
+SEL_FN int has_sides(SEL_OUT const ContactPoint* first, ContactBall ball)
 {
-    const real depth = ball.radius - facing.d;
-    if (!(depth > second->depth)) return;
-    second->depth = depth;
+    return first->found && !first->outside && first->depth >= -ball.reach;
+}
+
+// Joins neighbouring facets of the own side to `first`, which has sides.
+// @param list  of nearest_contact_point for this contact point, or one with more than it holds: then the triangles are walked to
+SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
+                            SEL_OUT const NearList* list)
+{
+    tell_side(first);
+    const real shell = shell_distance(ball.radius - first->depth, ball), shell2 = shell * shell;
+    planes->count = 0;
+    planes->facet0 = triangle_normal(load_triangle(near.wall.vertices, first->triangle, ball.origin));
+    const int listed = list->count <= SEL_NEAR_MOST;
+    uint k = 0, t;
+    Walk walk;
+    start_walk(&walk);
+    for (;;) {
+        if (!listed) {
+            if (!next_triangle(&walk, near, ball_query(ball.p, ball.origin, shell), &t)) break;
+        } else {
+            if (k == list->count) break;
+            t = list->triangle[k];
+            if (list->d2[k++] > shell2) continue;
+        }
+        join_triangle(planes, first, ball, near.wall, t);
+    }
+    smooth_maximum(first, planes);
+}
+
+SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoint* first, uint t, FacingTriangle facing, real depth)
+{
     second->found = 1;
     second->triangle = t;
+    second->depth = depth;
     second->normal = facing.n;
     second->to_wall = -facing.v;
+    second->side = -first->side;
+    second->limit = -first->limit;
 }
 
-// The other side is everything beyond this along `side`: a triangle so far on the own side, all of it, is within the limit as far
-// as it is reached [m].
-SEL_FN real surely_own_height(const ContactPoint* first, ContactBall ball)
+// Walks to the triangles that may be of the other side: everything beyond `surely_own` along `side`. A triangle so far on the own side,
+// all of it, is within the limit as far as it is reached.
+SEL_FN WallQuery opposite_query(SEL_OUT const ContactPoint* first, ContactBall ball, real surely_own)
 {
-    return max_r(first->limit, 0) * (1 + SEL_TIE) * (ball.radius + ball.reach);
-}
-
-// Walks to the triangles that may be of the other side; where the nearest ones were not listed, to those near the first as well.
-SEL_FN WallQuery opposite_query(const ContactPoint* first, ContactBall ball, int listed)
-{
-    const real surely_own = surely_own_height(first, ball), rounding = SEL_WALK_MARGIN * ball.radius;
-    const real shell = shell_distance(ball.radius - first->depth, ball);
+    const real rounding = SEL_WALK_MARGIN * ball.radius;
     WallQuery query;
-    query.p = ball.p - (rounding + surely_own) * first->side;
+    query.side = make_vec3(first->side.x, first->side.y, first->side.z);
+    query.p = ball.p - (rounding + surely_own) * query.side;
     query.origin = ball.origin;
     query.range = ball.radius + ball.reach + 2 * rounding + surely_own;
-    query.shell = listed ? (real)0 : shell + rounding + surely_own;
-    query.side = first->side;
+    query.shell = 0;
     return query;
 }
 
-// The nearest triangle of the other side goes to `second`; planes of the own side to `planes`, unless they were listed.
-SEL_FN void walk_opposite(NeighbourPlanes* planes, const ContactPoint* first, ContactPoint* second, ContactBall ball,
-                          NearWallView near, int listed)
+// The nearest triangle of the other side goes to `second`, whose `found` is 0 without one. `first` has sides, and knows them.
+SEL_FN void walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoint* second, ContactBall ball, NearWallView near)
 {
-    const real surely_own = surely_own_height(first, ball);
+    *second = no_contact_point(ball.reach);
+    const real surely_own = max_r(first->limit, 0) * (1 + SEL_TIE) * (ball.radius + ball.reach);
     const real range2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
-    const real shell = shell_distance(ball.radius - first->depth, ball), shell2 = shell * shell;
-    const WallQuery query = opposite_query(first, ball, listed);
+    const WallQuery query = opposite_query(first, ball, surely_own);
+    real deepest = -ball.reach;
     Walk walk;
     start_walk(&walk);
     uint t;
     while (next_triangle(&walk, near, query, &t)) {
         if (t == first->triangle) continue;
         const Triangle tri = load_triangle(near.wall.vertices, t, ball.origin);
-        const real box2 = triangle_box_distance2(ball.p, tri);
-        if (box2 > range2 * (1 + SEL_TIE)) continue;
-        if ((listed || box2 > shell2) && dot3(ball.p - tri.a, first->side) >= surely_own &&
-            dot3(ball.p - tri.b, first->side) >= surely_own && dot3(ball.p - tri.c, first->side) >= surely_own)
+        if (triangle_box_distance2(ball.p, tri) > range2 * (1 + SEL_TIE)) continue;
+        if (dot3(ball.p - tri.a, query.side) >= surely_own && dot3(ball.p - tri.b, query.side) >= surely_own &&
+            dot3(ball.p - tri.c, query.side) >= surely_own)
             continue;
         FacingTriangle facing;
-        if (!faces(ball, tri, near.wall.boundary[t], &facing)) continue;
-        if (dot3(facing.n, first->side) < first->limit) take_opposite(second, ball, t, facing);
-        else if (!listed) join_plane(planes, first, ball, facing);
+        if (!faces(ball, tri, near.wall.boundary[t], &facing) || dot3(facing.n, query.side) >= first->limit) continue;
+        const real depth = ball.radius - facing.d;
+        if (!(depth > deepest)) continue;
+        deepest = depth;
+        take_opposite(second, first, t, facing, depth);
     }
-}
-
-// Joins neighbouring facets to `first` and looks for the opposite wall. list: of nearest_contact_point for this contact point, or
-// one with more than it holds.
-SEL_FN ContactPoint smooth_and_oppose(ContactPoint* first, ContactBall ball, NearWallView near, const NearList* list)
-{
-    ContactPoint second = *first;
-    second.found = 0;
-    for (int k = 0; k < 6; ++k) second.hessian[k] = 0;
-    if (!first->found || first->outside || first->depth < -ball.reach) return second;
-    tell_side(first);
-    second.side = -first->side;
-    second.limit = -first->limit;
-    second.depth = -ball.reach;
-    NeighbourPlanes planes;
-    planes.count = 0;
-    planes.facet0 = triangle_normal(load_triangle(near.wall.vertices, first->triangle, ball.origin));
-    const int listed = list->count <= SEL_NEAR_MOST;
-    if (listed) join_listed(&planes, first, ball, near.wall, list);
-    walk_opposite(&planes, first, &second, ball, near, listed);
-    smooth_maximum(first, &planes);
-    return second;
 }
 
 SEL_END

@@ -12,10 +12,12 @@
     #define SEL_FN inline
     #define SEL_CALL inline
     #define SEL_GLOBAL
+    #define SEL_ROLLED
     #define SEL_BEGIN namespace seldinger {
     #define SEL_END }
 namespace seldinger {
 using uint = std::uint32_t;
+using ulong = std::uint64_t;
     #if defined(SEL_REAL)
 using real = SEL_REAL;  // a number that counts what is done with it: bench/roofline/kernel_bench_work.cpp
     #elif defined(SEL_FLOAT32)
@@ -42,6 +44,8 @@ inline vec3 operator*(real s, vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
     #define SEL_FN static inline __attribute__((always_inline))  // calls copy their records: a fifth of an evaluation
     #define SEL_CALL static __attribute__((noinline))            // of what is long, and called from many places: code ten times as long
     #define SEL_GLOBAL __global
+    #define SEL_ROLLED \
+        _Pragma("unroll 1")  // before a loop of few rounds whose body is long: once in the program, not once a round
     #define SEL_BEGIN
     #define SEL_END
     #ifdef SEL_FLOAT32
@@ -57,6 +61,21 @@ typedef double3 vec3;
 #endif
 
 SEL_BEGIN
+
+// Where laws add up their records. On a CPU, where an item is a work-group, a kernel has them in variables of its own. On a graphics
+// card they would take 150 registers, so they are added up in memory. A file of kernels may set it before this header.
+#ifndef SEL_SUMS_IN_MEMORY
+    #if defined(__cplusplus) || SEL_WORKGROUP == 1
+        #define SEL_SUMS_IN_MEMORY 0
+    #else
+        #define SEL_SUMS_IN_MEMORY 1
+    #endif
+#endif
+#if SEL_SUMS_IN_MEMORY
+    #define SEL_OUT __global
+#else
+    #define SEL_OUT
+#endif
 
 // own products rather than dot() and cross(): a device may fuse or reorder the built-in ones
 SEL_FN real dot3(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

@@ -12,8 +12,8 @@ typedef struct Footprint {
 } Footprint;
 
 // @param g  gradient of the gap
-SEL_FN void add_rolling(vec3 g, Footprint foot, NormalLoad load, CarriedState carried, const LawContext* c, ContactState* now,
-                        ContactForce* out)
+SEL_FN void add_rolling(vec3 g, Footprint foot, NormalLoad load, CarriedState carried, const LawContext* c,
+                        SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
 {
     const QuadratureModel m = c->m;
     const PointMotion mv = c->mv;

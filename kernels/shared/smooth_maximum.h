@@ -56,7 +56,7 @@ SEL_FN int in_one_plane(vec3 a, vec3 b)
 }
 
 // Takes `found` into the list: in the place of its plane when it is nearer, else at the end, else for the shallowest.
-SEL_FN void keep_plane(NeighbourPlanes* planes, NeighbourPlane found)
+SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, NeighbourPlane found)
 {
     const uint count = planes->count;
     uint at = count, shallowest = 0;
@@ -71,7 +71,8 @@ SEL_FN void keep_plane(NeighbourPlanes* planes, NeighbourPlane found)
 }
 
 // Takes the plane of a facing triangle, if it is one beside the nearest point's and near enough to be joined with it.
-SEL_FN void join_plane(NeighbourPlanes* planes, const ContactPoint* first, ContactBall ball, FacingTriangle facing)
+SEL_FN void join_plane(SEL_OUT NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball,
+                       FacingTriangle facing)
 {
     if (in_one_plane(facing.facet, planes->facet0)) return;
     NeighbourPlane plane;
@@ -84,7 +85,7 @@ SEL_FN void join_plane(NeighbourPlanes* planes, const ContactPoint* first, Conta
 }
 
 // Depth, gradient and second derivatives of the smooth maximum in place of those of the nearest facet.
-SEL_FN void smooth_maximum(ContactPoint* first, const NeighbourPlanes* planes)
+SEL_FN void smooth_maximum(SEL_OUT ContactPoint* first, SEL_OUT const NeighbourPlanes* planes)
 {
     for (uint k = 0; k < planes->count; ++k) {
         const vec3 dn = planes->plane[k].turn;

@@ -39,7 +39,8 @@ SEL_FN vec3 closest_on_edges(vec3 p, Triangle tri, int* feature)
     vec3 best = tri.a;
     real best2 = dot3(p - tri.a, p - tri.a);
     *feature = SEL_FEATURE_VERTEX;
-    for (int k = 0; k < 3; ++k) {
+    SEL_ROLLED for (int k = 0; k < 3; ++k)
+    {
         const vec3 from = k == 0 ? tri.a : k == 1 ? tri.b : tri.c;
         const vec3 edge = (k == 0 ? tri.b : k == 1 ? tri.c : tri.a) - from;
         const real along = dot3(p - from, edge), length2 = dot3(edge, edge);

@@ -5,6 +5,7 @@
 // same order.
 #ifndef SEL_SHARED_WALK_H
 #define SEL_SHARED_WALK_H
+#include "shared/descent.h"
 #include "shared/triangle.h"
 #include "shared/views.h"
 
@@ -22,12 +23,16 @@ SEL_BEGIN
 #endif
 
 typedef struct Walk {
-    uint stack[SEL_TREE_STACK];
+    Descent way;
     uint triangle, end;  // of the leaf that is looked at
-    uint top, next;      // next: of the BVH nodes
+    uint next;           // of the BVH nodes
 } Walk;
 
-SEL_FN void start_walk(Walk* walk) { walk->top = walk->next = walk->triangle = walk->end = 0; }
+SEL_FN void start_walk(Walk* walk)
+{
+    walk->way = descent_from(SEL_NO_NODE);
+    walk->next = walk->triangle = walk->end = 0;
+}
 
 // Least squared distance from p to a box; p and the box relative to `origin`.
 SEL_FN real box_near2(vec3 p, TreeNode box, vec3 origin)
@@ -88,23 +93,27 @@ SEL_FN int next_leaf(Walk* walk, NearWallView near, WallQuery query, TreeNode* l
 {
     const real range2 = query.range * query.range, shell2 = query.shell * query.shell;
     for (;;) {
-        if (walk->top == 0) {
+        if (walk->way.at == SEL_NO_NODE) {
             if (walk->next == near.count) return 0;
-            walk->stack[walk->top++] = near.list[walk->next++];
+            walk->way = descent_from(near.list[walk->next++]);
         }
-        const TreeNode node = near.wall.nodes[walk->stack[--walk->top]];
+        const TreeNode node = near.wall.nodes[walk->way.at];
         const real d2 = box_near2(query.p, node, query.origin);
-        if (d2 > range2) continue;
-        const int aside = query.shell < query.range && box_beyond(query.p, node, query.origin, query.side) < 0;
-        if (aside && d2 > shell2) continue;
-        if (node.count > 0) {
-            if (SEL_HAS_SLAB(node.count) && slab_beyond(query.p, node, query.origin, aside ? query.shell : query.range)) continue;
-            *leaf = node;
-            leaf->count = SEL_LEAF_TRIANGLES(node.count);
-            return 1;
+        int aside = 0, skip = d2 > range2;
+        if (!skip) {
+            aside = query.shell < query.range && box_beyond(query.p, node, query.origin, query.side) < 0;
+            skip = aside && d2 > shell2;
         }
-        walk->stack[walk->top++] = node.left_or_first + 1;
-        walk->stack[walk->top++] = node.left_or_first;
+        if (!skip && SEL_IS_INNER(node.count)) {
+            go_down(&walk->way, node);
+            continue;
+        }
+        go_on(&walk->way, near.wall.nodes);
+        if (skip || (SEL_HAS_SLAB(node.count) && slab_beyond(query.p, node, query.origin, aside ? query.shell : query.range)))
+            continue;
+        leaf->left_or_first = node.left_or_first;
+        leaf->count = SEL_LEAF_TRIANGLES(node.count);
+        return 1;
     }
 }
 
@@ -133,18 +142,18 @@ SEL_FN real triangle_distance2(vec3 p, vec3 origin, uint t, SEL_GLOBAL const flo
 SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range, WallView wall)
 {
     const real range2 = range * range;
-    uint stack[SEL_TREE_STACK];
-    uint top = 0;
-    stack[top++] = node;
-    while (top > 0) {
-        const TreeNode box = wall.nodes[stack[--top]];
-        if (box_near2(p, box, origin) > range2) continue;
-        if (SEL_HAS_SLAB(box.count) && slab_beyond(p, box, origin, range)) continue;
+    Descent way = descent_from(node);
+    while (way.at != SEL_NO_NODE) {
+        const TreeNode box = wall.nodes[way.at];
+        const int skip = box_near2(p, box, origin) > range2;
+        if (!skip && SEL_IS_INNER(box.count)) {
+            go_down(&way, box);
+            continue;
+        }
+        go_on(&way, wall.nodes);
+        if (skip || (SEL_HAS_SLAB(box.count) && slab_beyond(p, box, origin, range))) continue;
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(box.count); ++k)
             if (triangle_distance2(p, origin, box.left_or_first + k, wall.vertices) <= range2) return 1;
-        if (box.count > 0) continue;
-        stack[top++] = box.left_or_first + 1;
-        stack[top++] = box.left_or_first;
     }
     return 0;
 }
@@ -161,19 +170,19 @@ SEL_FN int is_longer(TreeNode node, real size)
 SEL_FN uint find_near_nodes(AxisPoint at, real range, real size, WallView wall, uint slots, SEL_GLOBAL uint* found)
 {
     const real range2 = range * range;
-    uint stack[SEL_TREE_STACK];
-    uint top = 0, count = 0;
+    Descent way = descent_from(0);
+    uint count = 0;
     int any = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const uint index = stack[--top];
+    while (way.at != SEL_NO_NODE) {
+        const uint index = way.at;
         const TreeNode node = wall.nodes[index];
-        if (box_near2(at.offset, node, at.origin) > range2) continue;
-        if (node.count == 0 && is_longer(node, size)) {
-            stack[top++] = node.left_or_first + 1;
-            stack[top++] = node.left_or_first;
+        const int skip = box_near2(at.offset, node, at.origin) > range2;
+        if (!skip && SEL_IS_INNER(node.count) && is_longer(node, size)) {
+            go_down(&way, node);
             continue;
         }
+        go_on(&way, wall.nodes);
+        if (skip) continue;
         if (!any) any = any_within(index, at.offset, at.origin, range, wall);
         if (count < slots) found[count] = index;
         ++count;

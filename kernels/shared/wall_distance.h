@@ -1,6 +1,7 @@
 // Distance of a point from the whole wall.
 #ifndef SEL_SHARED_WALL_DISTANCE_H
 #define SEL_SHARED_WALL_DISTANCE_H
+#include "shared/tree_types.h"
 #include "shared/triangle.h"
 #include "shared/views.h"
 
@@ -20,32 +21,39 @@ SEL_FN real wall_distance(vec3 p, real most, WallView wall)
 {
     const vec3 zero = make_vec3(0, 0, 0);
     real best2 = most * most;
-    uint stack[SEL_TREE_STACK];
-    real away2[SEL_TREE_STACK];  // of the boxes on the stack
-    uint top = 0;
-    stack[0] = 0;
-    away2[top++] = box_distance2(p, wall.nodes[0]);
-    while (top > 0) {
-        --top;
-        if (away2[top] >= best2) continue;
-        const TreeNode node = wall.nodes[stack[top]];
-        if (node.count == 0) {  // the nearer child is looked at first
+    if (box_distance2(p, wall.nodes[0]) >= best2) return sqrt(best2);
+    uint at = 0, parent = 0;
+    ulong aside = 0;  // a bit of every level on the way down: the farther child is still to be looked at
+    for (;;) {
+        const TreeNode node = wall.nodes[at];
+        if (SEL_IS_INNER(node.count)) {  // the nearer child is looked at first
             const uint left = node.left_or_first;
             const real to_left = box_distance2(p, wall.nodes[left]), to_right = box_distance2(p, wall.nodes[left + 1]);
-            const uint right_first = to_right < to_left;
-            stack[top] = right_first ? left : left + 1;
-            away2[top++] = right_first ? to_left : to_right;
-            stack[top] = right_first ? left + 1 : left;
-            away2[top++] = right_first ? to_right : to_left;
-            continue;
+            if (min_r(to_left, to_right) < best2) {
+                parent = at;
+                at = to_right < to_left ? left + 1 : left;
+                aside = aside << 1 | 1;
+                continue;
+            }
+        } else {
+            for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
+                int feature;
+                const vec3 v = p - closest_on_triangle(p, load_triangle(wall.vertices, node.left_or_first + k, zero), &feature);
+                best2 = min_r(best2, dot3(v, v));
+            }
         }
-        for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
-            int feature;
-            const vec3 v = p - closest_on_triangle(p, load_triangle(wall.vertices, node.left_or_first + k, zero), &feature);
-            best2 = min_r(best2, dot3(v, v));
+        for (;;) {
+            while (at != 0 && (aside & 1) == 0) {
+                at = parent;
+                parent = SEL_PARENT(wall.nodes[at].count);
+                aside >>= 1;
+            }
+            if (at == 0) return sqrt(best2);
+            at = SEL_IS_RIGHT(at) ? at - 1 : at + 1;
+            aside ^= 1;
+            if (box_distance2(p, wall.nodes[at]) < best2) break;
         }
     }
-    return sqrt(best2);
 }
 
 SEL_END

@@ -1,9 +1,13 @@
 // seldinger bench: its files and refusals.
 
 #include "apps/app_fixture.h"
+#include "engine.h"
+#include "support/approx.h"
+#include "support/skip.h"
 
 namespace test_bench_command {
 
+using namespace seldinger;
 using namespace seldinger::test;
 
 TEST_SUITE("apps/bench")
@@ -54,6 +58,49 @@ TEST_SUITE("apps/bench")
         CHECK(again.error_lines() == 1);
         CHECK(again.err.find("--overwrite") != std::string::npos);
         CHECK(slurp(folder.path / "D" / "kernels.csv") == before);
+    }
+
+    TEST_CASE("property: --gpu counts what each number of wires takes, and compares the device with the processor")
+    {
+        const std::vector<DeviceInfo> devices = list_devices();
+        const auto basic =
+            std::find_if(devices.begin(), devices.end(), [](const DeviceInfo& d) { return d.name.starts_with("basic"); });
+        if (basic == devices.end()) return skip("needs PoCL's caller's-thread device beside the threaded one");
+        const ScratchFolder folder;
+        const std::string command = fmt::format("bench --gpu --quick --wires 1,3 --device {} --json -o D", basic->index);
+        const AppResult done = run_app(folder, command);
+        REQUIRE(done.code == 0);
+        const auto json = nlohmann::json::parse(done.out);
+        CHECK(nlohmann::json::parse(slurp(folder.path / "D" / "gpu.json")) == json);
+        CHECK(json["device"]["name"].get<std::string>().starts_with("basic"));
+        CHECK(json["reference"]["name"].get<std::string>().starts_with("pthread"));
+        REQUIRE(json["rows"].size() == 4);  // both precisions
+        for (std::size_t at = 0; at < 4; ++at) {
+            const auto& row = json["rows"][at];
+            CAPTURE(row.dump());
+            CHECK(row["wires"] == (at % 2 == 0 ? 1 : 3));
+            CHECK(row["steps"] == 3);
+            CHECK(row["state_hash"] == row["reference_hash"]);  // the same code on the same processor
+            CHECK(row["largest_distance_m"] == 0.0);
+            double launches = 0;
+            for (const auto& kernel : row["kernels"]) {
+                launches += kernel["launches_per_step"].get<double>();
+                CHECK(kernel["us_per_launch"].get<double>() > 0);
+            }
+            // the second run, which is timed by events, launches what the first one did
+            CHECK(launches == about(row["launches_per_step"].get<double>()));
+        }
+        // three times as many wires: the same launches, and three times as many bytes but for those of the launch itself
+        const auto &one = json["rows"][0], &three = json["rows"][1];
+        for (const char* bytes : {"bytes_to_device_per_step", "bytes_from_device_per_step"}) {
+            CAPTURE(bytes);
+            CHECK(three[bytes].get<double>() / one[bytes].get<double>() == about(3).epsilon(0.1));
+        }
+        CHECK(three["kernels"][0]["items_per_launch"] == 3 * one["kernels"][0]["items_per_launch"].get<double>());
+        const AppResult again = run_app(folder, command);
+        CHECK(again.code == 2);
+        CHECK(again.err.find("--overwrite") != std::string::npos);
+        CHECK(run_app(folder, "bench --gpu --wires 0").code == 2);
     }
 
     TEST_CASE("property: a wrong command line is refused in one line before anything is measured")

@@ -284,7 +284,7 @@ void reduce_case()
                 barys[k] = static_cast<real>(draw(0, 1));
             }
             std::vector<EdgeForce> host(n);
-            for (std::size_t e = 0; e < n; ++e) host[e] = reduce_edge(forces.data(), barys.data(), first[e], first[e + 1]);
+            for (std::size_t e = 0; e < n; ++e) reduce_edge(forces.data(), barys.data(), first[e], first[e + 1], &host[e]);
             Guarded<uint> firsts(context, queue, first);
             Guarded<ContactForce> in(context, queue, forces);
             Guarded<real> places(context, queue, barys);

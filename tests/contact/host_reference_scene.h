@@ -238,7 +238,7 @@ struct GuardedWall {
 Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<uint>& list, const Found& found, Queue queue)
 {
     sel_device::Context& context = sel_reference::reference_context(float32);
-    sel_device::Kernel kernel(context, "contact/evaluation.cl", "contact_evaluate");
+    sel_reference::ForceKernels kernels(context, "contact/evaluation.cl", list.size(), {true, true});
     par.item_count = static_cast<uint>(list.size());
     Guarded<uint> items(context, queue, list), candidates(context, queue, found.candidates), counts(context, queue, found.counts);
     Guarded<QuadratureModel> models(context, queue, s.models);
@@ -250,9 +250,9 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     Guarded<real> barys(context, queue, std::vector<real>(list.size()));
     Guarded<MultiplierState> multiplier(context, queue, s.multiplier);
     Guarded<Clearance> clearances(context, queue, found.clearances);
-    kernel.launch(queue, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                  wall, now, before, t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), multiplier.buffer(),
-                  clearances.buffer());
+    kernels.launch(queue, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(),
+                   counts.buffer(), wall, now, before, t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(),
+                   multiplier.buffer(), clearances.buffer());
     (void)candidates.read();
     return {forces.read(), barys.read(), t1.read(), clearances.read()};
 }

@@ -2,6 +2,7 @@
 // What the reference tests of both precisions share. Includes nothing of kernels/shared: those headers are compiled twice, once
 // with float arithmetic and under another namespace (test_twin_float32.cpp).
 
+#include "contact/force_kernels.h"
 #include "device/device.h"
 
 #include <doctest/doctest.h>
@@ -10,6 +11,8 @@
 #include <vector>
 
 namespace seldinger::test {
+
+using seldinger::ForceKernels;
 
 /// A tube with bumps, slivers, doubled and zero-area triangles, as DeviceWall holds it.
 struct ReferenceWall {

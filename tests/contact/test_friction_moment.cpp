@@ -55,7 +55,9 @@ struct FreeEdge {
         write_force(evaluate_point(point, par, node_view(hi.data(), lo.data(), theta),
                                    node_view(hi_t0.data(), lo_t0.data(), theta_t0), state_view(none, now, nullptr)),
                     &f);
-        return reduce_edge(&f, &place.bary, 0, 1);
+        EdgeForce sum;
+        reduce_edge(&f, &place.bary, 0, 1, &sum);
+        return sum;
     }
     EdgeForce at(const Q& q) const
     {

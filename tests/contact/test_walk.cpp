@@ -108,7 +108,11 @@ TEST_SUITE("contact/walk")
                     ContactPoint& first = states[walked][0];
                     first = nearest_contact_point(ball, around, 0, hint, &near);
                     if (first.outside) first = nearest_contact_point(ball, around, k % 3 == 0, hint, &near);
-                    states[walked][1] = smooth_and_oppose(&first, ball, around, walked ? &near : &none);
+                    states[walked][1] = no_contact_point(reach);
+                    if (!has_sides(&first, ball)) continue;
+                    NeighbourPlanes planes;
+                    join_neighbours(&first, &planes, ball, around, walked ? &near : &none);
+                    walk_opposite(&first, &states[walked][1], ball, around);
                 }
                 CAPTURE(k);
                 CAPTURE(radius);
@@ -167,7 +171,7 @@ TEST_SUITE("contact/walk")
         const WallTree tree = build_wall_tree(subdivide_loop(bumpy_tube(6000, 0.003)));
         int leaves = 0, thin = 0, beyond = 0;
         for (const TreeNode& node : tree.nodes) {
-            if (node.count == 0) continue;
+            if (SEL_IS_INNER(node.count)) continue;
             ++leaves;
             if (!SEL_HAS_SLAB(node.count)) continue;
             thin += SEL_HAS_SLAB(node.count) < SEL_SLAB_STEPS / 4;

@@ -81,11 +81,15 @@ inline ContactPointPair contacts_at(const Soup& soup, vec3 p, double radius, dou
     const NearWallView near = all_of(soup, order);
     ContactPointPair t;
     NearList list;
+    NeighbourPlanes planes;
     t.first = nearest_contact_point(ball, near, 0, 1e30, &list);
     t.first.side = side;
-    t.second = smooth_and_oppose(&t.first, ball, near, &list);
+    t.second = no_contact_point(reach);
+    if (!has_sides(&t.first, ball)) return t;
+    join_neighbours(&t.first, &planes, ball, near, &list);
+    walk_opposite(&t.first, &t.second, ball, near);
     list.count = SEL_NEAR_MOST + 1;  // it was of the first
-    if (t.second.found) (void)smooth_and_oppose(&t.second, ball, near, &list);
+    if (has_sides(&t.second, ball)) join_neighbours(&t.second, &planes, ball, near, &list);
     return t;
 }
 inline ContactPointPair contacts_at(const Soup& soup, vec3 p, double radius, double reach = 1e-4, double smoothing = 0.002)

@@ -50,10 +50,11 @@ void check_structure(const WallTree& tree)
         ++visited;
         deepest = std::max(deepest, visit.depth);
         const TreeNode& node = tree.nodes[visit.node];
-        if (node.count == 0) {
+        if (SEL_IS_INNER(node.count)) {
             for (std::uint32_t c = 0; c < 2; ++c) {
                 const std::uint32_t child = node.left_or_first + c;
-                ordered &= child > visit.node;
+                ordered &= child > visit.node && SEL_IS_RIGHT(child) == (c == 1);
+                if (SEL_IS_INNER(tree.nodes[child].count)) ordered &= SEL_PARENT(tree.nodes[child].count) == visit.node;
                 for (int d = 0; d < 3; ++d)
                     inside &= tree.nodes[child].lo[d] >= node.lo[d] && tree.nodes[child].hi[d] <= node.hi[d];
                 stack.push_back({child, visit.depth + 1});
