@@ -3,6 +3,7 @@
 #include "contact/active_set.h"
 #include "contact/valleys.h"
 #include "math/dof_map.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -12,6 +13,7 @@
 namespace test_valleys {
 
 using namespace seldinger;
+using seldinger::test::about;
 
 namespace {
 
@@ -23,12 +25,6 @@ class OverPlanes {
 public:
     explicit OverPlanes(double sign) : sign_(sign)
     {
-        quadrature_.wires.resize(1);
-        quadrature_.wires[0].capacity = quadrature_.wires[0].live = 1;
-        quadrature_.wires[0].epoch = epoch;
-        quadrature_.models.resize(1);
-        quadrature_.models[0].radius = r;
-        quadrature_.places.push_back({0, 0, bary, bary, epoch, 0, 0});
         sums_.edges.resize(1);
         sums_.edges[0].contacts = 1;
         sums_.edge_node = {0};
@@ -64,20 +60,32 @@ public:
         Mat3 stiffness;
         for (int i = 0; i < 3; ++i) {
             missing[i] = -residual[RodDofs::position(0, i)] - residual[RodDofs::position(1, i)];
-            CHECK(residual[RodDofs::position(1, i)] == doctest::Approx(-bary * missing[i]));
+            CHECK(residual[RodDofs::position(1, i)] == about(-bary * missing[i]));
             for (int j = 0; j < 3; ++j) stiffness(i, j) = sums_.edges[0].s_ab[3 * i + j] / (bary * (1 - bary));
         }
         const EdgeForce& sum = sums_.edges[0];
-        CHECK(sum.s_aa[3] == doctest::Approx((1 - bary) * (1 - bary) * stiffness(1, 1)));  // yy
-        CHECK(sum.s_bb[3] == doctest::Approx(bary * bary * stiffness(1, 1)));
+        CHECK(sum.s_aa[3] == about((1 - bary) * (1 - bary) * stiffness(1, 1)));  // yy
+        CHECK(sum.s_bb[3] == about(bary * bary * stiffness(1, 1)));
         return {missing, stiffness};
     }
 
 private:
+    static QuadratureSet one_point()
+    {
+        QuadratureSet set;
+        set.wires.resize(1);
+        set.wires[0].capacity = set.wires[0].live = 1;
+        set.wires[0].epoch = epoch;
+        set.models.resize(1);
+        set.models[0].radius = r;
+        set.places.push_back({0, 0, bary, bary, epoch, 0, 0});
+        return set;
+    }
+
     static constexpr double height = 0.98 * r;
     double sign_;
     device::Context context_;
-    QuadratureSet quadrature_;
+    QuadratureSet quadrature_ = one_point();
     DeviceNodes nodes_{context_, 2};
     EdgeSums sums_;
     ActiveList list_{context_, 1, 1};
@@ -112,7 +120,7 @@ TEST_SUITE("contact/valleys")
         point.move_to(3e-6);
         point.take();
         point.move_to(-9e-6);
-        CHECK(point.share() == doctest::Approx(0.25).epsilon(1e-6));
+        CHECK(point.share() == about(0.25).epsilon(1e-6));
     }
 
     TEST_CASE("property: nothing is missing on one facet, within the smooth maximum, and over a ridge")
