@@ -30,6 +30,11 @@ public:
     Valleys(const QuadratureSet& quadrature, const DeviceNodes& nodes, EdgeSums& sums)
         : quadrature_(quadrature), nodes_(nodes), sums_(sums), wires_(quadrature.wires.size())
     {
+        // the step loop allocates where a wire touches more often than ever before, and than most do
+        for (Wire& wire : wires_) {
+            wire.base.reserve(128);
+            wire.crossings.reserve(16);
+        }
     }
 
     /// A wire's trial is the base from now on. @param states  [points][2] of its evaluation     @param list  of all wires
