@@ -106,8 +106,12 @@ private:
         for (std::size_t k = 0; k < states.size(); ++k) {
             const ContactState& s = states[k];
             if (s.epoch != contact_->epoch(0) || !(s.flags & SEL_CONTACT_ACTIVE)) continue;
-            now_.push_back({k, {s.normal[0], s.normal[1], s.normal[2]}, {s.friction[0], s.friction[1], s.friction[2]}, s.normal_force,
-                            s.triangle, (s.flags & SEL_CONTACT_STUCK) != 0});
+            now_.push_back({k,
+                            {s.normal[0], s.normal[1], s.normal[2]},
+                            {s.friction[0], s.friction[1], s.friction[2]},
+                            s.normal_force,
+                            s.triangle,
+                            (s.flags & SEL_CONTACT_STUCK) != 0});
         }
     }
 
@@ -190,7 +194,9 @@ private:
 void print_row(const char* what, std::vector<double> values)
 {
     std::sort(values.begin(), values.end());
-    const auto at = [&](double p) { return values[std::min(values.size() - 1, static_cast<std::size_t>(p * static_cast<double>(values.size())))]; };
+    const auto at = [&](double p) {
+        return values[std::min(values.size() - 1, static_cast<std::size_t>(p * static_cast<double>(values.size())))];
+    };
     double sum = 0;
     for (const double v : values) sum += v;
     fmt::print("{:12} mean {:8.4g}  p50 {:7.4g}  p90 {:7.4g}  p99 {:7.4g}  p99.9 {:7.4g}  most {:7.4g}\n", what,
@@ -214,12 +220,18 @@ const char* name_of(NewtonTrial::End end)
 {
     using enum NewtonTrial::End;
     switch (end) {
-        case Taken: return "taken";
-        case Refused: return "refused";
-        case TooLong: return "too long";
-        case Solved: return "solved";
-        case Settled: return "settled";
-        case GivenUp: return "given up";
+        case Taken:
+            return "taken";
+        case Refused:
+            return "refused";
+        case TooLong:
+            return "too long";
+        case Solved:
+            return "solved";
+        case Settled:
+            return "settled";
+        case GivenUp:
+            return "given up";
     }
     return "";
 }
@@ -230,8 +242,10 @@ std::string cause(const Seen& s)
     if (s.trial.end == NewtonTrial::End::Refused) return "refused by contact";
     if (s.trial.residual < 10) return "within ten tolerances";
     const Change& c = s.change;
-    const std::array<std::pair<double, const char*>, 4> of{
-        {{c.begins, "contact begins or ends"}, {c.facets, "another facet"}, {c.turns, "the normal turns"}, {c.slips, "stick and slip"}}};
+    const std::array<std::pair<double, const char*>, 4> of{{{c.begins, "contact begins or ends"},
+                                                            {c.facets, "another facet"},
+                                                            {c.turns, "the normal turns"},
+                                                            {c.slips, "stick and slip"}}};
     const auto most = std::max_element(of.begin(), of.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     if (most->first < 3e-7) return s.trial.projected ? "Hessian not positive" : "the wire's own shape";
     return most->second;
@@ -248,21 +262,26 @@ void print_causes(const std::vector<Step>& steps)
             ++trials[cause(s)], ++here[cause(s)], ++all;
         }
         if (here.empty()) continue;
-        const auto most = std::max_element(here.begin(), here.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+        const auto most =
+            std::max_element(here.begin(), here.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
         ++led[most->first], ++late;
     }
     fmt::print("\n{:28} {:>10} {:>10}\n", "cause", "trials [%]", "steps [%]");
-    for (const auto& [name, count] : trials) fmt::print("{:28} {:10.1f} {:10.1f}\n", name, 100.0 * count / all, 100.0 * led[name] / late);
+    for (const auto& [name, count] : trials)
+        fmt::print("{:28} {:10.1f} {:10.1f}\n", name, 100.0 * count / all, 100.0 * led[name] / late);
 }
 
 void write_trials(const std::string& file, const std::vector<Step>& steps)
 {
-    std::string text = "step,end,iteration,alpha,move_um,residual,contraction,projected,touches,began,begins_mn,turns_mn,facets,facets_mn,slipped,slips_mn\n";
+    std::string text =
+        "step,end,iteration,alpha,move_um,residual,contraction,projected,touches,began,begins_mn,turns_mn,facets,facets_mn,"
+        "slipped,slips_mn\n";
     for (const Step& step : steps)
         for (const auto& [t, c] : step.seen)
-            text += fmt::format("{},{},{},{:.3g},{:.4g},{:.4g},{:.3g},{},{},{},{:.3g},{:.3g},{},{:.3g},{},{:.3g}\n", step.number, name_of(t.end),
-                                t.iteration, t.alpha, 1e6 * t.move, t.residual, t.contraction, t.projected ? 1 : 0, c.touches, c.began,
-                                1e3 * c.begins, 1e3 * c.turns, c.other_facets, 1e3 * c.facets, c.slipped, 1e3 * c.slips);
+            text += fmt::format("{},{},{},{:.3g},{:.4g},{:.4g},{:.3g},{},{},{},{:.3g},{:.3g},{},{:.3g},{},{:.3g}\n", step.number,
+                                name_of(t.end), t.iteration, t.alpha, 1e6 * t.move, t.residual, t.contraction,
+                                t.projected ? 1 : 0, c.touches, c.began, 1e3 * c.begins, 1e3 * c.turns, c.other_facets,
+                                1e3 * c.facets, c.slipped, 1e3 * c.slips);
     write_file(file, text);
 }
 
@@ -288,10 +307,12 @@ std::vector<Step> read_kept(const std::string& file)
         std::int64_t head[2];
         std::memcpy(head, bytes.data() + at, sizeof(head));
         at += sizeof(head);
-        if (head[1] < 0 || static_cast<std::size_t>(head[1]) > bytes.size() - at) throw Error(ExitCode::BadFile, file + ": cut off");
+        if (head[1] < 0 || static_cast<std::size_t>(head[1]) > bytes.size() - at)
+            throw Error(ExitCode::BadFile, file + ": cut off");
         Step step;
         step.number = head[0];
-        step.before.assign(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(at) + head[1]);
+        step.before.assign(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                           bytes.begin() + static_cast<std::ptrdiff_t>(at) + head[1]);
         at += static_cast<std::size_t>(head[1]);
         steps.push_back(std::move(step));
     }

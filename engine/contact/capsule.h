@@ -28,7 +28,10 @@ public:
     void take(int wire) override;
     void start_again(int wire) override;
     [[nodiscard]] double crossed(int wire) override;
-    void admit_crossings(int wire, std::span<double> residual) override { valleys_.admit(wire, rods_.node_begin(wire), residual); }
+    void admit_crossings(int wire, std::span<double> residual) override
+    {
+        valleys_.admit(wire, rods_.node_begin(wire), residual);
+    }
     [[nodiscard]] double feasible_step(int wire) const override { return barrier_ ? barrier_->feasible_step(wire) : 1.0; }
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     [[nodiscard]] double move_limit(int wire) const override;

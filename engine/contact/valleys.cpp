@@ -17,7 +17,8 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 Valleys::Touch Valleys::touch_of(std::uint32_t record, const ContactState& state) const
 {
     const QuadraturePlace& place = quadrature_.places[record / 2];
-    return {record, vec(state.normal), (1 - place.bary) * nodes_.position(place.edge) + place.bary * nodes_.position(place.edge + 1), -state.gap, false};
+    return {record, vec(state.normal),
+            (1 - place.bary) * nodes_.position(place.edge) + place.bary * nodes_.position(place.edge + 1), -state.gap, false};
 }
 
 /// f(edge, touch, state) of each contact of a wire.

@@ -56,10 +56,10 @@ private:
     };
     struct Crossing {
         std::uint32_t record;
-        int edge;     // among the sums
+        int edge;  // among the sums
         double bary;
-        Vec3 force;   // that is missing [N]
-        Vec3 across;  // w
+        Vec3 force;        // that is missing [N]
+        Vec3 across;       // w
         double stiffness;  // along w w^T [N/m]
     };
     struct Wire {

@@ -52,7 +52,12 @@ void NewtonSystem::tell(NewtonTrial trial) const
     using enum NewtonTrial::End;
     trial.residual = problem.residual_share();
     trial.contraction = corrected_ ? contraction_ : 0;
-    trial.end = phase_ == Phase::Failed ? GivenUp : refused_ ? Refused : took_trial_ ? Taken : running() ? TooLong : problem.balanced() ? Solved : Settled;
+    trial.end = phase_ == Phase::Failed ? GivenUp
+                : refused_              ? Refused
+                : took_trial_           ? Taken
+                : running()             ? TooLong
+                : problem.balanced()    ? Solved
+                                        : Settled;
     (*seen_)(trial);
 }
 

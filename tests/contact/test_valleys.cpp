@@ -33,7 +33,10 @@ public:
         list_.edge_first = {0, 1};
     }
     /// The facet's normal on either side of the line.
-    [[nodiscard]] Vec3 normal(double y) const { return {0, y > 0 ? -sign_ * std::sin(tilt) : sign_ * std::sin(tilt), std::cos(tilt)}; }
+    [[nodiscard]] Vec3 normal(double y) const
+    {
+        return {0, y > 0 ? -sign_ * std::sin(tilt) : sign_ * std::sin(tilt), std::cos(tilt)};
+    }
     void move_to(double y)
     {
         for (int node = 0; node < 2; ++node) nodes_.set(node, 1e-3 * node, y, height, 0, Vec3::Zero());
