@@ -37,7 +37,8 @@ CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& set
       states_(context, quadrature_),
       near_(context, quadrature_, wall_, nodes_, states_, near_lengths(quadrature_, tree, kernel_law(setup.method().normal))),
       active_(context, quadrature_, sums_, rods.total_capacity()),
-      evaluation_(context, quadrature_.models)
+      evaluation_(context, quadrature_.models),
+      valleys_(quadrature_, nodes_, sums_)
 {
     params_.friction = static_cast<uint>(setup.method().friction);
     params_.normal_law = kernel_law(setup.method().normal);
@@ -155,7 +156,13 @@ bool CapsuleContact::is_clear(RodArrays& rods, int wire)
 
 void CapsuleContact::take(int wire)
 {
-    if (barrier_) barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
+    if (barrier_) return barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
+    if (valleys_known()) valleys_.take(wire, states_.at_trial(), active_.all());
+}
+
+double CapsuleContact::crossed(int wire)
+{
+    return valleys_known() ? valleys_.crossed(wire, states_.at_trial(), active_.all(), params_.smoothing) : 1.0;
 }
 
 void CapsuleContact::start_again(int wire)

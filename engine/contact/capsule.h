@@ -11,6 +11,7 @@
 #include "contact/multipliers.h"
 #include "contact/near_wall.h"
 #include "contact/point_states.h"
+#include "contact/valleys.h"
 
 #include <optional>
 
@@ -26,6 +27,11 @@ public:
     [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire) && feasible_step(wire) == 1; }
     void take(int wire) override;
     void start_again(int wire) override;
+    [[nodiscard]] double crossed(int wire) override;
+    void admit_crossings(int wire, std::span<double> residual) override
+    {
+        valleys_.admit(wire, rods_.node_begin(wire), residual);
+    }
     [[nodiscard]] double feasible_step(int wire) const override { return barrier_ ? barrier_->feasible_step(wire) : 1.0; }
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     [[nodiscard]] double move_limit(int wire) const override;
@@ -39,6 +45,9 @@ public:
         quadrature_.wires[wire].exposed = exposed;
     }
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
+    /// For those who look into a step: records of the last evaluation, two for each point; those of a wire that it wrote have this epoch.
+    [[nodiscard]] std::span<const ContactState> at_trial() const { return states_.at_trial(); }
+    [[nodiscard]] std::uint32_t epoch(int wire) const { return quadrature_.wires[static_cast<std::size_t>(wire)].epoch; }
     void add_loads(RodArrays& rods, std::span<WireLoads> loads) override;  // cheap enough for every step
     [[nodiscard]] double spacing(int wire) const override { return quadrature_.wires[static_cast<std::size_t>(wire)].spacing; }
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
@@ -49,6 +58,8 @@ public:
 
 private:
     void set_limits();
+    /// A barrier's path ends at no valley; a device with memory of its own would be asked for its records at every trial.
+    [[nodiscard]] bool valleys_known() const { return !barrier_ && !states_.at_trial().empty(); }
     void warm_up();
     void find_near(std::span<const std::uint8_t> active);
     void set_wire_nodes(DeviceNodes& nodes, int wire, const RodView& rod) const;
@@ -67,6 +78,7 @@ private:
     NearWall near_;
     ActiveSet active_;
     Evaluation evaluation_;
+    Valleys valleys_;
     std::optional<Multipliers> multipliers_;  // augmented, constraint, impulse
     std::optional<BarrierPath> barrier_;      // barrier
     std::vector<double> move_limit_;          // [wires] [m]

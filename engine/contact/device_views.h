@@ -35,6 +35,11 @@ struct DeviceNodes {
     std::vector<std::uint32_t> narrow_lo, narrow_theta;  // what goes up to a float32 context
     void set(int node, double x, double y, double z, double angle, const Vec3& centre);
     void upload(device::Context& context, device::Queue queue);
+    [[nodiscard]] Vec3 position(std::size_t node) const
+    {
+        const std::size_t k = 3 * node;
+        return {hi[k] + lo[k], hi[k + 1] + lo[k + 1], hi[k + 2] + lo[k + 2]};
+    }
     template <class F>
     void for_each_argument(const F& f) const
     {

@@ -143,6 +143,18 @@ void ForceTerms::take(int wire) const
     for (ForceTerm* term : list_) term->take(wire);
 }
 
+double ForceTerms::crossed(int wire) const
+{
+    double share = 1;
+    for (ForceTerm* term : list_) share = std::min(share, term->crossed(wire));
+    return share;
+}
+
+void ForceTerms::admit_crossings(int wire, std::span<double> residual) const
+{
+    for (ForceTerm* term : list_) term->admit_crossings(wire, residual);
+}
+
 void ForceTerms::start_again(int wire) const
 {
     for (ForceTerm* term : list_) term->start_again(wire);

@@ -102,6 +102,12 @@ public:
     [[nodiscard]] virtual double move_limit(int /*wire*/) const { return std::numeric_limits<double>::infinity(); }
     /// The wire's last evaluated trial has been taken: the next ones start from there.
     virtual void take(int /*wire*/) {}
+    /// Share of the way to the trial, from the last one that was taken, at which contacts have gone over a kink of the wall, where the
+    /// balance may be and of which the tangent knows nothing (contact/valleys.h); 1: none has.
+    [[nodiscard]] virtual double crossed(int /*wire*/) { return 1; }
+    /// The trial will be taken: adds to `residual` what leads the direction from it to the kinks that crossed() has found, and to
+    /// the tangent of add() what belongs to it.
+    virtual void admit_crossings(int /*wire*/, std::span<double> /*residual*/) {}
     /// The next trial is the start of the step again: an accepted trial is no base of it.
     virtual void start_again(int /*wire*/) {}
     /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not
@@ -183,6 +189,9 @@ public:
     [[nodiscard]] double feasible_step(int wire) const;
     [[nodiscard]] double move_limit(int wire) const;
     void take(int wire) const;
+    /// The least.
+    [[nodiscard]] double crossed(int wire) const;
+    void admit_crossings(int wire, std::span<double> residual) const;
     void start_again(int wire) const;
     /// Each term renews its own data. @param again  [wires] overwritten: those to be solved on
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) const;

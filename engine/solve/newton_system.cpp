@@ -36,6 +36,33 @@ void NewtonSystem::prefetch(SolveStage next) const
 
 void NewtonSystem::advance(bool finite, const ForceTerms& terms)
 {
+    if (!seen_ || !*seen_) return decide(finite, terms);
+    NewtonTrial trial;
+    const bool guess = phase_ == Phase::Guess;
+    trial.iteration = iterations_;
+    trial.alpha = guess ? guess_fraction_ : alpha_;
+    trial.move = trial.alpha * problem.largest_move(guess ? guess_ : direction_);
+    trial.projected = !guess && model_.projected_steps() > 0;
+    decide(finite, terms);
+    tell(trial);
+}
+
+void NewtonSystem::tell(NewtonTrial trial) const
+{
+    using enum NewtonTrial::End;
+    trial.residual = problem.residual_share();
+    trial.contraction = corrected_ ? contraction_ : 0;
+    trial.end = phase_ == Phase::Failed ? GivenUp
+                : refused_              ? Refused
+                : took_trial_           ? Taken
+                : running()             ? TooLong
+                : problem.balanced()    ? Solved
+                                        : Settled;
+    (*seen_)(trial);
+}
+
+void NewtonSystem::decide(bool finite, const ForceTerms& terms)
+{
     ++evaluations_;
     took_trial_ = corrected_ = false;
     bool usable = finite;
@@ -44,7 +71,8 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
         usable = usable && terms.admissible(wire->wire);
         if (finite) open = std::min(open, terms.feasible_step(wire->wire));
     }
-    if (!usable || !problem.evaluate_residual(terms)) {
+    refused_ = !usable || !problem.evaluate_residual(terms);
+    if (refused_) {
         non_finite_ = non_finite_ || !finite;
         if (settling_) phase_ = Phase::Failed;
         else backtrack(open);
@@ -52,14 +80,17 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
     }
     problem.note_residuals(terms);
     non_finite_ = false;
+    const bool asked = phase_ == Phase::Search && !options_.shifted && !options_.linearised;
+    crossed_ = asked ? problem.crossed(terms) : 1.0;
     if (ends_at_trial(terms)) return;
     if (iterations_ - first_iteration_ >= options_.max_iterations) {
         if (at_kink(terms)) phase_ = Phase::Done;
         else give_up();
         return;
     }
-    const bool keep = keeps_factors();
+    const bool keep = crossed_ == 1 && keeps_factors();
     take_base();
+    if (crossed_ < 1) problem.admit_crossings(terms);
     if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
     else new_direction(terms);
     launch();

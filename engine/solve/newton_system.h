@@ -14,8 +14,9 @@
 // Or the derivative along d has: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more
 // than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of these,
 // which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
-// evaluation then meets the terms' own curvature only. Where instruments touch, the factors may serve for the next direction too:
-// the correction of the test is that direction (keeps_factors).
+// evaluation then meets the terms' own curvature only. A contact that goes over a valley of the wall, from facet to facet, leaves
+// its curvature's sight: where a trial has, the direction from it leads to the valley (contact/valleys.h). Where instruments touch,
+// the factors may serve for the next direction too: the correction of the test is that direction (keeps_factors).
 //
 // Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, just large enough to make the exact matrix positive definite, turns
 // each iteration into a step of pseudo-time, judged by that step's equations. It leaves saddles and snaps through folds, and is
@@ -23,9 +24,11 @@
 // (stability.cpp).
 
 #include "solve/linear_model.h"
+#include "solve/newton_trial.h"
 #include "solve/solve_report.h"
 #include "solve/system_problem.h"
 
+#include <functional>
 #include <vector>
 
 namespace seldinger {
@@ -54,6 +57,9 @@ public:
     /// @param finite  frames at the trial are finite, and force terms have been evaluated there
     void advance(bool finite, const ForceTerms& terms);
 
+    /// `seen` is told of each trial when its decision has been taken. @param seen  outlives this; empty: nobody is
+    void watch(const std::function<void(const NewtonTrial&)>& seen) { seen_ = &seen; }
+
     /// After convergence, the terms' multipliers having changed: Newton continues from here.
     void resume();
     /// They have not settled, and will not: the system has failed, or takes its best state (best effort).
@@ -81,6 +87,8 @@ private:
     void set_guess(double fraction);
 
     // the driver (newton_system.cpp)
+    void decide(bool finite, const ForceTerms& terms);
+    void tell(NewtonTrial trial) const;
     [[nodiscard]] bool ends_at_trial(const ForceTerms& terms);
     void take_linearised();
     [[nodiscard]] bool keeps_factors() const;
@@ -115,13 +123,15 @@ private:
     static constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils hold far beyond it
 
     LinearModel model_;
+    const std::function<void(const NewtonTrial&)>* seen_ = nullptr;
     NewtonOptions options_;
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
-    bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false;
+    bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false, refused_ = false;
     int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0, base_share_ = 0;
+    double crossed_ = 1;  // share of the way to the trial at which terms have crossed kinks
     std::vector<double> base_, base_residual_, direction_, correction_, guess_;  // [unknowns]
     std::span<double> scratch_;                                                  // in the workspace
 };

@@ -36,6 +36,7 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity,
         const std::span<const int> of_system = std::span(capacities).subspan(first_wire_.back(), size);
         system_of_.insert(system_of_.end(), size, system_count());
         work_.push_back(std::make_unique<Work>(first_wire_.back(), of_system, spec));
+        work_.back()->newton.watch(seen_);
         most_nodes = std::max(most_nodes, std::accumulate(of_system.begin(), of_system.end(), 0));
         first_wire_.push_back(first_wire_.back() + size);
     }

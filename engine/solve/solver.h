@@ -6,6 +6,7 @@
 #include "rod/elastic.h"
 #include "solve/coaxial_group.h"
 #include "solve/force_term.h"
+#include "solve/newton_trial.h"
 #include "solve/solve_report.h"
 #include "solve/solve_spec.h"
 #include "solve/step_kind.h"
@@ -53,6 +54,9 @@ public:
     void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
     /// Whether the last step was ended so.
     [[nodiscard]] bool stopped() const { return stopped_; }
+
+    /// From now on `seen` is told of each trial of each system, in no order of the systems, by whatever thread. Changes no result.
+    void watch(std::function<void(const NewtonTrial&)> seen) { seen_ = std::move(seen); }
 
     /// Stable static equilibrium: Newton with an adaptive shift, falling back to pseudo-transient continuation; an unstable
     /// equilibrium (a straight column above its load) is left along its softest mode. Velocities become 0.
@@ -135,6 +139,7 @@ private:
     std::vector<SolveReport> first_;            // [wires] what the first solve took
     std::vector<SpinRecord> spin_records_, spins_before_;  // [systems]; at the start of a step that may be stopped
     std::function<bool()> stop_asked_;
+    std::function<void(const NewtonTrial&)> seen_;
     bool stopped_ = false;
     std::vector<double> response_;              // of compliance()
 };

@@ -57,6 +57,10 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
     contraction_ = problem.norm(correction_) / direction_norm_;
     corrected_ = true;
     if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
+    if (crossed_ < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
+        shorten(std::max(crossed_, 0.1) * alpha_);
+        return false;
+    }
     for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
     const double natural = 0.5 * direction_norm_ * alpha_ * alpha_ / problem.norm(scratch_);
     const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
@@ -82,27 +86,28 @@ double NewtonSystem::largest_force(const ForceTerms& terms) const
     return most;
 }
 
-/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the force differs
-/// by more than 10 % of the base's residual and of the largest contact force. Then the nearest facets of the wall have
-/// changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or contact
-/// stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is there, to
-/// that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.
+/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the residual is not
+/// (1 - alpha) of the base's, as the linear equations have it, by more than half of it and a thousandth of the largest contact
+/// force. Then the nearest facets of the wall have changed, and the force with them (in a neck as narrow as the wire, at the corner
+/// of three walls). No elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force
+/// round, the equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the
+/// trial is as good a base as any.
 NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
 {
     if (!terms.may_jump() || options_.shifted || alpha_ == first_alpha_) return Jump::None;
     if (alpha_ * problem.largest_surface_move(direction_) > located * problem.smallest_radius()) return Jump::None;
-    double change = 0, base = largest_force(terms);
+    double change = 0, base = 0;
     for (const WireProblem* wire : problem.solved()) {
         const double* before = base_residual_.data() + (wire->q.start.data() - problem.start.data());
         // the base edge of a fed wire may be so short that half a nanometre is newtons of EA/l: its ends are not asked
         const int asked = wire->fed() ? RodDofs::count(wire->rod.n - 2) : wire->size();
         for (int i = 0; i < asked; ++i) {
             if (wire->q.prescribed[i] || RodDofs::is_spin(i)) continue;
-            change = std::max(change, std::abs(wire->q.residual[i] - before[i]));
+            change = std::max(change, std::abs(wire->q.residual[i] - (1 - alpha_) * before[i]));
             base = std::max(base, std::abs(before[i]));
         }
     }
-    if (change <= 0.1 * base) return Jump::None;
+    if (change <= std::max(0.5 * base, 1e-3 * largest_force(terms))) return Jump::None;
     if (problem.residual_along(direction_) * slope_ < 0) return Jump::Turns;
     return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
 }

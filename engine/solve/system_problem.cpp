@@ -166,6 +166,27 @@ bool SystemProblem::evaluate_residual(const ForceTerms& terms)
     return finish_residual();
 }
 
+// Forces on instruments that share a centreline are folded into those of the line: there nothing is admitted.
+double SystemProblem::crossed(const ForceTerms& terms) const
+{
+    double share = 1;
+    for (const int wire : solved_wires_)
+        if (solved_coaxial_.empty()) share = std::min(share, terms.crossed(wire));
+    return share;
+}
+
+void SystemProblem::admit_crossings(const ForceTerms& terms)
+{
+    const std::size_t count = size();
+    std::fill_n(scratch_.begin(), count, 0.0);
+    for (std::size_t k = 0; k < solved_.size(); ++k)
+        terms.admit_crossings(solved_wires_[k], scratch_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()));
+    for (std::size_t i = 0; i < count; ++i) {
+        residual[i] += scratch_[i];
+        term_residual_[i] += scratch_[i];
+    }
+}
+
 bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<const double> base)
 {
     for (WireProblem* wire : solved_) wire->evaluate_residual();

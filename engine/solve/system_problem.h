@@ -67,6 +67,10 @@ public:
     [[nodiscard]] bool update();
     /// R at the trial into `residual`; update() must have run there, and terms been evaluated. @return false if not finite
     [[nodiscard]] bool evaluate_residual(const ForceTerms& terms);
+    /// Share of the way from the base at which terms have crossed kinks (ForceTerm::crossed).
+    [[nodiscard]] double crossed(const ForceTerms& terms) const;
+    /// What leads the next direction to them, into R and the terms' share of it.
+    void admit_crossings(const ForceTerms& terms);
     /// The same with force terms taken as linear from where assemble_tangent last ran, `base`: evaluates none of them.
     [[nodiscard]] bool evaluate_linear_terms(const ForceTerms& terms, std::span<const double> base);
     /// dR/dq at the trial into `linear`, prescribed unknowns not yet fixed. @param symmetric  its symmetric part, as far as it is
