@@ -50,8 +50,9 @@ public:
                     f(static_cast<int>(point), state);
             }
     }
-    /// What evaluations since the last commit wrote, two records for each point; others are older. Empty in float32.
-    [[nodiscard]] std::span<const ContactState> at_trial() const { return host_; }
+    /// What evaluations since the last commit wrote, two records for each point; others are older. Empty in float32 and where the
+    /// device's memory is its own.
+    [[nodiscard]] std::span<const ContactState> at_trial() const { return std::span(host_).first(context_.on_cpu() ? host_.size() : 0); }
     void save(std::vector<std::uint8_t>& bytes);
     void save_wire(std::vector<std::uint8_t>& bytes, int wire);
     /// @param triangles  of the wall. @throws Error BadFile: the bytes hold a state that is none of its contacts

@@ -117,7 +117,7 @@ inline AppResult run_and_signal(const fs::path& folder, const std::vector<std::s
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), slurp(out), slurp(err)};
+    return app_result(status, slurp(out), slurp(err));
 }
 
 /// The same of `seldinger run scene -o dir`, by the rows of its trace. @return the exit code, or minus the signal that ended it

@@ -110,6 +110,7 @@ TEST_SUITE("apps/stability")
         // minutes of it: the signal comes long before the end, whatever the machine
         const AppResult cut =
             run_and_signal(folder.path, {"stability", "--row", "F3", "-o", "D"}, folder.path / "D" / "stability.csv", 1, SIGINT);
+        CAPTURE(cut.err);
         CHECK(cut.code == 130);
         CHECK(cut.error_lines() == 1);
         CHECK(cut.err.find("the same command continues") != std::string::npos);

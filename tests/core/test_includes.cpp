@@ -31,7 +31,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"scene", {"io", "step", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"view", {"io", "step", "contact", "solve", "rod", "vessel", "math", "core"}},
     {"study", {"scene", "io", "step", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
-    {"lab", {"study", "scene", "io", "step", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
+    {"lab", {"study", "scene", "io", "step", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
     {"session", {"scene", "io", "step", "core"}},
 };
 
