@@ -16,7 +16,9 @@
 // The equilibrium of that push changes normal forces and friction by the same share of themselves, sum F_i (n_i - m_i).t_i/sum F_i.
 //
 // Weight on the floor of a lumen is borne whatever the wire's stiffness: the errors by energy are those of the part of the normal forces
-// beyond the weight. The rest is off by the weight of half an edge, which the hub's node bears: h/(2 L) of a wire of length L. Elastic walls: their facets move, and the mesh has bands of its own (wall/wall_resolution.h); none here.
+// beyond the weight. The rest is off by the weight of half an edge, which the hub's node bears: h/(2 L) of a wire of length L.
+//
+// Elastic walls: their facets move, and the mesh has bands of its own (wall/wall_resolution.h); none here.
 
 #include "engine.h"
 
