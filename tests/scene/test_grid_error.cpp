@@ -1,8 +1,8 @@
 // What edges and facets do to forces, as estimated from one state: against beam theory, and against finer nodes and meshes.
 #include "scene/grid_error.h"
 
+#include "scene/bent_feed.h"
 #include "scene/key_frames.h"
-#include "scene/scene.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -20,38 +20,9 @@ struct Fed {
     GridErrors errors;    // largest in these
 };
 
-/// A wire fed 10 cm round an arc of 100 degrees, without friction.
-Fed fed_round_a_bend(int nodes, int triangles)
+Fed feed(int nodes, int triangles)
 {
-    const Scene scene = read_scene_text(fmt::format(R"([scene]
-gravity = [0.0, 0.0, 0.0]
-duration_s = 1.0
-dt_s = 0.004
-[wire]
-length_m = 0.3
-radius_m = 0.0004445
-density = 6500.0
-bend_nm2 = 5.0e-4
-twist_nm2 = 3.8e-4
-stretch_n = 1.0e4
-nodes = {}
-[vessel]
-shape = "arc"
-radius_m = 0.004
-bend_radius_m = 0.05
-angle_deg = 100.0
-lead_in_m = 0.03
-lead_out_m = 0.05
-triangles = {}
-[contact]
-mu_static = 0.0
-mu_sliding = 0.0
-[feed]
-inlet = "auto"
-keys = [ {{t_s = 0.0, advance_m = 0.0}}, {{t_s = 1.0, advance_m = 0.1}} ]
-)",
-                                                    nodes, triangles),
-                                        "arc.toml");
+    const Scene scene = test::fed_round_a_bend(nodes, fmt::format("triangles = {}", triangles));
     World world(make_setup(scene));
     const KeyFrames keys(scene);
     GridErrorGauge gauge;
@@ -98,11 +69,11 @@ TEST_SUITE("scene/grid_error")
     TEST_CASE("property: what finer nodes and facets do to the normal force lies within the estimate, which is of second order")
     {
         const int most = 128000;
-        const Fed fine = fed_round_a_bend(401, most), facets = fed_round_a_bend(401, 2000);
+        const Fed fine = feed(401, most), facets = feed(401, 2000);
         double by_nodes = 0, estimated = 0;
         for (const int nodes : {21, 26, 31}) {
             CAPTURE(nodes);
-            const Fed coarse = fed_round_a_bend(nodes, most);
+            const Fed coarse = feed(nodes, most);
             const double off = std::abs(coarse.normal / fine.normal - 1);
             CHECK(off < 1.5 * coarse.errors.nodes);
             by_nodes = std::max(by_nodes, off);
@@ -118,8 +89,8 @@ TEST_SUITE("scene/grid_error")
         CHECK(by_facets > 1e-3);
         CHECK(by_facets < 1.5 * facets.errors.facets);
         CHECK(facets.errors.facets < 10 * by_facets);
-        const double nodes_ratio = fed_round_a_bend(26, most).errors.nodes / fed_round_a_bend(101, most).errors.nodes;
-        const double facets_ratio = facets.errors.facets / fed_round_a_bend(401, 32000).errors.facets;
+        const double nodes_ratio = feed(26, most).errors.nodes / feed(101, most).errors.nodes;
+        const double facets_ratio = facets.errors.facets / feed(401, 32000).errors.facets;
         CAPTURE(nodes_ratio);
         CAPTURE(facets_ratio);
         CHECK(nodes_ratio > 8);
