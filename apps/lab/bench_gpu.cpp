@@ -82,6 +82,8 @@ Json row_of(const FleetTiming& fleet, const char* precision)
             {"writes_per_step", fleet.writes},
             {"bytes_to_device_per_step", static_cast<double>(fleet.profile.bytes_written) / steps},
             {"bytes_from_device_per_step", static_cast<double>(fleet.profile.bytes_read) / steps},
+            {"write_us", 1e6 * fleet.profile.write_seconds / steps},
+            {"read_us", 1e6 * fleet.profile.read_seconds / steps},
             {"kernels", kernels_of(fleet)},
             {"state_hash", fleet.state_hash}};
 }

@@ -229,6 +229,7 @@ void CapsuleContact::evaluate_list(const ActiveList& list, bool part, double h)
     const device::Buffer& sums = active_.sums_buffer(part);
     evaluation_.launch_sums(at, list.edges(), list.first_buffer, sums);
     read_records(context_, at, sums, active_.sums_target(part), list.edges(), 0, narrow_);
+    states_.bring_trial(at, list.points);
     (at == device::Queue::Inline ? times_.reduce : times_.evaluate) += seconds_since(start);
 }
 

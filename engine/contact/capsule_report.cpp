@@ -2,6 +2,7 @@
 
 #include "contact/capsule.h"
 #include "contact/contact_patch.h"
+#include "core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -34,6 +35,7 @@ ContactRow CapsuleContact::row_of(int wire, int edge, int point, const ContactSt
 std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
 {
     std::vector<ContactRow> rows;
+    states_.bring_accepted();
     for (int w = 0; w < rods.wire_count(); ++w) {
         const WireQuadrature& wire = quadrature_.wires[w];
         const RodView rod = rods.view(w);  // whose nodes may be others than those of the step
@@ -51,15 +53,18 @@ std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
 
 void CapsuleContact::add_loads(RodArrays& rods, std::span<WireLoads> loads)
 {
-    for (int w = 0; w < rods.wire_count(); ++w) {
-        const WireQuadrature& wire = quadrature_.wires[w];
-        loads[static_cast<std::size_t>(w)].samples.reserve(2 * static_cast<std::size_t>(wire.capacity));  // steps allocate nothing
+    states_.bring_accepted();
+    for_each_item(rods.wire_count(), wire_grain, [&](int w) {
+        const WireQuadrature& wire = quadrature_.wires[static_cast<std::size_t>(w)];
+        WireLoads& own = loads[static_cast<std::size_t>(w)];
+        own.samples.reserve(2 * static_cast<std::size_t>(wire.capacity));  // steps allocate nothing
         states_.for_each_contact(w, [&](int point, const ContactState& state) {
             const double* f = state.friction;
-            loads[static_cast<std::size_t>(w)].add(
-                {wire.s[point - wire.begin], quadrature_.models[point].length, state.normal_force}, std::hypot(f[0], f[1], f[2]));
+            own.add({wire.s[static_cast<std::size_t>(point - wire.begin)], quadrature_.models[static_cast<std::size_t>(point)].length,
+                     state.normal_force},
+                    std::hypot(f[0], f[1], f[2]));
         });
-    }
+    });
 }
 
 std::string CapsuleContact::describe_law(const QuadratureModel& m) const

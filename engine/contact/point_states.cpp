@@ -23,6 +23,32 @@ device::Buffer records(device::Context& context, std::vector<ContactState>& host
     return device::Buffer(context, host.data(), count * sizeof(ContactState));
 }
 
+/// Joins ranges of points, given in rising order, that lie close together: f(first, end) copies each run at once.
+template <class F>
+class Runs {
+public:
+    Runs(const device::Context& context, const F& f) : gap_(context.on_cpu() ? 0 : bus_gap), copy_(f) {}
+    void add(std::size_t first, std::size_t end)
+    {
+        if (end_ == 0 || first > end_ + gap_) {
+            close();
+            first_ = first;
+        }
+        end_ = end;
+    }
+    void close()
+    {
+        if (end_ > 0) copy_(first_, end_);
+        end_ = 0;
+    }
+
+private:
+    // A copy over the bus costs about 10 us to begin, in which 250 kB go over it: the records of so many points.
+    static constexpr std::size_t bus_gap = 800;
+    std::size_t gap_, first_ = 0, end_ = 0;
+    const F& copy_;
+};
+
 }  // namespace
 
 PointStates::PointStates(device::Context& context, QuadratureSet& quadrature)
@@ -49,10 +75,14 @@ void PointStates::write_places(device::Queue queue)
 void PointStates::upload_places()
 {
     if (context_.float32()) return write_places(device::Queue::Inline);
+    const auto copy = [&](std::size_t first, std::size_t end) {
+        context_.write(device::Queue::Inline, places_, &quadrature_.places[first], (end - first) * sizeof(QuadraturePlace),
+                       first * sizeof(QuadraturePlace));
+    };
+    Runs runs(context_, copy);
     for (const WireQuadrature& wire : quadrature_.wires)
-        if (wire.live > 0)
-            context_.write(device::Queue::Inline, places_, &quadrature_.places[wire.begin], wire.live * sizeof(QuadraturePlace),
-                           wire.begin * sizeof(QuadraturePlace));
+        if (wire.live > 0) runs.add(wire.begin, wire.begin + wire.live);
+    runs.close();
 }
 
 void PointStates::commit(std::span<const std::uint8_t> active)
@@ -67,7 +97,10 @@ void PointStates::commit(std::span<const std::uint8_t> active)
             const std::size_t first = w;
             std::size_t points = 0;
             for (; w < active.size() && active[w]; ++w) points += quadrature_.wires[w].capacity;
-            context_.copy(device::Queue::Inline, states_, states_t0_, points * record, quadrature_.wires[first].begin * record);
+            const auto begin = static_cast<std::size_t>(quadrature_.wires[first].begin);
+            context_.copy(device::Queue::Inline, states_, states_t0_, points * record, begin * record);
+            if (!context_.float32() && !context_.on_cpu())
+                std::copy_n(host_.begin() + 2 * begin, 2 * points, host_t0_.begin() + 2 * begin);
             while (w < active.size() && !active[w]) ++w;
         }
         context_.finish(device::Queue::Inline);
@@ -91,11 +124,28 @@ std::vector<ContactState> PointStates::living(int first_wire, int end_wire)
     return states;
 }
 
-/// Brings the records of points [first, end) into host_t0_.
-void PointStates::fetch(std::uint32_t first, std::uint32_t end)
+void PointStates::bring_trial(device::Queue queue, std::span<const std::uint32_t> points)
 {
+    if (context_.float32() || context_.on_cpu()) return;
+    const auto copy = [&](std::size_t first, std::size_t end) {
+        context_.read(queue, states_, &host_[2 * first], 2 * (end - first) * sizeof(ContactState), 2 * first * sizeof(ContactState));
+    };
+    Runs runs(context_, copy);
+    for (const std::uint32_t point : points) runs.add(point, point + 1);
+    runs.close();
+}
+
+void PointStates::bring_accepted()
+{
+    if (!context_.float32()) return;
     context_.enter(device::Queue::Inline);
-    read_records(context_, device::Queue::Inline, states_t0_, host_t0_.data() + 2 * first, 2 * std::size_t{end - first}, 2 * first, narrow_);
+    const auto copy = [&](std::size_t first, std::size_t end) {
+        read_records(context_, device::Queue::Inline, states_t0_, &host_t0_[2 * first], 2 * (end - first), 2 * first, narrow_);
+    };
+    Runs runs(context_, copy);
+    for (const std::vector<std::uint32_t>& points : evaluated_)
+        if (!points.empty()) runs.add(points.front(), points.back() + 1);
+    runs.close();
 }
 
 /// Marks the points in contact of a restored state. @param states  two records for each point of wires [first, end)
@@ -147,6 +197,7 @@ void PointStates::restore(const std::uint8_t*& bytes, const std::uint8_t* end, s
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_);
     context_.finish(device::Queue::Inline);
+    if (!context_.float32()) std::copy(states.begin(), states.end(), host_t0_.begin());
 }
 
 void PointStates::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::size_t triangles)
@@ -160,6 +211,7 @@ void PointStates::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* e
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_, 2 * static_cast<std::size_t>(own.begin));
     context_.finish(device::Queue::Inline);
+    if (!context_.float32()) std::copy(states.begin(), states.end(), host_t0_.begin() + 2 * own.begin);
 }
 
 }  // namespace seldinger

@@ -36,23 +36,23 @@ public:
     /// Two records for each point of wires [first, end). States that no contact of the last step wrote are zeros: leftovers must
     /// neither affect later steps nor the saved bytes.
     [[nodiscard]] std::vector<ContactState> living(int first_wire, int end_wire);
+    /// Before for_each_contact(): brings the records of all wires to the host, in few copies.
+    void bring_accepted();
     /// Calls f(point, state) with each record of a wire that a contact of the last step wrote, in the order of its points.
     template <class F>
-    void for_each_contact(int wire, const F& f)
+    void for_each_contact(int wire, const F& f) const
     {
-        const std::vector<std::uint32_t>& points = evaluated_[static_cast<std::size_t>(wire)];
-        if (points.empty()) return;
-        fetch(points.front(), points.back() + 1);
-        for (const std::uint32_t point : points)
+        for (const std::uint32_t point : evaluated_[static_cast<std::size_t>(wire)])
             for (std::uint32_t side = 0; side < 2; ++side) {
                 const ContactState& state = host_t0_[2 * point + side];
                 if (state.epoch + 1 == quadrature_.wires[static_cast<std::size_t>(wire)].epoch && (state.flags & SEL_CONTACT_ACTIVE))
                     f(static_cast<int>(point), state);
             }
     }
-    /// What evaluations since the last commit wrote, two records for each point; others are older. Empty in float32 and where the
-    /// device's memory is its own.
-    [[nodiscard]] std::span<const ContactState> at_trial() const { return std::span(host_).first(context_.on_cpu() ? host_.size() : 0); }
+    /// Brings what an evaluation of these points, in rising order, has written to the host: on a CPU it is there. Not in float32.
+    void bring_trial(device::Queue queue, std::span<const std::uint32_t> points);
+    /// What evaluations since the last commit wrote, two records for each point; others are older. Empty in float32.
+    [[nodiscard]] std::span<const ContactState> at_trial() const { return host_; }
     void save(std::vector<std::uint8_t>& bytes);
     void save_wire(std::vector<std::uint8_t>& bytes, int wire);
     /// @param triangles  of the wall. @throws Error BadFile: the bytes hold a state that is none of its contacts
@@ -66,12 +66,12 @@ public:
 
 private:
     void commit(std::span<const std::uint8_t> active);
-    void fetch(std::uint32_t first, std::uint32_t end);
     void note_living(int first_wire, int end_wire, std::span<const ContactState> states);
 
     device::Context& context_;
     QuadratureSet& quadrature_;
-    std::vector<ContactState> host_t0_, host_;           // the memory of states_t0_ and states_ on a CPU in double precision
+    // In double precision the same as states_t0_ and states_, where a step has written: on a CPU their memory, elsewhere copies.
+    std::vector<ContactState> host_t0_, host_;
     std::vector<std::vector<std::uint32_t>> evaluated_;  // [wires] points that the last step has evaluated
     device::Buffer models_, places_, states_t0_, states_;
     std::vector<std::uint32_t> narrow_places_, narrow_;  // scratch of a float32 context (device_records.h)

@@ -1,6 +1,7 @@
 // Contexts, buffers, kernels and launches by OpenCL 1.2 calls, each checked; names of OpenCL's error codes.
 #include "device/device.h"
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "device/enumerate.h"
 #include "device/profile_record.h"
@@ -55,6 +56,13 @@ const char* error_name(cl_int status)
 
 namespace {
 
+/// SEL_OWN_MEMORY in the environment: a CPU is taken for a device with memory of its own, for tests of what is copied then.
+bool asked_own_memory()
+{
+    static const bool asked = std::getenv("SEL_OWN_MEMORY") != nullptr;
+    return asked;
+}
+
 /// SEL_WORKGROUP in the environment (1 to 1024): nothing may depend on it, and bench/pocl_variants.sh looks. 0: it is not there
 std::size_t asked_workgroup()
 {
@@ -79,7 +87,9 @@ void check(cl_int status, const char* call)
 Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : bytes)
 {
     cl_int status = CL_SUCCESS;
-    memory_ = clCreateBuffer(context.handle(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes_, nullptr, &status);
+    // a graphics card would go over the bus for each access to memory of the host
+    const cl_mem_flags where = context.on_cpu() ? CL_MEM_ALLOC_HOST_PTR : 0;
+    memory_ = clCreateBuffer(context.handle(), CL_MEM_READ_WRITE | where, bytes_, nullptr, &status);
     check(status, "clCreateBuffer");
     context.counters().buffers_created++;
     const std::vector<char> zeros(bytes_, 0);
@@ -152,8 +162,13 @@ Context::Context(int index, bool float32) : float32_(float32)
     cl_device_id light = heavy;
     cl_device_type type = 0;
     CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_TYPE, sizeof type, &type, nullptr));
-    cpu_ = type & CL_DEVICE_TYPE_CPU;
-    single_items_ = cpu_ && platform_name(heavy) != "rusticl";
+    const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    cpu_ = cpu && !asked_own_memory();
+    single_items_ = cpu && platform_name(heavy) != "rusticl";
+    // else division and square root in float may be off by a few units in the last place, and results are another device's no more
+    cl_device_fp_config single = 0;
+    clGetDeviceInfo(heavy, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, nullptr);
+    if (!cpu && (single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)) rounding_ = " -cl-fp32-correctly-rounded-divide-sqrt";
     name_ = device_text(heavy, CL_DEVICE_NAME);
     if (!float32 && device_text(heavy, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") == std::string::npos)
         throw Error(ExitCode::NoDevice,
@@ -205,18 +220,20 @@ void Context::write(Queue queue, const Buffer& to, const void* source, std::size
 {
     if (bytes == 0) return;
     SEL_ASSERT(offset + bytes <= to.bytes());
+    const auto start = profiling() ? Clock::now() : Clock::time_point();
     CL_CHECK(clEnqueueWriteBuffer(command_queue(queue), to.handle(), CL_FALSE, offset, bytes, source, 0, nullptr, nullptr));
     counters_.writes++;
-    note_written(bytes);
+    if (profiling()) note_written(bytes, seconds_since(start));
 }
 
 void Context::read(Queue queue, const Buffer& from, void* target, std::size_t bytes, std::size_t offset)
 {
     if (bytes == 0) return;
     SEL_ASSERT(offset + bytes <= from.bytes());
+    const auto start = profiling() ? Clock::now() : Clock::time_point();
     CL_CHECK(clEnqueueReadBuffer(command_queue(queue), from.handle(), CL_TRUE, offset, bytes, target, 0, nullptr, nullptr));
     counters_.reads++;
-    note_read(bytes);
+    if (profiling()) note_read(bytes, seconds_since(start));
 }
 
 void Context::copy(Queue queue, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset)
@@ -252,7 +269,7 @@ cl_program Context::program(const std::string& file, std::size_t workgroup, cons
     for (const auto& [known_file, known_size, known_defines, program] : programs_)
         if (known_file == file && known_size == workgroup && known_defines == defines) return program;
     const std::string options =
-        fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}{}", workgroup, float32_ ? " -DSEL_FLOAT32" : "", defines);
+        fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}{}{}", workgroup, float32_ ? " -DSEL_FLOAT32" : "", rounding_, defines);
     const auto [program, fresh] = shared_->program(file, assemble_source(file), options);
     if (fresh) counters_.programs_built++;
     programs_.emplace_back(file, workgroup, defines, program);

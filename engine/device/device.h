@@ -89,6 +89,7 @@ public:
     [[nodiscard]] cl_context handle() const;
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool float32() const { return float32_; }
+    /// Whether the device works in the host's memory.
     [[nodiscard]] bool on_cpu() const { return cpu_; }
     /// Whether the queues are two devices; else both name the same queue.
     [[nodiscard]] bool two_queues() const { return queues_[0] != queues_[1]; }
@@ -100,6 +101,7 @@ private:
     cl_command_queue queues_[2] = {nullptr, nullptr};                         // light, heavy; the same queue on one device
     std::vector<std::tuple<std::string, std::size_t, std::string, cl_program>> programs_;  // file, work-group size, defines
     std::string name_;
+    std::string rounding_;  // compiler option
     bool float32_ = false, cpu_ = false;
     // Branching items are groups of their own. Not in Mesa's rusticl on the CPU: its vectors hold eight items, and in a group of
     // one (Mesa 22.3) loops within loops end early for the only item, without an error.

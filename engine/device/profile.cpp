@@ -38,14 +38,16 @@ void restart_profile() { sums.emplace(); }
 
 bool profiling() { return sums.has_value(); }
 
-void note_written(std::size_t bytes)
+void note_written(std::size_t bytes, double seconds)
 {
-    if (sums) sums->bytes_written += bytes;
+    sums->bytes_written += bytes;
+    sums->write_seconds += seconds;
 }
 
-void note_read(std::size_t bytes)
+void note_read(std::size_t bytes, double seconds)
 {
-    if (sums) sums->bytes_read += bytes;
+    sums->bytes_read += bytes;
+    sums->read_seconds += seconds;
 }
 
 void note_launch(cl_kernel kernel, std::size_t items, std::size_t workgroup, cl_event event)

@@ -17,6 +17,7 @@ struct KernelProfile {
 struct Profile {
     std::vector<KernelProfile> kernels;  // in the order of their first launch
     std::uint64_t bytes_written = 0, bytes_read = 0;
+    double write_seconds = 0, read_seconds = 0;  // of the host, until the call came back
 };
 
 /// Contexts that are made between begin_profile() and end_profile() take part. Each launch is waited for, so that the host's times
