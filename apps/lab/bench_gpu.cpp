@@ -77,6 +77,8 @@ Json row_of(const FleetTiming& fleet, const char* precision)
             {"evaluate_us", 1e6 * fleet.stages.evaluate},
             {"reduce_us", 1e6 * fleet.stages.reduce},
             {"solve_us", 1e6 * fleet.stages.solve},
+            {"adapt_us", 1e6 * fleet.stages.adapt},
+            {"rest_us", 1e6 * (fleet.step - fleet.stages.in_all())},
             {"launches_per_step", fleet.launches},
             {"reads_per_step", fleet.reads},
             {"writes_per_step", fleet.writes},

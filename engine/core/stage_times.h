@@ -19,6 +19,11 @@ struct StageTimes {
         wall -= other.wall, solve -= other.solve, adapt -= other.adapt;
         return *this;
     }
+    StageTimes& operator/=(double n)
+    {
+        for (double* time : {&detect, &evaluate, &reduce, &wall, &solve, &adapt}) *time /= n;
+        return *this;
+    }
 };
 
 }  // namespace seldinger

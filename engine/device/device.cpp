@@ -101,6 +101,7 @@ Buffer::Buffer(Context& context, void* host, std::size_t bytes)
 {
     if (!context.on_cpu() || bytes == 0) {
         *this = Buffer(context, bytes);
+        if (bytes > 0) pinned_ = context.pin(host, bytes);
         return;
     }
     bytes_ = bytes;
@@ -112,16 +113,19 @@ Buffer::Buffer(Context& context, void* host, std::size_t bytes)
 
 Buffer::~Buffer()
 {
-    if (memory_) clReleaseMemObject(memory_);
+    for (const cl_mem memory : {memory_, pinned_})
+        if (memory) clReleaseMemObject(memory);
 }
 
-Buffer::Buffer(Buffer&& other) noexcept : memory_(std::exchange(other.memory_, nullptr)), bytes_(std::exchange(other.bytes_, 0))
+Buffer::Buffer(Buffer&& other) noexcept
+    : memory_(std::exchange(other.memory_, nullptr)), pinned_(std::exchange(other.pinned_, nullptr)), bytes_(std::exchange(other.bytes_, 0))
 {
 }
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept
 {
     std::swap(memory_, other.memory_);
+    std::swap(pinned_, other.pinned_);
     std::swap(bytes_, other.bytes_);
     return *this;
 }
@@ -241,6 +245,17 @@ void Context::copy(Queue queue, const Buffer& from, const Buffer& to, std::size_
     if (bytes == 0) return;
     SEL_ASSERT(offset + bytes <= from.bytes() && offset + bytes <= to.bytes());
     CL_CHECK(clEnqueueCopyBuffer(command_queue(queue), from.handle(), to.handle(), offset, offset, bytes, 0, nullptr, nullptr));
+}
+
+cl_mem Context::pin(void* host, std::size_t bytes)
+{
+    cl_int status = CL_SUCCESS;
+    const cl_mem memory = clCreateBuffer(handle(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host, &status);
+    check(status, "clCreateBuffer");
+    // mapped for good: the host may use its memory all the while
+    (void)clEnqueueMapBuffer(queues_[0], memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes, 0, nullptr, nullptr, &status);
+    check(status, "clEnqueueMapBuffer");
+    return memory;
 }
 
 void Context::finish(Queue queue) { CL_CHECK(clFinish(command_queue(queue))); }

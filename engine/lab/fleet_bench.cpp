@@ -66,8 +66,7 @@ FleetTiming time_fleet(const Scene& scene, int device_index, int wires, long ste
         timing.reads = static_cast<double>(after.reads - before.reads) / n;
         timing.writes = static_cast<double>(after.writes - before.writes) / n;
         timing.newton /= n;
-        timing.stages = {timing.stages.detect / n, timing.stages.evaluate / n, timing.stages.reduce / n, timing.stages.solve / n,
-                         timing.stages.adapt / n};
+        timing.stages /= n;
         timing.state_hash = fleet.world.state_hash();
         for (int w = 0; w < fleet.world.wire_count(); ++w)
             for (int i = 0; i < fleet.world.rod(w).n; ++i) timing.nodes.push_back(fleet.world.rod(w).pos(i));

@@ -73,9 +73,9 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
     timing.rate = steps / middle.wall;
     timing.lowest = steps / runs.back().wall;
     timing.highest = steps / runs.front().wall;
-    const StageTimes& s = middle.stages;
-    timing.stages = {s.detect / steps, s.evaluate / steps, s.reduce / steps, s.solve / steps, s.adapt / steps};
-    timing.other = (middle.wall - (s.detect + s.evaluate + s.reduce + s.solve + s.adapt)) / steps;
+    timing.stages = middle.stages;
+    timing.stages /= steps;
+    timing.other = middle.wall / steps - timing.stages.in_all();
     return timing;
 }
 

@@ -33,6 +33,13 @@ Eigen::SparseMatrix<double> grid_matrix(int nx, int ny, int cut = -1)
 
 TEST_SUITE("math/block_cholesky")
 {
+    TEST_CASE("property: Eigen's blocks are the same on every processor, and so the rounding of sums")
+    {
+        CHECK(Eigen::l1CacheSize() == 32 << 10);
+        CHECK(Eigen::l2CacheSize() == 512 << 10);
+        CHECK(Eigen::l3CacheSize() == 32 << 20);
+    }
+
     TEST_CASE("twin: a dense solve, with blocks left out, in one piece and in two")
     {
         for (const int cut : {-1, 4}) {
