@@ -484,7 +484,8 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
         kernel.launch(queue, items, params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_, nodes_t0_,
                       states_t0_, states_, forces, points_buffer_);
     };
-    if (of_itself < picked_.size()) evaluate(evaluate_, (picked_.size() + SEL_BLOCK - 1) / SEL_BLOCK);
+    const std::size_t block = context_.workgroup(device::Items::Branching) == 1 ? SEL_BLOCK : 1;  // of the kernel
+    if (of_itself < picked_.size()) evaluate(evaluate_, (picked_.size() + block - 1) / block);
     if (of_itself > 0) evaluate(evaluate_self_, picked_.size());
 }
 

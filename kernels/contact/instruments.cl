@@ -1,6 +1,5 @@
 // Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
 //   launch  engine/contact/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
-#define SEL_SUMS_IN_MEMORY 0  // its records are its own (instrument_types.h)
 #include "shared/instrument_block.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone
@@ -40,10 +39,19 @@ SEL_EVALUATE(instruments_evaluate_self)
     if (item >= par.item_count) return;
     const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;
     if (slots[s].touch != SEL_TOUCH_SELF) return;
-    InstrumentState now = no_instrument_state();
-    forces[item] =
-        instrument_self_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
-                              instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
-                              states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now, points + SEL_INSTRUMENT_POINTS * item);
-    states[s] = now;
+#if SEL_SUMS_IN_MEMORY
+    SEL_OUT InstrumentState* now = states + s;
+    SEL_OUT InstrumentForce* force = forces + item;
+#else
+    InstrumentState own_state, *now = &own_state;
+    InstrumentForce own, *force = &own;
+#endif
+    *now = no_instrument_state();
+    instrument_self_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
+                          instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
+                          states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, now, force, points + SEL_INSTRUMENT_POINTS * item);
+#if !SEL_SUMS_IN_MEMORY
+    forces[item] = own;
+    states[s] = own_state;
+#endif
 }

@@ -1,8 +1,8 @@
-// Evaluation of slots in kernels and their twin: with other instruments four at a time, with the same one each alone.
+// Evaluation of slots in kernels and their twin: with other instruments SEL_BLOCK at a time, with the same one each alone.
 //
-// Most neighbours do not touch, and in a lumen the gaps at both ends of a cell show it (least_room()). These ends, two of each
-// of four cells, go in eight SIMD lanes, and so do the clearances of cells that touch nothing, at the trial and at the start of the
-// step.
+// Most neighbours do not touch, and in a lumen the gaps at both ends of a cell show it (least_room()). On a processor these ends,
+// two of each of four cells, go in eight SIMD lanes, and so do the clearances of cells that touch nothing, at the trial and at the
+// start of the step. On a graphics card an item has one cell, and one end after the other.
 #ifndef SEL_SHARED_INSTRUMENT_BLOCK_H
 #define SEL_SHARED_INSTRUMENT_BLOCK_H
 #include "shared/instrument_near.h"
@@ -99,24 +99,24 @@ SEL_FN SlotCell slot_cell(uint cell, InstrumentSlot slot, InstrumentBodies bodie
     return its;
 }
 
-// Gaps of four cells, each in two lanes, k and 4 + k.
-SEL_LANES_FN real8 gap_in_lanes(const SlotCell* cells, LaneNearest near, real8* inwards)
+// Gaps of cells, each in two lanes, k and SEL_BLOCK + k. @param first  lane
+SEL_LANES_FN real8 gap_in_lanes(const SlotCell* cells, uint first, LaneNearest near, real8* inwards)
 {
-    real reach[4], sign[4];
-    for (uint k = 0; k < SEL_BLOCK; ++k) {
-        const GapPart part = cells[k].scene.part;
+    real reach[SEL_LANES], sign[SEL_LANES];
+    for (uint k = 0; k < SEL_LANES; ++k) {
+        const GapPart part = cells[(first + k) % SEL_BLOCK].scene.part;
         sign[k] = part.touch == SEL_TOUCH_INSIDE ? (real)-1 : (real)1;
         reach[k] = part.touch == SEL_TOUCH_INSIDE ? part.reach_b - part.reach_a : -part.reach_a - part.reach_b;
     }
-    *inwards = numbers8(sign, sign);
-    return numbers8(reach, reach) + *inwards * near.distance;
+    *inwards = lanes_at(sign);
+    return lanes_at(reach) + *inwards * near.distance;
 }
 
-// Both ends of four cells. @param known  [4] is written: whether both are known
+// Both ends of SEL_BLOCK cells. @param known  [SEL_BLOCK] is written: whether both are known
 SEL_FN void ends_in_lanes(const SlotCell* cells, CellEnds* ends, int* known)
 {
-    real s[8], start[8], low[8], high[8], gap[8], slope[8], of_a[8], at[8], missed[8];
-    CurvePiece a[8], b[8];
+    real s[2 * SEL_BLOCK], start[2 * SEL_BLOCK], low[2 * SEL_BLOCK], high[2 * SEL_BLOCK], gap[2 * SEL_BLOCK], slope[2 * SEL_BLOCK],
+        of_a[2 * SEL_BLOCK], at[2 * SEL_BLOCK], missed[2 * SEL_BLOCK];
     for (uint k = 0; k < 2 * SEL_BLOCK; ++k) {
         const SlotCell* its = cells + k % SEL_BLOCK;
         const real end = k < SEL_BLOCK ? (real)-0.5 : (real)0.5;
@@ -124,32 +124,37 @@ SEL_FN void ends_in_lanes(const SlotCell* cells, CellEnds* ends, int* known)
         low[k] = its->scene.part.low;
         high[k] = its->scene.part.high;
         start[k] = clamp_r(its->at + end * its->onwards, low[k], high[k]);
-        a[k] = curve_piece(its->scene.a, spline_at_near(its->scene.a, s[k], its->scene.edge));
     }
-    const LanePieces on_a = on_own_pieces(a);
-    LanePieces on_b;
-    LaneNearest near;
-    int again = 1;
-    for (int round = 0; round < 2 && again; ++round) {
-        for (uint k = 0; k < 2 * SEL_BLOCK; ++k) b[k] = curve_piece(cells[k % SEL_BLOCK].scene.b, start[k]);
-        on_b = on_own_pieces(b);
-        near = nearest_in_lanes(numbers8(s, s + 4), numbers8(start, start + 4), &on_a, &on_b, numbers8(low, low + 4),
-                                numbers8(high, high + 4));
-        put8(near.missed | (near.distance <= real8_of(0)) ? real8_of(1) : real8_of(0), missed);
-        put8(near.t + on_b.origin, at);
-        // one that has left its piece is looked for once more on the one that it has come to
-        again = 0;
-        for (uint k = 0; k < 2 * SEL_BLOCK; ++k) {
-            if (missed[k] == 0 || !(at[k] > start[k] - 1 && at[k] < start[k] + 1)) continue;
-            start[k] = clamp_r(at[k], low[k], high[k]);
-            again = 1;
+    for (uint l = 0; l < 2 * SEL_BLOCK; l += SEL_LANES) {
+        CurvePiece a[SEL_LANES], b[SEL_LANES];
+        for (uint k = 0; k < SEL_LANES; ++k) {
+            const InstrumentScene* scene = &cells[(l + k) % SEL_BLOCK].scene;
+            a[k] = curve_piece(scene->a, spline_at_near(scene->a, s[l + k], scene->edge));
         }
+        const LanePieces on_a = on_own_pieces(a);
+        LanePieces on_b;
+        LaneNearest near;
+        int again = 1;
+        for (int round = 0; round < 2 && again; ++round) {
+            for (uint k = 0; k < SEL_LANES; ++k) b[k] = curve_piece(cells[(l + k) % SEL_BLOCK].scene.b, start[l + k]);
+            on_b = on_own_pieces(b);
+            near = nearest_in_lanes(lanes_at(s + l), lanes_at(start + l), &on_a, &on_b, lanes_at(low + l), lanes_at(high + l));
+            put8(near.missed | (near.distance <= real8_of(0)) ? real8_of(1) : real8_of(0), missed + l);
+            put8(near.t + on_b.origin, at + l);
+            // one that has left its piece is looked for once more on the one that it has come to
+            again = 0;
+            for (uint k = l; k < l + SEL_LANES; ++k) {
+                if (missed[k] == 0 || !(at[k] > start[k] - 1 && at[k] < start[k] + 1)) continue;
+                start[k] = clamp_r(at[k], low[k], high[k]);
+                again = 1;
+            }
+        }
+        const Lanes3 along = add_lanes(on_a.c1, scale_lanes(2 * near.u, on_a.c2));
+        real8 inwards;
+        put8(gap_in_lanes(cells, l, near, &inwards), gap + l);
+        put8(inwards * dot_lanes(near.away, along) / (near.distance * sqrt8(dot_lanes(along, along))), slope + l);
+        put8(near.u + on_a.origin, of_a + l);
     }
-    const Lanes3 along = add_lanes(on_a.c1, scale_lanes(2 * near.u, on_a.c2));
-    real8 inwards;
-    put8(gap_in_lanes(cells, near, &inwards), gap);
-    put8(inwards * dot_lanes(near.away, along) / (near.distance * sqrt8(dot_lanes(along, along))), slope);
-    put8(near.u + on_a.origin, of_a);
     for (uint k = 0; k < SEL_BLOCK; ++k) {
         CellMark* marks[2];
         marks[0] = &ends[k].first;
@@ -166,42 +171,48 @@ SEL_FN void ends_in_lanes(const SlotCell* cells, CellEnds* ends, int* known)
     }
 }
 
-// Clearances of cells that touch nothing, at their nearest end: as follow_cell(). @param due  [4] which; 0 is written where it is
-// done
-SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real inv_dt, int* due, InstrumentState* now)
+// Clearances of cells that touch nothing, at their nearest end: as follow_cell(). @param due  [SEL_BLOCK] which; 0 is written where it
+// is done
+SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real inv_dt, int* due, SEL_OUT InstrumentState* now)
 {
-    real s[4], at[4], then[4], at_then[4], low[8], high[8];
-    CurvePiece a[8], b[8];
+    real s[2 * SEL_BLOCK], at[2 * SEL_BLOCK], low[2 * SEL_BLOCK], high[2 * SEL_BLOCK], gap[2 * SEL_BLOCK], missed[2 * SEL_BLOCK],
+        x[3][2 * SEL_BLOCK], n[3][2 * SEL_BLOCK], place[2 * SEL_BLOCK];
     for (uint k = 0; k < SEL_BLOCK; ++k) {
         const InstrumentScene* scene = &cells[k].scene;
         const CellMark least = ends[k].first.gap < ends[k].last.gap ? ends[k].first : ends[k].last;
-        s[k] = least.s;
-        at[k] = clamp_r(least.at, scene->part.low, scene->part.high);
-        low[k] = low[k + 4] = scene->part.low;
+        const uint then = k + SEL_BLOCK;
+        s[k] = s[then] = least.s;
+        at[k] = at[then] = clamp_r(least.at, scene->part.low, scene->part.high);
+        low[k] = low[then] = scene->part.low;
         high[k] = scene->part.high;
-        high[k + 4] = min_r(scene->part.high, (real)(scene->b_t0.count - 1));
-        a[k] = curve_piece(scene->a, spline_at_near(scene->a, s[k], scene->edge));
-        a[k + 4] = curve_piece(scene->a_t0, spline_at_near(scene->a_t0, s[k], scene->edge));
-        b[k] = curve_piece(scene->b, at[k]);
-        b[k + 4] = curve_piece(scene->b_t0, at[k]);
+        high[then] = min_r(scene->part.high, (real)(scene->b_t0.count - 1));
     }
-    const LanePieces on_a = on_own_pieces(a), on_b = on_own_pieces(b);
-    const LaneNearest near =
-        nearest_in_lanes(numbers8(s, s), numbers8(at, at), &on_a, &on_b, numbers8(low, low + 4), numbers8(high, high + 4));
-    real gap[8], missed[8], x[3][8], n[3][8], place[8];
-    real8 inwards;
-    put8(gap_in_lanes(cells, near, &inwards), gap);
-    put8(near.t + on_b.origin, place);
-    put8(near.missed | (near.distance <= real8_of(0)) ? real8_of(1) : real8_of(0), missed);
-    const real8 unit = inwards / near.distance;
-    put8(near.x.x, x[0]);
-    put8(near.x.y, x[1]);
-    put8(near.x.z, x[2]);
-    put8(unit * near.away.x, n[0]);
-    put8(unit * near.away.y, n[1]);
-    put8(unit * near.away.z, n[2]);
+    for (uint l = 0; l < 2 * SEL_BLOCK; l += SEL_LANES) {
+        CurvePiece a[SEL_LANES], b[SEL_LANES];
+        for (uint k = 0; k < SEL_LANES; ++k) {
+            const int then = l + k >= SEL_BLOCK;
+            const InstrumentScene* scene = &cells[(l + k) % SEL_BLOCK].scene;
+            const SplineView of_a = *(then ? &scene->a_t0 : &scene->a), of_b = *(then ? &scene->b_t0 : &scene->b);
+            a[k] = curve_piece(of_a, spline_at_near(of_a, s[l + k], scene->edge));
+            b[k] = curve_piece(of_b, at[l + k]);
+        }
+        const LanePieces on_a = on_own_pieces(a), on_b = on_own_pieces(b);
+        const LaneNearest near =
+            nearest_in_lanes(lanes_at(s + l), lanes_at(at + l), &on_a, &on_b, lanes_at(low + l), lanes_at(high + l));
+        real8 inwards;
+        put8(gap_in_lanes(cells, l, near, &inwards), gap + l);
+        put8(near.t + on_b.origin, place + l);
+        put8(near.missed | (near.distance <= real8_of(0)) ? real8_of(1) : real8_of(0), missed + l);
+        const real8 unit = inwards / near.distance;
+        put8(near.x.x, x[0] + l);
+        put8(near.x.y, x[1] + l);
+        put8(near.x.z, x[2] + l);
+        put8(unit * near.away.x, n[0] + l);
+        put8(unit * near.away.y, n[1] + l);
+        put8(unit * near.away.z, n[2] + l);
+    }
     for (uint k = 0; k < SEL_BLOCK; ++k) {
-        if (!due[k] || missed[k] != 0 || missed[k + 4] != 0) continue;
+        if (!due[k] || missed[k] != 0 || missed[k + SEL_BLOCK] != 0) continue;
         due[k] = 0;
         DeepPoint nearest;
         nearest.x = make_vec3(x[0][k], x[1][k], x[2][k]);
@@ -209,7 +220,7 @@ SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real in
         nearest.gap = gap[k];
         nearest.s = s[k];
         nearest.at = place[k];
-        write_deepest(&cells[k].scene, nearest, following(gap[k], gap[k + 4], inv_dt), cells[k].epoch, &now[k]);
+        write_deepest(&cells[k].scene, nearest, following(gap[k], gap[k + SEL_BLOCK], inv_dt), cells[k].epoch, &now[k]);
     }
 }
 
@@ -222,8 +233,8 @@ SEL_FN int is_followed(const SlotCell* its, InstrumentParams par, real depth)
 // What a cell exerts that is not known to be clear.
 // @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell     points  [SEL_INSTRUMENT_POINTS] of the slot: those that push are written
 SEL_FN void cell_force(const SlotCell* its, CellEnds ends, int ends_known, InstrumentPair pair,
-                       SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par, InstrumentState* now,
-                       InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
+                       SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par, SEL_OUT InstrumentState* now,
+                       SEL_OUT InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &its->scene;
     const int fresh = its->old == SEL_INSTRUMENT_SLOTS;
@@ -272,7 +283,11 @@ SEL_FN void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBA
     for (uint k = its; k < SEL_BLOCK; ++k) cells[k] = cells[0];  // lanes that nobody asks
     CellEnds ends[SEL_BLOCK];
     int known[SEL_BLOCK], clear[SEL_BLOCK], due[SEL_BLOCK], any_due = 0;
+#if SEL_SUMS_IN_MEMORY
+    SEL_OUT InstrumentState* now = states + list[0];
+#else
     InstrumentState now[SEL_BLOCK];
+#endif
     for (uint k = 0; k < SEL_BLOCK; ++k) known[k] = clear[k] = due[k] = 0;
     if (whole < its) ends_in_lanes(cells, ends, known);
     for (uint k = 0; k < its; ++k) {
@@ -285,25 +300,32 @@ SEL_FN void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBA
     }
     if (any_due) follow_in_lanes(cells, ends, par.inv_dt, due, now);
     for (uint k = 0; k < its; ++k) {
-        InstrumentForce force = no_instrument_force();
-        force.pair = cells[k].pair;
+#if SEL_SUMS_IN_MEMORY
+        SEL_OUT InstrumentForce* force = forces + item[k];
+#else
+        InstrumentForce own, *force = &own;
+#endif
+        *force = no_instrument_force();
+        force->pair = cells[k].pair;
         if (clear[k] && !due[k]) {
             CellPieces none;
-            look_through(&cells[k].scene, ends[k], &none, &force);
+            look_through(&cells[k].scene, ends[k], &none, force);
         } else {
             const uint cell = list[item[k]] / SEL_INSTRUMENT_SLOTS;
             cell_force(cells + k, ends[k], known[k], bodies.pairs[cells[k].pair], states_t0 + SEL_INSTRUMENT_SLOTS * cell, par,
-                       &now[k], &force, points + SEL_INSTRUMENT_POINTS * item[k]);
+                       &now[k], force, points + SEL_INSTRUMENT_POINTS * item[k]);
         }
-        forces[item[k]] = force;
+#if !SEL_SUMS_IN_MEMORY
+        forces[item[k]] = own;
         states[list[item[k]]] = now[k];
+#endif
     }
 }
 
 // Contact of one slot of one cell with a stretch of the same rod.
-SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
-                                             InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0,
-                                             InstrumentParams par, InstrumentState* now, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
+                                  InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par,
+                                  SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentPair pair = bodies.pairs[slot.pair];
     const InstrumentRod a = bodies.rods[pair.a];
@@ -319,21 +341,20 @@ SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, Ins
     const real follows = SEL_FOLLOWED * surface_a.radius;
     now->pair = slot.pair;
     now->touch = slot.touch;
-    InstrumentForce force = no_instrument_force();
-    force.pair = slot.pair;
+    *force = no_instrument_force();
+    force->pair = slot.pair;
     const uint old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
     const int fresh = old == SEL_INSTRUMENT_SLOTS;
     const SelfTouch touch = self_touch(&self, par.follow ? follows : (real)0);
-    force.depth = -touch.deepest.gap;
+    force->depth = -touch.deepest.gap;
     if (touch.count == 0) {
-        force.clear = max_r(touch.clear, 0);
+        force->clear = max_r(touch.clear, 0);
         if (par.follow && touch.deepest.gap <= follows) follow_self(&self, &touch, par.inv_dt, a.epoch, now);
-        return force;
+        return;
     }
     LawContext c = slot_law(surface_a, surface_b, pair, fresh, a.epoch, par);
     const real line_mass = min_r(surface_a.load, surface_b.load) / SEL_WEIGHT_GRAVITY;
-    self_force(&self, &touch, pair.spread, line_mass, states_t0[fresh ? 0 : old].contact, fresh, &c, now, &force, points);
-    return force;
+    self_force(&self, &touch, pair.spread, line_mass, states_t0[fresh ? 0 : old].contact, fresh, &c, now, force, points);
 }
 
 SEL_END

@@ -42,7 +42,7 @@ SEL_FN real gauss_weight(uint k) { return k == 1 || k == 2 ? (real)0.65214515486
 
 // Adds a point whose gap's gradient is that of `point->g`.
 // @param force, slope  [N], and its growth with depth [N/m]
-SEL_FN void put_point(const CellPoint* point, real force, real slope, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void put_point(const CellPoint* point, real force, real slope, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     InstrumentPoint p;
     for (int k = 0; k < 3; ++k) {
@@ -66,7 +66,7 @@ SEL_FN void put_point(const CellPoint* point, real force, real slope, Instrument
 }
 
 // Force and its growth at one Gauss point of `weight` metres.
-SEL_FN void push_at(const CellPoint* point, real weight, Closing closing, const LawContext* c, InstrumentForce* out,
+SEL_FN void push_at(const CellPoint* point, real weight, Closing closing, const LawContext* c, SEL_OUT InstrumentForce* out,
                     SEL_GLOBAL InstrumentPoint* points)
 {
     real slope, ignored;
@@ -108,7 +108,7 @@ typedef struct Pushed {
 } Pushed;
 
 SEL_FN Pushed push_points(const InstrumentScene* scene, const GaussPoints* along, LanePlaces lanes, Closing closing,
-                          const LawContext* c, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                          const LawContext* c, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     Pushed pushed;
     pushed.moment = 0;
@@ -135,7 +135,7 @@ SEL_FN Pushed push_points(const InstrumentScene* scene, const GaussPoints* along
 
 // The normal force between two ends of the touching part of a piece. @return its moment: sum of force times s
 SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
-                       InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                       SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const real half_length = (real)0.5 * (right.s - left.s), middle = (real)0.5 * (left.s + right.s);
     GaussPoints along;
@@ -185,7 +185,7 @@ SEL_FN Closing cell_closing(const InstrumentScene* scene, CellPoint deepest, Con
 }
 
 // How it closes where it is deepest.
-SEL_FN void write_deepest(const InstrumentScene* scene, DeepPoint at, Closing closing, uint epoch, InstrumentState* now)
+SEL_FN void write_deepest(const InstrumentScene* scene, DeepPoint at, Closing closing, uint epoch, SEL_OUT InstrumentState* now)
 {
     now->contact.epoch = epoch;
     now->contact.gap = at.gap;
@@ -207,7 +207,7 @@ SEL_FN Closing following(real gap, real gap_t0, real inv_dt)
     return closing;
 }
 
-SEL_CALL void follow_cell(const InstrumentScene* scene, const CellPieces* cell, real inv_dt, uint epoch, InstrumentState* now)
+SEL_CALL void follow_cell(const InstrumentScene* scene, const CellPieces* cell, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
 {
     const CellMark least = cell->least[cell->deepest];
     const CellPoint bottom = cell_point(scene, least.s, least.at);
@@ -235,7 +235,7 @@ SEL_FN int touches_whole(const InstrumentScene* scene, const CellPieces* cell)
 
 // What a cell that touches exerts, piece by piece.
 SEL_CALL CellTouch push_pieces(const InstrumentScene* scene, const CellPieces* cell, ContactState old, int fresh,
-                               const LawContext* c, InstrumentState* now, InstrumentForce* out,
+                               const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out,
                                SEL_GLOBAL InstrumentPoint* points)
 {
     const CellMark least = cell->least[cell->deepest];
@@ -298,7 +298,7 @@ SEL_FN int beside_other(const InstrumentScene* scene, real middle, real start, C
 // What a cell that touched all along at the start of the step exerts.
 // @param middle  of the cell [m]
 SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half_length, CellBeside beside, ContactState old,
-                            const LawContext* c, InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                            const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     GaussPoints along;
     for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
@@ -340,7 +340,7 @@ SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half
 
 // The state of a cell that has pushed, and its friction.
 SEL_FN void finish_cell(const InstrumentScene* scene, CellTouch touch, ContactState old, int fresh, LawContext* c,
-                        InstrumentState* now, InstrumentForce* out)
+                        SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
 {
     now->length = out->length = touch.length;
     now->contact.flags |= SEL_CONTACT_ACTIVE;

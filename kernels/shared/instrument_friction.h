@@ -10,12 +10,14 @@
 
 SEL_BEGIN
 
-SEL_FN void store_vec(real* to, vec3 v)
-{
-    to[0] = v.x;
-    to[1] = v.y;
-    to[2] = v.z;
-}
+// A macro, since `to` may be in any memory.
+#define store_vec(to, v)              \
+    do {                              \
+        const vec3 stored = (v);      \
+        (to)[0] = stored.x;           \
+        (to)[1] = stored.y;           \
+        (to)[2] = stored.z;           \
+    } while (0)
 
 // One rod's surface at the contact: what its nodes do to it.
 typedef struct SurfaceMotion {
@@ -55,7 +57,7 @@ SEL_FN InstrumentRow instrument_row(vec3 v, SurfaceMotion a, SurfaceMotion b)
     return row;
 }
 
-SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, InstrumentForce* out)
+SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, SEL_OUT InstrumentForce* out)
 {
     for (int k = 0; k < 3; ++k) {
         out->wa[k] = a.place.w[k];
@@ -70,8 +72,8 @@ SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, In
 }
 
 // Friction under the cell's normal force at the point `point` of a; c->m.weight: metres that touch.
-SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c, InstrumentState* now,
-                   InstrumentForce* out)
+SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c, SEL_OUT InstrumentState* now,
+                   SEL_OUT InstrumentForce* out)
 {
     const vec3 n = point.g.n, x = spline_sum(scene->a, point.a.node, point.a.w);
     const vec3 lever = -(c->m.radius) * n;

@@ -59,13 +59,14 @@ SEL_FN int on_same_piece(SplineView rod, const real* at)
     return from > (real)0.5 && until < end && floor(from + (real)0.5) == floor(until + (real)0.5);
 }
 
-SEL_LANES_FN Lanes3 halves3(vec3 a, vec3 b) { return make_lanes3(halves8(a.x, b.x), halves8(a.y, b.y), halves8(a.z, b.z)); }
-
 // The pieces that eight points lie on.
 typedef struct LanePieces {
     Lanes3 c0, c1, c2;
     real8 s0, s1, s2, low, high, origin;
 } LanePieces;
+
+#if SEL_LANES == 8
+SEL_LANES_FN Lanes3 halves3(vec3 a, vec3 b) { return make_lanes3(halves8(a.x, b.x), halves8(a.y, b.y), halves8(a.z, b.z)); }
 
 // Four on one piece, four on another.
 SEL_LANES_FN LanePieces on_two_pieces(CurvePiece now, CurvePiece then)
@@ -116,6 +117,23 @@ SEL_LANES_FN LanePieces on_pieces_at(SplineView rod_now, SplineView rod_then, co
     return on_own_pieces(of);
 }
 
+#else
+SEL_LANES_FN LanePieces on_own_pieces(const CurvePiece* of)
+{
+    LanePieces p;
+    p.c0 = lanes3_of(of->c0);
+    p.c1 = lanes3_of(of->c1);
+    p.c2 = lanes3_of(of->c2);
+    p.s0 = of->s0;
+    p.s1 = of->s1;
+    p.s2 = of->s2;
+    p.low = of->low;
+    p.high = of->high;
+    p.origin = of->origin;
+    return p;
+}
+#endif
+
 // Points of the pieces.
 SEL_LANES_FN Lanes3 at_pieces(const LanePieces* p, real8 t)
 {
@@ -162,7 +180,7 @@ SEL_LANES_FN LaneNearest nearest_in_lanes(real8 s, real8 start, const LanePieces
     }
     const mask8 found = (size8(moved) <= real8_of(SEL_CLOSEST_NEAR)) & (curved > (real)0.05 * c1_c1) & (t > low - on_b->origin) &
                         (t < high - on_b->origin);
-    out.missed = ~found | off_pieces(on_b, t, 0) | off_pieces(on_a, out.u, (real)1e-9);
+    out.missed = not8(found) | off_pieces(on_b, t, 0) | off_pieces(on_a, out.u, (real)1e-9);
     out.t = t;
     out.away = sub_lanes(r, scale_lanes(t, add_lanes(c1, scale_lanes(t, c2))));
     out.distance = sqrt8(dot_lanes(out.away, out.away));
@@ -175,6 +193,15 @@ typedef struct LanePlaces {
     int known, known_t0;
 } LanePlaces;
 
+// Nothing is known of one rod with itself: where b begins depends on s there.
+SEL_FN LanePlaces no_places(void)
+{
+    LanePlaces out;
+    out.known = out.known_t0 = 0;
+    return out;
+}
+
+#if SEL_LANES == 8
 SEL_FN int all_known(const real* missed) { return missed[0] == 0 && missed[1] == 0 && missed[2] == 0 && missed[3] == 0; }
 
 // @param s, start  [4]     on_a, on_b  the pieces that these are on
@@ -193,14 +220,6 @@ SEL_LANES_FN LanePlaces places_on(const InstrumentScene* scene, const real* s, c
     put8(part.touch == SEL_TOUCH_INSIDE ? other - reach - near.distance : near.distance - reach - other, out.gap);
     out.known = all_known(flags);
     out.known_t0 = all_known(flags + 4);
-    return out;
-}
-
-// Nothing is known of one rod with itself: where b begins depends on s there.
-SEL_FN LanePlaces no_places(void)
-{
-    LanePlaces out;
-    out.known = out.known_t0 = 0;
     return out;
 }
 
@@ -229,6 +248,56 @@ SEL_FN LanePlaces own_places_in_lanes(const InstrumentScene* scene, const real* 
                      on_b = on_pieces_at(scene->b, scene->b_t0, start, start);
     return places_on(scene, s, start, &on_a, &on_b);
 }
+
+#else
+// One after another. @param of_a, of_a_t0, beside  [4] where on the curves of a and of b, near
+SEL_FN LanePlaces places_of(const InstrumentScene* scene, const real* s, const real* start, const real* of_a, const real* of_a_t0,
+                            const real* beside)
+{
+    LanePlaces out;
+    const GapPart part = scene->part;
+    out.known = out.known_t0 = 1;
+    SEL_ROLLED
+    for (uint k = 0; k < 8; ++k) {
+        const int then = k >= 4;
+        const uint j = k % 4;
+        const CurvePiece a = curve_piece(*(then ? &scene->a_t0 : &scene->a), then ? of_a_t0[j] : of_a[j]),
+                         b = curve_piece(*(then ? &scene->b_t0 : &scene->b), beside[j]);
+        const LanePieces on_a = on_own_pieces(&a), on_b = on_own_pieces(&b);
+        const real high = then ? min_r(part.high, (real)(scene->b_t0.count - 1)) : part.high;
+        const LaneNearest near = nearest_in_lanes(s[j], start[j], &on_a, &on_b, part.low, high);
+        out.of_a[k] = near.u + on_a.origin;
+        out.at[k] = near.t + on_b.origin;
+        out.gap[k] = part.touch == SEL_TOUCH_INSIDE ? part.reach_b - part.reach_a - near.distance
+                                                    : near.distance - part.reach_a - part.reach_b;
+        if (near.missed && then) out.known_t0 = 0;
+        if (near.missed && !then) out.known = 0;
+    }
+    return out;
+}
+
+// Positions of four points beside one piece of b.
+SEL_FN LanePlaces places_in_lanes(const InstrumentScene* scene, const real* s, const real* start, real of_a)
+{
+    if (scene->part.touch == SEL_TOUCH_SELF) return no_places();
+    const real middle = (real)0.5 * (start[0] + start[3]);
+    const real then = spline_at_near(scene->a_t0, (real)0.5 * (s[0] + s[3]), scene->edge);
+    const real now4[4] = {of_a, of_a, of_a, of_a}, then4[4] = {then, then, then, then}, beside[4] = {middle, middle, middle, middle};
+    return places_of(scene, s, start, now4, then4, beside);
+}
+
+// Positions of four points anywhere.
+SEL_FN LanePlaces own_places_in_lanes(const InstrumentScene* scene, const real* s, const real* start)
+{
+    if (scene->part.touch == SEL_TOUCH_SELF) return no_places();
+    real now[4], then[4];
+    for (uint k = 0; k < 4; ++k) {
+        now[k] = spline_at_near(scene->a, s[k], scene->edge);
+        then[k] = spline_at_near(scene->a_t0, s[k], scene->edge);
+    }
+    return places_of(scene, s, start, now, then, start);
+}
+#endif
 
 SEL_END
 #endif

@@ -370,7 +370,7 @@ SEL_CALL CellEnds cell_ends(const InstrumentScene* scene, real s0, real s1, real
 }
 
 // @param out  depth and `clear` are written
-SEL_CALL void look_through(const InstrumentScene* scene, CellEnds ends, CellPieces* cell, InstrumentForce* out)
+SEL_CALL void look_through(const InstrumentScene* scene, CellEnds ends, CellPieces* cell, SEL_OUT InstrumentForce* out)
 {
     const CellMark first = ends.first, last = ends.last;
     cell->deepest = cell->cuts.pieces = 0;

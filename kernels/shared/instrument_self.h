@@ -339,7 +339,7 @@ SEL_FN real critical_speed(real depth, real line_mass, QuadratureModel m)
 
 // One pair of points: `weight` metres of a times metres of b.
 SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, real weight, SelfDamping damping, const LawContext* law,
-                      SelfSums* sums, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                      SelfSums* sums, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &self->scene;
     point.g = no_gap(at);
@@ -405,7 +405,7 @@ SEL_FN RulePoint inner_point(uint k)
 
 // All that one point of a pushes; `weight` metres of it.
 SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closing, const LawContext* law, SelfSums* sums,
-                       InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                       SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &self->scene;
     const CellPoint point = self_point(self, s);
@@ -451,7 +451,7 @@ SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, r
 }
 
 // The state of a cell that touches nothing: how it closes.
-SEL_FN void follow_self(const SelfScene* self, const SelfTouch* touch, real inv_dt, uint epoch, InstrumentState* now)
+SEL_FN void follow_self(const SelfScene* self, const SelfTouch* touch, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
 {
     const CellPoint bottom = self_point(self, touch->deepest.s);
     Closing closing;
@@ -461,7 +461,7 @@ SEL_FN void follow_self(const SelfScene* self, const SelfTouch* touch, real inv_
 
 // As cell_force() of instrument_cell.h.
 SEL_FN void self_force(const SelfScene* self, const SelfTouch* touch, real spread, real line_mass, ContactState old, int fresh, LawContext* c,
-                       InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                       SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &self->scene;
     const CellPoint bottom = self_point(self, touch->deepest.s);

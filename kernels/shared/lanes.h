@@ -1,9 +1,18 @@
 // Eight numbers side by side, for loops that a device does not vectorise: OpenCL's vector types on one side, the compiler's on
 // the other. The same operators do the same operations on both, and a comparison gives a mask for `m ? a : b`.
-// Eight lanes suit processors of 256 and 512 bits; a graphics card takes them one after another.
+// Eight lanes suit processors of 256 and 512 bits. A graphics card has its lanes in its work-items: there SEL_LANES is 1, and what takes
+// eight numbers takes them in a loop, with the same bits.
 #ifndef SEL_SHARED_LANES_H
 #define SEL_SHARED_LANES_H
 #include "shared/portable.h"
+
+#ifndef SEL_LANES
+    #if defined(__cplusplus) || SEL_WORKGROUP == 1
+        #define SEL_LANES 8
+    #else
+        #define SEL_LANES 1
+    #endif
+#endif
 
 #ifdef __cplusplus
     #include <cstring>
@@ -42,7 +51,9 @@ SEL_LANES_FN real8 numbers8(const real* a, const real* b)
 {
     return real8{a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
 }
+SEL_LANES_FN real8 lanes_at(const real* from) { return load_lanes<real8>(from); }
 SEL_LANES_FN void put8(real8 v, real* to) { std::memcpy(to, &v, sizeof v); }
+SEL_LANES_FN mask8 not8(mask8 v) { return ~v; }
 SEL_LANES_FN real8 sqrt8(real8 v)
 {
     for (int k = 0; k < 8; ++k) v[k] = std::sqrt(v[k]);
@@ -78,6 +89,17 @@ SEL_LANES_FN bool any8(mask8 v)
     #define SEL_SHUFFLE8(v, a, b, c, d, e, f, g, h) __builtin_shufflevector(v, v, a, b, c, d, e, f, g, h)
     #define SEL_LANE0(v) ((v)[0])
 }  // namespace seldinger
+#elif SEL_LANES == 1
+    #define SEL_LANES_FN static inline
+typedef real real8;
+typedef int mask8;
+    #define real8_of(x) ((real)(x))
+    #define lanes_at(from) (*(from))
+    #define put8(v, to) (*(to) = (v))
+    #define sqrt8(v) sqrt(v)
+    #define size8(v) fabs(v)
+    #define any8(v) (v)
+    #define not8(v) (!(v))
 #else
     #define SEL_LANES_FN static inline
     #ifdef SEL_FLOAT32
@@ -98,7 +120,9 @@ typedef long8 mask8;
     #define halves8(a, b) ((real8)((a), (a), (a), (a), (b), (b), (b), (b)))
     #define of8(a, b, c, d, e, f, g, h) ((real8)((a), (b), (c), (d), (e), (f), (g), (h)))
     #define numbers8(a, b) ((real8)((a)[0], (a)[1], (a)[2], (a)[3], (b)[0], (b)[1], (b)[2], (b)[3]))
+    #define lanes_at(from) vload8(0, from)
     #define put8(v, to) vstore8(v, 0, to)
+    #define not8(v) (~(v))
     #define sqrt8(v) sqrt(v)
     #define size8(v) fabs(v)
     #define load8(from) vload8(0, from)
@@ -137,6 +161,7 @@ SEL_LANES_FN Lanes3 sub_lanes(Lanes3 a, Lanes3 b) { return make_lanes3(a.x - b.x
 SEL_LANES_FN Lanes3 scale_lanes(real8 s, Lanes3 a) { return make_lanes3(s * a.x, s * a.y, s * a.z); }
 SEL_LANES_FN Lanes3 choose_lanes(mask8 m, Lanes3 a, Lanes3 b) { return make_lanes3(m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z); }
 SEL_LANES_FN real8 dot_lanes(Lanes3 a, Lanes3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+#if SEL_LANES == 8
 SEL_LANES_FN Lanes3 cross_lanes(Lanes3 a, Lanes3 b)
 {
     return make_lanes3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -189,6 +214,8 @@ SEL_LANES_FN uint8 sort_lanes(uint8 v)
     SEL_EXCHANGE8(v, 1, 0, 3, 2, 5, 4, 7, 6, k8c)
     return v;
 }
+
+#endif
 
 SEL_END
 #endif

@@ -183,9 +183,8 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
         const uint k = list[i], cell = k / SEL_INSTRUMENT_SLOTS;
         if (slots[k].touch == SEL_TOUCH_SELF) {
             InstrumentState now = no_instrument_state();
-            forces[i] = instrument_self_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(),
-                                              s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par, &now,
-                                              points.data() + SEL_INSTRUMENT_POINTS * i);
+            instrument_self_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(), s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par,
+                                  &now, &forces[i], points.data() + SEL_INSTRUMENT_POINTS * i);
             states[k] = now;
         }
         const InstrumentForce& f = forces[i];
@@ -201,7 +200,7 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
     Guarded<InstrumentSlot> device_slots(context, queue, slots);
     Guarded<InstrumentForce> device_forces(context, queue, std::vector<InstrumentForce>(list.size()));
     Guarded<InstrumentPoint> device_points(context, queue, std::vector<InstrumentPoint>(points.size()));
-    const std::size_t blocks = (list.size() + SEL_BLOCK - 1) / SEL_BLOCK;
+    const std::size_t block = context.workgroup(device::Items::Branching) == 1 ? SEL_BLOCK : 1, blocks = (list.size() + block - 1) / block;
     for (const auto& [one, items] : {std::pair{&kernel, blocks}, std::pair{&self_kernel, list.size()}})
         one->launch(queue, items, s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
                     on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),

@@ -119,8 +119,9 @@ struct Spring : Helix {
                 std::vector<InstrumentState> old(SEL_INSTRUMENT_SLOTS, no_instrument_state());
                 std::vector<InstrumentPoint> points(SEL_INSTRUMENT_POINTS);
                 InstrumentState now = no_instrument_state();
-                sum += instrument_self_force(cell, list.slots[k], bodies(), nodes(), nodes(), old.data(), {}, &now, points.data())
-                           .normal_sum;
+                InstrumentForce force;
+                instrument_self_force(cell, list.slots[k], bodies(), nodes(), nodes(), old.data(), {}, &now, &force, points.data());
+                sum += force.normal_sum;
             }
         }
         return sum;
@@ -174,8 +175,9 @@ TEST_SUITE("contact/self_search")
                         std::vector<InstrumentPoint> points(SEL_INSTRUMENT_POINTS);
                         InstrumentState now = no_instrument_state();
                         InstrumentParams par{};
-                        const InstrumentForce force = instrument_self_force(cell, list.slots[k], wire.bodies(), wire.nodes(),
-                                                                            wire.nodes(), old.data(), par, &now, points.data());
+                        InstrumentForce force;
+                        instrument_self_force(cell, list.slots[k], wire.bodies(), wire.nodes(), wire.nodes(), old.data(), par, &now, &force,
+                                              points.data());
                         if (force.clear <= 0) continue;
                         ++clear;
                         const double from = list.slots[k].at * spacing, until = from + list.slots[k].cells * spacing;
