@@ -4,7 +4,7 @@
 #include "commands.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
-#include "setup_check.h"
+#include "world/setup_check.h"
 #include "vessel/inlets.h"
 #include "vessel/parts.h"
 #include "wall/wall_resolution.h"

@@ -13,7 +13,7 @@
 #include "core/file_io.h"
 #include "scene/key_frames.h"
 #include "scene/scene.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <fmt/format.h>
 

@@ -23,7 +23,8 @@ endfunction()
 
 seldinger_shared_library(seldinger_shared seldinger_loops)
 target_include_directories(seldinger_shared PUBLIC
-  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/engine> $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/kernels> $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/bench>
+  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/engine> $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/engine/include/seldinger>
+  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/kernels> $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/bench>
   $<INSTALL_INTERFACE:include> $<INSTALL_INTERFACE:include/seldinger>)
 target_compile_features(seldinger_shared PUBLIC cxx_std_20)
 target_compile_definitions(seldinger_shared PUBLIC ${eigen_alignment} INTERFACE $<BUILD_INTERFACE:CL_TARGET_OPENCL_VERSION=120>)

@@ -1,9 +1,9 @@
 // The main loop: a list of stages and nothing else; read this first. engine/README.md tells the same in prose.
 
 #include "core/check.h"
-#include "merged.h"
-#include "step_stages.h"
-#include "world.h"
+#include "world/merged.h"
+#include "world/step_stages.h"
+#include "world/world.h"
 
 namespace seldinger {
 

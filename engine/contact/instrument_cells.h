@@ -12,7 +12,7 @@
 
 namespace seldinger {
 
-/// Instruments inside each other as contact takes them: CoaxialSpec of engine/model.h.
+/// Instruments inside each other as contact takes them: CoaxialSpec of model.h.
 struct NestedInstruments {
     std::vector<int> order;  // wires, outer first
     double mu_static = 0, mu_sliding = 0;

@@ -1,7 +1,7 @@
 // Adaptive nodes of instruments that share one centreline: against even fine ones, against a wire alone, energy, saved states.
 
 #include "coaxial/merged_fixture.h"
-#include "merged.h"
+#include "world/merged.h"
 #include "rod/coaxial_nodes.h"
 #include "support/world_fixture.h"
 

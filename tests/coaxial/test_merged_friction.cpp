@@ -3,7 +3,7 @@
 
 #include "coaxial/friction_fixture.h"
 #include "contact/coaxial_friction.h"
-#include "merged.h"
+#include "world/merged.h"
 
 #include <doctest/doctest.h>
 

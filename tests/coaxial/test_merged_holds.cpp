@@ -1,10 +1,10 @@
 // Holds of instruments that share one centreline: a place of the material is held wherever it lies between the line's nodes.
 
 #include "coaxial/straight_pair.h"
-#include "merged.h"
+#include "world/merged.h"
 #include "rod/transport.h"
 #include "solve/line_holds.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <doctest/doctest.h>
 

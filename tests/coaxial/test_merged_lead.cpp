@@ -2,9 +2,9 @@
 
 #include "coaxial/merged_fixture.h"
 #include "control.h"
-#include "merged.h"
-#include "step_stages.h"
-#include "sub_steps.h"
+#include "world/merged.h"
+#include "world/step_stages.h"
+#include "world/sub_steps.h"
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 // The inserted length is the fed one, by steps from rest to rest whatever their length in time is.
 
 #include "coaxial/merged_fixture.h"
-#include "merged.h"
-#include "world.h"
+#include "world/merged.h"
+#include "world/world.h"
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 #include "contact/contact_system.h"
 #include "rod/place.h"
 #include "support/world_fixture.h"
-#include "world.h"
+#include "world/world.h"
 
 namespace seldinger::test {
 

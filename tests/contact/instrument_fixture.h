@@ -3,7 +3,7 @@
 
 #include "support/approx.h"
 #include "support/shared_folder.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>

@@ -3,7 +3,7 @@
 #include "contact/coaxial_friction.h"
 #include "coaxial/merged_fixture.h"
 #include "math/banded_solver.h"
-#include "merged.h"
+#include "world/merged.h"
 
 #include <doctest/doctest.h>
 

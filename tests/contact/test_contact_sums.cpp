@@ -2,9 +2,9 @@
 
 #include "contact/contact_sums.h"
 #include "contact/edge_sums.h"
-#include "step_stages.h"
+#include "world/step_stages.h"
 #include "support/world_fixture.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 #include "support/approx.h"
 #include "support/fed_world.h"
 #include "contact/yielding_wall.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <doctest/doctest.h>
 

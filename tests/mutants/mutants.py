@@ -21,7 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = {"rod": ["engine/rod/*.cpp"], "solve": ["engine/solve/*.cpp"], "contact": ["engine/contact/*.cpp"], "wall": ["engine/wall/*.cpp"],
-         "step": ["engine/step*.cpp", "engine/sub_steps.cpp", "engine/merged*.cpp"]}
+         "step": ["engine/world/step*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp"]}
 # rooms of tests in the order in which they may know; what is in no list has nothing to do with it
 TESTS = {"rod": "rod coaxial solve step scene contact failure", "solve": "solve rod step coaxial contact scene failure wall",
          "contact": "contact coaxial step solve failure scene", "wall": "wall contact failure solve step",
@@ -107,7 +107,7 @@ def by_hand():
             sys.exit(f"tests/mutants/by_hand.txt: got {len(where)} lines of {file} with `{before}`; expected one. Fix: bring the row up to date.")
         line = lines[where[0]]
         room = Path(file).parent.name
-        yield dict(file=file, line=where[0] + 1, kind="by hand", room=room if room in TESTS else "step" if room == "engine" else "", before=line.strip(),
+        yield dict(file=file, line=where[0] + 1, kind="by hand", room=room if room in TESTS else "step" if room == "world" else "", before=line.strip(),
                    after=line.replace(before, after).strip(), text=line.replace(before, after))
 
 

@@ -7,7 +7,7 @@
 #include "scene/key_frames.h"
 #include "scene/recorder.h"
 #include "support/approx.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

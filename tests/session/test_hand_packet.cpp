@@ -84,7 +84,7 @@ TEST_SUITE("session/hand_packet")
 
     TEST_CASE("property: the header is plain C")
     {
-        const std::string header = std::string(SEL_SOURCE_DIR) + "/engine/session/hand_packet.h";
+        const std::string header = std::string(SEL_SOURCE_DIR) + "/engine/include/seldinger/session/hand_packet.h";
         CHECK(std::system(("cc -std=c99 -Wall -Wextra -Werror -x c -fsyntax-only " + header).c_str()) == 0);
     }
 

@@ -3,7 +3,7 @@
 #include "contact/contact_system.h"
 #include "solve/wire_fixture.h"
 #include "vessel/shapes.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 
 #include "scene/key_frames.h"
 #include "scene/scene.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 #include "support/approx.h"
 #include "support/fed_world.h"
 #include "vessel/shapes.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <cmath>
 #include <numbers>

@@ -3,8 +3,8 @@
 
 #include "control.h"
 #include "output.h"
-#include "sub_steps.h"
-#include "world.h"
+#include "world/sub_steps.h"
+#include "world/world.h"
 
 namespace seldinger {
 

@@ -1,7 +1,7 @@
 // Constraints and loads of instruments on one centreline: the hub, and the scene's points on their material.
 
 #include "core/error.h"
-#include "merged.h"
+#include "world/merged.h"
 #include "solve/line_holds.h"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 // The feed stage: the control's input for the hubs, and holds, loads and links for the rest of the wire.
 
 #include "core/parallel.h"
-#include "merged.h"
-#include "step_stages.h"
-#include "world.h"
+#include "world/merged.h"
+#include "world/step_stages.h"
+#include "world/world.h"
 
 #include <algorithm>
 #include <cmath>

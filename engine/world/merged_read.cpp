@@ -1,7 +1,7 @@
 // Instruments that share one centreline: forces at their hands, and each instrument alone.
 
 #include "contact/coaxial_friction.h"
-#include "merged.h"
+#include "world/merged.h"
 
 #include <algorithm>
 #include <cmath>

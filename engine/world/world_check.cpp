@@ -2,12 +2,12 @@
 
 #include "contact/quadrature.h"
 #include "core/error.h"
-#include "merged.h"
-#include "setup_check.h"
+#include "world/merged.h"
+#include "world/setup_check.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/mesh_limits.h"
 #include "wall/wall_model.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <fmt/format.h>
 

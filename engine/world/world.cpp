@@ -1,14 +1,14 @@
 // Building a World: rods and feeds placed, holds resolved, contact and solver made. What happens in a step is in step.cpp.
 
-#include "world.h"
+#include "world/world.h"
 
 #include "contact/coaxial_friction.h"
 #include "core/error.h"
 #include "device/enumerate.h"
-#include "merged.h"
+#include "world/merged.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
-#include "setup_check.h"
+#include "world/setup_check.h"
 #include "solve/line_holds.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // The adapt stage: splits and merges edges between steps, and births at the inlet of a fed wire.
 
 #include "core/clock.h"
-#include "merged.h"
-#include "step_stages.h"
-#include "world.h"
+#include "world/merged.h"
+#include "world/step_stages.h"
+#include "world/world.h"
 
 #include <cmath>
 

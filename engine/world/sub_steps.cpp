@@ -1,6 +1,6 @@
 // The list of sub-steps of a step, and the masks of the systems that take part.
 
-#include "sub_steps.h"
+#include "world/sub_steps.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 // until none is needed.
 
 #include "core/clock.h"
-#include "merged.h"
-#include "step_stages.h"
-#include "world.h"
+#include "world/merged.h"
+#include "world/step_stages.h"
+#include "world/world.h"
 
 #include <algorithm>
 #include <cmath>

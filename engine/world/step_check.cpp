@@ -1,8 +1,8 @@
 // The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
 
-#include "step_stages.h"
+#include "world/step_stages.h"
 #include "vessel/repair.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,10 +4,10 @@
 #include "core/clock.h"
 #include "core/parallel.h"
 #include "core/prefetch.h"
-#include "merged.h"
+#include "world/merged.h"
 #include "rod/no_state.h"
-#include "step_stages.h"
-#include "world.h"
+#include "world/step_stages.h"
+#include "world/world.h"
 
 #include <algorithm>
 

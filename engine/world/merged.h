@@ -31,7 +31,7 @@
 
 #include "solve/coaxial_group.h"
 #include "solve/feed.h"
-#include "world.h"
+#include "world/world.h"
 
 namespace seldinger {
 

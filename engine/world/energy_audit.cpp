@@ -1,10 +1,10 @@
 // Reads the energies of a wire and the work done on it, sub-step by sub-step.
 
-#include "energy_audit.h"
+#include "world/energy_audit.h"
 
-#include "merged.h"
+#include "world/merged.h"
 #include "solve/line_holds.h"
-#include "world.h"
+#include "world/world.h"
 
 #include <algorithm>
 #include <cmath>

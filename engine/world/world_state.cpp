@@ -3,9 +3,9 @@
 #include "core/bytes.h"
 #include "core/error.h"
 #include "core/fnv1a.h"
-#include "merged.h"
-#include "state_check.h"
-#include "world.h"
+#include "world/merged.h"
+#include "world/state_check.h"
+#include "world/world.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // Instruments that share one centreline: placed, fed, held.
 
-#include "merged.h"
+#include "world/merged.h"
 
 #include "rod/coaxial_split.h"
 #include "rod/place.h"

@@ -1,9 +1,9 @@
 // Nodes of a common centreline: births at the hub, and where all of its instruments ask for adaptive nodes, anywhere along it.
 
-#include "merged.h"
+#include "world/merged.h"
 #include "rod/coaxial_nodes.h"
 #include "rod/coaxial_split.h"
-#include "step_stages.h"
+#include "world/step_stages.h"
 
 #include <algorithm>
 #include <cmath>

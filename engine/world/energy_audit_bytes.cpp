@@ -2,7 +2,7 @@
 
 #include "core/bytes.h"
 #include "core/error.h"
-#include "energy_audit.h"
+#include "world/energy_audit.h"
 
 namespace seldinger {
 

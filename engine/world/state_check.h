@@ -1,7 +1,7 @@
 #pragma once
 // Checks of a saved state before any computation with it: others may have made the file.
 
-#include "world.h"
+#include "world/world.h"
 
 #include <cstdint>
 

@@ -1,7 +1,7 @@
 // Checks which instruments can share one centreline.
 
 #include "core/error.h"
-#include "merged.h"
+#include "world/merged.h"
 
 #include <fmt/format.h>
 

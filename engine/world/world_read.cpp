@@ -1,11 +1,11 @@
 // Reading a world: values of the accepted state of a sub-step, and their form for the user.
 
-#include "merged.h"
+#include "world/merged.h"
 #include "rod/adapt.h"
 #include "rod/curvature.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"
-#include "world.h"
+#include "world/world.h"
 #include "wall/wall_compliance.h"
 
 #include <fmt/format.h>

@@ -1,10 +1,10 @@
 // Bounds on what a saved state may say. They are wide: no run gets near them, and values beyond them would overflow in an index, or
 // make a step without end.
-#include "state_check.h"
+#include "world/state_check.h"
 
 #include "core/bytes.h"
 #include "core/error.h"
-#include "merged.h"
+#include "world/merged.h"
 
 #include <fmt/format.h>
 #include <algorithm>
