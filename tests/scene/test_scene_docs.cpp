@@ -266,7 +266,8 @@ TEST_SUITE("scene/scene_docs")
         std::set<std::string> missing;
         const std::string made = page_of_keys(missing);
         CHECK_MESSAGE(missing.empty(), fmt::format("{} have no heading with a table on the page", fmt::join(missing, ", ")));
-        CHECK_MESSAGE(now.str() == made, "docs/scene-file.md is not up to date: seldinger_quick_tests -ns -tc='write docs/scene-file.md'");
+        const bool same = now.str() == made;
+        CHECK_MESSAGE(same, "docs/scene-file.md is not up to date. Fix: seldinger_quick_tests -ns -tc='write docs/scene-file.md'");
     }
 
     TEST_CASE("write docs/scene-file.md" * doctest::skip())
