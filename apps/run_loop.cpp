@@ -7,6 +7,7 @@
 #include "progress.h"
 #include "replay.h"
 #include "scene/key_frames.h"
+#include "scene/run_end.h"
 #include "scene/wall_path.h"
 #include "stop_signal.h"
 
@@ -64,6 +65,7 @@ public:
           vessel_(std::move(vessel)),
           world_(std::move(setup)),
           key_frames_(scene),
+          end_(scene),
           recorder_(saved ? Recorder(scene, vessel_, world_, options.dir, *saved)
                           : Recorder(scene, vessel_, world_, options.dir)),
           earlier_wall_(recorder_.tally().wall),
@@ -75,14 +77,12 @@ public:
     {
         loop_start_ = last_checkpoint_ = Clock::now();
         Progress progress(scene_, options_.quiet);
-        if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
+        if (fresh_ && settles_first(scene_) && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
         if (replay_) replay_->begin(scene_, world_);
         else if (scene_.task.on) begin_task();
         if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
-        const long steps = scene_.steps();
-        const double moving_until = prescribed_until(scene_);
-        bool first = true;
+        bool first = true, over = end_.is_over(static_cast<long>(recorder_.tally().steps), 0, 0, false);
         const std::function<bool()> asked = [&] {
             if (ending_) return seconds_since(*ending_) > estimate_patience;
             progress.show(recorder_, wall());
@@ -90,15 +90,15 @@ public:
         };
         world_.stop_when(asked);
         if (twin_) twin_->stop_when(asked);
-        for (; recorder_.tally().steps < steps; first = false) {
+        for (; !over; first = false) {
             if (stop_asked_for() != 0) return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
             if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit)
                 return stop(RunStatus::TimeLimit);
             if (!take_step()) return stop(RunStatus::Stopped);
             if (interrupted_) continue;  // the same step was asked to end: said above
-            if (scene_.until == Until::Rest && recorder_.tally().rest_steps >= steps_at_rest && world_.time() >= moving_until)
-                break;
-            if (scene_.until == Until::Reached && recorder_.tally().score.reached) break;
+            const RunTally& tally = recorder_.tally();
+            over = end_.is_over(static_cast<long>(tally.steps), static_cast<long>(tally.rest_steps), world_.time(), tally.score.reached);
+            if (over) break;
             save_now_and_then();
             progress.show(recorder_, wall());
         }
@@ -107,7 +107,6 @@ public:
     }
 
 private:
-    bool needs_settling() const { return scene_.start_settled || scene_.integrator.scheme == Scheme::Static; }
     /// A recorded hand cannot be halved, and an elastic wall would be made a second time: that only if asked.
     bool estimates() const { return options_.estimate && !replay_ && (options_.asked_estimate || !scene_.vessel.elastic); }
     StepTwin::Finer finer_twins(RunStatus status) const
@@ -227,6 +226,7 @@ private:
     RepairReport vessel_;
     World world_;
     KeyFrames key_frames_;
+    RunEnd end_;
     Recorder recorder_;
     std::optional<StepTwin> twin_;
     std::optional<ScoreWatch> score_;  // of [task], where no session is replayed

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "scene/instruments.h"
+#include "scene/scene_keys.h"
 #include "scene/toml_parse.h"
 #include "scene/toml_set.h"
 #include "scene/toml_table.h"
@@ -26,7 +27,6 @@ constexpr std::size_t deepest_include = 8;
 // Limits on all included files, each counted as often as it is named: ten files that include ten others, eight deep, would be read
 // for hours.
 constexpr std::size_t most_includes = 100, most_included_bytes = 16u << 20;
-constexpr std::string_view stiffness_keys[] = {"bend_nm2", "twist_nm2", "stretch_n"};
 constexpr std::string_view material_keys[] = {"youngs_pa", "poisson"};
 constexpr std::string_view instrument_kinds[] = {"wire", "catheter", "sheath"};
 
@@ -40,16 +40,14 @@ using Notes = std::vector<std::pair<std::string, std::string>>;
 /// Files from the scene to the one that is being read, as canonical paths.
 using Chain = std::vector<fs::path>;
 
-template <std::size_t N>
-void erase_keys(toml::table& table, const std::string_view (&keys)[N])
+void erase_keys(toml::table& table, std::span<const std::string_view> keys)
 {
     for (const std::string_view key : keys) table.erase(key);
 }
 
-template <std::size_t N>
-bool has_any(const toml::table& table, const std::string_view (&keys)[N])
+bool has_any(const toml::table& table, std::span<const std::string_view> keys)
 {
-    return std::any_of(std::begin(keys), std::end(keys), [&](std::string_view key) { return table.contains(key); });
+    return std::any_of(keys.begin(), keys.end(), [&](std::string_view key) { return table.contains(key); });
 }
 
 /// What `lower` says and `upper` does not. Moved, not copied: a node's source goes with it.
@@ -63,8 +61,8 @@ void lay_under(toml::table& upper, toml::table&& lower)
 /// The same of [wire]: stiffness is a material or three numbers, and either takes the place of the other below it.
 void lay_wire_under(toml::table& upper, toml::table&& lower)
 {
-    if (upper.contains("youngs_pa")) erase_keys(lower, stiffness_keys);
-    else if (has_any(upper, stiffness_keys)) erase_keys(lower, material_keys);
+    if (upper.contains("youngs_pa")) erase_keys(lower, keys::stiffness);
+    else if (has_any(upper, keys::stiffness)) erase_keys(lower, material_keys);
     lay_under(upper, std::move(lower));
 }
 
@@ -72,7 +70,7 @@ void lay_under(Layer& upper, Layer&& lower)
 {
     toml::table* lower_wire = lower.root["wire"].as_table();
     // an instrument replaces the whole table: no key of another one remains
-    if (upper.has_preset && lower_wire) erase_keys(*lower_wire, instrument_keys);
+    if (upper.has_preset && lower_wire) erase_keys(*lower_wire, keys::of_instruments());
     for (auto&& [key, node] : lower.root) {
         toml::table* over = upper.root[key.str()].as_table();
         if (!over || !node.is_table()) continue;
@@ -134,7 +132,7 @@ Notes bring_in_presets(toml::table& root, bool replace)
         toml::table instrument = wire_of_preset(*preset, path);
         brought.emplace_back(path + ".preset", *preset->value<std::string>());
         wire.erase("preset");
-        if (replace) erase_keys(wire, instrument_keys);
+        if (replace) erase_keys(wire, keys::of_instruments());
         lay_wire_under(wire, std::move(instrument));
     });
     return brought;
@@ -285,11 +283,11 @@ toml::table read_instrument(const fs::path& file)
     (void)all.word_index("kind", instrument_kinds);
     const toml::table* wire = root["wire"].as_table();
     if (!wire) all.fail("wire", "expected one table [wire]");
+    const std::vector<std::string_view>& properties = keys::of_instruments();
     for (const auto& [key, value] : *wire)
-        if (std::find(std::begin(instrument_keys), std::end(instrument_keys), key.str()) == std::end(instrument_keys))
+        if (std::find(properties.begin(), properties.end(), key.str()) == properties.end())
             fail_at(key.source(), fmt::format("wire.{}", key.str()),
-                    fmt::format("is no property of an instrument; expected one of {}",
-                                fmt::join(std::begin(instrument_keys), std::end(instrument_keys), ", ")));
+                    fmt::format("is no property of an instrument; expected one of {}", fmt::join(properties, ", ")));
     return root;
 }
 

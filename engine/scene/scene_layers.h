@@ -20,11 +20,6 @@ struct LayeredScene {
 
 inline constexpr std::size_t most_scene_instruments = 16;
 
-/// Keys of [wire] that an instrument may have: its properties, not its place or its discretisation.
-inline constexpr std::string_view instrument_keys[] = {"radius_m",  "lumen_radius_m", "density",   "youngs_pa",
-                                                       "poisson",   "bend_nm2",       "twist_nm2", "stretch_n",
-                                                       "mu_static", "mu_sliding",     "section",   "bend_scale"};
-
 /// A file of the catalogue, its keys checked by name. @throws Error BadFile, BadScene
 [[nodiscard]] toml::table read_instrument(const std::filesystem::path& file);
 

@@ -2,7 +2,7 @@
 // The readers of a scene's tables, one each; private to scene/. A reader fills its part of the Scene and checks it against the
 // parts read before (order: integrator, scene, contact, vessel, instruments with their feeds, holds, loads, links, output).
 
-#include "scene/scene.h"
+#include "scene/scene_keys.h"
 #include "scene/toml_table.h"
 
 #include <functional>
@@ -13,9 +13,8 @@ void read_vessel_table(const toml::table& table, Scene& scene);  // [vessel]
 void read_task_table(const toml::table& table, Scene& scene);    // [task]
 
 /// Properties, sections and placement of an instrument. @param path  of the table, "wire" or "instrument.1"
-/// @param extra  further keys that the table may have   @param fed  whether it has a feed   @param scene  takes the notes
-void read_wire_table(const toml::table& table, const std::string& path, std::initializer_list<std::string_view> extra, bool fed,
-                     SceneInstrument& into, Scene& scene);
+/// @param fed  whether it has a feed   @param scene  takes the notes
+void read_wire_table(const toml::table& table, const std::string& path, bool fed, SceneInstrument& into, Scene& scene);
 
 /// Place of a feed's instrument among others.
 struct FeedPlace {
@@ -25,17 +24,12 @@ struct FeedPlace {
 /// Reads the place where an instrument enters, and its key frames.
 void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene);
 
-/// Refuses a mu_static that stands there and is below mu_sliding.
-void check_friction(const TableReader& t, double mu_static, double mu_sliding);
-/// A mu_static that nobody gave is raised: for the summary, and as a warning. @param where  the table
-void note_raised_friction(Scene& scene, const std::string& where, double mu_static, double mu_sliding);
+/// A contact cannot need less force to start sliding than to continue. A mu_static of the table below mu_sliding is refused; one that
+/// nobody gave is raised, for the summary and with a warning. @param path  of the table
+void order_friction(const TableReader& t, const std::string& path, double& mu_static, double mu_sliding, Scene& scene);
 
 void read_carm_table(const toml::table& table, Scene& scene);      // [carm]
 void read_contrast_table(const toml::table& table, Scene& scene);  // [contrast]
-
-/// A path of the scene as an absolute one; relative paths start at the folder of the file that has them (the scene's own for
-/// --set). @throws Error BadFile when missing
-[[nodiscard]] std::filesystem::path existing_file(const TableReader& t, std::string_view key, const Scene& scene);
 
 /// [[instrument]] with their feeds, and [coaxial].
 void read_instruments(const toml::table& root, Scene& scene);

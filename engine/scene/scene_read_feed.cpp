@@ -10,42 +10,27 @@ FeedKey read_feed_key(const toml::node& node, const std::string& path, const Fee
 {
     const toml::table* table = node.as_table();
     if (!table) fail_at(node.source(), path, "expected {t_s = ..., advance_m = ..., turn_rad = ...}");
-    const TableReader t(*table, path, {"t_s", "advance_m", "turn_rad"});
     FeedKey key;
     key.turn = before.turn;
-    t.need("t_s");
-    t.need("advance_m");
-    t.number("t_s", key.t, not_negative);
-    t.number("advance_m", key.advance, not_negative);
-    t.number("turn_rad", key.turn, any_number);
+    const TableReader t(*table, path, keys::feed_key(key));
+    t.read(keys::feed_key(key));
     if (!first && key.t <= before.t) t.fail("t_s", "expected times that increase; sort the keys");
     return key;
 }
 
-void read_inlet(const TableReader& t, const Scene& scene, SceneFeed& feed)
+void check_inlet(const TableReader& t, const Scene& scene)
 {
-    const toml::node* inlet = t.node("inlet");
-    feed.inlet_auto = inlet != nullptr;
-    if (inlet && inlet->is_number()) t.count("inlet", feed.inlet_number, 1, 1000);
-    else if (inlet && inlet->value<std::string>() != "auto")
-        t.fail("inlet", "expected \"auto\" or the number of a way in, as `seldinger vessel` lists them from 1");
-    if (feed.inlet_auto) {
-        t.refuse("point", "contradicts inlet; give one or the other");
-        t.refuse("direction", "contradicts inlet; give one or the other");
-        if (scene.vessel.shape == VesselShape::None) t.fail("inlet", "needs a [vessel]; give point and direction instead");
-        return;
-    }
-    t.need("point", "where the wire enters (or inlet = \"auto\")");
-    t.need("direction", "the direction in which the wire enters (or inlet = \"auto\")");
-    t.vector("point", feed.point);
-    t.direction("direction", feed.direction);
+    for (const auto key : {"point", "direction"})
+        if (t.has("inlet")) t.refuse(key, "contradicts inlet; give one or the other");
+        else t.need(key, "where the wire enters, and in which direction (or inlet = \"auto\")");
+    if (t.has("inlet") && scene.vessel.shape == VesselShape::None)
+        t.fail("inlet", "needs a [vessel]; give point and direction instead");
 }
 
-/// The length between hand and inlet at the start; with the keys, which say how much is inside then.
-void read_behind(const TableReader& t, FeedPlace place, SceneInstrument& into)
+/// The length between hand and inlet at the start; after the keys, which say how much is inside then.
+void check_behind(const TableReader& t, FeedPlace place, const SceneInstrument& into)
 {
-    SceneFeed& feed = into.feed;
-    t.number("behind_m", feed.behind, not_negative);
+    const SceneFeed& feed = into.feed;
     if (feed.behind == 0) return;
     if (!place.merged)
         t.fail("behind_m",
@@ -62,14 +47,13 @@ void read_behind(const TableReader& t, FeedPlace place, SceneInstrument& into)
 
 void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene)
 {
-    const TableReader t(table, path, {"point", "direction", "inlet", "start", "behind_m", "keys"});
     SceneFeed& feed = into.feed;
     feed.on = true;
-    if (!place.inside) read_inlet(t, scene, feed);
-    else
-        for (const auto key : {"inlet", "point", "direction"})
-            t.refuse(key, "is that of the outer instrument: those inside each other enter at one place; take it out");
+    const TableReader t(table, path, keys::feed(feed, place.inside));
+    t.refuse_unused(keys::feed(feed, place.inside), "is that of the outer instrument: those inside each other enter at one place; take it out");
+    if (!place.inside) check_inlet(t, scene);
     t.need("keys", "key frames of the feed");
+    t.read(keys::feed(feed, place.inside));
     const toml::array* keys = t.node("keys")->as_array();
     if (!keys || keys->empty()) t.fail("keys", "expected [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, ... ]");
     for (const toml::node& node : *keys) {
@@ -80,9 +64,7 @@ void read_feed_table(const toml::table& table, const std::string& path, FeedPlac
                     fmt::format("{} m is more than the whole wire, {} m; make {}length_m longer", feed.keys.back().advance,
                                 into.wire.length, into.label.empty() ? "wire." : ""));
     }
-    read_behind(t, place, into);
-    if (place.inside) t.refuse("start", "is that of the outer instrument: those inside each other enter at one place; take it out");
-    t.choice("start", feed.along_centreline, feed_start_words);
+    check_behind(t, place, into);
     if (!feed.along_centreline) return;
     if (scene.vessel.shape == VesselShape::None || scene.vessel.shape == VesselShape::Plane)
         t.fail("start", "got \"centreline\" without a lumen; expected a [vessel] that has one. Fix: take it out");

@@ -9,10 +9,9 @@ namespace seldinger {
 namespace {
 
 /// The one that `instrument` names; where there is but one it need not be named.
-SceneInstrument& instrument_of(const TableReader& t, Scene& scene)
+SceneInstrument& instrument_of(const TableReader& t, const std::string& name, Scene& scene)
 {
-    std::string name;
-    if (!t.text("instrument", name)) {
+    if (name.empty()) {
         if (scene.others.empty()) return scene;
         t.fail("instrument", "is missing; the scene has several: give the name of one");
     }
@@ -25,39 +24,19 @@ SceneInstrument& instrument_of(const TableReader& t, Scene& scene)
     t.fail("instrument", fmt::format("no instrument is called \"{}\"; the nearest is \"{}\"", name, nearest_word(name, known)));
 }
 
-/// The spelled form of `at`: "base", "tip" or metres from the tip, at most the wire's length.
-void read_point(const TableReader& t, const WireSpec& wire, WirePoint& point)
+void check_point(const TableReader& t, const WireSpec& wire, const WirePoint& at)
 {
-    const toml::node* at = t.node("at");
-    if (!at) return;
-    const auto word = at->is_string() ? at->value<std::string>() : std::nullopt;
-    if (word == "base") point.kind = WirePoint::Kind::Base;
-    else if (word == "tip") point.kind = WirePoint::Kind::Tip;
-    else if (!at->is_number()) t.fail("at", "expected \"base\", \"tip\" or metres from the tip");
-    else {
-        point.kind = WirePoint::Kind::Distance;
-        t.number("at", point.from_tip, not_negative);
-        if (point.from_tip > wire.length) t.fail("at", fmt::format("expected at most the wire's length, {} m", wire.length));
-    }
+    if (at.kind == WirePoint::Kind::Distance && at.from_tip > wire.length)
+        t.fail("at", fmt::format("expected at most the wire's length, {} m", wire.length));
 }
 
 /// Error when times of rows [t, ...] are negative or do not increase.
-void check_times(const TableReader& t, std::string_view key, const std::vector<std::vector<double>>& rows)
+template <std::size_t N>
+void check_times(const TableReader& t, std::string_view key, const std::vector<std::array<double, N>>& rows)
 {
     for (std::size_t i = 0; i < rows.size(); ++i)
         if (rows[i][0] < 0 || (i > 0 && rows[i][0] <= rows[i - 1][0]))
             t.fail(key, "expected times from 0 on that increase; sort the rows");
-}
-
-template <std::size_t N>
-std::vector<std::array<double, N>> timed_rows(const TableReader& t, std::string_view key, std::string_view form)
-{
-    std::vector<std::vector<double>> rows;
-    std::vector<std::array<double, N>> result;
-    if (!t.rows(key, rows, N, 1, form)) return result;
-    check_times(t, key, rows);
-    for (const auto& row : rows) std::copy(row.begin(), row.end(), result.emplace_back().begin());
-    return result;
 }
 
 /// `position`: true, false, or a list of the coordinates that are held.
@@ -93,36 +72,34 @@ void refuse_free_moves(const TableReader& t, const HoldSpec& hold)
     }
 }
 
-/// The time at which a hold or a load ends. An equilibrium has no times.
-void read_until(const TableReader& t, const Scene& scene, double& until)
+/// An equilibrium has no times.
+void refuse_until(const TableReader& t, const Scene& scene)
 {
-    t.number("until_s", until, positive);
     if (scene.integrator.scheme == Scheme::Static) t.refuse("until_s", "needs a run in time; scheme = \"static\" looks for the state at the end");
 }
 
 void read_hold(const toml::table& table, const std::string& path, Scene& scene)
 {
-    const TableReader t(table, path, {"instrument", "at", "position", "direction", "spin", "move", "turn", "velocity_m_s", "until_s"});
-    SceneInstrument& instrument = instrument_of(t, scene);
     HoldSpec hold;
-    read_point(t, instrument.wire, hold.at);
+    std::string name;
+    const TableReader t(table, path, keys::hold(hold, name));
+    t.read(keys::hold(hold, name));
+    SceneInstrument& instrument = instrument_of(t, name, scene);
+    check_point(t, instrument.wire, hold.at);
     if (instrument.feed.on && hold.at.kind == WirePoint::Kind::Base)
         t.fail("at", "the base is held by [feed] already; hold another point or take [feed] out");
     read_held_position(t, hold);
-    t.flag("direction", hold.direction);
-    t.flag("spin", hold.spin);
     if (!hold.position && !hold.direction && !hold.spin)
         t.fail("position", "fixes nothing; set position, direction or spin to true");
-    hold.move = timed_rows<4>(t, "move", "[t_s, dx, dy, dz]");
-    hold.turn = timed_rows<2>(t, "turn", "[t_s, rad]");
-    t.vector("velocity_m_s", hold.velocity);
+    check_times(t, "move", hold.move);
+    check_times(t, "turn", hold.turn);
     if (!hold.position) {
         t.refuse("move", "needs position = true");
         t.refuse("velocity_m_s", "needs position = true");
     }
     if (!hold.spin) t.refuse("turn", "needs spin = true");
     if (hold.position) refuse_free_moves(t, hold);
-    read_until(t, scene, hold.until);
+    refuse_until(t, scene);
     if (scene.integrator.scheme == Scheme::Static && !hold.velocity.isZero())
         t.fail("velocity_m_s",
                "has no end, and scheme = \"static\" looks for the state at the end; give move = [[t_s, dx, dy, dz], ...]");
@@ -131,31 +108,26 @@ void read_hold(const toml::table& table, const std::string& path, Scene& scene)
 
 void read_load(const toml::table& table, const std::string& path, Scene& scene)
 {
-    const TableReader t(table, path, {"instrument", "at", "force_n", "moment_nm", "ramp_s", "until_s"});
-    SceneInstrument& instrument = instrument_of(t, scene);
     LoadSpec load;
-    t.need("at", "\"base\", \"tip\" or metres from the tip");
-    read_point(t, instrument.wire, load.at);
+    std::string name;
+    const TableReader t(table, path, keys::load(load, name));
+    t.read(keys::load(load, name));
+    SceneInstrument& instrument = instrument_of(t, name, scene);
+    check_point(t, instrument.wire, load.at);
     if (!t.has("force_n") && !t.has("moment_nm")) t.fail("force_n", "is missing; give force_n or moment_nm");
-    t.vector("force_n", load.force);
-    t.vector("moment_nm", load.moment);
-    t.number("ramp_s", load.ramp, not_negative);
-    read_until(t, scene, load.until);
+    refuse_until(t, scene);
     instrument.loads.push_back(load);
 }
 
 void read_link(const toml::table& table, const std::string& path, Scene& scene)
 {
-    const TableReader t(table, path, {"instrument", "at", "anchor", "stiffness_n_m", "move"});
-    SceneInstrument& instrument = instrument_of(t, scene);
     LinkSpec link;
-    t.need("at", "\"base\", \"tip\" or metres from the tip");
-    read_point(t, instrument.wire, link.at);
-    t.need("anchor");
-    t.vector("anchor", link.anchor);
-    t.need("stiffness_n_m");
-    t.number("stiffness_n_m", link.stiffness, positive);
-    link.move = timed_rows<4>(t, "move", "[t_s, dx, dy, dz]");
+    std::string name;
+    const TableReader t(table, path, keys::link(link, name));
+    t.read(keys::link(link, name));
+    SceneInstrument& instrument = instrument_of(t, name, scene);
+    check_point(t, instrument.wire, link.at);
+    check_times(t, "move", link.move);
     instrument.links.push_back(std::move(link));
 }
 

@@ -83,32 +83,21 @@ std::vector<int> read_order(const TableReader& t, const Scene& scene)
 
 void read_coaxial(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "coaxial",
-                        {"order", "model", "mu_static", "mu_sliding", "stiffness", "drag_n_m", "viscous_pa_s", "lumen_friction"});
     CoaxialSpec spec;
+    const TableReader t(table, "coaxial", keys::coaxial(spec, scene));
     spec.order = read_order(t, scene);
     spec.model = coaxial_words[0].value;
-    t.choice("model", spec.model, coaxial_words);
+    t.read(keys::coaxial(spec, scene));
     if (spec.model == CoaxialSpec::Model::Merged && spec.order.size() > most_coaxial)
         t.fail("order", fmt::format("got {} instruments; expected at most {} in one centreline; take model = \"separate\"",
                                     spec.order.size(), most_coaxial));
-    t.number("mu_static", spec.mu_static, friction_range);
-    t.number("mu_sliding", spec.mu_sliding, friction_range);
-    t.number("stiffness", spec.stiffness, positive);
-    t.number("drag_n_m", spec.drag, not_negative);
-    t.number("viscous_pa_s", spec.viscous, not_negative);
-    t.flag("lumen_friction", spec.lumen_friction);
-    check_friction(t, spec.mu_static, spec.mu_sliding);
     // a written scene names the defaults, and 0 is what the model does
     const bool meant = spec.mu_sliding > 0 && spec.mu_sliding != CoaxialSpec().mu_sliding;
     if (spec.model == CoaxialSpec::Model::Merged && !spec.lumen_friction && meant)
         scene.warnings.push_back(fmt::format("coaxial.mu_sliding: got {:g} for model = \"merged\", which has no effect there without lumen_friction. Fix: "
                                              "coaxial.lumen_friction = true, model = \"separate\", or leave it out",
                                              spec.mu_sliding));
-    if (spec.mu_static < spec.mu_sliding) {
-        note_raised_friction(scene, "coaxial", spec.mu_static, spec.mu_sliding);
-        spec.mu_static = spec.mu_sliding;
-    }
+    order_friction(t, "coaxial", spec.mu_static, spec.mu_sliding, scene);
     scene.coaxial = std::move(spec);
 }
 
@@ -124,7 +113,7 @@ void read_instrument_table(const toml::table& table, int k, Scene& scene)
 {
     const std::string path = fmt::format("instrument.{}", k);
     SceneInstrument& instrument = scene.instrument(k);
-    read_wire_table(table, path, {"name", "feed"}, table.contains("feed"), instrument, scene);
+    read_wire_table(table, path, table.contains("feed"), instrument, scene);
     const int place = place_in_order(scene, k);
     const toml::node* feed = table.get("feed");
     if (!feed && place >= 0)

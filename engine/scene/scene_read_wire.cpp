@@ -3,6 +3,7 @@
 
 #include "contact/quadrature.h"
 #include "core/error.h"
+#include "setup_check.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -12,32 +13,19 @@ namespace seldinger {
 namespace {
 
 /// Properties that the wire and its sections share; an absent one keeps its value (a section inherits the shaft's).
-void read_properties(const TableReader& t, WireSection& s)
+void read_properties(const TableReader& t, const std::vector<Key>& keys, const std::string& path, WireSection& s, Scene& scene)
 {
-    t.number("radius_m", s.radius, positive);
-    t.number("density", s.density, positive);
-    for (const auto key : {"bend_nm2", "twist_nm2", "stretch_n"})
+    for (const auto key : keys::stiffness)
         if (t.has("youngs_pa")) t.refuse(key, "contradicts youngs_pa; give a material or the three stiffnesses, not both");
-    t.number("youngs_pa", s.youngs, positive);
-    if (s.youngs == 0) t.refuse("poisson", "needs youngs_pa; add it or take poisson out");
-    t.number("poisson", s.poisson, poisson_range);
+    if (s.youngs == 0 && !t.has("youngs_pa")) t.refuse("poisson", "needs youngs_pa; add it or take poisson out");
+    t.read(keys);
     // an inherited material follows this section's radius, and a stiffness given here wins over it
-    if (s.youngs > 0) set_stiffness_from_material(s);
-    t.number("bend_nm2", s.bend_stiffness, positive);
-    t.number("twist_nm2", s.twist_stiffness, positive);
-    t.number("stretch_n", s.stretch_stiffness, positive);
-    t.number("mu_static", s.mu_static, friction_range);
-    t.number("mu_sliding", s.mu_sliding, friction_range);
-    check_friction(t, s.mu_static, s.mu_sliding);
-}
-
-/// A wire cannot need less force to start sliding than to go on: a mu_static that nobody gave here is raised to mu_sliding, and
-/// whatever is written says so. One that was given is refused (check_friction).
-void order_friction(double& mu_static, double mu_sliding, const std::string& where, Scene& scene)
-{
-    if (mu_static >= mu_sliding) return;
-    note_raised_friction(scene, where, mu_static, mu_sliding);
-    mu_static = mu_sliding;
+    WireSection solid = s;
+    set_stiffness_from_material(solid);
+    if (s.youngs > 0 && !t.has("bend_nm2")) s.bend_stiffness = solid.bend_stiffness;
+    if (s.youngs > 0 && !t.has("twist_nm2")) s.twist_stiffness = solid.twist_stiffness;
+    if (s.youngs > 0 && !t.has("stretch_n")) s.stretch_stiffness = solid.stretch_stiffness;
+    order_friction(t, path, s.mu_static, s.mu_sliding, scene);
 }
 
 /// Contact is looked for once a radius: a key given too small makes more places than there is memory for. The vessel has been read.
@@ -50,31 +38,13 @@ void check_slender(const TableReader& t, const Scene& scene, double length, doub
 
 void read_section(const toml::table& table, const std::string& path, WireSpec& wire, Scene& scene)
 {
-    const TableReader t(table, path,
-                        {"from_tip_m", "radius_m", "density", "youngs_pa", "poisson", "bend_nm2", "twist_nm2", "stretch_n",
-                         "mu_static", "mu_sliding", "rest_curvature_1_m"});
-    WireSectionRange range;
+    WireSectionRange& range = wire.sections.emplace_back();
     range.section = wire.shaft;
-    t.need("from_tip_m", "the stretch [from, to] in metres from the tip");
-    const toml::array* ends = t.node("from_tip_m")->as_array();
-    if (!ends || ends->size() != 2 || !(*ends)[0].is_number() || !(*ends)[1].is_number())
-        t.fail("from_tip_m", "expected [from, to] in metres from the tip");
-    range.begin = *(*ends)[0].value<double>();
-    range.end = *(*ends)[1].value<double>();
+    const TableReader t(table, path, keys::section(range));
+    read_properties(t, keys::section(range), path, range.section, scene);
     if (!(range.begin >= 0 && range.begin < range.end && range.end <= wire.length))
         t.fail("from_tip_m", fmt::format("expected 0 <= from < to <= the wire's length, {} m", wire.length));
-    read_properties(t, range.section);
     check_slender(t, scene, wire.length, range.section.radius);
-    if (t.has("rest_curvature_1_m")) {
-        const toml::array* k = t.node("rest_curvature_1_m")->as_array();
-        for (std::size_t i = 0; i < 2; ++i) {
-            const auto value = k && k->size() == 2 && (*k)[i].is_number() ? (*k)[i].value<double>() : std::nullopt;
-            if (!value || !std::isfinite(*value)) t.fail("rest_curvature_1_m", "expected two numbers [k1, k2] in 1/m");
-            range.section.rest_curvature[i] = *value;
-        }
-    }
-    order_friction(range.section.mu_static, range.section.mu_sliding, path, scene);
-    wire.sections.push_back(range);
 }
 
 constexpr double most_placed_strain = 0.4;  // edges that change by half are torn (rod/no_state.h)
@@ -89,18 +59,14 @@ void scale_stiffness(const TableReader& t, WireSpec& wire)
     for (WireSectionRange& range : wire.sections) apply(range.section);
 }
 
-void read_points(const TableReader& t, WireSpec& wire)
+void check_points(const TableReader& t, const WireSpec& wire)
 {
-    std::vector<std::vector<double>> rows;
-    t.need("points", "shape = \"points\" follows them from base to tip");
-    t.rows("points", rows, 3, 2, "[x, y, z]");
+    const std::vector<Vec3>& points = wire.place.points;
     double length = 0;
-    for (const auto& row : rows) {
-        const Vec3 p(row[0], row[1], row[2]);
-        const double step = wire.place.points.empty() ? 1.0 : (p - wire.place.points.back()).norm();
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        const double step = (points[i] - points[i - 1]).norm();
         if (!(step > 0)) t.fail("points", "expected no point twice in a row; take the second one out");
-        if (!wire.place.points.empty()) length += step;
-        wire.place.points.push_back(p);
+        length += step;
     }
     // chords are shorter than their arc; more than this is a wire placed under strain
     if (!wire.place.stretched && std::abs(length - wire.length) > 0.05 * wire.length)
@@ -119,55 +85,30 @@ Vec3 default_normal(const Vec3& direction) { return std::abs(direction.normalize
 
 void read_place(const toml::table& table, const std::string& path, WireSpec& wire)
 {
-    const TableReader t(table, path, {"shape", "base", "direction", "normal", "bend_radius_m", "twist_rad", "points", "from_m", "stretch"});
     WirePlacement& place = wire.place;
-    t.choice("shape", place.shape, place_words);
-    t.vector("base", place.base);
-    t.direction("direction", place.direction);
-    place.normal = default_normal(place.direction);
-    t.direction("normal", place.normal);
-
-    const std::string shape(word_of(place_words, place.shape));
-    auto only_for = [&](std::string_view key, PlaceShape owner) {
-        if (place.shape != owner) t.refuse(key, fmt::format("is not used by shape = \"{}\"; take it out", shape));
-    };
-    only_for("bend_radius_m", PlaceShape::Arc);
-    only_for("twist_rad", PlaceShape::Ring);
-    only_for("points", PlaceShape::Points);
-    only_for("stretch", PlaceShape::Points);
-    only_for("from_m", PlaceShape::Centreline);
-    if (place.shape == PlaceShape::Points || place.shape == PlaceShape::Centreline)
-        for (const auto key : {"base", "direction"})
-            t.refuse(key, fmt::format("follows from shape = \"{}\"; take it out", shape));
-    else if (place.direction.normalized().cross(place.normal.normalized()).norm() < 1e-6)
-        t.fail("normal", "is parallel to direction; give any other direction");
-
+    const TableReader t(table, path, keys::place(place));
+    const keys::Words shape = keys::words(place.shape, place_words);
+    if (t.has("shape")) shape.set(t.word_index("shape", shape.list));
+    const bool is_based = place.shape != PlaceShape::Points && place.shape != PlaceShape::Centreline;
+    for (const auto key : {"base", "direction"})
+        if (!is_based) t.refuse(key, fmt::format("follows from shape = \"{}\"; take it out", word_of(place_words, place.shape)));
+    t.refuse_unused(keys::place(place), fmt::format("is not used by shape = \"{}\"; take it out", word_of(place_words, place.shape)));
     if (place.shape == PlaceShape::Arc) t.need("bend_radius_m", "the radius of the circle that the wire follows");
-    t.number("bend_radius_m", place.bend_radius, positive);
-    t.number("twist_rad", place.twist, any_number);
-    t.number("from_m", place.from, not_negative);
-    t.choice("stretch", place.stretched, stretch_words);
-    if (place.shape == PlaceShape::Points) read_points(t, wire);
+    if (place.shape == PlaceShape::Points) t.need("points", "shape = \"points\" follows them from base to tip");
+    t.read(keys::place(place));
+    if (!t.has("normal")) place.normal = default_normal(place.direction);
+    if (is_based && place.direction.normalized().cross(place.normal.normalized()).norm() < 1e-6)
+        t.fail("normal", "is parallel to direction; give any other direction");
+    if (place.shape == PlaceShape::Points) check_points(t, wire);
 }
 
-void read_nodes(const TableReader& t, WireSpec& wire)
+void check_nodes(const TableReader& t, const WireSpec& wire)
 {
-    wire.nodes = 101;
-    const toml::node* nodes = t.node("nodes");
-    if (nodes && nodes->is_string()) {
-        if (nodes->value<std::string>() != "adaptive") t.fail("nodes", "expected a whole number or \"adaptive\"");
-        wire.nodes = 0;
-    } else {
-        t.count("nodes", wire.nodes, 3, 200'000);
-    }
-    t.number("min_edge_m", wire.min_edge, positive);
-    t.number("max_edge_m", wire.max_edge, positive);
-    t.number("edge_error_m", wire.edge_error, positive);
     if (wire.nodes == 0 && wire.min_edge >= wire.max_edge)
         t.fail("min_edge_m", fmt::format("expected less than max_edge_m, {} m", wire.max_edge));
-    if (wire.nodes == 0 && wire.length / wire.min_edge > 200'000)
-        t.fail("min_edge_m",
-               fmt::format("makes up to {:.3g} nodes, expected at most 200000; make it longer", wire.length / wire.min_edge));
+    if (wire.nodes == 0 && wire.length / wire.min_edge > keys::most_nodes)
+        t.fail("min_edge_m", fmt::format("makes up to {:.3g} nodes, expected at most {}; make it longer", wire.length / wire.min_edge,
+                                         keys::most_nodes));
 }
 
 /// A fed wire starts straight and at rest at the inlet: what places another wire contradicts [feed].
@@ -179,73 +120,48 @@ void refuse_placement(const TableReader& t)
         t.fail("rest", "a fed wire is not placed; use rest_curvature_1_m in [[wire.section]], or take [feed] out");
 }
 
-/// Where it is at first, how it moves there and what shape is free of stress.
-void read_start(const TableReader& t, const std::string& path, bool fed, WireSpec& wire)
-{
-    if (fed) refuse_placement(t);
-    t.choice("rest", wire.place.rest_is_placed, rest_words);
-    t.vector("velocity_m_s", wire.place.velocity);
-    t.number("spin_rad_s", wire.place.spin_rate, any_number);
-    if (const toml::node* place = t.node("place")) {
-        if (!place->is_table()) t.fail("place", "expected { shape = \"straight\", base = [x, y, z], ... }");
-        read_place(*place->as_table(), path + ".place", wire);
-    }
-}
-
 /// The wall of a catheter has some thickness everywhere.
-void check_lumen(const TableReader& t, WireSpec& wire)
+void check_lumen(const TableReader& t, const WireSpec& wire)
 {
-    double lumen = 0, thinnest = wire.shaft.radius;
-    t.number("lumen_radius_m", lumen, not_negative);
-    for (const WireSectionRange& range : wire.sections) thinnest = std::min(thinnest, range.section.radius);
-    if (lumen >= thinnest) t.fail("lumen_radius_m", fmt::format("expected less than the smallest outer radius, {} m", thinnest));
-    wire.lumen_radius = lumen;
+    if (wire.lumen_radius >= wire.least_radius())
+        t.fail("lumen_radius_m", fmt::format("expected less than the smallest outer radius, {} m", wire.least_radius()));
 }
 
 }  // namespace
 
-void check_friction(const TableReader& t, double mu_static, double mu_sliding)
+void order_friction(const TableReader& t, const std::string& path, double& mu_static, double mu_sliding, Scene& scene)
 {
-    if (t.has("mu_static") && mu_static < mu_sliding)
+    if (friction_in_order(mu_static, mu_sliding)) return;
+    if (t.has("mu_static"))
         t.fail("mu_static", fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to continue; "
                                         "make it {} or more, or take it out",
                                         mu_static, mu_sliding, mu_sliding));
-}
-
-void note_raised_friction(Scene& scene, const std::string& where, double mu_static, double mu_sliding)
-{
-    const std::string key = where + ".mu_static";
+    const std::string key = path + ".mu_static";
     const std::string what = fmt::format("{} (raised from {}: not below mu_sliding, and not given)", mu_sliding, mu_static);
     scene.notes.emplace_back(key, what);
     scene.warnings.push_back(key + " is " + what);
+    mu_static = mu_sliding;
 }
 
-void read_wire_table(const toml::table& table, const std::string& path, std::initializer_list<std::string_view> extra, bool fed,
-                     SceneInstrument& into, Scene& scene)
+void read_wire_table(const toml::table& table, const std::string& path, bool fed, SceneInstrument& into, Scene& scene)
 {
-    std::vector<std::string_view> keys = {
-        "length_m", "radius_m",     "density",    "nodes",     "min_edge_m",     "max_edge_m", "edge_error_m", "youngs_pa",
-        "poisson",  "bend_nm2",     "twist_nm2",  "stretch_n", "mu_static",      "mu_sliding", "curvature",    "place",
-        "rest",     "velocity_m_s", "spin_rad_s", "section",   "lumen_radius_m", "preset",   "bend_scale"};
-    keys.insert(keys.end(), extra);
-    const TableReader t(table, path, keys);
     WireSpec& wire = into.wire;
-    for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
-    if (!t.has("youngs_pa"))
-        for (const auto key : {"bend_nm2", "twist_nm2", "stretch_n"})
-            t.need(key, "stiffness is youngs_pa and poisson, or bend_nm2, twist_nm2 and stretch_n");
-    t.number("length_m", wire.length, positive);
-    order_friction(scene.contact.mu_static, scene.contact.mu_sliding, "contact", scene);
+    wire.nodes = 101;
     wire.shaft.mu_static = scene.contact.mu_static;
     wire.shaft.mu_sliding = scene.contact.mu_sliding;
-    read_properties(t, wire.shaft);
-    order_friction(wire.shaft.mu_static, wire.shaft.mu_sliding, path, scene);
+    const TableReader t(table, path, keys::wire(into));
+    if (fed) refuse_placement(t);
+    if (!t.has("youngs_pa"))
+        for (const auto key : keys::stiffness) t.need(key, "stiffness is youngs_pa and poisson, or bend_nm2, twist_nm2 and stretch_n");
+    read_properties(t, keys::wire(into), path, wire.shaft, scene);
     if (wire.shaft.radius * 2 > wire.length)
         t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
     check_slender(t, scene, wire.length, wire.shaft.radius);
-    read_nodes(t, wire);
-    t.choice("curvature", wire.curvature, curvature_words);
-    read_start(t, path, fed, wire);
+    check_nodes(t, wire);
+    if (const toml::node* place = t.node("place")) {
+        if (!place->is_table()) t.fail("place", "expected { shape = \"straight\", base = [x, y, z], ... }");
+        read_place(*place->as_table(), path + ".place", wire);
+    }
     for_each_table(table, "section", path + ".section",
                    [&](const toml::table& section, const std::string& where) { read_section(section, where, wire, scene); });
     scale_stiffness(t, wire);

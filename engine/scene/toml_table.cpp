@@ -3,12 +3,15 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "scene/toml_parse.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <sstream>
 
 namespace seldinger {
@@ -118,7 +121,24 @@ std::string meant_key(std::string_view given, std::span<const std::string_view> 
     return alike;
 }
 
+std::vector<std::string_view> names_of(const std::vector<Key>& keys)
+{
+    std::vector<std::string_view> names;
+    for (const Key& key : keys) names.push_back(key.name);
+    return names;
+}
+
 }  // namespace
+
+keys::Words keys::words(std::string& value, std::span<const std::string_view> list)
+{
+    return {{list.begin(), list.end()},
+            [&value, list] {
+                const auto at = std::find(list.begin(), list.end(), value);
+                return at == list.end() ? -1 : static_cast<int>(at - list.begin());
+            },
+            [&value, list](int i) { value = list[static_cast<std::size_t>(i)]; }};
+}
 
 double largest(std::string_view key)
 {
@@ -191,6 +211,11 @@ TableReader::TableReader(const toml::table& table, std::string path, std::span<c
     }
 }
 
+TableReader::TableReader(const toml::table& table, std::string path, const std::vector<Key>& known)
+    : TableReader(table, std::move(path), names_of(known))
+{
+}
+
 std::string TableReader::full(std::string_view key) const
 {
     return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
@@ -235,15 +260,6 @@ bool TableReader::count(std::string_view key, int& value, int least, int most) c
     return true;
 }
 
-bool TableReader::whole(std::string_view key, std::int64_t& value) const
-{
-    const toml::node* at = node(key);
-    if (!at) return false;
-    if (!at->is_integer() || *at->value<std::int64_t>() < 0) wrong(*at, key, "a whole number, 0 or above");
-    value = *at->value<std::int64_t>();
-    return true;
-}
-
 bool TableReader::flag(std::string_view key, bool& value) const
 {
     const toml::node* at = node(key);
@@ -264,40 +280,106 @@ bool TableReader::text(std::string_view key, std::string& value) const
     return true;
 }
 
-bool TableReader::vector(std::string_view key, Vec3& value) const
+void TableReader::take(std::string_view key, const keys::Number& n) const
 {
-    const toml::node* at = node(key);
-    if (!at) return false;
-    const toml::array* array = at->as_array();
-    if (!array || array->size() != 3) wrong(*at, key, "three numbers [x, y, z]");
-    for (int i = 0; i < 3; ++i) value[i] = checked((*array)[i], key, any_number);
-    return true;
+    if (take_word(key, n.words, n.range.says)) return;
+    number(key, *n.value, n.range);
+    if (n.degrees) *n.value = *n.value * std::numbers::pi / 180;
 }
 
-bool TableReader::direction(std::string_view key, Vec3& value) const
+void TableReader::take(std::string_view key, const keys::Count& c) const
 {
-    if (!vector(key, value)) return false;
-    if (!(value.norm() > 1e-12) || !std::isfinite(value.squaredNorm()))
-        wrong(*node(key), key, "a direction [x, y, z] of any length but zero");
-    return true;
+    const std::string says = c.says ? c.says : fmt::format("a whole number from {} to {}", c.least, c.most);
+    if (!take_word(key, c.words, says)) count(key, *c.value, c.least, c.most);
 }
 
-bool TableReader::rows(std::string_view key, std::vector<std::vector<double>>& value, std::size_t width, std::size_t least,
-                       std::string_view form) const
+/// @return false: it is a number
+bool TableReader::take_word(std::string_view key, const keys::Words& words, std::string_view otherwise) const
 {
-    const toml::node* at = node(key);
-    if (!at) return false;
-    const toml::array* array = at->as_array();
-    if (!array || array->size() < least) wrong(*at, key, fmt::format("{} or more rows {}", least, form));
-    value.clear();
+    const toml::node& at = *node(key);
+    if (words.list.empty()) return false;
+    const auto found = std::find(words.list.begin(), words.list.end(), at.value<std::string>().value_or(""));
+    if (found == words.list.end() && !at.is_number()) wrong(at, key, fmt::format("\"{}\" or {}", fmt::join(words.list, "\", \""), otherwise));
+    words.set(found == words.list.end() ? -1 : static_cast<int>(found - words.list.begin()));
+    return found != words.list.end();
+}
+
+void TableReader::take(std::string_view key, std::int64_t* value) const
+{
+    const toml::node& at = *node(key);
+    if (!at.is_integer() || *at.value<std::int64_t>() < 0) wrong(at, key, "a whole number, 0 or above");
+    *value = *at.value<std::int64_t>();
+}
+
+void TableReader::take(std::string_view key, const keys::Numbers& n) const
+{
+    const toml::node& at = *node(key);
+    const toml::array* array = at.as_array();
+    if (!array || array->size() != n.values.size()) wrong(at, key, n.form);
+    double squares = 0;
+    for (std::size_t i = 0; i < n.values.size(); ++i) {
+        *n.values[i] = checked((*array)[i], key, n.range);
+        squares += *n.values[i] * *n.values[i];
+    }
+    if (n.nonzero && (!(squares > 1e-24) || !std::isfinite(squares))) wrong(at, key, n.form);
+}
+
+void TableReader::take(std::string_view key, const keys::Rows& r) const
+{
+    const toml::node& at = *node(key);
+    const toml::array* array = at.as_array();
+    if (!array || array->size() < r.least) wrong(at, key, fmt::format("{} or more rows {}", r.least, r.form));
+    std::vector<std::vector<double>> table;
     for (const toml::node& item : *array) {
         const toml::array* row = item.as_array();
-        if (!row || row->size() != width) wrong(item, key, fmt::format("a row {}", form));
-        std::vector<double> numbers;
-        for (const toml::node& entry : *row) numbers.push_back(checked(entry, key, any_number));
-        value.push_back(std::move(numbers));
+        if (!row || row->size() != r.width) wrong(item, key, fmt::format("a row {}", r.form));
+        for (std::vector<double>& numbers = table.emplace_back(); const toml::node& entry : *row)
+            numbers.push_back(checked(entry, key, any_number));
     }
-    return true;
+    r.set(table);
+}
+
+/// As an absolute path. @throws Error BadFile when missing
+void TableReader::take_file(std::string_view key, std::filesystem::path& value, const std::filesystem::path& scene_file) const
+{
+    std::string written;
+    text(key, written);
+    std::error_code ignored;
+    const auto& source = node(key)->source().path;
+    const std::filesystem::path file = source && !source->starts_with("--set ") ? std::filesystem::path(*source) : scene_file;
+    const std::filesystem::path joined = std::filesystem::absolute(file, ignored).parent_path() / written;
+    value = std::filesystem::weakly_canonical(joined, ignored);
+    if (value.empty()) value = joined;  // too long for a name, or links that go round in a circle
+    if (std::filesystem::is_regular_file(value, ignored)) return;
+    try {
+        const bool escaped = written.find_first_of("\b\t\n\f\r\x1b") != std::string::npos;
+        const char* advice = escaped || written.find('\\') != std::string::npos ? backslash_advice : "check the path (relative to the scene file)";
+        fail(key, fmt::format("no file at {}; {}", printable(value.string()), advice));
+    } catch (const Error& error) {
+        throw Error(ExitCode::BadFile, error.what());
+    }
+}
+
+void TableReader::read(const std::vector<Key>& keys, const std::filesystem::path& scene_file) const
+{
+    for (const Key& key : keys) {
+        // the first clause of its meaning
+        if (key.absent == keys::needed && key.use != keys::Use::Unused) need(key.name, key.meaning.substr(0, key.meaning.find_first_of(";.")));
+        if (!has(key.name)) continue;
+        std::visit(
+            [&](const auto& value) {
+                using Kind = std::decay_t<decltype(value)>;
+                if constexpr (std::is_same_v<Kind, std::filesystem::path*>) take_file(key.name, *value, scene_file);
+                else if constexpr (!std::is_same_v<Kind, keys::Tables> && !std::is_same_v<Kind, keys::Special>) take(key.name, value);
+            },
+            key.value);
+    }
+}
+
+void TableReader::refuse_unused(const std::vector<Key>& keys, std::string_view why) const
+{
+    for (const Key& key : keys)
+        if (key.use == keys::Use::Unused) refuse(key.name, why);
 }
 
 int TableReader::word_index(std::string_view key, std::span<const std::string_view> words) const

@@ -1,9 +1,8 @@
 #pragma once
-// Reads one table of a scene file, key by key, and turns every mistake into one line with place, expected value and fix. Knows TOML
-// and messages, nothing of wires.
+// Reads one table of a scene file by the list of its keys, and turns every mistake into one line with place, expected value and fix. Knows
+// TOML and messages, nothing of wires.
 
-#include "rod/wire_spec.h"
-#include "scene/scene_names.h"
+#include "scene/scene_key.h"
 
 #include <initializer_list>
 #include <string>
@@ -13,20 +12,6 @@
 #include <toml++/toml.h>
 
 namespace seldinger {
-
-/// Which numbers a key takes, and how a message says so.
-struct Range {
-    double low, high;
-    bool low_open, high_open;
-    const char* says;
-    [[nodiscard]] bool contains(double v) const { return (low_open ? v > low : v >= low) && (high_open ? v < high : v <= high); }
-};
-inline constexpr double range_end = 1.7976931348623157e308;
-inline constexpr Range any_number{-range_end, range_end, false, false, "a number"};
-inline constexpr Range positive{0, range_end, true, false, "a number above 0"};
-inline constexpr Range not_negative{0, range_end, false, false, "a number, 0 or above"};
-inline constexpr Range friction_range{0, 10, false, false, "a coefficient of friction between 0 and 10"};
-inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio above -1 and below 0.5"};
 
 /// The largest size of a number under a key, by the unit in its name: lengths and places 1e4 m, times 1e9 s, angles 1e9, gravity
 /// 1e6 m/s^2. Speeds have no limit, any other number 1e18 in its unit. Beyond that nothing can be computed, and an index would
@@ -55,32 +40,23 @@ public:
         : TableReader(table, std::move(path), std::span(known.begin(), known.size()))
     {
     }
+    TableReader(const toml::table& table, std::string path, const std::vector<Key>& known);
 
     [[nodiscard]] bool has(std::string_view key) const { return table_.contains(key); }
     [[nodiscard]] const toml::table& table() const { return table_; }
     [[nodiscard]] const toml::node* node(std::string_view key) const { return table_.get(key); }
 
+    /// Reads all keys but those with Tables and Special. What is absent stays as it is, what is needed must be there.
+    /// @param scene_file  where relative paths start, unless they are from a file of their own
+    void read(const std::vector<Key>& keys, const std::filesystem::path& scene_file = {}) const;
+    /// Error when a key is there that is not used; `why` names the contradiction.
+    void refuse_unused(const std::vector<Key>& keys, std::string_view why) const;
+
     // Each leaves `value` as it is (the default) when the key is absent, and @returns whether it was there.
     bool number(std::string_view key, double& value, const Range& range) const;
     bool count(std::string_view key, int& value, int least, int most) const;
-    bool whole(std::string_view key, std::int64_t& value) const;
     bool flag(std::string_view key, bool& value) const;
     bool text(std::string_view key, std::string& value) const;
-    bool vector(std::string_view key, Vec3& value) const;
-    bool direction(std::string_view key, Vec3& value) const;  // any length but zero
-    /// Rows of `width` numbers, e.g. [[t, dx, dy, dz], ...]; at least `least` of them.
-    bool rows(std::string_view key, std::vector<std::vector<double>>& value, std::size_t width, std::size_t least,
-              std::string_view form) const;
-
-    template <class Enum, std::size_t N>
-    bool choice(std::string_view key, Enum& value, const Choice<Enum> (&words)[N]) const
-    {
-        std::string_view list[N];
-        for (std::size_t i = 0; i < N; ++i) list[i] = words[i].word;
-        const int index = word_index(key, list);
-        if (index >= 0) value = words[index].value;
-        return index >= 0;
-    }
     /// Index in `words` of the key's value; -1 when absent.
     [[nodiscard]] int word_index(std::string_view key, std::span<const std::string_view> words) const;
 
@@ -92,6 +68,17 @@ public:
     [[noreturn]] void fail(std::string_view key, std::string_view message) const;
 
 private:
+    // one kind of value each, of a key that is there
+    void take(std::string_view key, const keys::Number& n) const;
+    void take(std::string_view key, const keys::Count& c) const;
+    void take(std::string_view key, std::int64_t* value) const;
+    void take(std::string_view key, bool* value) const { flag(key, *value); }
+    void take(std::string_view key, std::string* value) const { text(key, *value); }
+    void take(std::string_view key, const keys::Numbers& n) const;
+    void take(std::string_view key, const keys::Rows& r) const;
+    void take(std::string_view key, const keys::Words& w) const { w.set(word_index(key, w.list)); }
+    bool take_word(std::string_view key, const keys::Words& words, std::string_view otherwise) const;
+    void take_file(std::string_view key, std::filesystem::path& value, const std::filesystem::path& scene_file) const;
     [[nodiscard]] double checked(const toml::node& node, std::string_view key, const Range& range) const;
     [[nodiscard]] std::string full(std::string_view key) const;
     [[noreturn]] void wrong(const toml::node& node, std::string_view key, std::string_view expected) const;

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "scene/key_frames.h"
+#include "scene/run_end.h"
 #include "scene/scene.h"
 #include "wall/wall_model.h"
 #include "wall/wall_resolution.h"
@@ -66,7 +67,7 @@ void find_wall_path(std::span<const Scene> scenes, WorldSetup& setup, const std:
     const Scene& scene = scenes.front();
     const KeyFrames keys(scenes);
     bool goes_on = true;
-    if (scene.start_settled || scene.integrator.scheme == Scheme::Static) {
+    if (settles_first(scene)) {
         goes_on = check(settle(trial));
         touched.take_in(trial.contacts());
     }

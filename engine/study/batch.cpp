@@ -126,7 +126,7 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
         scenes.push_back(source.scene(run));
         Run& own = runs_.emplace_back();
         own.index = static_cast<std::int64_t>(run);
-        own.moving_until = prescribed_until(scenes.back());
+        own.end = RunEnd(scenes.back());
     }
     scene_ = scenes.front();
     key_frames_ = KeyFrames(scenes);
@@ -238,7 +238,7 @@ void BatchWorld::settle_all(std::vector<BatchRow>& rows)
 void BatchWorld::settle_where_asked(std::vector<BatchRow>& rows)
 {
     settled_ = true;
-    if (!scene_.start_settled && scene_.integrator.scheme != Scheme::Static) return;
+    if (!settles_first(scene_)) return;
     (void)settle(*world_);
     for (int k = 0; k < world_->system_count(); ++k) {
         const WireReport own = joint_report(*world_, k);
@@ -281,12 +281,10 @@ std::vector<BatchRow> BatchWorld::step()
         else take_greatest_loads(k);
         take_wall(k, has_row ? Output::Wall : Output::WallUnder);
         follow_task(k);
-        bool done = run.tally.steps >= scene_.steps() || (scene_.until == Until::Reached && run.tally.score.reached);
-        if (scene_.until == Until::Rest) {
-            run.tally.rest_steps = at_rest(k) ? run.tally.rest_steps + 1 : 0;
-            done = done || (run.tally.rest_steps >= steps_at_rest && world_->time(world_->wires_of(k).first) >= run.moving_until);
-        }
-        if (done) finish(k, RunStatus::Done, rows);
+        if (scene_.until == Until::Rest) run.tally.rest_steps = at_rest(k) ? run.tally.rest_steps + 1 : 0;
+        if (run.end.is_over(static_cast<long>(run.tally.steps), static_cast<long>(run.tally.rest_steps), world_->time(world_->wires_of(k).first),
+                            run.tally.score.reached))
+            finish(k, RunStatus::Done, rows);
     }
     return rows;
 }

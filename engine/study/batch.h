@@ -5,6 +5,7 @@
 
 #include "core/bytes.h"
 #include "scene/key_frames.h"
+#include "scene/run_end.h"
 #include "scene/vessel_load.h"
 #include "study/batch_keep.h"
 #include "study/batch_table.h"
@@ -77,7 +78,7 @@ public:
 private:
     struct Run {
         std::int64_t index = 0;
-        double moving_until = 0;  // [s] of its own scene
+        RunEnd end;  // of its own scene
         RunTally tally;
         bool finished = false;
         std::string trace;  // of output.keep_traces

@@ -2,6 +2,7 @@
 #include "study/run_model.h"
 
 #include "core/clock.h"
+#include "scene/run_end.h"
 #include "study/run_watch.h"
 
 #include <algorithm>
@@ -80,7 +81,7 @@ public:
           watch_(changed, scene.setup, plan.limits, plan.end_on_blow_up, *simulation_),
           average_(changed.wire.length),
           dt_(changed.dt),
-          settles_(changed.start_settled || changed.integrator.scheme == Scheme::Static),
+          settles_(settles_first(changed)),
           is_static_(changed.integrator.scheme == Scheme::Static),
           touches_(scene.scene.vessel.shape != VesselShape::None)
     {

@@ -43,6 +43,14 @@ void need_finite(const Vec3& value, const std::string& where)
         refuse(where, fmt::format("got [{}, {}, {}]; expected finite numbers", value.x(), value.y(), value.z()));
 }
 
+void check_friction(double mu_static, double mu_sliding, const std::string& where)
+{
+    need_not_negative(mu_sliding, where + ".mu_sliding");
+    need_not_negative(mu_static, where + ".mu_static");
+    if (!friction_in_order(mu_static, mu_sliding))
+        refuse(where + ".mu_static", fmt::format("got {}; expected at least mu_sliding, {}", mu_static, mu_sliding));
+}
+
 void check_section(const WireSection& s, const std::string& where)
 {
     need_positive(s.radius, where + ".radius");
@@ -50,10 +58,7 @@ void check_section(const WireSection& s, const std::string& where)
     need_positive(s.bend_stiffness, where + ".bend_stiffness");
     need_positive(s.twist_stiffness, where + ".twist_stiffness");
     need_positive(s.stretch_stiffness, where + ".stretch_stiffness");
-    need_not_negative(s.mu_sliding, where + ".mu_sliding");
-    need_not_negative(s.mu_static, where + ".mu_static");
-    if (s.mu_static < s.mu_sliding)
-        refuse(where + ".mu_static", fmt::format("got {}; expected at least mu_sliding, {}", s.mu_static, s.mu_sliding));
+    check_friction(s.mu_static, s.mu_sliding, where);
 }
 
 void check_wire(const WireSpec& wire, const std::string& where)
@@ -152,11 +157,9 @@ void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::s
                    fmt::format("got {} m; expected more than the radius of the instrument inside, {} m", lumen, radius));
     }
     need_not_negative(nest.stiffness, where + ".stiffness");
-    need_not_negative(nest.mu_sliding, where + ".mu_sliding");
     need_not_negative(nest.drag, where + ".drag");
     need_not_negative(nest.viscous, where + ".viscous");
-    if (nest.mu_static < nest.mu_sliding)
-        refuse(where + ".mu_static", fmt::format("got {}; expected mu_sliding, {}, at least", nest.mu_static, nest.mu_sliding));
+    check_friction(nest.mu_static, nest.mu_sliding, where);
 }
 
 /// Contact between instruments.

@@ -132,8 +132,7 @@ class World:
         own = [[]] if copies is None else _overrides_of(copies)
         self._scene, self._copies, self._device = given, own, int(device)
         self._world = _engine.make_world(given.text, given.file, [given.overrides + c for c in own], self._device)
-        (self._dt, self._duration, self._steps, self._settles, self._static, self._rests, self._moving_until,
-         self._rest_steps, self._until_reached) = self._world.scene_numbers()
+        self._dt, self._duration, self._steps, self._settles, self._static, self._watched = self._world.scene_numbers()
         wires, self._systems = self._world.counts()
         names = self._world.names()
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
@@ -258,7 +257,7 @@ class World:
         0.05
         """
         steps = self._steps if until is None else min(self._steps, round(float(until) / self._dt))
-        if not self._settled and self.output.step == 0 and (self._settles or self._static):
+        if not self._settled and self.output.step == 0 and self._settles:
             placed = None if self._static else self.save()
             report = self.settle()
             if report.failed and placed is not None:
@@ -268,20 +267,13 @@ class World:
                 self._check(report, "settling")
         if self._static:
             return self.output
-        # a duration that is not a whole number of steps ends with a shorter one
-        short = self._steps * self._dt - self._duration > max(1e-6, 1e-7 * self._steps) * self._dt
-        rest = 0
-        while self.output.step < steps:
+        rest, over = 0, False
+        while self.output.step < steps and not over:
             at = self.output.step
-            n, dt = 1 if self._rests or self._until_reached else min(64, steps - at), None
-            if at + n == self._steps and short:  # the last one alone
-                n, dt = (n - 1, None) if n > 1 else (1, self._duration - at * self._dt)
-            self._check(self.step(n=n, dt=dt), f"step {at + 1} or after")
+            n = 1 if self._watched else max(1, min(64, steps - 1 - at))  # the last step alone: it can be shorter
+            self._check(self.step(n=n, dt=self._world.step_length(at)), f"step {at + 1} or after")
             rest = rest + 1 if self._world.at_rest() else 0
-            if self._rests and rest >= self._rest_steps and self.time >= self._moving_until:
-                break
-            if self._until_reached and self.task()["reached"]:
-                break
+            over = self._world.run_is_over(self.output.step, rest)
         return self.output
 
     def _refuse_if_held(self, call: str, instead: str) -> None:

@@ -5,6 +5,7 @@
 #include "studies.h"
 #include "views.h"
 
+#include "scene/run_end.h"
 #include "scene/summary.h"
 
 #include <pybind11/stl.h>
@@ -180,8 +181,14 @@ void bind_world(py::module_& module)
     c.def("scene_text", [](const Handle& h, const std::string& folder) { return write_scene(h.scene(), folder); });
     c.def("scene_numbers", [](const Handle& h) {
         const Scene& s = h.scene();
-        return py::make_tuple(s.dt, s.duration, s.steps(), s.start_settled, s.integrator.scheme == Scheme::Static,
-                              s.until == Until::Rest, prescribed_until(s), steps_at_rest, s.until == Until::Reached);
+        return py::make_tuple(s.dt, s.duration, s.steps(), settles_first(s), s.integrator.scheme == Scheme::Static, RunEnd(s).is_watched());
+    });
+    c.def("step_length", [](const Handle& h, long taken) { return h.scene().step_length(taken); });
+    c.def("run_is_over", [](Handle& h, long steps, long rest_steps) {
+        return alone(h, [&] {
+            const Scene& s = h.scene();
+            return RunEnd(s).is_over(steps, rest_steps, h.world().time(), s.until == Until::Reached && h.score(0).reached);
+        });
     });
 }
 

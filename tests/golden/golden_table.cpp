@@ -3,7 +3,7 @@
 
 #include "engine.h"
 #include "scene/key_frames.h"
-#include "scene/scene.h"
+#include "scene/run_end.h"
 #include "scene/vessel_load.h"
 #include "support/shared_folder.h"
 
@@ -38,16 +38,12 @@ Scene scene_of(const GoldenRow& row)
 /// Settles and steps the world as the scene asks. @return false where a step failed
 bool run_to_the_end(World& world, const KeyFrames& keys, const Scene& scene)
 {
-    const bool is_static = scene.integrator.scheme == Scheme::Static;
-    if ((scene.start_settled || is_static) && settle(world).failed()) return false;
-    if (is_static) return true;
-    const double moving_until = prescribed_until(scene);
-    long at_rest = 0;
-    for (long k = 0; k < scene.steps(); ++k) {
-        if (step(world, keys.control(), scene.dt).failed()) return false;
-        if (scene.until != Until::Rest) continue;
+    if (settles_first(scene) && settle(world).failed()) return false;
+    if (scene.integrator.scheme == Scheme::Static) return true;
+    const RunEnd end(scene);
+    for (long k = 0, at_rest = 0; !end.is_over(k, at_rest, world.time(), false); ++k) {
+        if (step(world, keys.control(), scene.step_length(k)).failed()) return false;
         at_rest = world.at_rest() ? at_rest + 1 : 0;
-        if (at_rest >= steps_at_rest && world.time() >= moving_until) return true;
     }
     return true;
 }

@@ -210,7 +210,7 @@ TEST_SUITE("scene/scene_errors")
                                "integrator.spins", "contact.normal", "contact.friction", "vessel.shape"})
             check_mistake({good, {std::string(key) + "=nonsense"}, std::string(key) + ": expected one of"});
         check_mistake({good, {"contact.stiffness=soft"}, "contact.stiffness: expected \"from-wall\" or a number"});
-        check_mistake({good, {"wire.nodes=some"}, "wire.nodes: expected a whole number"});
+        check_mistake({good, {"wire.nodes=some"}, "wire.nodes: expected \"adaptive\" or a whole number"});
         check_mistake({good, {"wire.place.shape=knot"}, "wire.place.shape: expected one of"});
         check_mistake({held, {"hold.0.at=middle"}, "hold.0.at: expected \"base\", \"tip\" or metres"});
     }
