@@ -81,16 +81,16 @@ void NewtonSystem::decide(bool finite, const ForceTerms& terms)
     problem.note_residuals(terms);
     non_finite_ = false;
     const bool asked = phase_ == Phase::Search && !options_.shifted && !options_.linearised;
-    crossed_ = asked ? problem.crossed(terms) : 1.0;
+    crossed_ = asked ? problem.crossed(terms) : KinksPassed{};
     if (ends_at_trial(terms)) return;
     if (iterations_ - first_iteration_ >= options_.max_iterations) {
         if (at_kink(terms)) phase_ = Phase::Done;
         else give_up();
         return;
     }
-    const bool keep = crossed_ == 1 && keeps_factors();
+    const bool keep = crossed_.share == 1 && keeps_factors();
     take_base();
-    if (crossed_ < 1) problem.admit_crossings(terms);
+    if (crossed_.share < 1) problem.admit_crossings(terms);
     if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
     else new_direction(terms);
     launch();
@@ -198,6 +198,7 @@ void NewtonSystem::launch()
     slope_ = problem.residual_along(direction_);
     const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
     first_alpha_ = 1;
+    in_valley_ = false;
     if (move > move_limit_) first_alpha_ = move_limit_ / move;
     if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
     set_trial(first_alpha_);

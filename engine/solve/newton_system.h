@@ -101,7 +101,7 @@ private:
 
     // whether a trial is taken (step_acceptance.cpp)
     void backtrack(double open);
-    void shorten(double alpha);
+    void shorten(double alpha, bool into_valley = false);
     [[nodiscard]] bool acceptable();
     [[nodiscard]] bool natural_test(bool slope_falls, double slope);
     void correct();
@@ -128,10 +128,11 @@ private:
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false, refused_ = false;
+    bool in_valley_ = false;  // the trial was shortened into a valley
     int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0, base_share_ = 0;
-    double crossed_ = 1;  // share of the way to the trial at which terms have crossed kinks
+    KinksPassed crossed_;
     std::vector<double> base_, base_residual_, direction_, correction_, guess_;  // [unknowns]
     std::span<double> scratch_;                                                  // in the workspace
 };
