@@ -83,6 +83,7 @@ public:
     [[nodiscard]] bool unsymmetric() const;
     /// Whether it is made of instruments that are a rod each, which may touch.
     [[nodiscard]] bool several_rods() const { return wires_.size() > 1 && coaxial_.empty(); }
+    [[nodiscard]] bool shares_centrelines() const { return !solved_coaxial_.empty(); }
     [[nodiscard]] bool conserving() const { return !solved_.empty() && solved_.front()->time.conserving(); }
 
     /// Notes each wire's residual at the trial and what rounding adds to its tolerance.
