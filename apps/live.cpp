@@ -59,9 +59,9 @@ std::string end_for_people(const Session& session, const std::filesystem::path& 
 {
     const ScoreNumbers& score = session.score();
     const auto steps = std::max<std::uint64_t>(1, session.steps_so_far());
-    return fmt::format("{} steps, {:.3g} % late; step p50 {:.2f} p99 {:.2f} p99.9 {:.2f} ms\n"
+    return fmt::format("{} steps, {:.3g} % late, {} cut short; step p50 {:.2f} p99 {:.2f} p99.9 {:.2f} ms\n"
                        "task: {}\nrecord {}, score {}\nstate_hash {}\n",
-                       session.steps_so_far(), 100.0 * static_cast<double>(session.late_so_far()) / static_cast<double>(steps),
+                       session.steps_so_far(), 100.0 * static_cast<double>(session.late_so_far()) / static_cast<double>(steps), session.cut_short_so_far(),
                        1e3 * session.step_times.quantile(0.5), 1e3 * session.step_times.quantile(0.99),
                        1e3 * session.step_times.quantile(0.999), verdict_of(session.scene().task, score), record.string(),
                        beside(record, ".score.json").string(), session.world().state_hash());
@@ -123,6 +123,11 @@ void add_what(CommandLine& command, LiveArguments& options)
     command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");
+    command
+        .add_option("--deadline", options.session.deadline,
+                    "share of the period after which a step ends before its equations hold, e.g. 0.9 (default: never)")
+        ->check(in_range(0.05, 1.0))
+        ->type_name("SHARE");
     command
         .add_option("--tolerance", options.model.tolerance, "choose the model by `plan` for this error of the shape, e.g. 0.5mm")
         ->type_name("LENGTH");

@@ -63,6 +63,9 @@ const Control& Replay::next(World& world)
     take_resets(world);
     SEL_ASSERT(at_ < record_.entries.size());
     const RecordEntry& entry = record_.entries[at_++];
+    const bool cut = at_ < record_.entries.size() && record_.entries[at_].kind == RecordEntry::Kind::CutShort;
+    if (cut) world.cut_when([asked = 0u, at = record_.entries[at_].trials]() mutable { return ++asked >= at; });
+    else world.cut_when({});
     for (int w = 0; w < world.wire_count(); ++w) {
         if (!world.setup().wires[static_cast<std::size_t>(w)].feed.on || world.system_of(w) != 0) continue;
         const std::size_t hub = 2 * static_cast<std::size_t>(w);

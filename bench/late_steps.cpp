@@ -3,6 +3,7 @@
 //     late_steps SCENE.toml [--worst 200] [--keep FILE] [--set table.key=value]…      runs the scene
 //     late_steps SCENE.toml --replay FILE [--repeat 1] [--set table.key=value]…       takes the kept steps again
 //     … [--trials FILE]                                                                a row for each trial of the kept steps
+//     … [--cut N]                                                                      steps whose time is up at the trial N (World::cut_when)
 //
 // A run prints the distributions of Newton iterations, trials and processor time per step, and keeps the steps of most iterations
 // with the state before each. A replay takes the same steps by another program or another law (--set contact.friction=none): what
@@ -42,6 +43,7 @@ struct Options {
     std::vector<std::string> overrides;
     std::size_t worst = 200;
     int repeat = 1;
+    int cut = 0;  // 0: never
 };
 
 Options read_options(int argc, char** argv)
@@ -57,6 +59,7 @@ Options read_options(int argc, char** argv)
         else if (word == "--replay") options.replay = value();
         else if (word == "--trials") options.trials = value();
         else if (word == "--repeat") options.repeat = std::max(1, std::atoi(value().c_str()));
+        else if (word == "--cut") options.cut = std::max(0, std::atoi(value().c_str()));
         else if (word == "--set") options.overrides.push_back(value());
         else if (options.scene.empty() && word[0] != '-') options.scene = word;
         else throw Error(ExitCode::BadScene, word + ": unknown. The head of bench/late_steps.cpp says what there is");
@@ -152,6 +155,8 @@ struct Seen {
 struct Step {
     long number = 0;
     int iterations = 0, trials = 0, sub_steps = 1, nodes = 0;
+    bool cut_short = false;
+    double hand = 0;  // force [N]
     double time = 0;  // of the processor [s]
     std::vector<std::uint8_t> before;
     std::vector<Seen> seen;
@@ -159,8 +164,9 @@ struct Step {
 
 class Recorder {
 public:
-    Recorder(World& world, bool look) : world_(world), contacts_(world), look_(look)
+    Recorder(World& world, bool look, int cut) : world_(world), contacts_(world), look_(look)
     {
+        if (cut > 0) world.cut_when([this, cut] { return ++asked_ >= cut; });
         world.impl().solver->watch([this](const NewtonTrial& trial) {
             ++step_.trials;
             if (look_) step_.seen.push_back({trial, contacts_.look(trial.end == NewtonTrial::End::Taken)});
@@ -172,6 +178,7 @@ public:
         step_ = {};
         step_.number = number;
         contacts_.start();
+        asked_ = 0;
         const double start = thread_time();
         const StepReport report = step(world_, control, dt);
         step_.time = thread_time() - start;
@@ -179,6 +186,8 @@ public:
         step_.iterations = report.newton_iterations;
         step_.sub_steps = report.sub_steps;
         step_.nodes = world_.rod(0).n;
+        step_.cut_short = (report.flags & StepCutShort) != 0;
+        step_.hand = world_.readings(0).hand_force;
         return std::move(step_);
     }
 
@@ -186,6 +195,7 @@ private:
     World& world_;
     Contacts contacts_;
     bool look_;
+    int asked_ = 0;
     Step step_;
 };
 
@@ -212,7 +222,9 @@ void print_steps(const std::vector<Step>& steps)
     };
     row("iterations", [](const Step& s) { return s.iterations; });
     row("trials", [](const Step& s) { return s.trials; });
+    row("hand [N]", [](const Step& s) { return s.hand; });
     row("time [ms]", [](const Step& s) { return 1e3 * s.time; });
+    fmt::print("cut short    {}\n", std::count_if(steps.begin(), steps.end(), [](const Step& s) { return s.cut_short; }));
     fmt::print("halved       {}\n", std::count_if(steps.begin(), steps.end(), [](const Step& s) { return s.sub_steps > 1; }));
 }
 
@@ -319,10 +331,10 @@ std::vector<Step> read_kept(const std::string& file)
     return steps;
 }
 
-void take_again(World& world, const Scene& scene, std::vector<Step>& steps, bool look, int repeat)
+void take_again(World& world, const Scene& scene, std::vector<Step>& steps, bool look, int repeat, int cut)
 {
     const KeyFrames keys(scene);
-    Recorder recorder(world, look);
+    Recorder recorder(world, look, cut);
     for (Step& kept : steps) {
         std::vector<double> times;
         for (int k = 0; k < repeat; ++k) {
@@ -337,10 +349,10 @@ void take_again(World& world, const Scene& scene, std::vector<Step>& steps, bool
     }
 }
 
-std::vector<Step> run_scene(World& world, const Scene& scene, std::vector<Step>& kept, std::size_t worst)
+std::vector<Step> run_scene(World& world, const Scene& scene, std::vector<Step>& kept, std::size_t worst, int cut)
 {
     const KeyFrames keys(scene);
-    Recorder recorder(world, false);
+    Recorder recorder(world, false, cut);
     std::vector<Step> steps;
     int least = 2;  // iterations of a step that is kept
     const auto thin_out = [&] {
@@ -368,18 +380,18 @@ int run(const Options& options)
     World world(make_setup(scene));
     std::vector<Step> kept;
     if (options.replay.empty()) {
-        print_steps(run_scene(world, scene, kept, options.worst));
+        print_steps(run_scene(world, scene, kept, options.worst, options.cut));
         if (!options.keep.empty()) write_kept(options.keep, kept);
         fmt::print("state        {}\n\nthe {} of most iterations, taken again:\n", world.state_hash(), kept.size());
     } else {
         kept = read_kept(options.replay);
     }
     if (kept.empty()) return 0;
-    take_again(world, scene, kept, true, 1);
+    take_again(world, scene, kept, true, 1, options.cut);
     print_causes(kept);
     if (!options.trials.empty()) write_trials(options.trials, kept);
     fmt::print("\n");
-    take_again(world, scene, kept, false, options.repeat);
+    take_again(world, scene, kept, false, options.repeat, options.cut);
     print_steps(kept);
     return 0;
 }

@@ -27,6 +27,7 @@ StepReport step(World& world, const Control& control, double dt)
         accept(state, *sub, report);     // or put back, to go on in two halves
         if (state.solver->stopped()) return put_back(state, report);
     }
+    carry_on(state);                 // what steps cut short have left to the next one
     adapt_nodes(state, dt);          // adapt: split and merge edges
     check_state(state, dt, report);  // check: non-finite values, points beyond the wall
     show_groups(state);              // instruments that share a centreline, each by itself

@@ -101,7 +101,8 @@ function watchPace() {
   state.old = n;
   if (!old || n.paused || n.stopped || n.clock <= old.clock) return;
   const share = (n.time - old.time) / (n.clock - old.clock), late = (n.late - old.late) / Math.max(1, n.step - old.step);
-  if (share > 0.99) pace(`real time, ${(100 * late).toFixed(1)} % late`, 'good');
+  const cut = (n.cut_short - old.cut_short) / Math.max(1, n.step - old.step);
+  if (share > 0.99) pace(`real time, ${(100 * late).toFixed(1)} % late${cut > 0 ? `, ${(100 * cut).toFixed(1)} % cut short` : ''}`, 'good');
   else pace(`time stretched: ${share.toFixed(2)} of real time`, 'bad');
 }
 

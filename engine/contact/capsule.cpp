@@ -160,9 +160,9 @@ void CapsuleContact::take(int wire)
     if (valleys_known()) valleys_.take(wire, states_.at_trial(), active_.all());
 }
 
-double CapsuleContact::crossed(int wire)
+KinksPassed CapsuleContact::crossed(int wire)
 {
-    return valleys_known() ? valleys_.crossed(wire, states_.at_trial(), active_.all(), params_.smoothing) : 1.0;
+    return valleys_known() ? valleys_.crossed(wire, states_.at_trial(), active_.all(), params_.smoothing) : KinksPassed{};
 }
 
 void CapsuleContact::start_again(int wire)

@@ -27,7 +27,7 @@ public:
     [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire) && feasible_step(wire) == 1; }
     void take(int wire) override;
     void start_again(int wire) override;
-    [[nodiscard]] double crossed(int wire) override;
+    [[nodiscard]] KinksPassed crossed(int wire) override;
     void admit_crossings(int wire, std::span<double> residual) override
     {
         valleys_.admit(wire, rods_.node_begin(wire), residual);

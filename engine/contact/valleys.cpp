@@ -51,12 +51,13 @@ void Valleys::take(int wire, std::span<const ContactState> states, const ActiveL
     of.admitted = false;
 }
 
-double Valleys::crossed(int wire, std::span<const ContactState> states, const ActiveList& list, double smoothing)
+KinksPassed Valleys::crossed(int wire, std::span<const ContactState> states, const ActiveList& list, double smoothing)
 {
     Wire& of = wires_[static_cast<std::size_t>(wire)];
     of.crossings.clear();
     of.admitted = false;
-    double most = 0, share = 1;
+    double most = 0;
+    KinksPassed passed;
     auto was = of.base.begin();
     for_each_touch(wire, states, list, [&](int edge, std::uint32_t record, const ContactState& state) {
         while (was != of.base.end() && was->record < record) ++was;
@@ -69,15 +70,17 @@ double Valleys::crossed(int wire, std::span<const ContactState> states, const Ac
         const double beyond = now.depth - (was->depth - was->normal.dot(move));
         const double before = was->depth - (now.depth + now.normal.dot(move));
         const double eps = smoothing * quadrature_.models[record / 2].radius * turn, rest = eps - beyond;
-        if (rest >= 0 || before <= 0) return;
+        if (before <= 0) return;
+        passed.entered = passed.entered || rest >= 0;
+        if (rest >= 0) return;
         const double stiffness = state.normal_force / (2 * eps);
         if (state.normal_force * turn > most) {
             most = state.normal_force * turn;
-            share = before / (before + beyond);
+            passed.share = before / (before + beyond);
         }
         of.crossings.push_back({record, edge, quadrature_.places[record / 2].bary, stiffness * rest * across, across, stiffness});
     });
-    return share;
+    return passed;
 }
 
 void Valleys::admit(int wire, int first_node, std::span<double> residual)

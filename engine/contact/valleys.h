@@ -16,6 +16,7 @@
 #include "contact/device_views.h"
 #include "contact/edge_sums.h"
 #include "contact/quadrature.h"
+#include "solve/force_term.h"
 
 #include <span>
 #include <vector>
@@ -41,9 +42,9 @@ public:
     void take(int wire, std::span<const ContactState> states, const ActiveList& list);
     /// Forgets the base.
     void start(int wire) { wires_[static_cast<std::size_t>(wire)].base.clear(); }
-    /// Whether contacts at the trial have gone over a valley since the base. @return share of the way there at which the one with the
-    /// largest turn of its force has; 1: none
-    double crossed(int wire, std::span<const ContactState> states, const ActiveList& list, double smoothing);
+    /// Whether contacts at the trial have gone over a valley since the base, or into one. Share: of the way there at which the one
+    /// with the largest turn of its force has.
+    KinksPassed crossed(int wire, std::span<const ContactState> states, const ActiveList& list, double smoothing);
     /// Of those that crossed() found: what is missing to the residual, tangents to the sums.
     void admit(int wire, int first_node, std::span<double> residual);
 

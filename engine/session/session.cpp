@@ -73,6 +73,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
                     "a session in lockstep needs a device that asks for steps; give one, or leave lockstep out");
     total_steps_ = options.duration > 0 ? std::max(1L, std::lround(options.duration * options.rate)) : 0;
     world_->watch_hand_stiffness();
+    if (options.deadline > 0 || options.due) world_->cut_when([this] { return is_due(); });
     if (scene.start_settled) {
         const StepReport report = settle(*world_);
         if (report.failed())
@@ -214,8 +215,20 @@ void Session::ask(Instrument& it)
     hubs_[2 * static_cast<std::size_t>(it.wire) + 1] = turn;
 }
 
+/// Whether the step that is being computed has used up its time. A record needs to know when that was told.
+bool Session::is_due()
+{
+    ++trials_;
+    if (due_at_ > 0) return true;
+    const bool due = options_.due ? options_.due(trials_) : !options_.lockstep && clock() >= pacer_.due() + options_.deadline * dt_;
+    if (due) due_at_ = trials_;
+    return due;
+}
+
 void Session::step_once()
 {
+    trials_ = due_at_ = 0;
+    was_cut_short_ = false;
     for (Instrument& it : instruments_) ask(it);
     entry_.clear();
     const auto flags = static_cast<std::uint8_t>((fluoroscopy_ ? RecordEntry::fluoroscopy : 0) | (contrast_ ? RecordEntry::contrast : 0));
@@ -223,9 +236,16 @@ void Session::step_once()
     if (writer_ && !ring_.put(entry_)) record_lost_ = true;
     try {
         const StepReport report = step(*world_, control_, dt_);
+        was_cut_short_ = (report.flags & StepCutShort) != 0;
         if (report.failed()) failure_ = fmt::format("step {} found no state; the last good one is shown", pacer_.steps() + 1);
     } catch (const std::exception& error) {
         failure_ = error.what();
+    }
+    if (was_cut_short_) {
+        ++cut_short_;
+        entry_.clear();
+        put_cut_short(entry_, due_at_);
+        if (writer_ && !ring_.put(entry_)) record_lost_ = true;
     }
     stopped_ = !failure_.empty();
     if (stopped_) return;  // the world is where it was before
@@ -286,6 +306,8 @@ void Session::fill(StepNumbers& n) const
     n.stretched = pacer_.stretched();
     n.step_time = step_time_;
     n.was_late = was_late_;
+    n.cut_short = cut_short_;
+    n.was_cut_short = was_cut_short_;
     n.paused = paused_;
     n.stopped = stopped_;
     n.fluoroscopy = fluoroscopy_;

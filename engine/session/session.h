@@ -16,6 +16,7 @@
 #include "session/time_histogram.h"
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ struct SessionOptions {
     double rate = 1000;    // steps a second
     double duration = 0;   // session time [s]; 0: until it is stopped
     bool lockstep = false;  // a step for each request of the hand, whenever it comes: the same session on any machine
+    double deadline = 0;    // share of the period after which a step ends at the next state that can be (World::cut_when); 0: never
+    std::function<bool(std::uint32_t trials)> due;  // in place of the clock: asked before each trial of a step, counted from 1 on
     CouplingSpec advance = advance_coupling, turn = turn_coupling;
     std::filesystem::path record;
 };
@@ -65,6 +68,7 @@ public:
     /// So far; any thread.
     [[nodiscard]] std::uint64_t steps_so_far() const { return steps_; }
     [[nodiscard]] std::uint64_t late_so_far() const { return late_; }
+    [[nodiscard]] std::uint64_t cut_short_so_far() const { return cut_short_; }
 
 private:
     struct Instrument {
@@ -85,6 +89,7 @@ private:
     bool wait_for_hand();
     void take_wishes();
     void step_once();
+    [[nodiscard]] bool is_due();
     void ask(Instrument& it);
     [[nodiscard]] double follow_page(double way, double speed, double force, double limit) const;
     void take_readings(Instrument& it);
@@ -111,8 +116,8 @@ private:
     std::vector<std::uint8_t> entry_;
     Pacer pacer_;
     PageWish wish_;
-    bool paused_ = false, stopped_ = false, was_late_ = false, fluoroscopy_ = false, contrast_ = false;
-    std::uint32_t resets_ = 0;
+    bool paused_ = false, stopped_ = false, was_late_ = false, was_cut_short_ = false, fluoroscopy_ = false, contrast_ = false;
+    std::uint32_t resets_ = 0, trials_ = 0, due_at_ = 0;  // the last two: of the present step; 0: its time is not up
     double step_time_ = 0, next_view_ = 0;
     std::string failure_, scheduling_ = "ordinary";
     Clock::time_point born_ = Clock::now();
@@ -125,7 +130,7 @@ private:
     std::string record_error_;
     std::thread physics_, clerk_;
     std::atomic<bool> stop_{false}, running_{false};
-    std::atomic<std::uint64_t> steps_{0}, late_{0};
+    std::atomic<std::uint64_t> steps_{0}, late_{0}, cut_short_{0};
 };
 
 }  // namespace seldinger

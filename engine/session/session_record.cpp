@@ -70,6 +70,11 @@ bool take_entries(std::string_view block, SessionRecord& record)
             std::memcpy(entry.hubs.data(), block.data(), size);
             const auto is_asked = [](double value) { return std::abs(value) <= most_asked; };  // false of NaN
             if (!std::all_of(entry.hubs.begin(), entry.hubs.end(), is_asked)) return false;
+        } else if (entry.kind == RecordEntry::Kind::CutShort) {
+            size = sizeof entry.trials;
+            if (block.size() < size) return false;
+            std::memcpy(&entry.trials, block.data(), size);
+            if (entry.trials == 0) return false;
         } else if (entry.kind == RecordEntry::Kind::End) {
             size = 16;
             if (block.size() < size) return false;
@@ -116,6 +121,13 @@ void put_step(std::vector<std::uint8_t>& bytes, std::uint8_t flags, const double
     bytes.push_back(static_cast<std::uint8_t>(RecordEntry::Kind::Step));
     bytes.push_back(flags);
     put_bytes(bytes, hubs, static_cast<std::size_t>(2 * instruments));
+}
+
+void put_cut_short(std::vector<std::uint8_t>& bytes, std::uint32_t trials)
+{
+    bytes.push_back(static_cast<std::uint8_t>(RecordEntry::Kind::CutShort));
+    bytes.push_back(0);
+    put_bytes(bytes, &trials, 1);
 }
 
 void put_reset(std::vector<std::uint8_t>& bytes)

@@ -132,6 +132,7 @@ std::string Session::summary() const
                                     {"stretched_s", pacer_.stretched()},
                                     {"late", pacer_.late()},
                                     {"late_share", static_cast<double>(pacer_.late()) / steps},
+                                    {"cut_short", cut_short_.load()},
                                     {"step", quantiles(step_times)},
                                     {"wake_up", quantiles(wake_times)},
                                     {"input_to_force", quantiles(latencies)},

@@ -26,9 +26,10 @@ struct StepNumbers {
     std::uint64_t step = 0;
     double time = 0;          // session time [s]
     std::uint64_t late = 0;
+    std::uint64_t cut_short = 0;  // steps that ended at their deadline
     double stretched = 0;     // [s]
     double step_time = 0;     // of this one [s]
-    bool was_late = false, paused = false, stopped = false, fluoroscopy = false, contrast = false;
+    bool was_late = false, was_cut_short = false, paused = false, stopped = false, fluoroscopy = false, contrast = false;
     std::uint32_t resets = 0;
     std::uint64_t request = 0;  // of the hand, the newest that this step knows of
     int instruments = 0;

@@ -107,6 +107,7 @@ void put_frame(const ViewFrame& frame, double wall_clock, int clients, std::stri
     nlohmann::json instruments = nlohmann::json::array();
     for (int k = 0; k < n.instruments; ++k) instruments.push_back(instrument_json(n.instrument[static_cast<std::size_t>(k)]));
     std::string json = json_text(nlohmann::json{{"step", n.step},       {"time", n.time},         {"clock", wall_clock},     {"late", n.late},
+                                               {"cut_short", n.cut_short},
                                       {"stretched", n.stretched}, {"step_ms", 1e3 * n.step_time}, {"paused", n.paused}, {"stopped", n.stopped},
                                       {"fluoro", n.fluoroscopy}, {"contrast", n.contrast}, {"resets", n.resets}, {"clients", clients},
                                       {"instruments", instruments}, {"score", score_for_page(n.score)}});

@@ -32,10 +32,11 @@ void DeadLoads::begin(const RodView& rod, const WireConstraints& constraints, co
     constraints_ = &constraints;
     std::fill_n(forces_.begin(), RodDofs::count(rod.n), 0.0);
     for (int i = 0; i < rod.n; ++i) add_to_node(forces_, i, rod.mass[i] * gravity);
-    for (const auto& load : constraints.loads) {
-        add_to_node(forces_, load.edge, (1 - load.bary) * load.force);
-        add_to_node(forces_, load.edge + 1, load.bary * load.force);
-    }
+    for (const auto* loads : {&constraints.loads, &constraints.carried})
+        for (const auto& load : *loads) {
+            add_to_node(forces_, load.edge, (1 - load.bary) * load.force);
+            add_to_node(forces_, load.edge + 1, load.bary * load.force);
+        }
 }
 
 // A moment m turns the edge that it acts on: a couple of forces +-(m x t)/|e| on its ends does the work of m on the edge's
@@ -82,6 +83,7 @@ bool DeadLoads::unsymmetric() const
 void DeadLoads::add_to_sum(Vec3& sum) const
 {
     for (const auto& load : constraints_->loads) sum += load.force;
+    for (const auto& load : constraints_->carried) sum += load.force;
 }
 
 double DeadLoads::scale(double length) const

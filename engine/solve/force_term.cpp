@@ -143,11 +143,15 @@ void ForceTerms::take(int wire) const
     for (ForceTerm* term : list_) term->take(wire);
 }
 
-double ForceTerms::crossed(int wire) const
+KinksPassed ForceTerms::crossed(int wire) const
 {
-    double share = 1;
-    for (ForceTerm* term : list_) share = std::min(share, term->crossed(wire));
-    return share;
+    KinksPassed all;
+    for (ForceTerm* term : list_) {
+        const KinksPassed of = term->crossed(wire);
+        all.share = std::min(all.share, of.share);
+        all.entered = all.entered || of.entered;
+    }
+    return all;
 }
 
 void ForceTerms::admit_crossings(int wire, std::span<double> residual) const

@@ -53,6 +53,12 @@ struct ContactWork {
     double normal = 0, friction = 0, rolling = 0;
 };
 
+/// What contacts have done on the way to a trial that the tangent did not foresee.
+struct KinksPassed {
+    double share = 1;      // of the way to the trial at which one has gone over a kink of the wall; 1: none has
+    bool entered = false;  // one has come to lie in a kink that it did not lie in before
+};
+
 class ForceTerm {
 public:
     virtual ~ForceTerm() = default;
@@ -102,9 +108,9 @@ public:
     [[nodiscard]] virtual double move_limit(int /*wire*/) const { return std::numeric_limits<double>::infinity(); }
     /// The wire's last evaluated trial has been taken: the next ones start from there.
     virtual void take(int /*wire*/) {}
-    /// Share of the way to the trial, from the last one that was taken, at which contacts have gone over a kink of the wall, where the
-    /// balance may be and of which the tangent knows nothing (contact/valleys.h); 1: none has.
-    [[nodiscard]] virtual double crossed(int /*wire*/) { return 1; }
+    /// Kinks of the wall, where the balance may be and of which the tangent knows nothing, that contacts have passed since the last
+    /// trial that was taken (contact/valleys.h).
+    [[nodiscard]] virtual KinksPassed crossed(int /*wire*/) { return {}; }
     /// The trial will be taken: adds to `residual` what leads the direction from it to the kinks that crossed() has found, and to
     /// the tangent of add() what belongs to it.
     virtual void admit_crossings(int /*wire*/, std::span<double> /*residual*/) {}
@@ -189,8 +195,8 @@ public:
     [[nodiscard]] double feasible_step(int wire) const;
     [[nodiscard]] double move_limit(int wire) const;
     void take(int wire) const;
-    /// The least.
-    [[nodiscard]] double crossed(int wire) const;
+    /// The least share.
+    [[nodiscard]] KinksPassed crossed(int wire) const;
     void admit_crossings(int wire, std::span<double> residual) const;
     void start_again(int wire) const;
     /// Each term renews its own data. @param again  [wires] overwritten: those to be solved on

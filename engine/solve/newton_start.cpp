@@ -36,7 +36,7 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
     options_ = options;
     move_limit_ = std::numeric_limits<double>::infinity();
     phase_ = Phase::Guess;
-    non_finite_ = shortened_ = settling_ = false;
+    non_finite_ = shortened_ = settling_ = due_ = cut_short_ = base_can_be_ = false;
     iterations_ = first_iteration_ = evaluations_ = backtracks_ = mode_perturbations_ = jumps_passed_ = 0;
     contraction_ = 0;
     for (WireProblem* wire : problem.solved()) {
@@ -94,7 +94,8 @@ SolveReport NewtonSystem::report(const WireProblem& wire) const
 {
     SolveReport report;
     report.converged = converged();
-    report.best_effort = converged() && settling_;
+    report.best_effort = converged() && settling_ && !cut_short_;
+    report.cut_short = converged() && cut_short_;
     report.non_finite = non_finite_;
     report.iterations = iterations_;
     report.evaluations = evaluations_;

@@ -3,6 +3,7 @@
 #include "solve/newton_system.h"
 
 #include "core/prefetch.h"
+#include "rod/no_state.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,16 +82,16 @@ void NewtonSystem::decide(bool finite, const ForceTerms& terms)
     problem.note_residuals(terms);
     non_finite_ = false;
     const bool asked = phase_ == Phase::Search && !options_.shifted && !options_.linearised;
-    crossed_ = asked ? problem.crossed(terms) : 1.0;
-    if (ends_at_trial(terms)) return;
+    crossed_ = asked ? problem.crossed(terms) : KinksPassed{};
+    if (ends_when_due() || ends_at_trial(terms)) return;
     if (iterations_ - first_iteration_ >= options_.max_iterations) {
         if (at_kink(terms)) phase_ = Phase::Done;
         else give_up();
         return;
     }
-    const bool keep = crossed_ == 1 && keeps_factors();
+    const bool keep = crossed_.share == 1 && keeps_factors();
     take_base();
-    if (crossed_ < 1) problem.admit_crossings(terms);
+    if (crossed_.share < 1) problem.admit_crossings(terms);
     if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
     else new_direction(terms);
     launch();
@@ -109,6 +110,30 @@ bool NewtonSystem::keeps_factors() const
     if (!whole || !problem.keeps_tangent() || contraction > most_contraction || iterations_ - first_iteration_ > most_kept) return false;
     const auto trials = [left = std::log(share)](double a_trial) { return std::ceil(left / -std::log(a_trial)); };
     return trials(std::max(contraction, 1e-6)) <= trials(new_factors);
+}
+
+/// Whether the equations leave so little at the trial that it may stand for a state; contact has admitted it.
+bool NewtonSystem::can_be_state() const
+{
+    if (phase_ != Phase::Search || !problem.at_prescribed()) return false;
+    const auto moves_little = [](const WireProblem* wire) { return !is_thrown(wire->rod, wire->norm, wire->time.step()); };
+    return std::all_of(problem.solved().begin(), problem.solved().end(), moves_little);
+}
+
+/// The time is up: ends here, or at the base if that leaves less, where one of them can be a state. @return that is all
+bool NewtonSystem::ends_when_due()
+{
+    if (!due_ || settling_ || options_.shifted || options_.linearised || problem.shares_centrelines() || problem.balanced()) return false;
+    const bool here = can_be_state();
+    if (!here && !base_can_be_) return false;
+    cut_short_ = true;
+    if (here && (!base_can_be_ || problem.residual_share() <= base_share_)) {
+        phase_ = Phase::Done;
+        return true;
+    }
+    settling_ = true;
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
+    return true;
 }
 
 /// Converged, failed, or a new trial set without a new direction. @return whether that is all
@@ -166,6 +191,7 @@ void NewtonSystem::take_base()
 {
     const int size = problem.size();
     if (options_.shifted && phase_ == Phase::Search) adapt_shift();
+    base_can_be_ = can_be_state();
     problem.set_base();
     base_share_ = problem.residual_share();
     if (options_.shifted && problem.far_from_reference()) problem.move_reference();
@@ -198,6 +224,7 @@ void NewtonSystem::launch()
     slope_ = problem.residual_along(direction_);
     const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
     first_alpha_ = 1;
+    in_valley_ = false;
     if (move > move_limit_) first_alpha_ = move_limit_ / move;
     if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
     set_trial(first_alpha_);

@@ -57,6 +57,11 @@ public:
     /// @param finite  frames at the trial are finite, and force terms have been evaluated there
     void advance(bool finite, const ForceTerms& terms);
 
+    /// Whether to end at the next trial that can be a state: see Solver::cut_when().
+    void hurry(bool due) { due_ = due; }
+    /// Whether the solve was ended so.
+    [[nodiscard]] bool cut_short() const { return cut_short_; }
+
     /// `seen` is told of each trial when its decision has been taken. @param seen  outlives this; empty: nobody is
     void watch(const std::function<void(const NewtonTrial&)>& seen) { seen_ = &seen; }
 
@@ -90,6 +95,8 @@ private:
     void decide(bool finite, const ForceTerms& terms);
     void tell(NewtonTrial trial) const;
     [[nodiscard]] bool ends_at_trial(const ForceTerms& terms);
+    [[nodiscard]] bool can_be_state() const;
+    [[nodiscard]] bool ends_when_due();
     void take_linearised();
     [[nodiscard]] bool keeps_factors() const;
     void take_base();
@@ -101,7 +108,7 @@ private:
 
     // whether a trial is taken (step_acceptance.cpp)
     void backtrack(double open);
-    void shorten(double alpha);
+    void shorten(double alpha, bool into_valley = false);
     [[nodiscard]] bool acceptable();
     [[nodiscard]] bool natural_test(bool slope_falls, double slope);
     void correct();
@@ -128,10 +135,12 @@ private:
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false, refused_ = false;
+    bool in_valley_ = false;  // the trial was shortened into a valley
+    bool due_ = false, cut_short_ = false, base_can_be_ = false;
     int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0, base_share_ = 0;
-    double crossed_ = 1;  // share of the way to the trial at which terms have crossed kinks
+    KinksPassed crossed_;
     std::vector<double> base_, base_residual_, direction_, correction_, guess_;  // [unknowns]
     std::span<double> scratch_;                                                  // in the workspace
 };

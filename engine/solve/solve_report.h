@@ -7,6 +7,7 @@ struct SolveReport {
     bool converged = true;
     bool non_finite = false;
     bool best_effort = false;  // the tolerance was not met: this is the last trial that was taken (see Solver::set_best_effort)
+    bool cut_short = false;    // likewise, because its time was up (see Solver::cut_when)
     int iterations = 0;        // Newton iterations
     int evaluations = 0;       // residual evaluations, line search included
     double residual = 0;       // largest force residual left on a free unknown [N]; moments over the mean edge length

@@ -145,6 +145,7 @@ void Solver::iterate(double h, const ForceTerms& terms)
     for (; any(running_); at_start = false) {
         stopped_ = stopped_ || (stop_asked_ && stop_asked_());
         if (stopped_) return abandon();
+        const bool due = due_ && due_();
         if (any(evaluate_)) {
             if (at_start) evaluate_start(h, true, terms);
             else terms.evaluate(trial_, h, evaluate_);
@@ -153,6 +154,7 @@ void Solver::iterate(double h, const ForceTerms& terms)
             if (!running_[s]) return;
             NewtonSystem& newton = newton_of(s);
             const std::span<WireProblem* const> wires = newton.problem.solved();
+            newton.hurry(due);
             newton.advance(evaluate_[wires.front()->wire], terms);
             for (std::size_t k = 0; k < wires.size() && newton.took_trial(); ++k) terms.take(wires[k]->wire);
             prepare_trial(s);
@@ -177,7 +179,7 @@ void Solver::iterate_with_multipliers(double h, const ForceTerms& terms, std::sp
         std::fill(solved_.begin(), solved_.end(), std::uint8_t{0});
         for (int s = 0; s < system_count(); ++s) {
             const NewtonSystem& newton = work_[s]->newton;
-            if (!systems[s] || !newton.converged()) continue;
+            if (!systems[s] || !newton.converged() || newton.cut_short()) continue;
             for (const WireProblem* wire : newton.problem.solved()) solved_[wire->wire] = 1;
         }
         if (!terms.refine(solved_, again_)) return;

@@ -55,6 +55,13 @@ public:
     /// Whether the last step was ended so.
     [[nodiscard]] bool stopped() const { return stopped_; }
 
+    /// `due` is called between trials. Once it returns true, a step ends at the next trial that can be a state: contact admits it, its
+    /// holds are met, and what is left of its equations moves no node by more than its radius. Not of instruments that share a
+    /// centreline.
+    void cut_when(std::function<bool()> due) { due_ = std::move(due); }
+    /// Residual at the end of the last step on a node of a wire [N]; 0 on one that is held.
+    [[nodiscard]] Vec3 force_left(int wire, int node) const;
+
     /// From now on `seen` is told of each trial of each system, in no order of the systems, by whatever thread. Changes no result.
     void watch(std::function<void(const NewtonTrial&)> seen) { seen_ = std::move(seen); }
 
@@ -138,7 +145,7 @@ private:
     std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
     std::vector<SolveReport> first_;            // [wires] what the first solve took
     std::vector<SpinRecord> spin_records_, spins_before_;  // [systems]; at the start of a step that may be stopped
-    std::function<bool()> stop_asked_;
+    std::function<bool()> stop_asked_, due_;
     std::function<void(const NewtonTrial&)> seen_;
     bool stopped_ = false;
     std::vector<double> response_;              // of compliance()

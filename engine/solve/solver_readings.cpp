@@ -51,6 +51,17 @@ double Solver::residual_work(int wire) const
     return work;
 }
 
+Vec3 Solver::force_left(int wire, int node) const
+{
+    const WireUnknowns& q = problem_of(wire).q;
+    Vec3 force;
+    for (int c = 0; c < RodDofs::coordinates; ++c) {
+        if (q.prescribed[RodDofs::position(node, c)]) return Vec3::Zero();
+        force[c] = q.residual[RodDofs::position(node, c)];
+    }
+    return force;
+}
+
 StepLosses Solver::losses(int wire) const { return work_[system_of_[wire]]->newton.problem.losses(problem_of(wire)); }
 
 CoaxialHands Solver::coaxial_hands(int line) const { return work_[system_of_[line]]->newton.problem.coaxial_hands(line); }

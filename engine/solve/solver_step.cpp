@@ -111,7 +111,7 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         ++record.steps;
         if (record.wait > 0) --record.wait;
         if (!newton.problem.without_spins() || !newton.converged()) continue;
-        if (newton.problem.spins_hold(terms)) {
+        if (newton.problem.spins_hold(terms) || newton.cut_short()) {
             record.last_wait = 0;
             ++record.without;
             write_trial(s);

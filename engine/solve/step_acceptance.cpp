@@ -27,8 +27,10 @@ void NewtonSystem::backtrack(double open)
     set_guess(++backtracks_ < 6 ? 0.5 * guess_fraction_ : 0.0);
 }
 
-void NewtonSystem::shorten(double alpha)
+/// @param into_valley  so that contact lies in the valley that it went over
+void NewtonSystem::shorten(double alpha, bool into_valley)
 {
+    in_valley_ = into_valley;
     if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
     if (alpha < smallest_alpha) {
         give_up();
@@ -57,8 +59,10 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
     contraction_ = problem.norm(correction_) / direction_norm_;
     corrected_ = true;
     if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
-    if (crossed_ < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
-        shorten(std::max(crossed_, 0.1) * alpha_);
+    // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
+    if ((in_valley_ || crossed_.entered) && problem.residual_share() <= base_share_) return true;
+    if (crossed_.share < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
+        shorten(std::max(crossed_.share, 0.1) * alpha_, true);
         return false;
     }
     for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];

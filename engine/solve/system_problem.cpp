@@ -167,12 +167,16 @@ bool SystemProblem::evaluate_residual(const ForceTerms& terms)
 }
 
 // Forces on instruments that share a centreline are folded into those of the line: there nothing is admitted.
-double SystemProblem::crossed(const ForceTerms& terms) const
+KinksPassed SystemProblem::crossed(const ForceTerms& terms) const
 {
-    double share = 1;
-    for (const int wire : solved_wires_)
-        if (solved_coaxial_.empty()) share = std::min(share, terms.crossed(wire));
-    return share;
+    KinksPassed all;
+    for (const int wire : solved_wires_) {
+        if (!solved_coaxial_.empty()) break;
+        const KinksPassed of = terms.crossed(wire);
+        all.share = std::min(all.share, of.share);
+        all.entered = all.entered || of.entered;
+    }
+    return all;
 }
 
 void SystemProblem::admit_crossings(const ForceTerms& terms)

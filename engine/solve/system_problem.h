@@ -67,8 +67,8 @@ public:
     [[nodiscard]] bool update();
     /// R at the trial into `residual`; update() must have run there, and terms been evaluated. @return false if not finite
     [[nodiscard]] bool evaluate_residual(const ForceTerms& terms);
-    /// Share of the way from the base at which terms have crossed kinks (ForceTerm::crossed).
-    [[nodiscard]] double crossed(const ForceTerms& terms) const;
+    /// Kinks that terms have passed since the base (ForceTerm::crossed).
+    [[nodiscard]] KinksPassed crossed(const ForceTerms& terms) const;
     /// What leads the next direction to them, into R and the terms' share of it.
     void admit_crossings(const ForceTerms& terms);
     /// The same with force terms taken as linear from where assemble_tangent last ran, `base`: evaluates none of them.
@@ -83,6 +83,7 @@ public:
     [[nodiscard]] bool unsymmetric() const;
     /// Whether it is made of instruments that are a rod each, which may touch.
     [[nodiscard]] bool several_rods() const { return wires_.size() > 1 && coaxial_.empty(); }
+    [[nodiscard]] bool shares_centrelines() const { return !solved_coaxial_.empty(); }
     [[nodiscard]] bool conserving() const { return !solved_.empty() && solved_.front()->time.conserving(); }
 
     /// Notes each wire's residual at the trial and what rounding adds to its tolerance.

@@ -18,6 +18,7 @@ struct WireConstraints {
         int member = 0;  // of a common centreline: place of the instrument that it acts on, whose spin the moment turns
     };  // position = (1-bary) x_edge + bary x_{edge+1}
     std::vector<PointLoad> loads;
+    std::vector<PointLoad> carried;  // forces that steps before have left (Solver::force_left): no scale of the wire's own loads
     struct Spring {
         int edge;
         double bary;
@@ -49,6 +50,7 @@ struct WireConstraints {
         prescribed.clear();
         clamps.clear();
         loads.clear();
+        carried.clear();
         springs.clear();
         line_holds.clear();
         hub_flow.setZero();

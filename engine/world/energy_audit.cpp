@@ -145,6 +145,7 @@ double load_work(World::Impl& state, int wire)
         work += load.moment.cross(t).dot(change) / edge.norm() +
                 load.moment.dot(t) * solver.displacement(spun, RodDofs::spin(load.edge));
     }
+    for (const auto& load : state.constraints[wire].carried) work += load.force.dot(move_of(solver, wire, load.edge, load.bary));
     for (const auto& spring : state.constraints[wire].springs) {
         const Vec3 move = move_of(solver, wire, spring.edge, spring.bary);
         Vec3 at = (1 - spring.bary) * rod.pos(spring.edge) + spring.bary * rod.pos(spring.edge + 1);
@@ -242,6 +243,7 @@ void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
     });
     ledger.hand += work.hand + work.turning;
     ledger.outside += work.outside;
+    if (state.reports[wire].cut_short) ledger.outside += state.solver->residual_work(wire);  // a force from outside; the next step returns it
     ledger.remesh += audit.remeshed_now;
     ledger.material += audit.fed.carried - audit.remeshed_now;
     ledger.wire += now - audit.wire_then;

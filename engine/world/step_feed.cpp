@@ -67,6 +67,7 @@ void feed_merged(World::Impl& state, int line, double step, double h)
 void take_control(World::Impl& state, const Control& control, double dt)
 {
     const std::span<const Control::Hub> hubs = control.hubs();
+    state.step_length = dt;
     for (int w = 0; w < state.wire_count(); ++w) {
         const FeedState& feed = state.feeds[w];
         const Control::Hub hub = static_cast<std::size_t>(w) < hubs.size() ? hubs[w] : Control::Hub{};
@@ -126,6 +127,7 @@ void hold_and_load(World::Impl& state, const SubStep& sub)
         state.live[w] = state.active[w] = sub.wires[w] && state.is_solved(w);
         if (!sub.wires[w]) return;
         constrain(state, w, state.wire_time[w] + sub.h);
+        if (!state.carried[w].empty()) carry(state.rods.view(w), state.carried[w], state.step_length, state.constraints[w]);
         if (state.is_passenger(w)) return;
         MomentumStart& start = state.momentum_start[w];
         start.fed = momentum(state.rods.view(w)) - start.momentum;

@@ -56,7 +56,7 @@ Outcomes judge(World::Impl& state, const SubStep& sub, StepReport& report)
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
-        note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
+        note(state, report, w, solved.best_effort ? StepBestEffort : solved.cut_short ? StepCutShort : StepOk, solved.iterations);
         const bool missed = solved.converged && solved.best_effort && !state.is_passenger(w);
         if (missed && (is_torn(state.rods.view(w)) || is_thrown(state.rods.view(w), solved.residual, sub.h))) {
             to.failed[w] = 1;
@@ -120,6 +120,7 @@ void begin_step(World::Impl& state)
     });
     state.terms_in_solve = 0;
     state.step_start.clear();
+    for (std::vector<CarriedImpulse>& left : state.left) left.clear();
     state.wire_reports.assign(state.wire_count(), WireReport{});
 }
 
@@ -140,6 +141,11 @@ StepReport put_back(World::Impl& state, StepReport& report)
     note(state, report, 0, StepStopped);
     collect_timers(state, report);
     return report;
+}
+
+void carry_on(World::Impl& state)
+{
+    for (std::size_t w = 0; w < state.left.size(); ++w) std::swap(state.carried[w], state.left[w]);
 }
 
 void begin_sub_step(World::Impl& state, const SubStep& sub)
@@ -180,6 +186,7 @@ void accept(World::Impl& state, const SubStep& sub, StepReport& report)
         if (!done[w]) return;
         state.wire_time[w] += sub.h;
         if (state.active[w] && audited(state) && !state.is_passenger(w)) accept_energy(state, w, sub.h);
+        if (state.active[w] && state.reports[w].cut_short) add_left(state.rods.view(w), *state.solver, w, sub.h, state.left[w]);
         state.read_results(w, sub.h);
     });
     for (int w = 0; w < state.wire_count() && state.hand_stiffness_watched; ++w)

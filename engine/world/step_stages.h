@@ -51,6 +51,7 @@ void accept(World::Impl& state, const SubStep& sub, StepReport& report);
 // ---- step_nodes.cpp
 
 /// Splits and merges edges where the shape asks for it, after a step of dt [s]; wires of a given node number at the hub only.
+void carry_on(World::Impl& state);
 void adapt_nodes(World::Impl& state, double dt);
 /// The same for one wire.
 void adapt_nodes_of(World::Impl& state, int wire, double dt);

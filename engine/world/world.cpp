@@ -157,6 +157,8 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     }
     retired.assign(count, 0);
     remesh_energy.assign(count, 0.0);
+    carried.resize(static_cast<std::size_t>(count));
+    left.resize(static_cast<std::size_t>(count));
     make_groups();
     solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity, setup.systems);
     for (const auto& group : merged) solver->join(group->shared);

@@ -6,6 +6,7 @@
 //   control   hub_requests                       of the present step
 //   output    results, wire_reports, rows        of the accepted state
 
+#include "world/carried.h"
 #include "contact/contact_sums.h"
 #include "contact/instrument_contact.h"
 #include "contact/yielding_wall.h"
@@ -82,6 +83,7 @@ struct World::Impl {
     std::vector<FeedState> feeds;               // per wire
     std::vector<HubRequest> hub_requests;       // per wire
     std::vector<double> remesh_energy;          // per wire, accumulated [J]
+    std::vector<std::vector<CarriedImpulse>> carried, left;  // per wire: of the step before; of the present one
     std::vector<EnergyAudit> audits;            // per wire
     std::vector<std::unique_ptr<MergedGroup>> merged;  // instruments that share one centreline
     std::vector<int> merged_of;                        // per wire: place in `merged`, -1: a rod of its own
@@ -120,6 +122,7 @@ struct World::Impl {
     bool hand_stiffness_watched = false;
     std::function<bool()> stop_asked;       // whether to end the present step; empty: never
     std::vector<std::uint8_t> step_start;   // the whole state there, of a step of several sub-steps that may be ended
+    double step_length = 0;                 // of the present step [s]
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
     std::unique_ptr<RodArrays> shown;  // of instruments that share a centreline, each by itself; none without

@@ -369,6 +369,16 @@ void World::stop_when(std::function<bool()> asked)
     impl_->solver->stop_when(impl_->stop_asked);
 }
 
+void World::cut_when(std::function<bool()> due)
+{
+    for (int w = 0; w < wire_count() && due; ++w) {  // the step loop allocates nothing
+        const auto most = 2 * static_cast<std::size_t>(impl_->rods.capacity(w));
+        for (auto* carried : {&impl_->carried[w], &impl_->left[w]}) carried->reserve(most);
+        impl_->constraints[w].carried.reserve(most);
+    }
+    impl_->solver->cut_when(std::move(due));
+}
+
 WallMechanics World::wall_mechanics() const { return impl_->elastic_wall ? impl_->elastic_wall->mechanics() : WallMechanics{}; }
 
 namespace {

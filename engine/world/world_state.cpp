@@ -68,6 +68,7 @@ std::vector<std::uint8_t> World::save_state() const
 {
     std::vector<std::uint8_t> bytes = impl_->state_bytes();
     for (const EnergyAudit& audit : impl_->audits) put_audit(bytes, audit);
+    put_carried(bytes, impl_->carried, impl_->wire_list);
     return bytes;
 }
 
@@ -122,6 +123,7 @@ void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes, Origin o
         take_audit(at, end, audit);
         if (origin == Origin::File) check_saved_audit(audit);
     }
+    take_carried(at, end, s.carried, s.wire_list);
     if (at != end)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
@@ -148,6 +150,7 @@ std::vector<std::uint8_t> World::save_state(int system) const
     for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
     for (const int w : s.wires_of(system)) s.terms.save_wire(bytes, w);
     for (const int w : s.wires_of(system)) put_audit(bytes, s.audits[w]);
+    put_carried(bytes, s.carried, s.wires_of(system));
     return bytes;
 }
 
@@ -173,6 +176,7 @@ void take_system(World::Impl& s, int system, const std::vector<std::uint8_t>& by
         take_audit(at, end, s.audits[w]);
         if (origin == Origin::File) check_saved_audit(s.audits[w]);
     }
+    take_carried(at, end, s.carried, s.wires_of(system));
     if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this system's; it was written by another one");
 }
 
@@ -198,7 +202,9 @@ std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format
 std::string World::state_hash() const
 {
     if (system_count() == 1 && wire_count() > 1) return state_hash(0);  // what it is beside others too
-    return hash_of(impl_->state_bytes());
+    std::vector<std::uint8_t> bytes = impl_->state_bytes();
+    put_carried(bytes, impl_->carried, impl_->wire_list);
+    return hash_of(bytes);
 }
 
 std::string World::state_hash(int system) const
@@ -210,6 +216,7 @@ std::string World::state_hash(int system) const
     put_bytes(bytes, &steps, 1);
     for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
     for (const int w : s.wires_of(system)) s.terms.save_wire(bytes, w);
+    put_carried(bytes, s.carried, s.wires_of(system));
     return hash_of(bytes);
 }
 

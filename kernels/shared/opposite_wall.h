@@ -22,13 +22,59 @@ SEL_FN void tell_side(SEL_OUT ContactPoint* first)
     first->limit = own ? -SEL_SIDE : SEL_SIDE;
 }
 
-// Takes the plane of triangle t if it is of the own side.
-SEL_FN void join_triangle(SEL_OUT NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball, WallView wall,
-                          uint t)
+// The triangles round a ball: those of a list, or all within `shell` where it does not hold them.
+typedef struct NearTriangles {
+    SEL_OUT const NearList* list;
+    real shell;
+    int listed;
+    uint next;
+    Walk walk;
+} NearTriangles;
+
+SEL_FN NearTriangles near_triangles(SEL_OUT const NearList* list, real shell)
 {
-    FacingTriangle facing;
-    if (t == first->triangle || !faces(ball, load_triangle(wall.vertices, t, ball.origin), wall.boundary[t], &facing)) return;
-    if (dot3(facing.n, first->side) >= first->limit) join_plane(planes, first, ball, facing);
+    NearTriangles near;
+    near.list = list;
+    near.shell = shell;
+    near.listed = list->count <= SEL_NEAR_MOST;
+    near.next = 0;
+    start_walk(&near.walk);
+    return near;
+}
+
+SEL_FN int next_near(NearTriangles* of, ContactBall ball, NearWallView near, uint* t)
+{
+    if (!of->listed) return next_triangle(&of->walk, near, ball_query(ball.p, ball.origin, of->shell), t);
+    while (of->next < of->list->count) {
+        const uint k = of->next++;
+        if (of->list->d2[k] > of->shell * of->shell) continue;
+        *t = of->list->triangle[k];
+        return 1;
+    }
+    return 0;
+}
+
+// Leaves out planes whose closest point is on an edge from which triangle t goes on towards the ball.
+SEL_FN void drop_slopes(SEL_OUT NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball, Triangle tri)
+{
+    int feature;
+    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
+    const real near2 = dot3(v, v), same = (real)SEL_COPLANAR * ball.radius;
+    SEL_ROLLED for (uint k = 1; k < planes->count; ++k)
+    {
+        const real d = ball.radius - first->depth - planes->plane[k].depth;
+        if (!(planes->edges >> k & 1u) || !(near2 < d * d * (1 - SEL_TIE))) continue;
+        const vec3 q = ball.p - d * (first->normal + planes->plane[k].turn), off = q - closest_on_triangle(q, tri, &feature);
+        if (dot3(off, off) < same * same) planes->plane[k].share = -1;
+    }
+}
+
+SEL_FN void close_up(SEL_OUT NeighbourPlanes* planes)
+{
+    uint kept = 1;
+    for (uint k = 1; k < planes->count; ++k)
+        if (planes->plane[k].share >= 0) planes->plane[kept++] = planes->plane[k];
+    planes->count = kept;
 }
 
 // Are facets beside the nearest to be joined with it, and an opposite wall to be looked for?
@@ -43,24 +89,29 @@ SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes
                             SEL_OUT const NearList* list)
 {
     tell_side(first);
-    const real shell = shell_distance(ball.radius - first->depth, ball), shell2 = shell * shell;
-    planes->count = 0;
-    planes->facet0 = triangle_normal(load_triangle(near.wall.vertices, first->triangle, ball.origin));
-    const int listed = list->count <= SEL_NEAR_MOST;
-    uint k = 0, t;
-    Walk walk;
-    start_walk(&walk);
-    for (;;) {
-        if (!listed) {
-            if (!next_triangle(&walk, near, ball_query(ball.p, ball.origin, shell), &t)) break;
-        } else {
-            if (k == list->count) break;
-            t = list->triangle[k];
-            if (list->d2[k++] > shell2) continue;
-        }
-        join_triangle(planes, first, ball, near.wall, t);
+    const real shell = shell_distance(ball.radius - first->depth, ball);
+    const vec3 facet = triangle_normal(load_triangle(near.wall.vertices, first->triangle, ball.origin));
+    planes->count = 1;
+    planes->edges = 0;
+    planes->plane[0] = wall_plane(facet, make_vec3(0, 0, 0), 0);
+    NearTriangles round = near_triangles(list, shell);
+    uint t;
+    SEL_ROLLED while (next_near(&round, ball, near, &t))
+    {
+        FacingTriangle facing;
+        WallPlane plane;
+        if (t == first->triangle || !faces(ball, load_triangle(near.wall.vertices, t, ball.origin), near.wall.boundary[t], &facing))
+            continue;
+        if (dot3(facing.n, first->side) < first->limit || !is_joined(planes, first, ball, facing, &plane)) continue;
+        keep_plane(planes, plane, facing.feature != SEL_FEATURE_FACE);
     }
-    smooth_maximum(first, planes);
+    if (planes->edges) {
+        NearTriangles again = near_triangles(list, shell);
+        SEL_ROLLED while (next_near(&again, ball, near, &t))
+            drop_slopes(planes, first, ball, load_triangle(near.wall.vertices, t, ball.origin));
+        close_up(planes);
+    }
+    smooth_maximum(first, planes, ball);
 }
 
 SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoint* first, uint t, FacingTriangle facing, real depth)

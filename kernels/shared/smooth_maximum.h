@@ -1,9 +1,15 @@
 // Depth where facets meet in a valley. There the nearest point jumps from one facet to another; the depth is a smooth maximum
-// over facets of different normals,
-//     depth = depth_0 + sum_j max(0, eps_j - (depth_0 - depth_j))^2 / (4 eps_j),   eps_j = smoothing r |n_j - n_0|,
-// whose width vanishes with the angle between them. Bias at most eps/4 for each plane that is within eps. A plane counts once, with
-// the nearest of its triangles (else a valley would push as often as it is cut into triangles). The plane of the nearest point
-// never counts: there only the edge's offset would tilt n_j.
+// over the planes of facets,
+//     depth = max over lambda of  sum_i lambda_i depth_i + sum_{i<j} eps_ij lambda_i lambda_j,   eps_ij = smoothing r |n_i - n_j|,
+// with shares lambda >= 0 of sum 1. Its gradient is sum_i lambda_i n_i. The maximum is unique, because distances are negative
+// definite for shares of sum 0, so the force turns without a jump at corners of three facets too. For two planes it is
+//     depth_0 + max(0, eps - (depth_0 - depth_1))^2 / (4 eps),
+// whose width vanishes with the angle between them, with a bias of at most eps/4. A plane with depth_j <= depth_0 - eps_0j has no
+// share (triangle inequality of the eps), so the list of planes may begin and end there.
+//
+// What counts is local: a plane counts once, with the nearest of its triangles (else a valley would push as often as it is cut into
+// triangles); a point counts once, whichever of its triangles has it; and a point on an edge does not count where the wall goes on
+// from it towards the ball (opposite_wall.h). Else a ridge would be joined with its own edge.
 #ifndef SEL_SHARED_SMOOTH_MAXIMUM_H
 #define SEL_SHARED_SMOOTH_MAXIMUM_H
 #include "shared/contact_gap.h"
@@ -19,6 +25,7 @@ SEL_BEGIN
 typedef struct FacingTriangle {
     vec3 v, n, facet;  // from its closest point to the ball's centre; the same, unit; its normal
     real d;            // |v| [m]
+    int feature;       // of the triangle, that has this point
 } FacingTriangle;
 
 // Does triangle t face the ball, within its reach?
@@ -32,73 +39,176 @@ SEL_FN int faces(ContactBall ball, Triangle tri, uint boundary, FacingTriangle* 
     out->facet = triangle_normal(tri);
     if (dot3(out->v, out->facet) <= 0 && !on_boundary(boundary, feature)) return 0;
     out->d = sqrt(d2);
+    out->feature = feature;
     out->n = (1 / out->d) * out->v;
     return 1;
 }
 
-// A plane next to the nearest facet's, as the ball sees it.
-typedef struct NeighbourPlane {
-    vec3 facet;             // its normal
-    vec3 turn;              // direction to the ball, less that of the nearest point
-    real depth, eps, rest;  // see above; rest = eps_j - (depth_0 - depth_j) > 0
-} NeighbourPlane;
+// A plane of the wall, as the ball sees it.
+typedef struct WallPlane {
+    vec3 facet;        // its normal
+    vec3 turn;         // direction to the ball, less that of the nearest point
+    real depth;        // less that of the nearest point: <= 0 [m]
+    real share, pull;  // lambda; derivative of the above with it [m]
+} WallPlane;
 
 typedef struct NeighbourPlanes {
-    vec3 facet0;  // normal of the nearest point's facet
     uint count;
-    NeighbourPlane plane[SEL_SMOOTH_PLANES];
+    uint edges;  // bit k: the closest point of plane k is on an edge or a corner of its triangle
+    WallPlane plane[SEL_SMOOTH_PLANES];  // the first: of the nearest point
 } NeighbourPlanes;
 
-SEL_FN int in_one_plane(vec3 a, vec3 b)
+// Are two normals, or two directions to the ball, the same?
+SEL_FN int is_same_direction(vec3 a, vec3 b)
 {
     const vec3 turn = a - b;
     return dot3(turn, turn) < (real)SEL_COPLANAR * (real)SEL_COPLANAR;
 }
 
-// Takes `found` into the list: in the place of its plane when it is nearer, else at the end, else for the shallowest.
-SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, NeighbourPlane found)
+// eps for two directions to the ball.
+SEL_FN real joint_width(vec3 a, vec3 b, ContactBall ball)
+{
+    const vec3 turn = a - b;
+    return ball.smoothing * ball.radius * sqrt(dot3(turn, turn));
+}
+
+SEL_FN WallPlane wall_plane(vec3 facet, vec3 turn, real depth)
+{
+    WallPlane plane;
+    plane.facet = facet;
+    plane.turn = turn;
+    plane.depth = depth;
+    plane.share = plane.pull = 0;
+    return plane;
+}
+
+// Is the plane of a facing triangle joined with that of the nearest point, `first`?
+SEL_FN int is_joined(SEL_OUT const NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball,
+                     FacingTriangle facing, WallPlane* out)
+{
+    const vec3 none = make_vec3(0, 0, 0);
+    *out = wall_plane(facing.facet, facing.n - first->normal, ball.radius - facing.d - first->depth);
+    if (is_same_direction(facing.facet, planes->plane[0].facet) || is_same_direction(out->turn, none)) return 0;
+    return joint_width(out->turn, none, ball) + out->depth > 0;
+}
+
+// Takes the plane into the list: in the place of the same plane or point when it is nearer, else at the end, else for the
+// shallowest.
+SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found, int on_edge)
 {
     const uint count = planes->count;
-    uint at = count, shallowest = 0;
-    for (uint k = 0; k < count; ++k) {
-        if (in_one_plane(planes->plane[k].facet, found.facet)) at = k;
+    uint at = count, shallowest = 1;
+    for (uint k = 1; k < count; ++k) {
+        if (is_same_direction(planes->plane[k].facet, found.facet) || is_same_direction(planes->plane[k].turn, found.turn)) at = k;
         if (planes->plane[k].depth < planes->plane[shallowest].depth) shallowest = k;
     }
     const int is_new = at == count;
     if (at == SEL_SMOOTH_PLANES) at = shallowest;
-    if (at == count || planes->plane[at].depth < found.depth) planes->plane[at] = found;
+    if (at == count || planes->plane[at].depth < found.depth) {
+        planes->plane[at] = found;
+        planes->edges = (planes->edges & ~(1u << at)) | ((uint)on_edge << at);
+    }
     if (is_new && count < SEL_SMOOTH_PLANES) planes->count = count + 1;
 }
 
-// Takes the plane of a facing triangle, if it is one beside the nearest point's and near enough to be joined with it.
-SEL_FN void join_plane(SEL_OUT NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball,
-                       FacingTriangle facing)
+#ifdef SEL_FLOAT32
+    #define SEL_SHARED_OUT 1e-5f  // of the widest eps: pulls that differ by less are equal
+#else
+    #define SEL_SHARED_OUT 1e-13
+#endif
+#define SEL_MOST_EXCHANGES 256
+
+// Moves share between two planes, from the one that pulls least to the one that pulls most. @return they were equal
+SEL_FN int exchange_shares(SEL_OUT NeighbourPlanes* planes, ContactBall ball)
 {
-    if (in_one_plane(facing.facet, planes->facet0)) return;
-    NeighbourPlane plane;
-    plane.facet = facing.facet;
-    plane.turn = facing.n - first->normal;
-    plane.depth = ball.radius - facing.d;
-    plane.eps = ball.smoothing * ball.radius * sqrt(dot3(plane.turn, plane.turn));
-    plane.rest = plane.eps - (first->depth - plane.depth);
-    if (plane.eps >= (real)1e-7 * ball.smoothing * ball.radius && plane.rest > 0) keep_plane(planes, plane);
+    uint least = 0, most = 0;
+    for (uint k = 1; k < planes->count; ++k) {
+        const real pull = planes->plane[k].pull;
+        if (pull > planes->plane[most].pull) most = k;
+        if (planes->plane[k].share > 0 && (!(planes->plane[least].share > 0) || pull < planes->plane[least].pull)) least = k;
+    }
+    const real gain = planes->plane[most].pull - planes->plane[least].pull;
+    if (!(gain > (real)SEL_SHARED_OUT * ball.smoothing * ball.radius)) return 1;
+    const vec3 from = planes->plane[least].turn, to = planes->plane[most].turn;
+    const real best = gain / (2 * joint_width(from, to, ball));
+    const real share = min_r(best, planes->plane[least].share);
+    planes->plane[most].share += share;
+    planes->plane[least].share = best < planes->plane[least].share ? planes->plane[least].share - share : (real)0;
+    for (uint k = 0; k < planes->count; ++k)
+        planes->plane[k].pull +=
+            share * (joint_width(planes->plane[k].turn, to, ball) - joint_width(planes->plane[k].turn, from, ball));
+    return 0;
+}
+
+// Shares of the planes. Two planes know theirs at once; of more the best pair exchanges share until all pull alike.
+SEL_FN void share_out(SEL_OUT NeighbourPlanes* planes, ContactBall ball)
+{
+    const vec3 none = make_vec3(0, 0, 0);
+    planes->plane[0].share = 1;
+    planes->plane[0].pull = 0;
+    for (uint k = 1; k < planes->count; ++k) {
+        planes->plane[k].share = 0;
+        planes->plane[k].pull = planes->plane[k].depth + joint_width(planes->plane[k].turn, none, ball);
+    }
+    SEL_ROLLED for (uint round = 0; round < SEL_MOST_EXCHANGES; ++round) if (exchange_shares(planes, ball)) break;
+}
+
+// adds s (a b^T + b a^T) / 2 to a symmetric matrix, xx xy xz yy yz zz
+SEL_FN void add_symmetric(SEL_OUT real* to, real s, vec3 a, vec3 b)
+{
+    to[0] += s * a.x * b.x;
+    to[1] += s * (real)0.5 * (a.x * b.y + a.y * b.x);
+    to[2] += s * (real)0.5 * (a.x * b.z + a.z * b.x);
+    to[3] += s * a.y * b.y;
+    to[4] += s * (real)0.5 * (a.y * b.z + a.z * b.y);
+    to[5] += s * a.z * b.z;
+}
+
+// Second derivatives of the depth: how shares move between planes, of more than three between those of the largest shares.
+SEL_FN void add_bend(SEL_OUT ContactPoint* first, SEL_OUT const NeighbourPlanes* planes, ContactBall ball)
+{
+    uint at[3] = {0, 1, 1};
+    real most[3] = {-1, -1, -1};
+    for (uint k = 0; k < planes->count; ++k) {
+        const real share = planes->plane[k].share;
+        if (share > most[0]) {
+            most[2] = most[1], at[2] = at[1];
+            most[1] = most[0], at[1] = at[0];
+            most[0] = share, at[0] = k;
+        } else if (share > most[1]) {
+            most[2] = most[1], at[2] = at[1];
+            most[1] = share, at[1] = k;
+        } else if (share > most[2]) {
+            most[2] = share, at[2] = k;
+        }
+    }
+    const vec3 base = planes->plane[at[0]].turn, u = planes->plane[at[1]].turn - base;
+    const real ab = joint_width(u, make_vec3(0, 0, 0), ball);
+    if (!(most[2] > 0)) {
+        add_symmetric(first->hessian, 1 / (2 * ab), u, u);
+        return;
+    }
+    const vec3 v = planes->plane[at[2]].turn - base;
+    const real ac = joint_width(v, make_vec3(0, 0, 0), ball), mixed = ab + ac - joint_width(u, v, ball);
+    const real scale = 1 / (4 * ab * ac - mixed * mixed);
+    add_symmetric(first->hessian, 2 * ac * scale, u, u);
+    add_symmetric(first->hessian, 2 * ab * scale, v, v);
+    add_symmetric(first->hessian, -2 * mixed * scale, u, v);
 }
 
 // Depth, gradient and second derivatives of the smooth maximum in place of those of the nearest facet.
-SEL_FN void smooth_maximum(SEL_OUT ContactPoint* first, SEL_OUT const NeighbourPlanes* planes)
+SEL_FN void smooth_maximum(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball)
 {
+    if (planes->count < 2) return;
+    share_out(planes, ball);
+    add_bend(first, planes, ball);
+    real depth = 0, pull = planes->plane[0].pull;
     for (uint k = 0; k < planes->count; ++k) {
-        const vec3 dn = planes->plane[k].turn;
-        const real eps = planes->plane[k].eps, rest = planes->plane[k].rest, bend = 1 / (2 * eps);
-        first->depth += rest * rest / (4 * eps);
-        first->normal = first->normal + (rest / (2 * eps)) * dn;
-        first->hessian[0] += bend * dn.x * dn.x;
-        first->hessian[1] += bend * dn.x * dn.y;
-        first->hessian[2] += bend * dn.x * dn.z;
-        first->hessian[3] += bend * dn.y * dn.y;
-        first->hessian[4] += bend * dn.y * dn.z;
-        first->hessian[5] += bend * dn.z * dn.z;
+        depth += planes->plane[k].share * planes->plane[k].depth;
+        pull = max_r(pull, planes->plane[k].pull);
+        first->normal = first->normal + planes->plane[k].share * planes->plane[k].turn;
     }
+    first->depth += (real)0.5 * (depth + pull);
 }
 
 SEL_END

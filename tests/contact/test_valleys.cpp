@@ -49,7 +49,8 @@ public:
         state.flags = SEL_CONTACT_ACTIVE;
         state.epoch = epoch;
     }
-    double share() { return valleys_.crossed(0, states_, list_, smoothing); }
+    double share() { return valleys_.crossed(0, states_, list_, smoothing).share; }
+    bool entered() { return valleys_.crossed(0, states_, list_, smoothing).entered; }
     bool crossed() { return share() < 1; }
     void take() { valleys_.take(0, states_, list_); }
     /// What is admitted: force that is missing where the point is, and stiffness, of the axis point.
@@ -133,10 +134,13 @@ TEST_SUITE("contact/valleys")
         valley.take();
         valley.move_to(1e-6);
         CHECK_FALSE(valley.crossed());
+        CHECK_FALSE(valley.entered());
         valley.move_to(-0.9 * smoothing * r);  // it reaches smoothing r to either side
         CHECK_FALSE(valley.crossed());
+        CHECK(valley.entered());
         valley.move_to(-1.1 * smoothing * r);
         CHECK(valley.crossed());
+        CHECK_FALSE(valley.entered());
 
         OverPlanes ridge(-1);
         ridge.move_to(3e-6);

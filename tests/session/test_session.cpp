@@ -35,9 +35,12 @@ std::string replayed(const std::filesystem::path& path, const Scene& scene)
     check_record(record, path, scene, record.header.vessel_hash);
     const auto initial = world.save_state();
     Control control;
-    for (const RecordEntry& entry : record.entries) {
+    for (std::size_t k = 0; k < record.entries.size(); ++k) {
+        const RecordEntry& entry = record.entries[k];
         if (entry.kind == RecordEntry::Kind::Reset) world.restore_state(initial);
         if (entry.kind != RecordEntry::Kind::Step) continue;
+        const bool cut = k + 1 < record.entries.size() && record.entries[k + 1].kind == RecordEntry::Kind::CutShort;
+        world.cut_when([asked = 0u, at = cut ? record.entries[k + 1].trials : ~0u]() mutable { return ++asked >= at; });
         control.move_to(0, entry.hubs[0], entry.hubs[1]);
         (void)step(world, control, record.header.dt);
     }
@@ -111,6 +114,34 @@ TEST_SUITE("session/session")
             return session.world().state_hash();
         };
         CHECK(played(7) == played(1000));
+    }
+
+    TEST_CASE("property: steps that a deadline cuts short are told of, counted, and replayed to the same bits")
+    {
+        const TemporaryFolder folder;
+        const Scene scene = scene_of();
+        SessionOptions options;
+        options.lockstep = true;
+        options.record = folder.path() / "s.record";
+        options.due = [](std::uint32_t trials) { return trials >= 2; };
+        HandSession live(scene, options);
+        auto& [hand, session] = live;
+        const Line line(SOCK_DGRAM, hand.port());
+        SelHandAnswer answer{};
+        std::uint64_t told = 0;
+        for (std::uint64_t k = 1; k <= 400; ++k) {
+            REQUIRE(line.ask(k, 2e-4 * static_cast<double>(k), 0.0, answer));
+            CHECK((answer.flags & SEL_HAND_STOPPED) == 0);
+            told += (answer.flags & SEL_HAND_SHORT) != 0;
+        }
+        session.stop();
+        session.finish();
+        const auto summary = nlohmann::json::parse(session.summary());
+        CHECK(told > 10);
+        CHECK(told < 400);
+        CHECK(summary["cut_short"] == told);
+        CHECK(session.world().readings(0).outside == 0);
+        CHECK(replayed(options.record, scene) == session.world().state_hash());
     }
 
     TEST_CASE("property: a session in lockstep ends while it waits for the hand")

@@ -59,6 +59,11 @@ public:
     /// `asked` is called between the trials of Newton's method. When it returns true, the step ends there with StepStopped, and the
     /// state is that before the step, bit for bit. A step that is divided many times can take minutes. Not part of the saved state.
     void stop_when(std::function<bool()> asked);
+    /// `due` is called between the trials of Newton's method. Once it returns true, the step ends with StepCutShort at the next trial that
+    /// can be a state: contact admits it, holds are met, and what is left of the equations moves no node by more than its radius.
+    /// The next step takes the forces that were left back, so momentum is late by a step and not lost. Part of the saved state where
+    /// there are such forces; `due` is not. Instruments that share a centreline are always solved to the end.
+    void cut_when(std::function<bool()> due);
     /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so. Between a restored state and
     /// the next step stress is without what the mesh cuts off under the instruments (wall/wall_resolution.h).
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;

@@ -24,6 +24,7 @@ enum StepFlag : unsigned {
     StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
     StepStopped = 1u << 8,     // ended from outside (World::stop_when): the state is that before the step
+    StepCutShort = 1u << 9,    // ended before its equations held, because its time was up (World::cut_when)
     StepContactSums = 1u << 7,  // contact samples do not add up to the forces on the nodes (contact/contact_sums.h): do not trust
                                 // readings of contact in this step, and report it
 };

@@ -26,6 +26,7 @@
 #define SEL_HAND_LATE 4u    /* the newest step was late */
 #define SEL_HAND_CUT 8u     /* force or torque were larger than what is sent */
 #define SEL_HAND_REACHED 16u /* the task's target has been reached */
+#define SEL_HAND_SHORT 32u  /* the newest step ended at its deadline, before its equations held */
 
 typedef struct SelHandRequest {
     uint16_t instrument;
