@@ -1,6 +1,7 @@
 // Errors of forces by edges and facets, from bending energy and contacts.
 #include "scene/grid_error.h"
 
+#include "node_errors.h"
 #include "vessel/wall_mesh.h"
 
 #include <algorithm>
@@ -49,6 +50,8 @@ void GridErrors::widen(const GridErrors& other)
 {
     for (double GridErrors::*entry : {&GridErrors::nodes, &GridErrors::facets, &GridErrors::axial, &GridErrors::normal, &GridErrors::offset})
         this->*entry = std::max(this->*entry, other.*entry);
+    hands.resize(std::max(hands.size(), other.hands.size()));
+    for (std::size_t k = 0; k < other.hands.size(); ++k) hands[k] = std::max(hands[k], other.hands[k]);
 }
 
 void GridErrorGauge::find_normals(const WallMesh& mesh)
@@ -68,6 +71,7 @@ GridErrors GridErrorGauge::of(const World& run)
     GridErrors errors;
     const auto [first, end] = run.wires_of(0);
     double energy = 0, missed = 0;
+    for (int w = first; w < end; ++w) errors.hands.push_back(hand_error(run, w));
     for (int w = first; w < end; ++w) {
         const BendingError bending = run.bending_error(w);
         energy += bending.energy;

@@ -32,6 +32,7 @@ struct GridErrors {
     double axial = 0;              // by normals of facets, along the wire, relative to the sum of normal forces
     double normal = 0;             // that sum [N]
     double offset = 0;             // largest distance of facet and smooth wall where the wire touches [m]
+    std::vector<double> hands;     // by nodes, at the hand of each instrument besides (node_errors.h); bounds [N]
     /// The larger of each.
     void widen(const GridErrors& other);
 };
