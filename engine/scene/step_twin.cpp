@@ -63,12 +63,13 @@ constexpr double hand_history = 0.03, friction_history = 0.07;
 // many triangles, hand forces on the generated arch and on five arcs of bench/audit.py moved by 0.07 to 0.6 of it; in each, the whole band held it.
 constexpr double push_in_mean = 0.25;
 
-/// What a difference from steps of 1/parts as long is multiplied by.
-double margin(int parts) { return StepTwin::safety * parts / (parts - 1.0); }
+/// What a difference from steps of 1/parts as long is multiplied by. @param divided  part of the run's steps that were, in which a twin has nothing
+/// to compare: the difference is that of the rest
+double margin(int parts, double divided) { return StepTwin::safety * parts / (parts - 1.0) / (1 - std::min(divided, StepTwin::most_divided)); }
 
-ErrorBand band_of(double value, double twin, int parts, double least, double history)
+ErrorBand band_of(double value, double twin, int parts, double divided, double least, double history)
 {
-    ErrorBand made{value, twin, margin(parts) * std::abs(value - twin), true, false, parts};
+    ErrorBand made{value, twin, margin(parts, divided) * std::abs(value - twin), true, false, parts};
     made.band = std::max({made.band, least, history * std::abs(value)});
     made.resolved = StepTwin::is_resolved(made);
     return made;
@@ -84,9 +85,16 @@ void widen(ErrorBand& band, const ReleaseWatch& release)
 }
 
 /// @param more  the largest of a twin elsewhere: where that is more, the largest is not known better
-ErrorBand peak_band(const ErrorBand& so_far, bool found, int parts, double value, double twin, double more, double history)
+ErrorBand peak_band(const ErrorBand& so_far, bool found, int parts, double divided, double value, double twin, double more, double history)
 {
-    return found ? band_of(value, twin, parts, std::max(so_far.band, more - value), history) : ErrorBand{value, 0, 0, false};
+    return found ? band_of(value, twin, parts, divided, std::max(so_far.band, more - value), history) : ErrorBand{value, 0, 0, false};
+}
+
+/// The load of the next node may lie on the same patch, or not: the band holds both. It is no expected error, and so no reason for a warning.
+void add_split(ErrorBand& band, const GridErrors& e)
+{
+    band.nodes += e.split * band.value;
+    band.band += e.split * band.value;
 }
 
 /// What nodes do to the hand of an instrument besides.
@@ -147,6 +155,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     work_ = readings.energy.hand;
     ++window_.steps;
     ++seen_;
+    window_.divided += (joint_report(run, 0).flags & StepHalved) != 0;
     window_.hand.push_back(readings.hand_force);
     window_.friction.push_back(readings.friction);
     hand_falls_.add(std::abs(readings.hand_force));
@@ -204,6 +213,7 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
     // no window: the run has none, or was never above zero, which a twin of nothing says too
     Examined twin;
     twin.parts = parts;
+    twin.divided = window.steps > 0 ? static_cast<double>(window.divided) / static_cast<double>(window.steps) : 0;
     twin.found = window.steps == 0 && closed_ > 0;
     if (window.steps == 0) return twin;
     if (!world_) {
@@ -243,7 +253,7 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
     twin.found = true;
     ++estimate_.windows;
     const auto worst = [&](ErrorBand& so_far, double value, double other) {
-        so_far.band = std::max(so_far.band, margin(parts) * std::abs(value - other));
+        so_far.band = std::max(so_far.band, margin(parts, twin.divided) * std::abs(value - other));
     };
     // a history that differs is seen in other windows, too: the last one alone gives bands that do not hold
     worst(estimate_.hand, mean(window.hand), mean(twin.hand));
@@ -256,10 +266,10 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
         worst(estimate_.others[k].peak, window.others_peak[k], twin.others_peak[k]);
         others_[k].twins_peak = std::max(others_[k].twins_peak, twin.others_peak[k]);
     }
-    mean_differences_ += margin(parts) * std::abs(mean(window.hand) - mean(twin.hand));
+    mean_differences_ += margin(parts, twin.divided) * std::abs(mean(window.hand) - mean(twin.hand));
     other_hand_peak_ = std::max(other_hand_peak_, twin.hand_peak);
     other_friction_peak_ = std::max(other_friction_peak_, twin.friction_peak);
-    estimate_.tip = std::max(estimate_.tip, margin(parts) * (world_->rod(0).pos(0) - window.tip).norm());
+    estimate_.tip = std::max(estimate_.tip, margin(parts, twin.divided) * (world_->rod(0).pos(0) - window.tip).norm());
     return twin;
 }
 
@@ -296,8 +306,8 @@ void StepTwin::set_end(const Window& end, const Examined& twin)
 void StepTwin::set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run,
                             const std::vector<double>& fine, double history) const
 {
-    const double least = twin.found ? margin(twin.parts) * largest_difference(run, fine, scene_.dt, twin.parts) : 0;
-    band = twin.found ? band_of(of_run, of_twin, twin.parts, std::max(band.band, least), history) : ErrorBand{of_run, 0, 0, false};
+    const double least = twin.found ? margin(twin.parts, twin.divided) * largest_difference(run, fine, scene_.dt, twin.parts) : 0;
+    band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.divided, std::max(band.band, least), history) : ErrorBand{of_run, 0, 0, false};
 }
 
 void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer)
@@ -312,7 +322,7 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
     const bool same = best_hand_.steps > 0 && other.best.first == best_hand_.first;
     const Examined of_peak = same ? of_hand : examine_largest(other.best, finer);
     const double peak = other.best.others_peak[k];
-    bands.peak = peak_band(bands.peak, of_peak.found, of_peak.parts, peak, of_peak.found ? of_peak.others_peak[k] : 0, other.twins_peak, history);
+    bands.peak = peak_band(bands.peak, of_peak.found, of_peak.parts, of_peak.divided, peak, of_peak.found ? of_peak.others_peak[k] : 0, other.twins_peak, history);
     if (of_peak.found) widen(bands.peak, other.release);
     complete(bands.end, bands.end.value, end.grid, end.grid.normal, of_hand_at(end.grid, k + 1));
     complete(bands.peak, peak, other.best.grid, other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
@@ -340,8 +350,9 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
     }
     const Examined twin = best_patch_.first == best_hand_.first ? hand : best_patch_.first == best_friction_.first ? friction : examine(best_patch_, 2);
     const double patch = largest_.patch;
-    band = twin.found ? band_of(patch, twin.largest.patch, twin.parts, 0, friction_history * friction_falls_.share()) : ErrorBand{patch, 0, 0, false};
+    band = twin.found ? band_of(patch, twin.largest.patch, twin.parts, twin.divided, 0, friction_history * friction_falls_.share()) : ErrorBand{patch, 0, 0, false};
     complete(band, patch, best_patch_.grid, patch);
+    add_split(band, best_patch_.grid);
 }
 
 void StepTwin::set_wall()
@@ -350,7 +361,7 @@ void StepTwin::set_wall()
     const Examined twin = examine(best_wall_, 2);
     if (!twin.found) return;
     const double history = friction_history * friction_falls_.share();
-    const auto share = [&](double run, double of_twin) { return std::max(margin(twin.parts) * std::abs(run - of_twin), history * run); };
+    const auto share = [&](double run, double of_twin) { return std::max(margin(twin.parts, twin.divided) * std::abs(run - of_twin), history * run); };
     estimate_.wall_move = share(largest_.wall_move, twin.largest.wall_move);
     estimate_.wall_stress = share(largest_.wall_stress, twin.largest.wall_stress);
 }
@@ -382,6 +393,7 @@ ErrorEstimate StepTwin::finish(Finer finer)
         end.friction.insert(end.friction.end(), window_.friction.begin(), window_.friction.end());
         for (std::size_t k = 0; k < others_.size(); ++k)
             end.others[k].insert(end.others[k].end(), window_.others[k].begin(), window_.others[k].end());
+        end.divided += window_.divided;
         end.tip = window_.tip;
         end.has_patch |= window_.has_patch;
         end.has_wall |= window_.has_wall;
@@ -397,9 +409,9 @@ ErrorEstimate StepTwin::finish(Finer finer)
     const Examined of_friction = same ? of_hand : examine_largest(best_friction_, finer);
     // until here each band is the largest that any window has shown
     set_end(end, of_end);
-    estimate_.hand_peak = peak_band(estimate_.hand_peak, of_hand.found, of_hand.parts, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_,
+    estimate_.hand_peak = peak_band(estimate_.hand_peak, of_hand.found, of_hand.parts, of_hand.divided, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_,
                                     hand_history * hand_falls_.share());
-    estimate_.friction_peak = peak_band(estimate_.friction_peak, of_friction.found, of_friction.parts, best_friction_.friction_peak, of_friction.friction_peak,
+    estimate_.friction_peak = peak_band(estimate_.friction_peak, of_friction.found, of_friction.parts, of_friction.divided, best_friction_.friction_peak, of_friction.friction_peak,
                                         other_friction_peak_, friction_history * friction_falls_.share());
     if (of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
@@ -434,6 +446,7 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
     estimate.hand = estimate.hand_peak = band_of_grid(readings.hand_force, e.normal, of_hand_at(e, 0));
     estimate.friction = estimate.friction_peak = band_of_grid(readings.friction, readings.friction, 0);
     estimate.patch = band_of_grid(patch, patch, 0);
+    add_split(estimate.patch, e);
     estimate.work.known = false;
     const auto [first, end] = run.wires_of(0);
     for (int w = first + 1; w < end; ++w) {

@@ -16,6 +16,9 @@
 // Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their bands are the
 // largest difference of such means at any time of the last window, or of the means over any other window.
 //
+// A step that did not converge was divided, in the run as in its twin: the difference of both comes from the other steps alone. With a part p of
+// steps that were divided it is 1/(1 - p) times as large.
+//
 // For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
 // oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the
 // largest hand force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th
@@ -141,6 +144,7 @@ public:
     static constexpr double safety = 1.5;           // times r/(r - 1)
     static constexpr double fine_step = 2.5e-4;     // [s]
     static constexpr int most_parts = 16;
+    static constexpr double most_divided = 0.9;  // part of the steps: beyond it the rest tells nothing
     static constexpr double cheap = 0.1;            // of the run's steps
     static constexpr double mean_time = EndMean::span;  // [s]
     // Resolved is what is believed to be off by less than that: a band without its factor for safety
@@ -167,6 +171,7 @@ private:
     struct Window {
         std::vector<std::uint8_t> state, earlier;  // at its beginning; at that of the window before it
         long first = 0, steps = 0, lead = 0;       // lead: steps of the window before it
+        long divided = 0;                          // steps that were
         std::vector<double> hand, friction;       // of each step, a pull is negative [N]
         double hand_peak = 0, friction_peak = 0;  // largest means [N]
         Vec3 tip = Vec3::Zero();                  // at its end [m]
@@ -189,6 +194,7 @@ private:
     struct Examined {
         double hand_peak = 0, friction_peak = 0;  // of the twin [N]
         int parts = 2;
+        double divided = 0;  // part of the run's steps
         LargestReadings largest;
         bool found = false;
         std::vector<double> hand, friction;  // of each of its steps

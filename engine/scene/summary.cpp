@@ -249,11 +249,12 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
         list.push_back(fmt::format("contact samples are {:.3g} mm apart: force per length is taken over {:.3g} mm, twice that; "
                                    "more samples (contact.samples_per_edge) make it finer",
                                    5e2 * tally.on_wall.window, 1e3 * tally.on_wall.window));
-    // Divided steps are solved as well as others. But a twin of half the step has nothing to compare in them: with this share of them the
-    // difference that it sees is too small by the factor that bands have for safety.
-    constexpr double frequent = 1 - 1 / StepTwin::safety;
+    // Divided steps are solved as well as others. But half the step has nothing to compare in them. Bands allow for that (step_twin.h); without
+    // bands, this share of them makes a difference too small by the factor that those have for safety.
+    const bool has_windows = notes.estimate && notes.estimate->windows > 0;
+    const double frequent = has_windows ? StepTwin::most_divided : 1 - 1 / StepTwin::safety;
     if (static_cast<double>(tally.halved_steps) > frequent * static_cast<double>(tally.steps))
-        list.push_back(share(tally.halved_steps) + " were halved to converge: more than bands and comparisons of steps allow for. Fix: a smaller scene.dt_s");
+        list.push_back(share(tally.halved_steps) + " were halved to converge: a comparison with half the step says little of the error. Fix: a smaller scene.dt_s");
     if (tally.missed_steps > 0)
         list.push_back(share(tally.missed_steps) + " missed the tolerance even in the smallest parts: their forces are not in equilibrium. Fix: a smaller scene.dt_s");
     constexpr double deep = 0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
