@@ -78,7 +78,10 @@ public:
         loop_start_ = last_checkpoint_ = Clock::now();
         Progress progress(scene_, options_.quiet);
         if (fresh_ && settles_first(scene_) && !settle_first()) return stop(RunStatus::Stopped);
-        if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
+        if (scene_.integrator.scheme == Scheme::Static) {
+            if (options_.estimate) recorder_.estimated(equilibrium_estimate(scene_, world_, recorder_.readings(), recorder_.tally().on_wall.patch_force));
+            return stop(RunStatus::Done);
+        }
         if (replay_) replay_->begin(scene_, world_);
         else if (scene_.task.on) begin_task();
         if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
@@ -123,6 +126,7 @@ private:
         const std::vector<std::uint8_t> placed = may_move ? world_.save_state() : std::vector<std::uint8_t>{};
         const auto read_at = [&](double time) {
             world_.read(output_);
+            recorder_.gauge(world_);
             if (!may_move) output_.time = time;  // of the keys: that of the world stands still
         };
         const StepReport report = settle(world_, [&](int, double time) {
@@ -161,11 +165,13 @@ private:
             wall_was_far_ = report.flags & StepWallFar;
             const double seconds = seconds_since(start);
             if (replay_) replay_->stepped(world_);
+            recorder_.gauge(world_);
             world_.read(output_, recorder_.wants(world_));
             recorder_.stepped(output_, report, seconds);
             follow_task(dt);
-            if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps),
-                                      recorder_.tally().on_wall.patch_force);
+            const RunTally& tally = recorder_.tally();
+            if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(tally.steps),
+                                      {tally.on_wall.patch_force, tally.wall_move.value, tally.wall_stress.value});
         }
         return !report.failed();
     }

@@ -106,9 +106,10 @@ bool is_sound(const ExitTally& t)
 bool is_sound(const RunTally& t, std::int64_t most)
 {
     const auto counts = {t.steps,   t.contacts_max, t.newton_max, t.halved_steps, t.outside_steps, t.non_finite, t.resumes,
-                         t.rest_steps, t.far_steps, t.row_newton, t.row_flags,    t.row_steps,     t.unequal_steps};
+                         t.rest_steps, t.far_steps, t.row_newton, t.row_flags,    t.row_steps,     t.unequal_steps, t.missed_steps};
     const auto values = {t.friction_max,     t.overlap_max,          t.outside_max,    t.wall_move.value, t.wall_stress.value,
-                         t.contact_area_max, t.contact_pressure_max, t.hand_force_max, t.overlap_share};
+                         t.contact_area_max, t.contact_pressure_max, t.hand_force_max, t.overlap_share,
+                         t.normal_max,       t.sunk_force};
     const auto is_set = [](const Greatest& g) { return is_time(g.time) && is_time(g.band) && is_place(g.at); };
     static_assert(sizeof(StageTimes) % sizeof(double) == 0);
     const std::span<const double> stages(reinterpret_cast<const double*>(&t.stages), sizeof t.stages / sizeof(double));

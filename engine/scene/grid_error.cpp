@@ -1,10 +1,13 @@
 // Errors of forces by edges and facets, from bending energy and contacts.
 #include "scene/grid_error.h"
 
+#include "world/node_errors.h"
 #include "vessel/wall_mesh.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace seldinger {
 namespace {
@@ -43,12 +46,42 @@ double hub_share(const ConstRodView& rod)
     return *std::max_element(edges.begin(), edges.end()) / (2 * rod.material_s[rod.n - 1]);
 }
 
+/// GridErrors::split of the system's wires.
+double split_load(const World& run, int first, int end)
+{
+    struct Region {
+        double load = 0, moment = 0;  // [N], and times the place [N m]
+        [[nodiscard]] double at() const { return moment / load; }
+    };
+    std::map<std::pair<int, int>, Region> regions;  // by wire and number
+    for (const ContactRow& row : run.contacts()) {
+        if (row.b.kind != BodyKind::Wall || row.a.body < first || row.a.body >= end || !(row.normal_force > 0)) continue;
+        Region& region = regions[{row.a.body, row.region}];
+        region.load += row.normal_force;
+        region.moment += row.normal_force * row.along_a;
+    }
+    if (regions.empty()) return 0;
+    const auto most = std::max_element(regions.begin(), regions.end(), [](const auto& a, const auto& b) { return a.second.load < b.second.load; });
+    const ConstRodView rod = run.rod(most->first.first);
+    const double place = most->second.at();
+    int j = 0;  // the edge that it is on
+    while (j + 2 < rod.n && rod.material_s[j + 1] <= place) ++j;
+    const double edge = rod.rest_length[j];
+    double beside = 0;
+    for (const auto& [key, region] : regions)
+        if (key.first == most->first.first && key != most->first && edge > run.setup().force_patch && std::abs(region.at() - place) < 1.5 * edge)
+            beside = std::max(beside, region.load);
+    return beside / most->second.load;
+}
+
 }  // namespace
 
 void GridErrors::widen(const GridErrors& other)
 {
-    for (double GridErrors::*entry : {&GridErrors::nodes, &GridErrors::facets, &GridErrors::axial, &GridErrors::normal, &GridErrors::offset})
+    for (double GridErrors::*entry : {&GridErrors::nodes, &GridErrors::facets, &GridErrors::axial, &GridErrors::normal, &GridErrors::offset, &GridErrors::split})
         this->*entry = std::max(this->*entry, other.*entry);
+    hands.resize(std::max(hands.size(), other.hands.size()));
+    for (std::size_t k = 0; k < other.hands.size(); ++k) hands[k] = std::max(hands[k], other.hands[k]);
 }
 
 void GridErrorGauge::find_normals(const WallMesh& mesh)
@@ -68,6 +101,8 @@ GridErrors GridErrorGauge::of(const World& run)
     GridErrors errors;
     const auto [first, end] = run.wires_of(0);
     double energy = 0, missed = 0;
+    for (int w = first; w < end; ++w) errors.hands.push_back(hand_error(run, w));
+    errors.split = split_load(run, first, end);
     for (int w = first; w < end; ++w) {
         const BendingError bending = run.bending_error(w);
         energy += bending.energy;

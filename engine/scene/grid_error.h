@@ -15,6 +15,9 @@
 //
 // The equilibrium of that push changes normal forces and friction by the same share of themselves, sum F_i (n_i - m_i).t_i/sum F_i.
 //
+//     patch     a load between two nodes is borne by both. Where an edge is longer than the patch that a force is read on, the loads of two
+//               places of contact beside each other may be one patch's: the larger one, F_1, may be F_1 + F_2.
+//
 // Weight on the floor of a lumen is borne whatever the wire's stiffness: the errors by energy are those of the part of the normal forces
 // beyond the weight. The rest is off by the weight of half an edge, which the hub's node bears: h/(2 L) of a wire of length L.
 //
@@ -32,6 +35,8 @@ struct GridErrors {
     double axial = 0;              // by normals of facets, along the wire, relative to the sum of normal forces
     double normal = 0;             // that sum [N]
     double offset = 0;             // largest distance of facet and smooth wall where the wire touches [m]
+    double split = 0;              // of the force on a patch: F_2/F_1 beside the place with the largest load
+    std::vector<double> hands;     // by nodes, at the hand of each instrument besides (node_errors.h); bounds [N]
     /// The larger of each.
     void widen(const GridErrors& other);
 };

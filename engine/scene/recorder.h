@@ -10,6 +10,7 @@
 #include "core/file_io.h"
 #include "scene/checkpoint.h"
 #include "scene/closed_ends.h"
+#include "scene/grid_error.h"
 
 #include <filesystem>
 #include <string>
@@ -38,6 +39,8 @@ public:
     Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
              const Checkpoint& checkpoint);
 
+    /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes.
+    void gauge(const World& world);
     /// At an equilibrium on the way of a static run: takes its readings in, and writes a row. @param now  Output::Everything
     void passed(const Output& now);
     /// After settle(): takes its readings in, and writes row 0. @param now  Output::Everything
@@ -94,6 +97,7 @@ private:
     bool has_wall_ = false;
     ClosedEnds closed_ends_;
     bool yields_ = false;             // and it yields
+    double wall_nodes_ = 0;           // error of its load by nodes, relative
     std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
     RunTally tally_;
     long passed_ = 0;        // equilibria on the way of a static run

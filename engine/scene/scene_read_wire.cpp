@@ -3,7 +3,7 @@
 
 #include "contact/quadrature.h"
 #include "core/error.h"
-#include "setup_check.h"
+#include "world/setup_check.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -59,11 +59,13 @@ struct RunTally {
     double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
     std::int64_t far_steps = 0;                                 // StepWallFar
     std::int64_t unequal_steps = 0;                             // StepContactSums
+    std::int64_t missed_steps = 0;                              // StepBestEffort
     Greatest wall_move, wall_stress;                            // over every step under the wires, over the rows of trace.csv everywhere [m], [Pa]
     double contact_area_max = 0, contact_pressure_max = 0;      // likewise [m^2], [Pa]
     LoadTally on_wall, on_instruments;                          // per_length and patch_force over every step, the others over rows
     double hand_force_max = 0, hand_force_time = 0;             // over every step, of |hand force| [N], [s]
     double overlap_share = 0, overlap_time = 0, overlap_at[3] = {};  // of the radius, at the worst step [-], [s], [m]
+    double normal_max = 0, sunk_force = 0;  // sum of normal forces; by how much of it a harder surface has more (take_in) [N]
     ExitTally exits;
     double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
     StageTimes stages;  // sums [s]
@@ -76,6 +78,9 @@ struct RunTally {
     double row_time = 0;  // [s]
 
     /// Adds one wire's step to counts, maxima and means; `steps` and times are the caller's. @param dt  0: an equilibrium [s]
+    ///
+    /// A wall that prescribes the wire's deflection d bends it with the energy U = K d^2/2 and the forces N = K d. Where the surface gives
+    /// way by o, d is smaller by o, and the forces by dN/N = o/d = N o/(2 U). With the deepest overlap of all contacts for o, this is a bound.
     void take_in(const WireReadings& readings, unsigned flags, int newton_iterations, double dt);
     /// Hand force and friction over the last 20 ms; of an equilibrium its own.
     [[nodiscard]] EndMean::Mean at_end(const WireReadings& last) const;

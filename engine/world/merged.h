@@ -91,6 +91,9 @@ bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_mer
 [[nodiscard]] double elastic_now(World::Impl& state, MergedGroup& group);
 /// After arrays and feeds have been put back: offsets, angles and integrals.
 void refresh_group(World::Impl& state, MergedGroup& group);
+/// What the nodes of the line are judged by at the accepted state: moments, torques and contact of all instruments of the group, which has to
+/// be inside. Valid until the next call.
+[[nodiscard]] NodeDemands group_demands(World::Impl& state, MergedGroup& group);
 /// Where the instruments lie in the line now, for contact.
 void set_exposures(World::Impl& state);
 

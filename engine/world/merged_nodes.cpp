@@ -1,12 +1,14 @@
 // Nodes of a common centreline: births at the hub, and where all of its instruments ask for adaptive nodes, anywhere along it.
 
 #include "world/merged.h"
+#include "world/node_errors.h"
 #include "rod/coaxial_nodes.h"
 #include "rod/coaxial_split.h"
 #include "world/step_stages.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace seldinger {
 
@@ -123,22 +125,31 @@ void measure(World::Impl& state, MergedGroup& group, NodeDemands& demands)
     demands.turning = turning;
 }
 
+/// Contact of all its instruments on the line's nodes.
+void sum_contact(World::Impl& state, MergedGroup& group, NodeDemands& demands)
+{
+    const auto n = static_cast<std::size_t>(state.rods.node_count(group.line()));
+    group.contact.assign(n, Vec3::Zero());
+    for (const int w : group.wires()) {
+        const std::vector<Vec3>& force = state.results[w].nodal_contact;
+        for (std::size_t i = 0; i < n; ++i)
+            group.contact[i] += force[i];
+    }
+    demands.contact = group.contact;
+}
+
 /// Where any of the instruments touches an elastic wall, and the wall below.
 void note_yielding(World::Impl& state, MergedGroup& group, bool may_merge, NodeDemands& demands)
 {
     const auto n = static_cast<std::size_t>(state.rods.node_count(group.line()));
     demands.touching_edge = std::max(group.nodes.min_edge, state.elastic_wall->edge_touched());
-    group.contact.assign(n, Vec3::Zero());
+    sum_contact(state, group, demands);
     group.bowed.assign(n, 0);
     for (const int w : group.wires()) {
-        const std::vector<Vec3>& force = state.results[w].nodal_contact;
-        for (std::size_t i = 0; i < n; ++i)
-            if (!force[i].isZero()) group.contact[i] = force[i];
         if (!may_merge) continue;
         state.yielding->note_bowed(state.rods, w, state.bowed);
         for (std::size_t i = 0; i < n; ++i) group.bowed[i] |= state.bowed[i];
     }
-    demands.contact = group.contact;
     demands.bowed = group.bowed;
 }
 
@@ -174,6 +185,69 @@ bool adapt_line(World::Impl& state, MergedGroup& group, double dt, bool may_merg
 }
 
 }  // namespace
+
+NodeDemands group_demands(World::Impl& state, MergedGroup& group)
+{
+    NodeDemands demands;
+    demands.hub_tangent = group.shared.base.tangent;
+    measure(state, group, demands);
+    sum_contact(state, group, demands);
+    return demands;
+}
+
+namespace {
+
+/// Jumps where a piece ends and instrument k with it, or its section: of the compliance of all together, and of their natural curvature.
+std::pair<double, double> jumps_between(const CoaxialPiece& a, const CoaxialPiece& b, int k, int count)
+{
+    const auto stiffness_of = [&](const CoaxialPiece& piece) {
+        double sum = 0;
+        for (int j = 0; j < count; ++j) sum += piece.section[j] ? piece.section[j]->bend_stiffness : 0.0;
+        return sum;
+    };
+    const double of_a = stiffness_of(a), of_b = stiffness_of(b);
+    if (a.section[k] == b.section[k] || !(of_a > 0 && of_b > 0)) return {0, 0};
+    const auto natural = [](const WireSection* section, double all) {
+        return section ? Vec2(section->bend_stiffness / all * section->rest_curvature) : Vec2(Vec2::Zero());
+    };
+    double turn = 0;
+    for (int j = 0; j < count; ++j) turn += (natural(a.section[j], of_a) - natural(b.section[j], of_b)).norm();
+    return {std::abs(1 / of_a - 1 / of_b), turn};
+}
+
+/// hand_error() of instrument k, as if it did not lead.
+double boundary_error(const MergedGroup& group, const RodView& line, std::span<const Vec3> moment, int k)
+{
+    const auto& pieces = group.shared.rod.pieces;
+    const int hub = line.n - 1;
+    double sum = 0;
+    for (std::size_t p = 0; p + 1 < pieces.size(); ++p) {
+        const auto [compliance, turn] = jumps_between(pieces[p], pieces[p + 1], k, group.shared.count());
+        int i = 0;  // the cell that it is in
+        while (i < hub && pieces[p].end >= 0.5 * (line.material_s[i] + line.material_s[i + 1])) ++i;
+        double step = 0;
+        if (i > 0) step = std::max(step, (moment[i] - moment[i - 1]).norm());
+        if (i < hub) step = std::max(step, (moment[i + 1] - moment[i]).norm());
+        sum += compliance * (moment[i].norm() * step + step * step / 4) / 2 + turn * step / 2;
+    }
+    return sum;
+}
+
+}  // namespace
+
+double hand_error(const World& world, int wire)
+{
+    World::Impl& state = const_cast<World&>(world).impl();  // scratch of the group is made anew; the state is only read
+    MergedGroup* group = state.group_of(wire);
+    if (!group || !group->feed.inside) return 0;
+    const NodeDemands demands = group_demands(state, *group);
+    const RodView line = state.rods.view(group->line());
+    const auto wires = group->wires();
+    double sum = 0;
+    for (int k = 0; k < group->shared.count(); ++k)
+        if (k != group->leader && (wires[k] == wire || wires[group->leader] == wire)) sum += boundary_error(*group, line, demands.moment, k);
+    return sum;
+}
 
 bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge)
 {

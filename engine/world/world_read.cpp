@@ -333,9 +333,12 @@ WallReadings World::wall_readings(int system) const
 namespace {
 
 /// What a wire's shape is judged by.
-NodeDemands demands_of(const World::Impl& s, int wire, const RodView& rod)
+NodeDemands demands_of(World::Impl& s, int wire, const RodView& rod)
 {
+    MergedGroup* group = s.group_of(wire);
+    if (group && group->feed.inside) return group_demands(s, *group);
     NodeDemands demands;
+    demands.contact = std::span(s.results[static_cast<std::size_t>(wire)].nodal_contact).first(static_cast<std::size_t>(rod.n));
     for (const RodClamp& clamp : s.constraints[static_cast<std::size_t>(wire)].clamps)
         if (clamp.direction && clamp.node == rod.n - 1) demands.hub_tangent = clamp.tangent;
     return demands;
@@ -350,17 +353,16 @@ NodePlanner planner_of(const World::Impl& s, int wire)
 
 double World::node_error(int wire) const
 {
-    const RodView rod = impl_->rods.view(wire);
-    return rod.n > 2 ? planner_of(*impl_, wire).tip_error(rod, demands_of(*impl_, wire, rod)) : 0;
+    const int line = impl_->group_of(wire) ? impl_->group_of(wire)->line() : wire;
+    const RodView rod = impl_->rods.view(line);
+    return rod.n > 2 ? planner_of(*impl_, line).tip_error(rod, demands_of(*impl_, line, rod)) : 0;
 }
 
 BendingError World::bending_error(int wire) const
 {
     const RodView rod = impl_->rods.view(wire);
     if (rod.n <= 2 || impl_->is_passenger(wire)) return {};
-    NodeDemands demands = demands_of(*impl_, wire, rod);
-    demands.contact = std::span(impl_->results[static_cast<std::size_t>(wire)].nodal_contact).first(static_cast<std::size_t>(rod.n));
-    return planner_of(*impl_, wire).bending_error(rod, demands);
+    return planner_of(*impl_, wire).bending_error(rod, demands_of(*impl_, wire, rod));
 }
 
 void World::stop_when(std::function<bool()> asked)

@@ -119,7 +119,7 @@ def main():
         (folder / "sweep.toml").write_text(SWEEP, encoding="utf-8")
         (folder / "exit_sweep.toml").write_text(EXIT_SWEEP, encoding="utf-8")
         (folder / "instrument_sweep.toml").write_text(SWEEP.replace("wire.", "instrument.0."), encoding="utf-8")
-        for stem, extra in (("rigid", ["--error-estimate", "on"]), ("elastic", []), ("coaxial", ["--error-estimate", "off"])):
+        for stem, extra in (("rigid", ["--error-estimate", "on"]), ("elastic", []), ("coaxial", ["--error-estimate", "on"])):
             run("run", f"{stem}.toml", "-o", stem, *extra)
             take("summary.json", keys_of(json.loads((folder / stem / "summary.json").read_text(encoding="utf-8"))))
             for file in sorted((folder / stem).glob("*.csv")):

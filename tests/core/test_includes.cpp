@@ -31,7 +31,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"world", {"api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"step", {"world", "core"}},
     {"io", {"vessel", "math", "core"}},
-    {"scene", {"io", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
+    {"scene", {"io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"view", {"io", "api", "contact", "solve", "rod", "vessel", "math", "core"}},
     {"study", {"scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"lab", {"study", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},

@@ -8,6 +8,9 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <cmath>
+#include <utility>
+
 namespace test_grid_error {
 
 using namespace seldinger;
@@ -61,6 +64,36 @@ TEST_SUITE("scene/grid_error")
             CHECK(error.energy == about(exact + missed).epsilon(1e-4));
             CHECK(error.missed == about(missed).epsilon(1e-3));
         }
+    }
+
+    // Draw 6 of seed 2 of bench/audit.py, the end of it: edges of 10 mm bear on two places what edges of 2.5 mm bear on one patch of 5 mm. Edges shorter than
+    // the patch have no such share, and a wire that lies on the floor is one place of contact.
+    TEST_CASE("property: with edges longer than the patch, the force on it is as uncertain as what the next place bears")
+    {
+        const auto end_of = [](int nodes, double bend, double speed) {
+            const Scene scene = read_scene_text(
+                fmt::format("[scene]\nduration_s = 0.971\ndt_s = 0.004\n[wire]\npreset = \"amplatz-super-stiff-035\"\nlength_m = 0.4\nmu_sliding = 0.1\nmu_static = 0.12\n"
+                            "nodes = {}\n[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.042}}, {{t_s = 0.971, advance_m = {}}}]\n[vessel]\nshape = \"arc\"\n"
+                            "radius_m = 0.0055\nbend_radius_m = {}\nangle_deg = 116.0\nlead_in_m = 0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
+                            nodes, 0.042 + 0.971 * speed, bend),
+                "arc.toml");
+            World world(make_setup(scene));
+            const KeyFrames keys(scene);
+            for (long k = 0; k < scene.steps(); ++k) REQUIRE(!step(world, keys.control(), scene.step_length(k)).failed());
+            WireOutput loads;
+            world.read_loads(0, loads);
+            return std::pair{loads.on_wall.patch_force, GridErrorGauge().of(world)};
+        };
+        const auto [coarse, errors] = end_of(41, 0.0429, 0.0722);
+        const auto [fine, none] = end_of(161, 0.0429, 0.0722);
+        const double off = std::abs(fine / coarse - 1), by_energy = 1.5 * errors.nodes;
+        CAPTURE(off);
+        CAPTURE(by_energy);
+        CHECK(off > by_energy);
+        CHECK(off < by_energy + errors.split);
+        CHECK(errors.split < 1);
+        CHECK(none.split == 0);
+        CHECK(end_of(41, 10.0, 0.0722).second.split == 0);
     }
 
     // What finer nodes and facets change lies within 1.5 times the estimate, as bands have it. Where the wire's nodes lie changes the error by

@@ -138,6 +138,23 @@ TEST_SUITE("scene/step_twin")
         CHECK(run(2e-3, true, StepTwin::Finer::Never).estimate.finest == 2);
     }
 
+    // A band is 1.5 times what the run is believed to be off by. A warning says that this is more than a fifth and 1 mN; not that the band is.
+    TEST_CASE("property: what is believed to be off by more than a fifth is said, the force on a patch too; what only the band's safety has there is not")
+    {
+        const auto said_of = [](ErrorBand ErrorEstimate::*reading, double value, double band) {
+            ErrorEstimate estimate;
+            estimate.*reading = {value, value, band, StepTwin::is_resolved({value, value, band})};
+            (estimate.*reading).step = band;
+            return unresolved(estimate).size();
+        };
+        for (const auto reading : {&ErrorEstimate::hand, &ErrorEstimate::hand_peak, &ErrorEstimate::friction, &ErrorEstimate::friction_peak, &ErrorEstimate::patch}) {
+            CHECK(said_of(reading, 0.1, 0.029) == 0);
+            CHECK(said_of(reading, 0.1, 0.031) == 1);
+            CHECK(said_of(reading, 1e-3, 1.4e-3) == 0);
+            CHECK(said_of(reading, 1e-3, 1.6e-3) == 1);
+        }
+    }
+
     TEST_CASE("property: what the step does not resolve is said, with both values")
     {
         ErrorEstimate estimate;
