@@ -79,7 +79,9 @@ public:
         Progress progress(scene_, options_.quiet);
         if (fresh_ && settles_first(scene_) && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) {
-            if (options_.estimate) recorder_.estimated(equilibrium_estimate(scene_, world_, recorder_.readings(), recorder_.tally().on_wall.patch_force));
+            const RunTally& tally = recorder_.tally();
+            if (options_.estimate)
+                recorder_.estimated(equilibrium_estimate(scene_, world_, recorder_.readings(), tally.hand_force_max, tally.friction_max, tally.on_wall.patch_force));
             return stop(RunStatus::Done);
         }
         if (replay_) replay_->begin(scene_, world_);

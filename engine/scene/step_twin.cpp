@@ -428,7 +428,7 @@ ErrorEstimate StepTwin::finish(Finer finer)
     return estimate_;
 }
 
-ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double patch)
+ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand, double friction, double patch)
 {
     ErrorEstimate estimate;
     estimate.equilibrium = true;
@@ -443,8 +443,10 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
         band.resolved = StepTwin::is_resolved(band);
         return band;
     };
-    estimate.hand = estimate.hand_peak = band_of_grid(readings.hand_force, e.normal, of_hand_at(e, 0));
-    estimate.friction = estimate.friction_peak = band_of_grid(readings.friction, readings.friction, 0);
+    estimate.hand = band_of_grid(readings.hand_force, e.normal, of_hand_at(e, 0));
+    estimate.hand_peak = band_of_grid(hand, e.normal, of_hand_at(e, 0));
+    estimate.friction = band_of_grid(readings.friction, readings.friction, 0);
+    estimate.friction_peak = band_of_grid(friction, friction, 0);
     estimate.patch = band_of_grid(patch, patch, 0);
     add_split(estimate.patch, e);
     estimate.work.known = false;

@@ -127,8 +127,8 @@ private:
 };
 
 /// Of a static run: what nodes and facets do to the readings of its last equilibrium, which no step has made. Larger ones on its way have
-/// the relative bands of that. @param patch  largest force on a patch [N]
-[[nodiscard]] ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double patch);
+/// the relative bands of that. @param hand, friction, patch  the largest on its way [N]
+[[nodiscard]] ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand, double friction, double patch);
 
 /// Largest values of single steps: force on a patch [N], displacement [m] and stress [Pa] of an elastic wall.
 struct LargestReadings {

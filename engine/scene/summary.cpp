@@ -462,6 +462,7 @@ std::string estimate_for_people(const Json& e)
 std::string means_for_people(double end_seconds, const Json* estimate)
 {
     if (end_seconds == 0 && !estimate) return "equilibrium; error not estimated";
+    if (end_seconds == 0 && estimate->at("hand_force_peak_n").at("band").get<double>() == 0) return "equilibrium; no error by nodes or facets where nothing presses";
     if (end_seconds == 0)
         return fmt::format("equilibrium; ± by nodes and facets, mostly the {}: less with {}", estimate->at("largest_source").get<std::string>(),
                            estimate->at("advice").get<std::string>());
