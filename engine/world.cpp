@@ -77,13 +77,11 @@ void close_ring(WireSetup& wire)
 
 ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall)
 {
-    ContactSetup made{{}, {}, wall, {}, false};
+    ContactSetup made{{}, {}, wall, false};
     for (const WireSetup& wire : setup.wires) {
         made.wires.push_back(wire.wire);
         made.contacts.push_back(wire.contact);
     }
-    // without it Newton's method converges linearly where a wire lies on a ridge: half of all late steps
-    made.ridges.assign(setup.wires.size(), 1);
     const Scheme scheme = setup.integrator.scheme;
     made.known_velocities = scheme == Scheme::Linearised || scheme == Scheme::Explicit;
     return made;
