@@ -22,6 +22,7 @@
 
 #include "engine.h"
 #include "solve/energy_balance.h"
+#include "solve/force_term.h"
 
 #include <cstdint>
 #include <vector>
@@ -48,6 +49,7 @@ struct EnergyAudit {
     EnergyInput fed;                                     // by feeding, and by splits and merges before it
     double remeshed_now = 0;                             // the second part of it [J]
     double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
+    TermEnergies terms;                                  // likewise, of all of a common centreline
 };
 
 /// Fraction of the energy exchanged as in EnergyLimits; floor: 0.1 % of the energy that lifts the whole wire by its own length and

@@ -46,7 +46,7 @@ void change_nodes(World::Impl& state, MergedGroup& group, const NodeChange& what
 template <class Change>
 bool where_clear(World::Impl& state, MergedGroup& group, Change change)
 {
-    if (!state.terms.never_overlaps()) return change(), true;
+    if (!state.terms.traits().never_overlaps) return change(), true;
     std::vector<std::vector<Vec3>> forces;
     for (const int w : group.wires()) {
         state.save_wire(w);
@@ -55,7 +55,7 @@ bool where_clear(World::Impl& state, MergedGroup& group, Change change)
     const double energy = state.remesh_energy[group.line()];
     change();
     set_exposures(state);
-    if (std::ranges::all_of(group.wires(), [&](int w) { return state.terms.is_clear(state.rods, w); })) return true;
+    if (std::ranges::all_of(group.wires(), [&](int w) { return state.is_clear(w); })) return true;
     for (std::size_t k = 0; k < forces.size(); ++k) {
         state.restore_wire(group.wires()[k]);
         state.results[group.wires()[k]].nodal_contact = forces[k];

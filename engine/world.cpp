@@ -250,6 +250,8 @@ void World::Impl::make_line_holds()
 
 bool World::Impl::is_passenger(int wire) const { return merged_of[wire] >= 0 && merged[merged_of[wire]]->line() != wire; }
 
+bool World::Impl::is_clear(int wire) { return yielding ? yielding->is_clear(rods, wire) : contact->is_clear(rods, wire); }
+
 void World::Impl::save_wire(int wire)
 {
     std::vector<double>& to = backup[wire];

@@ -143,6 +143,8 @@ struct World::Impl {
     void make_line_holds();
     /// A system with one instrument in the mask is in it with all of them, as far as it takes part.
     void spread_over_systems(const WireMask& part, WireMask& mask) const;
+    /// Whether a wire on its present nodes is clear of the wall; asked where the law never overlaps.
+    [[nodiscard]] bool is_clear(int wire);
     void save_wire(int wire);
     void restore_wire(int wire);
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium

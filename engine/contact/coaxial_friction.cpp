@@ -112,11 +112,11 @@ void CoaxialFriction::add_part(const Group& group, Pair& pair, std::size_t cell,
 
 // ---- at a trial -------------------------------------------------------------------------------------------------------------
 
-void CoaxialFriction::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+void CoaxialFriction::evaluate(const TermTrial& trial)
 {
     for (Group& group : groups_) {
-        if (!active[group.shared->line()]) continue;
-        for (Pair& pair : group.pairs) evaluate(group, pair, trial, h > 0 ? 1 / h : 0);
+        if (!trial.active[group.shared->line()]) continue;
+        for (Pair& pair : group.pairs) evaluate(group, pair, trial.at, trial.h > 0 ? 1 / trial.h : 0);
     }
 }
 
@@ -217,20 +217,15 @@ const CoaxialFriction::Group* CoaxialFriction::led_by(int line) const
     return at.group >= 0 && at.member == 0 ? &groups_[static_cast<std::size_t>(at.group)] : nullptr;
 }
 
-ContactWork CoaxialFriction::contact_work(int wire) const
+TermAnswer CoaxialFriction::answer(int wire, Ask what)
 {
-    ContactWork work;
-    if (const Group* group = led_by(wire))
-        for (const Pair& pair : group->pairs) work.friction += pair.work;
-    return work;
-}
-
-double CoaxialFriction::stored_energy(int wire) const
-{
-    double energy = 0;
-    if (const Group* group = led_by(wire))
-        for (const Pair& pair : group->pairs) energy += pair.stored;
-    return energy;
+    TermAnswer answer;
+    const Group* group = what == Ask::Energies ? led_by(wire) : nullptr;
+    for (const Pair& pair : group ? std::span(group->pairs) : std::span<const Pair>()) {
+        answer.energies.work.friction += pair.work;
+        answer.energies.stored += pair.stored;
+    }
+    return answer;
 }
 
 // ---- the accepted state -----------------------------------------------------------------------------------------------------

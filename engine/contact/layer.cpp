@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace seldinger {
 
@@ -60,7 +59,7 @@ LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, 
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
 }
 
-void LayerContact::begin_step(RodArrays& rods)
+void LayerContact::begin(RodArrays& rods)
 {
     for (int w = 0; w < rods.wire_count(); ++w) {
         const RodView rod = rods.view(w);
@@ -135,7 +134,7 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         context_.read(light, candidates_, candidates_host_.data(), candidates_host_.size() * sizeof(std::uint32_t));
     }
     list_pairs();
-    times_.detect += seconds_since(start);
+    times.detect += seconds_since(start);
 }
 
 // Pairs ordered by wire, edge and triangle, each with its record of the last step where it had one.
@@ -178,15 +177,15 @@ void LayerContact::list_pairs()
     context_.finish(light);
 }
 
-void LayerContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
+void LayerContact::evaluate_forces(const TermTrial& trial)
 {
     const auto start = Clock::now();
     if (!pairs_.empty()) {
-        set_nodes(nodes_, trial);
+        set_nodes(nodes_, trial.at);
         context_.enter(light);
         upload_nodes(light);
         params_.item_count = static_cast<uint>(pairs_.size());
-        params_.inv_dt = h > 0 ? 1 / h : 0;
+        params_.inv_dt = trial.h > 0 ? 1 / trial.h : 0;
         if (states_t0_.bytes() == 0) states_t0_ = device::Buffer(context_, sizeof(ContactState));
         const DeviceNodes& before = nodes_before();
         evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_, nodes_, before, states_t0_, states_,
@@ -198,10 +197,15 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         for (std::size_t e = 0; e < edges; ++e)
             if (sums_.edges[e].contacts > 0) sums_.edges[e].length = touching_[paired_edges_[e]];
     }
-    times_.evaluate += seconds_since(start);
+    times.evaluate += seconds_since(start);
 }
 
-double LayerContact::move_limit(int) const { return std::numeric_limits<double>::infinity(); }
+TermAnswer LayerContact::answer(int wire, Ask what)
+{
+    TermAnswer answer = ContactMethod::answer(wire, what);
+    answer.admissible = true;  // as published: nothing refuses a trial
+    return answer;
+}
 
 void LayerContact::commit(std::span<const std::uint8_t> active)
 {

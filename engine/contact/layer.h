@@ -14,11 +14,8 @@ class LayerContact final : public ContactMethod {
 public:
     LayerContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
 
-    void begin_step(RodArrays& rods) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
-    [[nodiscard]] bool admissible(int) const override { return true; }  // as published: nothing refuses a trial
-    [[nodiscard]] double move_limit(int wire) const override;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
     void commit(std::span<const std::uint8_t> active) override;
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
@@ -33,6 +30,8 @@ private:
         std::uint32_t wire, edge, triangle;
         auto operator<=>(const Key&) const = default;
     };
+    void begin(RodArrays& rods) override;
+    void evaluate_forces(const TermTrial& trial) override;
     void list_edges(std::span<const std::uint8_t> live);
     void list_pairs();
     void merge_records(std::span<const std::uint8_t> active);

@@ -147,13 +147,13 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
     system.stations.forget(first + n, first + rods.capacity(wire));
 }
 
-void YieldingWall::begin_step(RodArrays& rods)
+void YieldingWall::begin_step(RodArrays& rods, Settling how)
 {
     const auto start = Clock::now();
     for_each_item(rods.wire_count(), wire_grain, [&](int w) { carry_back(rods, w); });
     for (const auto& system : systems_) system->begun = false;
-    seconds_ += seconds_since(start);
-    contact_.begin_step(unmoved_);
+    take_times(seconds_since(start));
+    contact_.begin_step(unmoved_, how);
 }
 
 void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
@@ -163,8 +163,9 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         if (live[w]) place_and_copy(rods, w);
     });
     for (const auto& system : systems_) system->begun = false;
-    seconds_ += seconds_since(start);
+    const double seconds = seconds_since(start);
     contact_.prepare(unmoved_, live);
+    take_times(seconds);
 }
 
 /// The wall's free motion in a step of h, and its compliance where it may be touched.
@@ -281,7 +282,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         read_under(system);
         for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
-    seconds_ += seconds_since(start);
+    take_times(seconds_since(start));
 }
 
 void YieldingWall::read_under(System& system) const
@@ -396,19 +397,6 @@ bool YieldingWall::is_clear(RodArrays& rods, int wire)
 {
     carry_back(rods, wire);
     return contact_.is_clear(unmoved_, wire);
-}
-
-StageTimes YieldingWall::times() const
-{
-    StageTimes all = contact_.times();
-    all.wall += seconds_;
-    return all;
-}
-
-void YieldingWall::clear_times()
-{
-    contact_.clear_times();
-    seconds_ = 0;
 }
 
 void YieldingWall::put_feet(std::vector<std::uint8_t>& bytes, int wire) const

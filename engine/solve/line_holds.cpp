@@ -60,6 +60,7 @@ void set_end_compliance(double distance, double length, double stiffness, double
 LineHolds::LineHolds(RodArrays& rods, const std::vector<WireConstraints>& constraints)
     : rods_(rods), constraints_(constraints), of_(static_cast<std::size_t>(rods.wire_count()))
 {
+    traits_.follows_spins = traits_.may_jump = false;  // spins of a common centreline are never left out
 }
 
 void LineHolds::add(const CoaxialGroup& group, std::span<const int> count)
@@ -173,11 +174,11 @@ LineHolds::EdgeState LineHolds::edge_state(const OfWire& of, const TrialState& t
     return {tangent, parallel_transport(line.ref_d1(edge), from, tangent, one_plus_cos(from, tangent)), inverse};
 }
 
-void LineHolds::evaluate(const TrialState& trial, double /*h*/, std::span<const std::uint8_t> active)
+void LineHolds::evaluate(const TermTrial& trial)
 {
     for (std::size_t w = 0; w < of_.size(); ++w)
         for (Active& hold : of_[w].active)
-            if (active[w]) evaluate(of_[w], static_cast<int>(w), trial, hold);
+            if (trial.active[w]) evaluate(of_[w], static_cast<int>(w), trial.at, hold);
 }
 
 void LineHolds::evaluate(const OfWire& of, int wire, const TrialState& trial, Active& active)
@@ -310,6 +311,13 @@ void LineHolds::add(int wire, std::span<double> residual, BandRows* tangent, boo
             for (int j = 0; tangent && j < unknowns; ++j)
                 if (active.hessian[i][j] != 0) tangent->add(unknown(active, i), unknown(active, j), active.hessian[i][j]);
         }
+}
+
+TermAnswer LineHolds::answer(int wire, Ask what)
+{
+    TermAnswer answer;
+    if (what == Ask::Trial) answer.rounding = rounding(wire);
+    return answer;
 }
 
 double LineHolds::rounding(int wire) const

@@ -71,7 +71,7 @@ struct Term {
                 trial.z[at] = rod.z[i];
             }
         }
-        term->begin_step(rods);
+        term->begin_step(rods, Settling::Off);
         term->prepare(rods, on);
     }
     [[nodiscard]] double& unknown(int i)
@@ -81,7 +81,7 @@ struct Term {
     }
     [[nodiscard]] std::vector<double> residual(double h)
     {
-        term->evaluate(trial, h, on);
+        term->evaluate({trial, h, on});
         std::vector<double> all(static_cast<std::size_t>(map.size()));
         for (int w = 0; w < 2; ++w)
             term->add(w, std::span(all).subspan(static_cast<std::size_t>(map.first(w)), 4 * nodes_each), nullptr, false);
@@ -90,7 +90,7 @@ struct Term {
     /// K v at the trial.
     [[nodiscard]] std::vector<double> tangent_times(const std::vector<double>& v, double h)
     {
-        term->evaluate(trial, h, on);
+        term->evaluate({trial, h, on});
         BandedSolver solver(map.size());
         solver.reset(map.size());
         std::vector<double> ignored(v.size()), all(v.size());
