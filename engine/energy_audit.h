@@ -80,7 +80,6 @@ void begin_audit(World::Impl& state, int wire, bool placed);
 void accept_energy(World::Impl& state, int wire, double h);
 
 /// State from which a run resumes. Part of the saved state, but not of the hashed one: it affects no motion.
-void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit);
-void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit);
+void walk_audit(StateWalk& walk, EnergyAudit& audit);
 
 }  // namespace seldinger

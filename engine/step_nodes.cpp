@@ -56,14 +56,12 @@ template <class Change>
 bool where_clear(World::Impl& state, int w, Change change)
 {
     if (!state.terms.traits().never_overlaps) return change();
-    state.save_wire(w);
+    state.keep_wire(w);
     state.nodal_backup = state.results[w].nodal_contact;
-    const double energy = state.remesh_energy[w];
     if (!change()) return false;
     if (state.is_clear(w)) return true;
-    state.restore_wire(w);
+    state.put_back_wire(w);
     state.results[w].nodal_contact = state.nodal_backup;
-    state.remesh_energy[w] = energy;
     return false;
 }
 

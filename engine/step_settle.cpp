@@ -77,14 +77,14 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!failed[w]) continue;
         done[w] = 0;
-        state.restore_wire(w);
+        state.put_back_wire(w);
     }
     for (const auto& group : state.merged)
         if (failed[group->line()]) refresh_group(state, *group);
     state.terms.commit(done);
     for (int w = 0; w < state.wire_count(); ++w)
         if (done[w]) {
-            state.save_wire(w);
+            state.keep_wire(w);
             state.read_results(w, 0);
         }
     return failed;

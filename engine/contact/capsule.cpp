@@ -6,6 +6,7 @@
 #include "contact/wall_law.h"
 #include "core/clock.h"
 #include "core/parallel.h"
+#include "core/state_walk.h"
 
 #include <algorithm>
 #include <limits>
@@ -256,33 +257,14 @@ void CapsuleContact::commit(std::span<const std::uint8_t> active)
     });
 }
 
-void CapsuleContact::save(std::vector<std::uint8_t>& bytes)
-{
-    states_.save(bytes);
-    if (barrier_) barrier_->save(bytes);
-}
-
-void CapsuleContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    states_.save_wire(bytes, wire);
-    if (barrier_) barrier_->save(bytes, quadrature_.wires[wire]);
-}
-
 // Near nodes are found anew: results do not depend on where they were found (nearest_contact_point reports nothing beyond the
 // reach).
-void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+void CapsuleContact::walk_state(StateWalk& walk, int wire)
 {
-    states_.restore(bytes, end, wall_.original.size());
-    if (barrier_) barrier_->restore(bytes, end);
-    active_.forget();
-    near_.forget();
-}
-
-void CapsuleContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
-{
-    const WireQuadrature& points = quadrature_.wires[wire];
-    states_.restore_wire(bytes, end, wire, wall_.original.size());
-    if (barrier_) barrier_->restore(bytes, end, points);
+    const WireQuadrature& points = quadrature_.wires[static_cast<std::size_t>(wire)];
+    states_.walk_state(walk, wire, wall_.original.size());
+    if (barrier_) barrier_->walk_state(walk, points);
+    if (!walk.reads()) return;
     active_.forget(points);
     near_.forget(points);
 }

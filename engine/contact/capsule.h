@@ -39,10 +39,7 @@ public:
     void add_loads(RodArrays& rods, std::span<WireLoads> loads) override;  // cheap enough for every step
     [[nodiscard]] double spacing(int wire) const override { return quadrature_.wires[static_cast<std::size_t>(wire)].spacing; }
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
 private:
     void begin(RodArrays& rods) override;

@@ -57,10 +57,7 @@ public:
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
     void commit(std::span<const std::uint8_t> active) override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
     /// What pulls at an instrument from outside in the accepted state, along the line, + towards the tip [N].
     void set_outside(int wire, double force);

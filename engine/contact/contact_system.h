@@ -65,10 +65,7 @@ public:
     [[nodiscard]] virtual double spacing(int /*wire*/) const { return 0; }
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
-    void save(std::vector<std::uint8_t>& bytes) override = 0;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override = 0;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override = 0;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override = 0;
+    void walk_state(StateWalk& walk, int wire) override = 0;
 
 protected:
     ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);

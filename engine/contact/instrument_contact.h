@@ -40,10 +40,7 @@ public:
     }
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
     void commit(std::span<const std::uint8_t> active) override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
     [[nodiscard]] const ContactTotals& totals(int wire) const { return sums_of(wire).totals(wire); }
     /// Adds the forces on the nodes of a wire, [n].
@@ -106,6 +103,8 @@ private:
     void provide_records(std::size_t slots);
     void take_records();
     [[nodiscard]] std::vector<InstrumentState> living(int wire);
+    void check_state(const InstrumentState& state, const InstrumentRod& rod) const;
+    void take_states(int wire, std::span<const InstrumentState> states);
     void note_touching(std::span<const std::uint8_t> active);
     template <class F>
     void for_each_contact(int wire, const F& f);

@@ -19,10 +19,7 @@ public:
     void commit(std::span<const std::uint8_t> active) override;
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
 private:
     // a pair by what survives the step: wire, edge of the wire, triangle
@@ -35,8 +32,8 @@ private:
     void list_edges(std::span<const std::uint8_t> live);
     void list_pairs();
     void merge_records(std::span<const std::uint8_t> active);
-    /// Checks a saved state: ordered, of these wires, with existing edges and triangles. @throws Error BadFile
-    void check_keys(std::span<const Key> keys, int first_wire, int end_wire) const;
+    /// Checks a saved state: ordered, with existing edges and triangles. @throws Error BadFile
+    void check_keys(std::span<const Key> keys, int wire) const;
     [[nodiscard]] double lumen_radius_at(const Vec3& p);
 
     const ContactSetup setup_;

@@ -38,10 +38,7 @@ public:
     void take(int wire, Base base, std::span<double> kinks) override;
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     void commit(std::span<const std::uint8_t> active) override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
     /// As of the contact behind it.
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire);
@@ -71,8 +68,6 @@ private:
     void evaluate_start(const TermTrial& start);
     [[nodiscard]] double work_from_outside(int wire) const;
     void take_times(double seconds);
-    void put_feet(std::vector<std::uint8_t>& bytes, int wire) const;
-    void take_feet(const std::uint8_t*& bytes, const std::uint8_t* end, int wire);
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
     void list_rows(System& system) const;

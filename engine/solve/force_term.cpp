@@ -117,24 +117,9 @@ void ForceTerms::commit(std::span<const std::uint8_t> active) const
     for (ForceTerm* term : list_) term->commit(active);
 }
 
-void ForceTerms::save(std::vector<std::uint8_t>& bytes) const
+void ForceTerms::walk_state(StateWalk& walk, int wire) const
 {
-    for (ForceTerm* term : list_) term->save(bytes);
-}
-
-void ForceTerms::save_wire(std::vector<std::uint8_t>& bytes, int wire) const
-{
-    for (ForceTerm* term : list_) term->save_wire(bytes, wire);
-}
-
-void ForceTerms::restore(const std::uint8_t*& bytes, const std::uint8_t* end) const
-{
-    for (ForceTerm* term : list_) term->restore(bytes, end);
-}
-
-void ForceTerms::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) const
-{
-    for (ForceTerm* term : list_) term->restore_wire(bytes, end, wire);
+    for (ForceTerm* term : list_) term->walk_state(walk, wire);
 }
 
 }  // namespace seldinger

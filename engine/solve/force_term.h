@@ -24,6 +24,7 @@
 namespace seldinger {
 
 class BandedSolver;  // math/banded_solver.h
+class StateWalk;     // core/state_walk.h
 
 /// Trial configuration of all wires, in the concatenated layout of RodArrays.
 struct TrialState {
@@ -134,12 +135,8 @@ public:
     // ---- the accepted state ----
     /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
     virtual void commit(std::span<const std::uint8_t> /*active*/) {}
-    /// State from step to step, of all wires; save_wire: the bytes of save() in a world of this wire alone.
-    virtual void save(std::vector<std::uint8_t>& /*bytes*/) {}
-    virtual void save_wire(std::vector<std::uint8_t>& /*bytes*/, int /*wire*/) {}
-    virtual void restore(const std::uint8_t*& /*bytes*/, const std::uint8_t* /*end*/) {}
-    /// What save_wire() wrote, of a wire of the same model, becomes this wire's; the others stay as they are.
-    virtual void restore_wire(const std::uint8_t*& /*bytes*/, const std::uint8_t* /*end*/, int /*wire*/) {}
+    /// Its rows of what must survive a step, of one wire (core/state_walk.h): the same whatever else is in the world.
+    virtual void walk_state(StateWalk& /*walk*/, int /*wire*/) {}
 
     StageTimes times;  // where the time has gone, for whoever reads and clears it
 
@@ -173,10 +170,7 @@ public:
     /// Each term renews its own data. @param again  [wires] overwritten: those to be solved on
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) const;
     void commit(std::span<const std::uint8_t> active) const;
-    void save(std::vector<std::uint8_t>& bytes) const;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) const;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) const;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) const;
+    void walk_state(StateWalk& walk, int wire) const;
 
 private:
     std::vector<ForceTerm*> list_;

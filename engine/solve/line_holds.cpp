@@ -2,8 +2,7 @@
 
 #include "solve/line_holds.h"
 
-#include "core/bytes.h"
-#include "core/error.h"
+#include "core/state_walk.h"
 #include "rod/pair.h"
 
 #include <algorithm>
@@ -384,34 +383,13 @@ double LineHolds::work(int wire) const
     return sum;
 }
 
-void LineHolds::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    for (const Memory& memory : of_[static_cast<std::size_t>(wire)].memory) {
-        put_bytes(bytes, memory.force.data(), 3);
-        put_bytes(bytes, &memory.turned, 1);
-        put_bytes(bytes, &memory.held, 1);
-    }
-}
-
-void LineHolds::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+void LineHolds::walk_state(StateWalk& walk, int wire)
 {
     for (Memory& memory : of_[static_cast<std::size_t>(wire)].memory) {
-        take_bytes(bytes, end, memory.force.data(), 3);
-        take_bytes(bytes, end, &memory.turned, 1);
-        take_bytes(bytes, end, &memory.held, 1);
-        const bool sound = memory.force.cwiseAbs().maxCoeff() <= 1e18 && std::abs(memory.turned) <= 1e9 && memory.held <= 1;
-        if (!sound) throw Error(ExitCode::BadFile, "the saved state is damaged: a hold's force is out of bounds");
+        walk.numbers({"a hold's force", "N", "accept"}, memory.force);
+        walk({"a hold's angle", "rad", "accept", -1e9, 1e9}, memory.turned);
+        walk({"a hold's flag", "", "accept", 0, 1}, memory.held);
     }
-}
-
-void LineHolds::save(std::vector<std::uint8_t>& bytes)
-{
-    for (int w = 0; w < rods_.wire_count(); ++w) save_wire(bytes, w);
-}
-
-void LineHolds::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
-{
-    for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
 }
 
 }  // namespace seldinger

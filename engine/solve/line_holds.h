@@ -51,10 +51,7 @@ public:
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override;
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     void commit(std::span<const std::uint8_t> active) override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
     // ---- of the last evaluation ----
     /// On an instrument, of its holds of position [N].

@@ -2,6 +2,7 @@
 
 #include "contact/host_reference_support.h"
 #include "contact/instrument_contact.h"
+#include "core/state_walk.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -269,8 +270,8 @@ TEST_SUITE("contact/instrument_term")
         take_step(back, true);
         CHECK(back.term->rows(back.rods).empty());
         std::vector<std::uint8_t> kept, expected;
-        back.term->save(kept);
-        straight.term->save(expected);
+        StateWalk keep(kept), expect(expected);
+        for (const int w : {0, 1}) back.term->walk_state(keep, w), straight.term->walk_state(expect, w);
         CHECK(expected.size() > 8);  // cells near the lumen's wall are followed
         CHECK(kept == expected);
     }
