@@ -25,7 +25,7 @@ void walk_layout(StateWalk& walk)
     walk({"the layout", "", "", 0, INFINITY}, written);
     if (written != state_layout)
         throw Error(ExitCode::BadFile,
-                    "the saved state was written by another version, which laid it out in another way; go on with that one, or start anew");
+                    "the saved state: got one that another version has written; expected one of this version. Fix: resume with that version, or run again");
 }
 
 // What of a FeedState changes; the rest follows from the scene. There is a surplus only where nodes come and go.
