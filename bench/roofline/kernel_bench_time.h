@@ -75,7 +75,7 @@ public:
             k.launch(queue_, n_, static_cast<uint>(n_), real(1), list_, places_, hi_, lo_, theta_, tree_, vertices_, boundary_,
                      ratios_);
         });
-        ForceKernels forces(context_, "contact/evaluation.cl", n_, {true, true});
+        ForceKernels forces(context_, "contact/evaluation.cl", n_, true);
         time(forces, "contact_evaluate", n_, record + states + sizeof(ContactForce) + sizeof(real) + lists, [&](ForceKernels& k) {
             k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_, lo_,
                      theta_, hi_t0_, lo_t0_, theta_t0_, states_t0_, states_, forces_, barys_, multipliers_, clearances_);

@@ -3,8 +3,7 @@
 #include "contact/barrier_path.h"
 
 #include "contact/programs.h"
-#include "core/bytes.h"
-#include "core/error.h"
+#include "core/state_walk.h"
 #include "shared/barrier_path.h"
 
 #include <algorithm>
@@ -94,36 +93,10 @@ void BarrierPath::commit(const QuadratureSet& points, std::span<const std::uint8
             radius_reduction_t0_[s] = points.places[s].radius_reduction;
 }
 
-void BarrierPath::save(std::vector<std::uint8_t>& bytes) const
+void BarrierPath::walk_state(StateWalk& walk, const WireQuadrature& wire)
 {
-    put_bytes(bytes, radius_reduction_t0_.data(), radius_reduction_t0_.size());
-}
-
-void BarrierPath::save(std::vector<std::uint8_t>& bytes, const WireQuadrature& wire) const
-{
-    put_bytes(bytes, radius_reduction_t0_.data() + wire.begin, wire.capacity);
-}
-
-namespace {
-
-void need_finite(std::span<const real> values)
-{
-    if (!std::all_of(values.begin(), values.end(), [](real value) { return std::abs(value) <= 1; }))
-        throw Error(ExitCode::BadFile, "the saved state is damaged: a radius is out of bounds");
-}
-
-}  // namespace
-
-void BarrierPath::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
-{
-    take_bytes(bytes, end, radius_reduction_t0_.data(), radius_reduction_t0_.size());
-    need_finite(radius_reduction_t0_);
-}
-
-void BarrierPath::restore(const std::uint8_t*& bytes, const std::uint8_t* end, const WireQuadrature& wire)
-{
-    take_bytes(bytes, end, radius_reduction_t0_.data() + wire.begin, wire.capacity);
-    need_finite(std::span(radius_reduction_t0_).subspan(wire.begin, wire.capacity));
+    walk({"a radius", "m", "accept", -1, 1},
+         std::span(radius_reduction_t0_).subspan(static_cast<std::size_t>(wire.begin), static_cast<std::size_t>(wire.capacity)));
 }
 
 }  // namespace seldinger

@@ -8,6 +8,8 @@
 
 namespace seldinger {
 
+class StateWalk;  // core/state_walk.h
+
 class BarrierPath {
 public:
     BarrierPath(device::Context& context, const QuadratureSet& points, int node_capacity);
@@ -28,10 +30,7 @@ public:
     [[nodiscard]] double feasible_step(int wire) const { return feasible_step_[wire]; }
     void commit(const QuadratureSet& points, std::span<const std::uint8_t> active);
 
-    void save(std::vector<std::uint8_t>& bytes) const;
-    void save(std::vector<std::uint8_t>& bytes, const WireQuadrature& wire) const;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end, const WireQuadrature& wire);
+    void walk_state(StateWalk& walk, const WireQuadrature& wire);
     void warm_up(device::Queue at, ContactParams none, const QuadratureBuffers& buffers);
 
 private:

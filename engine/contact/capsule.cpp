@@ -6,6 +6,7 @@
 #include "contact/wall_law.h"
 #include "core/clock.h"
 #include "core/parallel.h"
+#include "core/state_walk.h"
 
 #include <algorithm>
 #include <limits>
@@ -51,14 +52,17 @@ CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& set
     warm_up();
 }
 
+// Quadrature points of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
+// one across it unseen. The trial there finds the wall nearer than depth_max allows, and is refused.
 void CapsuleContact::set_limits()
 {
+    traits_.never_overlaps = params_.normal_law == SEL_NORMAL_BARRIER;
     const bool limited = swept_ || params_.normal_law == SEL_NORMAL_BARRIER;
     for (const WireQuadrature& wire : quadrature_.wires) {
         double limit = std::numeric_limits<double>::infinity();
         for (int k = wire.begin; k < wire.begin + wire.capacity && limited; ++k)
             limit = std::min(limit, 0.45 * quadrature_.models[k].radius);
-        move_limit_.push_back(limit);
+        traits_.most_move.push_back(limit);
         storage_.emplace_back(std::span(quadrature_.models).subspan(wire.begin, wire.capacity), params_.normal_law);
     }
 }
@@ -99,7 +103,7 @@ void CapsuleContact::set_wire_nodes(DeviceNodes& nodes, int wire, const RodView&
         nodes.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
 }
 
-void CapsuleContact::begin_step(RodArrays& rods)
+void CapsuleContact::begin(RodArrays& rods)
 {
     for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const RodView rod = rods.view(w);
@@ -124,7 +128,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     find_near({});
     if (multipliers_) multipliers_->begin();
     if (barrier_) start_barrier();
-    times_.detect += seconds_since(start);
+    times.detect += seconds_since(start);
 }
 
 void CapsuleContact::start_barrier()
@@ -154,22 +158,32 @@ bool CapsuleContact::is_clear(RodArrays& rods, int wire)
     return barrier_->is_clear(at, params_, buffers(), quadrature_, active_.all().points, wire);
 }
 
-void CapsuleContact::take(int wire)
+TermAnswer CapsuleContact::answer(int wire, Ask what)
 {
-    if (barrier_) return barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
-    if (valleys_known()) valleys_.take(wire, states_.at_trial(), active_.all());
+    TermAnswer answer = ContactMethod::answer(wire, what);
+    switch (what) {
+        case Ask::Trial:
+            if (barrier_) answer.open = barrier_->feasible_step(wire);
+            answer.admissible = answer.admissible && answer.open == 1;
+            break;
+        case Ask::Kinks:
+            if (valleys_known()) answer.kinks = valleys_.crossed(wire, states_.at_trial(), active_.all(), params_.smoothing);
+            break;
+        case Ask::Energies:
+            answer.energies.stored = storage_[wire].most(sums_, wire, rods_.node_begin(wire), rods_.view(wire));
+    }
+    return answer;
 }
 
-KinksPassed CapsuleContact::crossed(int wire)
+void CapsuleContact::take(int wire, Base base, std::span<double> kinks)
 {
-    return valleys_known() ? valleys_.crossed(wire, states_.at_trial(), active_.all(), params_.smoothing) : KinksPassed{};
-}
-
-void CapsuleContact::start_again(int wire)
-{
-    if (!barrier_) return;
-    set_wire_nodes(nodes_, wire, rods_.view(wire));
-    barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
+    if (barrier_) {
+        if (base == Base::Start) set_wire_nodes(nodes_, wire, rods_.view(wire));
+        barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
+    } else if (base == Base::Trial && valleys_known()) {
+        if (!kinks.empty()) valleys_.admit(wire, rods_.node_begin(wire), kinks);
+        valleys_.take(wire, states_.at_trial(), active_.all());
+    }
 }
 
 bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
@@ -178,7 +192,7 @@ bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std:
     if (!multipliers_ || points == 0) return false;
     const auto start = Clock::now();
     const bool any = multipliers_->update(queue_for(points), params_, buffers(), quadrature_, solved, again);
-    times_.evaluate += seconds_since(start);
+    times.evaluate += seconds_since(start);
     return any;
 }
 
@@ -191,22 +205,22 @@ void CapsuleContact::find_near(std::span<const std::uint8_t> active)
     if (renewed || active_.stale()) active_.rebuild(near_, active);
 }
 
-void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+void CapsuleContact::evaluate_forces(const TermTrial& trial)
 {
     auto start = Clock::now();
-    set_nodes(nodes_, trial);
-    find_near(active);
-    const ActiveList* part = multipliers_ || barrier_ ? nullptr : active_.pick(active);
+    set_nodes(nodes_, trial.at);
+    find_near(trial.active);
+    const ActiveList* part = multipliers_ || barrier_ ? nullptr : active_.pick(trial.active);
     const ActiveList& list = part ? *part : active_.all();
-    times_.detect += seconds_since(start);
+    times.detect += seconds_since(start);
     if (!list.points.empty()) {
-        evaluate_list(list, part != nullptr, h);
-        if (part) active_.spread(active);
+        evaluate_list(list, part != nullptr, trial.h);
+        if (part) active_.spread(trial.active);
     }
     if (!barrier_) return;
     start = Clock::now();
     barrier_->sweep(queue_for(list.points.size()), params_, buffers(), quadrature_, list.points);
-    times_.detect += seconds_since(start);
+    times.detect += seconds_since(start);
 }
 
 /// @param part  the list is not of all wires
@@ -223,23 +237,14 @@ void CapsuleContact::evaluate_list(const ActiveList& list, bool part, double h)
     evaluation_.launch_forces(at, params_, buffers(list), nodes_before(), near_.clearances(), multiplier_states());
     if (at == device::Queue::Inline) {  // waiting costs nothing there, and tells the two stages apart; else both are `evaluate`
         context_.finish(at);
-        times_.evaluate += seconds_since(start);
+        times.evaluate += seconds_since(start);
         start = Clock::now();
     }
     const device::Buffer& sums = active_.sums_buffer(part);
     evaluation_.launch_sums(at, list.edges(), list.first_buffer, sums);
     read_records(context_, at, sums, active_.sums_target(part), list.edges(), 0, narrow_);
     states_.bring_trial(at, list.points);
-    (at == device::Queue::Inline ? times_.reduce : times_.evaluate) += seconds_since(start);
-}
-
-// Quadrature points of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
-// one across it unseen. The trial there finds the wall nearer than depth_max allows, and is refused.
-double CapsuleContact::move_limit(int wire) const { return move_limit_[wire]; }
-
-double CapsuleContact::stored_energy(int wire) const
-{
-    return storage_[wire].most(sums_, wire, rods_.node_begin(wire), rods_.view(wire));
+    (at == device::Queue::Inline ? times.reduce : times.evaluate) += seconds_since(start);
 }
 
 void CapsuleContact::commit(std::span<const std::uint8_t> active)
@@ -253,33 +258,14 @@ void CapsuleContact::commit(std::span<const std::uint8_t> active)
     });
 }
 
-void CapsuleContact::save(std::vector<std::uint8_t>& bytes)
-{
-    states_.save(bytes);
-    if (barrier_) barrier_->save(bytes);
-}
-
-void CapsuleContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    states_.save_wire(bytes, wire);
-    if (barrier_) barrier_->save(bytes, quadrature_.wires[wire]);
-}
-
 // Near nodes are found anew: results do not depend on where they were found (nearest_contact_point reports nothing beyond the
 // reach).
-void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+void CapsuleContact::walk_state(StateWalk& walk, int wire)
 {
-    states_.restore(bytes, end, wall_.original.size());
-    if (barrier_) barrier_->restore(bytes, end);
-    active_.forget();
-    near_.forget();
-}
-
-void CapsuleContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
-{
-    const WireQuadrature& points = quadrature_.wires[wire];
-    states_.restore_wire(bytes, end, wire, wall_.original.size());
-    if (barrier_) barrier_->restore(bytes, end, points);
+    const WireQuadrature& points = quadrature_.wires[static_cast<std::size_t>(wire)];
+    states_.walk_state(walk, wire, wall_.original.size());
+    if (barrier_) barrier_->walk_state(walk, points);
+    if (!walk.reads()) return;
     active_.forget(points);
     near_.forget(points);
 }

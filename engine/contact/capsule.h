@@ -21,23 +21,11 @@ class CapsuleContact final : public ContactMethod {
 public:
     CapsuleContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
 
-    void begin_step(RodArrays& rods) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
-    [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire) && feasible_step(wire) == 1; }
-    void take(int wire) override;
-    void start_again(int wire) override;
-    [[nodiscard]] KinksPassed crossed(int wire) override;
-    void admit_crossings(int wire, std::span<double> residual) override
-    {
-        valleys_.admit(wire, rods_.node_begin(wire), residual);
-    }
-    [[nodiscard]] double feasible_step(int wire) const override { return barrier_ ? barrier_->feasible_step(wire) : 1.0; }
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
+    void take(int wire, Base base, std::span<double> kinks) override;
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
-    [[nodiscard]] double move_limit(int wire) const override;
-    [[nodiscard]] bool never_overlaps() const override { return barrier_.has_value(); }
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
-    [[nodiscard]] double stored_energy(int wire) const override;
     void commit(std::span<const std::uint8_t> active) override;
     void set_exposure(int wire, double offset, double exposed) override
     {
@@ -51,12 +39,11 @@ public:
     void add_loads(RodArrays& rods, std::span<WireLoads> loads) override;  // cheap enough for every step
     [[nodiscard]] double spacing(int wire) const override { return quadrature_.wires[static_cast<std::size_t>(wire)].spacing; }
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
 private:
+    void begin(RodArrays& rods) override;
+    void evaluate_forces(const TermTrial& trial) override;
     void set_limits();
     /// A barrier's path ends at no valley; a device with memory of its own would be asked for its records at every trial.
     [[nodiscard]] bool valleys_known() const { return !barrier_ && !states_.at_trial().empty(); }
@@ -81,7 +68,6 @@ private:
     Valleys valleys_;
     std::optional<Multipliers> multipliers_;  // augmented, constraint, impulse
     std::optional<BarrierPath> barrier_;      // barrier
-    std::vector<double> move_limit_;          // [wires] [m]
     std::vector<std::uint32_t> narrow_;       // scratch of a float32 context (device_records.h)
 };
 

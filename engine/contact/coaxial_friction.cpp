@@ -2,7 +2,7 @@
 
 #include "contact/coaxial_friction.h"
 
-#include "core/bytes.h"
+#include "core/state_walk.h"
 #include "math/banded_solver.h"
 
 #include <algorithm>
@@ -112,11 +112,11 @@ void CoaxialFriction::add_part(const Group& group, Pair& pair, std::size_t cell,
 
 // ---- at a trial -------------------------------------------------------------------------------------------------------------
 
-void CoaxialFriction::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+void CoaxialFriction::evaluate(const TermTrial& trial)
 {
     for (Group& group : groups_) {
-        if (!active[group.shared->line()]) continue;
-        for (Pair& pair : group.pairs) evaluate(group, pair, trial, h > 0 ? 1 / h : 0);
+        if (!trial.active[group.shared->line()]) continue;
+        for (Pair& pair : group.pairs) evaluate(group, pair, trial.at, trial.h > 0 ? 1 / trial.h : 0);
     }
 }
 
@@ -217,20 +217,15 @@ const CoaxialFriction::Group* CoaxialFriction::led_by(int line) const
     return at.group >= 0 && at.member == 0 ? &groups_[static_cast<std::size_t>(at.group)] : nullptr;
 }
 
-ContactWork CoaxialFriction::contact_work(int wire) const
+TermAnswer CoaxialFriction::answer(int wire, Ask what)
 {
-    ContactWork work;
-    if (const Group* group = led_by(wire))
-        for (const Pair& pair : group->pairs) work.friction += pair.work;
-    return work;
-}
-
-double CoaxialFriction::stored_energy(int wire) const
-{
-    double energy = 0;
-    if (const Group* group = led_by(wire))
-        for (const Pair& pair : group->pairs) energy += pair.stored;
-    return energy;
+    TermAnswer answer;
+    const Group* group = what == Ask::Energies ? led_by(wire) : nullptr;
+    for (const Pair& pair : group ? std::span(group->pairs) : std::span<const Pair>()) {
+        answer.energies.work.friction += pair.work;
+        answer.energies.stored += pair.stored;
+    }
+    return answer;
 }
 
 // ---- the accepted state -----------------------------------------------------------------------------------------------------
@@ -251,50 +246,20 @@ void CoaxialFriction::commit(std::span<const std::uint8_t> active)
     }
 }
 
-void CoaxialFriction::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    const Group* group = led_by(wire);
-    if (!group) return;
-    if (group->spec.pressed()) put_bytes(bytes, group->outside.data(), group->outside.size());
-    for (const Pair& pair : group->pairs) {
-        put_bytes(bytes, reinterpret_cast<const double*>(pair.elastic.data()), 2 * pair.elastic.size());
-        if (!group->spec.pressed()) continue;
-        put_bytes(bytes, pair.slid.data(), pair.slid.size());
-        put_bytes(bytes, pair.pressing.data(), pair.pressing.size());
-        put_bytes(bytes, reinterpret_cast<const double*>(pair.off.data()), 2 * pair.off.size());
-    }
-}
-
-void CoaxialFriction::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+void CoaxialFriction::walk_state(StateWalk& walk, int wire)
 {
     if (!led_by(wire)) return;
-    const auto need = [](bool sound) {
-        if (!sound) throw Error(ExitCode::BadFile, "the saved state is damaged: friction between instruments is out of bounds");
-    };
+    const char* name = "friction between instruments";
     Group& group = groups_[static_cast<std::size_t>(place_of(wire).group)];
-    if (group.spec.pressed()) take_bytes(bytes, end, group.outside.data(), group.outside.size());
-    for (const double force : group.outside) need(std::abs(force) <= 1e18);
+    const bool pressed = group.spec.pressed();
+    if (pressed) walk({name, "N", "accept"}, std::span(group.outside));
     for (Pair& pair : group.pairs) {
-        take_bytes(bytes, end, reinterpret_cast<double*>(pair.elastic.data()), 2 * pair.elastic.size());
-        for (const Vec2& slip : pair.elastic) need(std::abs(slip.x()) <= 1e4 && std::abs(slip.y()) <= 1e4);  // [m]; false for NaN
-        if (!group.spec.pressed()) continue;
-        take_bytes(bytes, end, pair.slid.data(), pair.slid.size());
-        take_bytes(bytes, end, pair.pressing.data(), pair.pressing.size());
-        take_bytes(bytes, end, reinterpret_cast<double*>(pair.off.data()), 2 * pair.off.size());
-        for (const std::uint8_t slid : pair.slid) need(slid <= 1);
-        for (const double pressing : pair.pressing) need(pressing >= 0 && pressing <= 1e18);
-        for (const LumenPress::Complex off : pair.off) need(std::abs(off.real()) <= 1 && std::abs(off.imag()) <= 1);
+        walk.numbers({name, "m", "accept", -1e4, 1e4}, std::span(pair.elastic));
+        if (!pressed) continue;
+        walk({name, "", "accept", 0, 1}, std::span(pair.slid));
+        walk({name, "N/m", "accept", 0}, std::span(pair.pressing));
+        walk.numbers({name, "", "accept", -1, 1}, std::span(pair.off));
     }
-}
-
-void CoaxialFriction::save(std::vector<std::uint8_t>& bytes)
-{
-    for (int w = 0; w < rods_.wire_count(); ++w) save_wire(bytes, w);
-}
-
-void CoaxialFriction::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
-{
-    for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
 }
 
 }  // namespace seldinger

@@ -41,26 +41,23 @@ struct CoaxialFrictionSpec {
 
 class CoaxialFriction final : public ForceTerm {
 public:
-    explicit CoaxialFriction(RodArrays& rods) : rods_(rods), place_of_(static_cast<std::size_t>(rods.wire_count())) {}
+    explicit CoaxialFriction(RodArrays& rods) : rods_(rods), place_of_(static_cast<std::size_t>(rods.wire_count()))
+    {
+        // spins of instruments that share a centreline are never left out of a step, and those of others are not asked for
+        traits_.follows_spins = traits_.may_jump = false;
+    }
     /// Instruments of a group that rub; the group outlives this.  @param cell  length that remembers one slip [m]
     void add(CoaxialGroup& group, const CoaxialFrictionSpec& spec, double cell);
     [[nodiscard]] bool empty() const { return groups_.empty(); }
 
+    void begin_step(RodArrays& /*rods*/, Settling how) override { stuck_ = how == Settling::Stuck; }
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
-    void set_settling(Settling how) override { stuck_ = how == Settling::Stuck; }
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
+    void evaluate(const TermTrial& trial) override;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
-    // spins of instruments that share a centreline are never left out of a step, and those of others are not asked for
-    [[nodiscard]] bool follows_spins() const override { return false; }
-    [[nodiscard]] bool may_jump() const override { return false; }
     void commit(std::span<const std::uint8_t> active) override;
-    [[nodiscard]] ContactWork contact_work(int wire) const override;
-    [[nodiscard]] double stored_energy(int wire) const override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
     /// What pulls at an instrument from outside in the accepted state, along the line, + towards the tip [N].
     void set_outside(int wire, double force);

@@ -5,7 +5,6 @@
 #include "rod/wire_spec.h"
 #include "wall/wall_model.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace seldinger {
@@ -14,8 +13,7 @@ struct ContactSetup {
     std::vector<WireSpec> wires;        // [wires]
     std::vector<ContactSpec> contacts;  // [wires]; detection, laws and precision are those of the first
     const WallModel& wall;              // outlives what is made from it
-    std::vector<std::uint8_t> ridges;   // [wires] whether the tangent has how the normal turns over ridges; empty: of none
-    bool known_velocities = false;      // steps may take contact at their start (ForceTerm::evaluate_start)
+    bool known_velocities = false;      // steps may take contact at their start (TermTrial::before)
 
     /// Detection, laws and precision of all.
     [[nodiscard]] const ContactSpec& method() const { return contacts.front(); }

@@ -31,13 +31,27 @@ void ContactMethod::upload_nodes(device::Queue queue)
     if (params_.known) nodes_known_->upload(context_, queue);
 }
 
-void ContactMethod::evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
-                                   std::span<const std::uint8_t> active)
+void ContactMethod::evaluate(const TermTrial& trial)
 {
-    set_nodes(*nodes_known_, before);
-    params_.known = linearised ? SEL_KNOWN_LINEAR : SEL_KNOWN_FORCE;
-    evaluate(start, h, active);
+    if (trial.before) {
+        set_nodes(*nodes_known_, *trial.before);
+        params_.known = trial.linearised ? SEL_KNOWN_LINEAR : SEL_KNOWN_FORCE;
+    }
+    evaluate_forces(trial);
     params_.known = 0;
+}
+
+TermAnswer ContactMethod::answer(int wire, Ask what)
+{
+    TermAnswer answer;
+    if (what == Ask::Trial) {
+        sums_.answer(wire, answer);
+        if (context_.float32()) answer.rounding = sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire));
+    } else if (what == Ask::Energies) {
+        const ContactTotals t = totals(wire);
+        answer.energies = {t.work, 0, (t.normal + t.friction) * t.depth};
+    }
+    return answer;
 }
 
 void ContactMethod::add_loads(RodArrays& rods, std::span<WireLoads> loads)

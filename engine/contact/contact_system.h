@@ -12,7 +12,6 @@
 #include "contact/edge_sums.h"
 #include "contact/force_per_length.h"
 #include "contact/quadrature.h"
-#include "core/stage_times.h"
 #include "device/device.h"
 #include "solve/force_term.h"
 #include "vessel/tree.h"
@@ -26,29 +25,20 @@ namespace seldinger {
 /// edge (edge_sums.h), and what the solver asks is answered from those.
 class ContactMethod : public ForceTerm {
 public:
-    /// Node positions, angles and the places of quadrature points at the start of the step.
-    void begin_step(RodArrays& rods) override = 0;
+    void begin_step(RodArrays& rods, Settling how) final
+    {
+        params_.settling = settling_flag(how);
+        begin(rods);
+    }
     /// Quadrature points on the present node set.
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override = 0;
     void commit(std::span<const std::uint8_t> active) override = 0;
-    void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
-                        std::span<const std::uint8_t> active) final;
-    void set_settling(Settling how) final
-    {
-        params_.settling = how == Settling::Stuck ? SEL_SETTLE_STUCK : how == Settling::Sliding ? SEL_SETTLE_SLIDING : 0;
-    }
-    [[nodiscard]] StageTimes times() const final { return times_; }
-    void clear_times() final { times_ = {}; }
+    void evaluate(const TermTrial& trial) final;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
 
     void add(int wire, std::span<double> gradient, BandRows* jacobian, bool symmetric) const final
     {
         sums_.add(wire, rods_.node_begin(wire), gradient, jacobian, symmetric);
-    }
-    [[nodiscard]] bool unsymmetric(int wire) const final { return sums_.unsymmetric(wire); }
-    [[nodiscard]] double largest_force(int wire) const final { return sums_.largest_force(wire); }
-    [[nodiscard]] double rounding(int wire) const final
-    {
-        return context_.float32() ? sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire)) : 0;
     }
     [[nodiscard]] ContactTotals totals(int wire) const
     {
@@ -56,12 +46,6 @@ public:
         if (sum.deepest >= 0) sum.deepest -= rods_.node_begin(wire);
         return sum;
     }
-    [[nodiscard]] double stored_energy(int wire) const override
-    {
-        const ContactTotals t = totals(wire);
-        return (t.normal + t.friction) * t.depth;
-    }
-    [[nodiscard]] ContactWork contact_work(int wire) const final { return totals(wire).work; }
     /// Adds contact forces on the nodes of a wire, [n].
     void add_nodal_forces(int wire, std::span<Vec3> forces) const
     {
@@ -70,6 +54,8 @@ public:
     /// The wall's force on what slides along a wire's line, + towards the tip [N].
     [[nodiscard]] double along(int wire) const { return sums_.along(wire, rods_.node_begin(wire), rods_.view(wire)); }
 
+    /// Whether a wire on its present nodes is clear of the wall; asked of laws that never overlap.
+    [[nodiscard]] virtual bool is_clear(RodArrays& /*rods*/, int /*wire*/) { return true; }
     /// Exposure of a wire that shares its nodes with others: see WireQuadrature. Before begin_step and again before prepare.
     virtual void set_exposure(int /*wire*/, double /*offset*/, double /*exposed*/) {}
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
@@ -79,13 +65,13 @@ public:
     [[nodiscard]] virtual double spacing(int /*wire*/) const { return 0; }
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
-    void save(std::vector<std::uint8_t>& bytes) override = 0;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override = 0;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override = 0;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override = 0;
+    void walk_state(StateWalk& walk, int wire) override = 0;
 
 protected:
     ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
+    /// Node positions, angles and the places of quadrature points at the start of the step.
+    virtual void begin(RodArrays& rods) = 0;
+    virtual void evaluate_forces(const TermTrial& trial) = 0;
     /// Where a trial's moves begin: the start of the step, or what stands before it.
     [[nodiscard]] const DeviceNodes& nodes_before() const { return params_.known ? *nodes_known_ : nodes_t0_; }
     void set_nodes(DeviceNodes& nodes, const TrialState& state) const;
@@ -96,10 +82,9 @@ protected:
     RodArrays& rods_;
     DeviceWall wall_;
     DeviceNodes nodes_, nodes_t0_;            // at the trial, at the start of the step
-    std::optional<DeviceNodes> nodes_known_;  // see evaluate_start; schemes that start from known velocities only
+    std::optional<DeviceNodes> nodes_known_;  // TermTrial::before; schemes that start from known velocities only
     ContactParams params_{};
     EdgeSums sums_;
-    StageTimes times_;  // of detect, evaluate and reduce
 };
 
 /// @param setup  objects that it refers to must outlive the result

@@ -18,31 +18,19 @@ ContactTotals& ContactTotals::operator+=(const ContactTotals& other)
     sliding += other.sliding;
     rolling += other.rolling;
     length += other.length;
-    work.normal += other.work.normal;
-    work.friction += other.work.friction;
-    work.rolling += other.work.rolling;
+    work += other.work;
     return *this;
 }
 
-bool EdgeSums::admissible(int wire) const
+void EdgeSums::answer(int wire, TermAnswer& to) const
 {
-    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e)
-        if (edges[e].flags & SEL_FORCE_BLOCKED) return false;
-    return true;
-}
-
-bool EdgeSums::unsymmetric(int wire) const
-{
-    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e)
-        if (edges[e].flags & SEL_FORCE_SLIDING) return true;
-    return false;
-}
-
-double EdgeSums::largest_force(int wire) const
-{
-    double most = 0;
-    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) most = std::max(most, edges[e].normal_sum);
-    return most;
+    uint flags = 0;
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
+        flags |= edges[e].flags;
+        to.largest_force = std::max(to.largest_force, edges[e].normal_sum);
+    }
+    to.admissible = !(flags & SEL_FORCE_BLOCKED);
+    to.unsymmetric = flags & SEL_FORCE_SLIDING;
 }
 
 double EdgeSums::rounding(int wire, int begin, const RodView& rod) const

@@ -24,15 +24,20 @@ struct ContactTotals {
     ContactTotals& operator+=(const ContactTotals& other);
 };
 
+/// SEL_SETTLE_* of the kernels.
+[[nodiscard]] inline uint settling_flag(Settling how)
+{
+    return how == Settling::Stuck ? SEL_SETTLE_STUCK : how == Settling::Sliding ? SEL_SETTLE_SLIDING : 0;
+}
+
 struct EdgeSums {
     std::vector<EdgeForce> edges;          // [active edges] read back from the device
     std::vector<std::uint32_t> edge_node;  // [active edges] tip-side node in the concatenated arrays
     std::vector<int> wire_edges;           // [wires + 1] range of each wire in the two above
 
-    [[nodiscard]] bool admissible(int wire) const;
-    [[nodiscard]] bool unsymmetric(int wire) const;
-    [[nodiscard]] double largest_force(int wire) const;
-    /// Rounding of forces computed in float, see ForceTerm::rounding. A gap is made of vectors as long as the edge and the wire's
+    /// Admissible, unsymmetric, largest force.
+    void answer(int wire, TermAnswer& to) const;
+    /// Rounding of forces computed in float, see TermAnswer. A gap is made of vectors as long as the edge and the wire's
     /// radius, each rounded to 2^-24. It moves the force by the contact's stiffness times that.
     [[nodiscard]] double rounding(int wire, int begin, const RodView& rod) const;
     /// @param begin  first node of the wire in the concatenated arrays; see ForceTerm::add

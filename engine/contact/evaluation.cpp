@@ -11,21 +11,16 @@ namespace seldinger {
 
 namespace {
 
-ForceKernels::Rare rare_laws(std::span<const QuadratureModel> models)
+bool any_rolls(std::span<const QuadratureModel> models)
 {
-    ForceKernels::Rare rare{false, false};
-    for (const QuadratureModel& m : models) {
-        rare.ridges = rare.ridges || m.ridges > 0;
-        rare.rolling = rare.rolling || m.roll_arm > 0;
-    }
-    return rare;
+    return std::any_of(models.begin(), models.end(), [](const QuadratureModel& m) { return m.roll_arm > 0; });
 }
 
 }  // namespace
 
 Evaluation::Evaluation(device::Context& context, std::span<const QuadratureModel> models)
     : context_(context),
-      evaluate_(context, programs::quadrature, models.size(), rare_laws(models)),
+      evaluate_(context, programs::quadrature, models.size(), any_rolls(models)),
       reduce_(context, programs::quadrature, "contact_reduce", device::Items::Branching),
       forces_(context, models.size() * device_size<ContactForce>(context)),
       barys_(context, models.size() * device_size<double>(context)),

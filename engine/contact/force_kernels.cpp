@@ -6,7 +6,7 @@
 
 namespace seldinger {
 
-ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, Rare rare) : context_(&context)
+ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling) : context_(&context)
 {
     const device::Items items = device::Items::Branching;
     if (context.workgroup(items) == 1) {
@@ -21,11 +21,11 @@ ForceKernels::ForceKernels(device::Context& context, const std::string& program,
     add("contact_oppose", 0);
     add("contact_join", 1);
     for (const cl_uint side : {0u, 1u}) {
-        if (rare.ridges) add("contact_ridge", side);
+        add("contact_ridge", side);
         add("contact_press", side);
         add("contact_rub", side);
         add("contact_tangent", side);
-        if (rare.rolling) add("contact_roll", side);
+        if (rolling) add("contact_roll", side);
     }
     records_ = device::Buffer(context, points * SEL_STAGE_REALS * (context.float32() ? sizeof(float) : sizeof(double)));
     todo_ = device::Buffer(context, (points + 1) * sizeof(cl_uint));

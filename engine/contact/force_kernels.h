@@ -11,12 +11,8 @@ namespace seldinger {
 
 class ForceKernels {
 public:
-    /// Laws that some model has. Their stages are launched for those alone.
-    struct Rare {
-        bool ridges, rolling;
-    };
-    /// @param program  with contact/evaluation.cl     points  listed at most
-    ForceKernels(device::Context& context, const std::string& program, std::size_t points, Rare rare);
+    /// @param program  with contact/evaluation.cl     points  listed at most     rolling  whether some model rolls: has a stage of its own
+    ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling);
 
     /// @param arguments  SEL_FORCE_ARGUMENTS of evaluation.cl
     template <class... Arguments>

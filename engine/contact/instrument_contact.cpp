@@ -112,6 +112,8 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       slots_host_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
       no_states_(slots_host_.size())
 {
+    traits_.may_jump = false;
+    traits_.most_move = cells_.move_limit;
     const std::size_t systems = first_wire_.size() - 1;
     for (std::size_t s = 0; s < systems; ++s) sums_.emplace_back(rods, first_wire_[s], first_wire_[s + 1] - first_wire_[s]);
     found_of_.assign(systems + 1, 0);
@@ -134,11 +136,6 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     params_.smooth_speed = 1e-3;
 }
 
-void InstrumentContact::set_settling(Settling how)
-{
-    params_.settling = how == Settling::Stuck ? SEL_SETTLE_STUCK : how == Settling::Sliding ? SEL_SETTLE_SLIDING : 0;
-}
-
 void InstrumentContact::set_nodes(Nodes& nodes, const RodView& rod, int begin) const
 {
     for (int i = 0; i < rod.n; ++i) {
@@ -151,8 +148,9 @@ void InstrumentContact::set_nodes(Nodes& nodes, const RodView& rod, int begin) c
     }
 }
 
-void InstrumentContact::begin_step(RodArrays& rods)
+void InstrumentContact::begin_step(RodArrays& rods, Settling how)
 {
+    params_.settling = settling_flag(how);
     for (int w = 0; w < rods.wire_count(); ++w) {
         set_nodes(nodes_t0_, rods.view(w), rods.node_begin(w));
         cells_.rods[w].count_t0 = static_cast<uint>(rods.node_count(w));
@@ -177,7 +175,7 @@ void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> l
     // nothing of searches before
     std::fill(searching_.begin(), searching_.end(), std::uint8_t{1});
     search();
-    times_.detect += seconds_since(start);
+    times.detect += seconds_since(start);
 }
 
 void InstrumentContact::set_trial(const TrialState& trial)
@@ -439,30 +437,30 @@ void InstrumentContact::note_clear()
     }
 }
 
-void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+void InstrumentContact::evaluate(const TermTrial& trial)
 {
     auto start = Clock::now();
-    set_trial(trial);
+    set_trial(trial.at);
     bool any = false;
     for (std::size_t s = 0; s < searching_.size(); ++s) {
-        searching_[s] = active[first_wire_[s]] && search_is_stale(s);
+        searching_[s] = trial.active[first_wire_[s]] && search_is_stale(s);
         any = any || searching_[s];
     }
     if (any) search();
-    pick(active);
-    times_.detect += seconds_since(start);
+    pick(trial.active);
+    times.detect += seconds_since(start);
     if (picked_.empty()) return;
     start = Clock::now();
-    params_.inv_dt = h > 0 ? 1 / h : 0;
+    params_.inv_dt = trial.h > 0 ? 1 / trial.h : 0;
     const device::Queue queue = queue_for_slots(picked_.size());
     provide_records(picked_.size());
     launch(queue, forces_buffer_);
     context_.read(queue, forces_buffer_, forces_.data(), picked_.size() * sizeof(InstrumentForce));
     context_.read(queue, points_buffer_, points_.data(), picked_.size() * SEL_INSTRUMENT_POINTS * sizeof(InstrumentPoint));
-    times_.evaluate += seconds_since(start);
+    times.evaluate += seconds_since(start);
     start = Clock::now();
     take_records();
-    times_.reduce += seconds_since(start);
+    times.reduce += seconds_since(start);
 }
 
 void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces)
@@ -524,6 +522,21 @@ void InstrumentContact::take_records()
     });
 }
 
+TermAnswer InstrumentContact::answer(int wire, Ask what)
+{
+    const InstrumentSums& sums = sums_of(wire);
+    TermAnswer answer;
+    if (what == Ask::Trial) {
+        answer.admissible = !sums.blocked();
+        answer.acts = sums.acts();
+        answer.unsymmetric = sums.sliding();
+        answer.largest_force = sums.largest_force(wire);
+    } else if (what == Ask::Energies) {
+        answer.energies = {sums.totals(wire).work, sums.from_other(wire), sums.stored(wire)};
+    }
+    return answer;
+}
+
 void InstrumentContact::couple(const SystemUnknowns& system, std::span<double> /*residual*/, BandedSolver* tangent,
                                bool symmetric) const
 {
@@ -557,7 +570,7 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
     }
     for (std::size_t s = 0; s < written_.size(); ++s)
         if (active[first_wire_[s]]) written_[s] = 0;
-    times_.detect += seconds_since(start);
+    times.detect += seconds_since(start);
 }
 
 /// Whose states are contacts of the step that is taken.

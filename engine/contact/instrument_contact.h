@@ -30,31 +30,17 @@ public:
     /// @param context  in double precision      @param rods  of the world; both outlive this
     InstrumentContact(device::Context& context, const InstrumentSetup& setup, RodArrays& rods);
 
-    void begin_step(RodArrays& rods) override;
+    void begin_step(RodArrays& rods, Settling how) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
-    void set_settling(Settling how) override;
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
-    [[nodiscard]] bool admissible(int wire) const override { return !sums_of(wire).blocked(); }
+    void evaluate(const TermTrial& trial) override;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override
     {
         sums_of(wire).add(wire, residual, tangent, symmetric);
     }
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
-    [[nodiscard]] bool acts(int wire) const override { return sums_of(wire).acts(); }
-    [[nodiscard]] bool unsymmetric(int wire) const override { return sums_of(wire).sliding(); }
-    [[nodiscard]] double largest_force(int wire) const override { return sums_of(wire).largest_force(wire); }
-    [[nodiscard]] double move_limit(int wire) const override { return cells_.move_limit[wire]; }
-    [[nodiscard]] bool may_jump() const override { return false; }
     void commit(std::span<const std::uint8_t> active) override;
-    [[nodiscard]] double work_from_outside(int wire) const override { return sums_of(wire).from_other(wire); }
-    [[nodiscard]] ContactWork contact_work(int wire) const override { return sums_of(wire).totals(wire).work; }
-    [[nodiscard]] double stored_energy(int wire) const override { return sums_of(wire).stored(wire); }
-    [[nodiscard]] StageTimes times() const override { return times_; }
-    void clear_times() override { times_ = {}; }
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
     [[nodiscard]] const ContactTotals& totals(int wire) const { return sums_of(wire).totals(wire); }
     /// Adds the forces on the nodes of a wire, [n].
@@ -117,6 +103,8 @@ private:
     void provide_records(std::size_t slots);
     void take_records();
     [[nodiscard]] std::vector<InstrumentState> living(int wire);
+    void check_state(const InstrumentState& state, const InstrumentRod& rod) const;
+    void take_states(int wire, std::span<const InstrumentState> states);
     void note_touching(std::span<const std::uint8_t> active);
     template <class F>
     void for_each_contact(int wire, const F& f);
@@ -161,7 +149,6 @@ private:
     std::vector<int> with_states_;  // [wires] cells whose states the last step may have written, the first of them
     std::vector<InstrumentForce> forces_;            // [picked], at least
     std::vector<InstrumentPoint> points_;            // [picked][SEL_INSTRUMENT_POINTS], at least
-    StageTimes times_;
 };
 
 }  // namespace seldinger

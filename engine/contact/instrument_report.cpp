@@ -4,7 +4,7 @@
 #include "contact/instrument_contact.h"
 
 #include "contact/point_states.h"
-#include "core/bytes.h"
+#include "core/state_walk.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,67 +31,53 @@ std::vector<InstrumentState> InstrumentContact::living(int wire)
     return states;
 }
 
-void InstrumentContact::save(std::vector<std::uint8_t>& bytes)
+void InstrumentContact::walk_state(StateWalk& walk, int wire)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) save_wire(bytes, w);
-}
-
-void InstrumentContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    if (cells_.rods[wire].pairs == 0) return;  // touches none: its bytes must not tell whether others of the world do
-    const std::vector<InstrumentState> states = living(wire);
-    const auto lives = [](const InstrumentState& state) { return state.contact.epoch != 0; };
-    const auto count = static_cast<std::uint32_t>(std::count_if(states.begin(), states.end(), lives));
-    put_bytes(bytes, &cells_.rods[wire].epoch, 1);
-    put_bytes(bytes, &count, 1);
-    const std::uint32_t first_pair = cells_.rods[wire].pair;  // a system's bytes do not depend on those before it
-    for (std::size_t k = 0; k < states.size(); ++k) {
-        if (!lives(states[k])) continue;
-        const auto place = static_cast<std::uint32_t>(k);
-        InstrumentState state = states[k];
-        state.pair -= first_pair;
-        put_bytes(bytes, &place, 1);
-        put_bytes(bytes, &state, 1);
-    }
-}
-
-void InstrumentContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
-{
-    for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
-}
-
-void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
-{
-    if (cells_.rods[wire].pairs == 0) return;
+    InstrumentRod& rod = cells_.rods[wire];
+    if (rod.pairs == 0) return;  // touches none: its bytes must not tell whether others of the world do
     const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire]);
     const auto size = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire + 1]) - first;
-    std::vector<InstrumentState> states(no_states_.begin(), no_states_.begin() + static_cast<std::ptrdiff_t>(size));
-    std::uint32_t count = 0;
-    touching_[static_cast<std::size_t>(wire)].clear();
-    take_bytes(bytes, end, &cells_.rods[wire].epoch, 1);
-    take_bytes(bytes, end, &count, 1);
-    if (count > size) throw Error(ExitCode::BadFile, "the saved state has more contacts than this scene can have");
-    for (std::uint32_t k = 0; k < count; ++k) {
-        std::uint32_t place = 0;
-        take_bytes(bytes, end, &place, 1);
-        if (place >= size) throw Error(ExitCode::BadFile, "the saved state has contacts on cells that this scene has not");
-        take_bytes(bytes, end, &states[place], 1);
-        if (states[place].pair >= cells_.rods[wire].pairs)
-            throw Error(ExitCode::BadFile, "the saved state has contacts between instruments that do not touch in this scene");
-        // its edge of the other one is where that is looked along from, as are the places along both
-        check_contact_states({&states[place].contact, 1}, static_cast<std::size_t>(rods_.total_capacity()));
-        if (!(std::abs(states[place].along_a) <= farthest && std::abs(states[place].along_b) <= farthest))
-            throw Error(ExitCode::BadFile, "the saved state has a contact that lies on no instrument");
-        states[place].pair += cells_.rods[wire].pair;
-        if (states[place].contact.flags & SEL_CONTACT_ACTIVE) touching_[static_cast<std::size_t>(wire)].push_back(static_cast<std::uint32_t>(first) + place);
+    std::vector<InstrumentState> states;
+    if (walk.reads()) states.assign(no_states_.begin(), no_states_.begin() + static_cast<std::ptrdiff_t>(size));
+    else states = living(wire);
+    const auto lives = [](const InstrumentState& state) { return state.contact.epoch != 0; };
+    auto count = static_cast<std::uint32_t>(std::count_if(states.begin(), states.end(), lives));
+    walk({"the number of a step", "", "accept"}, rod.epoch);
+    walk({"the number of contacts", "", "accept", 0, static_cast<double>(size)}, count);
+    for (std::uint32_t k = 0, next = 0; k < count; ++k, ++next) {
+        while (!walk.reads() && !lives(states[next])) ++next;
+        walk({"a contact's cell", "", "accept", 0, static_cast<double>(size) - 1}, next);
+        InstrumentState& state = states[next];
+        state.pair -= rod.pair;  // a system's bytes do not depend on those before it
+        walk({"a contact between instruments", "", "accept"}, state);
+        if (walk.reads()) check_state(state, rod);
+        state.pair += rod.pair;
     }
+    if (walk.reads()) take_states(wire, states);
+}
+
+/// Of a contact that was read, its pair counted from the rod's first. @throws Error BadFile
+void InstrumentContact::check_state(const InstrumentState& state, const InstrumentRod& rod) const
+{
+    StateWalk::need(state.pair < rod.pairs, "which instruments touch");
+    // its edge of the other one is where that is looked along from, as are the places along both
+    check_contact_states({&state.contact, 1}, static_cast<std::size_t>(rods_.total_capacity()));
+    StateWalk::need(std::abs(state.along_a) <= farthest && std::abs(state.along_b) <= farthest, "where instruments touch");
+}
+
+/// Of all slots of a wire's cells, as they were read.
+void InstrumentContact::take_states(int wire, std::span<const InstrumentState> states)
+{
+    const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire]);
+    std::vector<std::uint32_t>& touching = touching_[static_cast<std::size_t>(wire)];
+    touching.clear();
+    for (std::size_t k = 0; k < states.size(); ++k)
+        if (states[k].contact.flags & SEL_CONTACT_ACTIVE) touching.push_back(static_cast<std::uint32_t>(first + k));
     with_states_[wire] = cells_.of_wire[wire + 1] - cells_.of_wire[wire];
     context_.enter(device::Queue::Inline);
-    context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
-                   first * sizeof(InstrumentState));
+    context_.write(device::Queue::Inline, states_t0_, states.data(), states.size_bytes(), first * sizeof(InstrumentState));
     // a repeated epoch must not find marks of an earlier one
-    context_.write(device::Queue::Inline, states_, no_states_.data(), states.size() * sizeof(InstrumentState),
-                   first * sizeof(InstrumentState));
+    context_.write(device::Queue::Inline, states_, no_states_.data(), states.size_bytes(), first * sizeof(InstrumentState));
     context_.finish(device::Queue::Inline);
 }
 

@@ -5,15 +5,14 @@
 #include "contact/point_states.h"
 #include "contact/programs.h"
 #include "contact/wall_law.h"
-#include "core/bytes.h"
 #include "core/clock.h"
 #include "core/error.h"
+#include "core/state_walk.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace seldinger {
 
@@ -60,7 +59,7 @@ LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, 
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
 }
 
-void LayerContact::begin_step(RodArrays& rods)
+void LayerContact::begin(RodArrays& rods)
 {
     for (int w = 0; w < rods.wire_count(); ++w) {
         const RodView rod = rods.view(w);
@@ -135,7 +134,7 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         context_.read(light, candidates_, candidates_host_.data(), candidates_host_.size() * sizeof(std::uint32_t));
     }
     list_pairs();
-    times_.detect += seconds_since(start);
+    times.detect += seconds_since(start);
 }
 
 // Pairs ordered by wire, edge and triangle, each with its record of the last step where it had one.
@@ -178,15 +177,15 @@ void LayerContact::list_pairs()
     context_.finish(light);
 }
 
-void LayerContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
+void LayerContact::evaluate_forces(const TermTrial& trial)
 {
     const auto start = Clock::now();
     if (!pairs_.empty()) {
-        set_nodes(nodes_, trial);
+        set_nodes(nodes_, trial.at);
         context_.enter(light);
         upload_nodes(light);
         params_.item_count = static_cast<uint>(pairs_.size());
-        params_.inv_dt = h > 0 ? 1 / h : 0;
+        params_.inv_dt = trial.h > 0 ? 1 / trial.h : 0;
         if (states_t0_.bytes() == 0) states_t0_ = device::Buffer(context_, sizeof(ContactState));
         const DeviceNodes& before = nodes_before();
         evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_, nodes_, before, states_t0_, states_,
@@ -198,10 +197,15 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         for (std::size_t e = 0; e < edges; ++e)
             if (sums_.edges[e].contacts > 0) sums_.edges[e].length = touching_[paired_edges_[e]];
     }
-    times_.evaluate += seconds_since(start);
+    times.evaluate += seconds_since(start);
 }
 
-double LayerContact::move_limit(int) const { return std::numeric_limits<double>::infinity(); }
+TermAnswer LayerContact::answer(int wire, Ask what)
+{
+    TermAnswer answer = ContactMethod::answer(wire, what);
+    answer.admissible = true;  // as published: nothing refuses a trial
+    return answer;
+}
 
 void LayerContact::commit(std::span<const std::uint8_t> active)
 {
@@ -293,97 +297,41 @@ std::vector<std::pair<std::string, std::string>> LayerContact::describe() const
                                            m.exponent, m.exponent)}};
 }
 
-void LayerContact::save(std::vector<std::uint8_t>& bytes)
+void LayerContact::check_keys(std::span<const Key> keys, int wire) const
 {
-    std::vector<ContactState> states(last_keys_.size());
-    context_.enter(light);
-    context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
-    const std::uint64_t count = states.size();
-    put_bytes(bytes, &count, 1);
-    put_bytes(bytes, last_keys_.data(), last_keys_.size());
-    put_bytes(bytes, states.data(), states.size());
-    put_bytes(bytes, epochs_.data(), epochs_.size());
-}
-
-void LayerContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    const auto first = std::lower_bound(last_keys_.begin(), last_keys_.end(), Key{static_cast<std::uint32_t>(wire), 0, 0});
-    const auto end = std::lower_bound(first, last_keys_.end(), Key{static_cast<std::uint32_t>(wire) + 1, 0, 0});
-    std::vector<Key> keys(first, end);
-    for (Key& key : keys) key = {0, key.edge - static_cast<std::uint32_t>(rods_.node_begin(wire)), key.triangle};
-    std::vector<ContactState> states(keys.size());
-    context_.enter(light);
-    context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState),
-                  static_cast<std::size_t>(first - last_keys_.begin()) * sizeof(ContactState));
-    const std::uint64_t count = states.size();
-    put_bytes(bytes, &count, 1);
-    put_bytes(bytes, keys.data(), keys.size());
-    put_bytes(bytes, states.data(), states.size());
-    put_bytes(bytes, &epochs_[wire], 1);
-}
-
-namespace {
-
-void need_room(std::uint64_t count, const std::uint8_t* bytes, const std::uint8_t* end)
-{
-    if (count > static_cast<std::size_t>(end - bytes) / sizeof(ContactState))
-        throw Error(ExitCode::BadFile,
-                    "the saved state is shorter than this scene's; it was written by another scene or version");
-}
-
-}  // namespace
-
-void LayerContact::check_keys(std::span<const Key> keys, int first_wire, int end_wire) const
-{
+    const auto begin = static_cast<std::uint32_t>(rods_.node_begin(wire));
     for (std::size_t k = 0; k < keys.size(); ++k) {
         const Key& key = keys[k];
-        const bool known = key.wire >= static_cast<std::uint32_t>(first_wire) && key.wire < static_cast<std::uint32_t>(end_wire);
-        const auto wire = known ? static_cast<int>(key.wire) : 0;
-        const auto begin = static_cast<std::uint32_t>(rods_.node_begin(wire));
-        if (!known || (k > 0 && !(keys[k - 1] < key)) || key.edge < begin ||
+        if ((k > 0 && !(keys[k - 1] < key)) || key.edge < begin ||
             key.edge - begin >= static_cast<std::uint32_t>(rods_.capacity(wire)) || key.triangle >= wall_.original.size())
             throw Error(ExitCode::BadFile, "the saved state has contacts on edges or triangles that this scene does not have");
     }
 }
 
-void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+void LayerContact::walk_state(StateWalk& walk, int wire)
 {
-    std::uint64_t count = 0;
-    take_bytes(bytes, end, &count, 1);
-    need_room(count, bytes, end);
-    last_keys_.resize(count);
-    std::vector<ContactState> states(count);
-    take_bytes(bytes, end, last_keys_.data(), count);
-    take_bytes(bytes, end, states.data(), count);
-    take_bytes(bytes, end, epochs_.data(), epochs_.size());
-    check_keys(last_keys_, 0, rods_.wire_count());
-    check_contact_states(states, wall_.original.size());
-    states_t0_ = device::Buffer(context_, std::max<std::size_t>(count, 1) * sizeof(ContactState));
-    context_.write(light, states_t0_, states.data(), count * sizeof(ContactState));
-    context_.finish(light);
-}
-
-void LayerContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
-{
-    std::uint64_t count = 0;
-    take_bytes(bytes, end, &count, 1);
-    need_room(count, bytes, end);
-    std::vector<Key> keys(count);
-    std::vector<ContactState> own(count), states(last_keys_.size());
-    take_bytes(bytes, end, keys.data(), count);
-    take_bytes(bytes, end, own.data(), count);
-    take_bytes(bytes, end, &epochs_[wire], 1);
-    for (Key& key : keys)
-        key = {static_cast<std::uint32_t>(wire), key.edge + static_cast<std::uint32_t>(rods_.node_begin(wire)), key.triangle};
-    check_keys(keys, wire, wire + 1);
-    check_contact_states(own, wall_.original.size());
+    const Key of{static_cast<std::uint32_t>(wire), 0, 0}, behind{of.wire + 1, 0, 0};
+    const auto first = std::lower_bound(last_keys_.begin(), last_keys_.end(), of);
+    const auto end = std::lower_bound(first, last_keys_.end(), behind);
+    const auto at = first - last_keys_.begin(), count = end - first;
+    std::vector<Key> keys(first, end);
+    const auto node = static_cast<std::uint32_t>(rods_.node_begin(wire));
+    for (Key& key : keys) key = {0, key.edge - node, key.triangle};  // as in a world of this wire alone
+    std::vector<ContactState> own(keys.size());
     context_.enter(light);
+    context_.read(light, states_t0_, own.data(), own.size() * sizeof(ContactState), static_cast<std::size_t>(at) * sizeof(ContactState));
+    walk.list<std::uint64_t>({"a contact's edge", "", "accept"}, keys);
+    own.resize(keys.size());
+    walk({"a contact", "", "accept"}, std::span(own));
+    walk({"the number of a step", "", "accept"}, epochs_[static_cast<std::size_t>(wire)]);
+    if (!walk.reads()) return;
+    for (Key& key : keys) key = {of.wire, key.edge + node, key.triangle};
+    check_keys(keys, wire);
+    check_contact_states(own, wall_.original.size());
+    std::vector<ContactState> states(last_keys_.size());
     context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
-    const auto first = std::lower_bound(last_keys_.begin(), last_keys_.end(), Key{static_cast<std::uint32_t>(wire), 0, 0});
-    const auto last = std::lower_bound(first, last_keys_.end(), Key{static_cast<std::uint32_t>(wire) + 1, 0, 0});
-    const auto at = first - last_keys_.begin(), behind = last - last_keys_.begin();
-    last_keys_.insert(last_keys_.erase(first, last), keys.begin(), keys.end());
-    states.insert(states.erase(states.begin() + at, states.begin() + behind), own.begin(), own.end());
+    last_keys_.insert(last_keys_.erase(first, end), keys.begin(), keys.end());
+    states.insert(states.erase(states.begin() + at, states.begin() + at + count), own.begin(), own.end());
     states_t0_ = device::Buffer(context_, std::max<std::size_t>(states.size(), 1) * sizeof(ContactState));
     context_.write(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
     context_.finish(light);

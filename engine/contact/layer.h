@@ -14,18 +14,12 @@ class LayerContact final : public ContactMethod {
 public:
     LayerContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
 
-    void begin_step(RodArrays& rods) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
-    [[nodiscard]] bool admissible(int) const override { return true; }  // as published: nothing refuses a trial
-    [[nodiscard]] double move_limit(int wire) const override;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
     void commit(std::span<const std::uint8_t> active) override;
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
 private:
     // a pair by what survives the step: wire, edge of the wire, triangle
@@ -33,11 +27,13 @@ private:
         std::uint32_t wire, edge, triangle;
         auto operator<=>(const Key&) const = default;
     };
+    void begin(RodArrays& rods) override;
+    void evaluate_forces(const TermTrial& trial) override;
     void list_edges(std::span<const std::uint8_t> live);
     void list_pairs();
     void merge_records(std::span<const std::uint8_t> active);
-    /// Checks a saved state: ordered, of these wires, with existing edges and triangles. @throws Error BadFile
-    void check_keys(std::span<const Key> keys, int first_wire, int end_wire) const;
+    /// Checks a saved state: ordered, with existing edges and triangles. @throws Error BadFile
+    void check_keys(std::span<const Key> keys, int wire) const;
     [[nodiscard]] double lumen_radius_at(const Vec3& p);
 
     const ContactSetup setup_;

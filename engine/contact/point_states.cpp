@@ -3,8 +3,7 @@
 #include "contact/point_states.h"
 
 #include "contact/device_records.h"
-#include "core/bytes.h"
-#include "core/error.h"
+#include "core/state_walk.h"
 
 #include <algorithm>
 #include <cmath>
@@ -109,18 +108,14 @@ void PointStates::commit(std::span<const std::uint8_t> active)
         if (active[w]) quadrature_.wires[w].epoch++;
 }
 
-std::vector<ContactState> PointStates::living(int first_wire, int end_wire)
+std::vector<ContactState> PointStates::living(int wire)
 {
-    const WireQuadrature& last = quadrature_.wires[end_wire - 1];
-    const int first = 2 * quadrature_.wires[first_wire].begin, end = 2 * (last.begin + last.capacity);
-    std::vector<ContactState> states(end - first);
+    const WireQuadrature& own = quadrature_.wires[static_cast<std::size_t>(wire)];
+    std::vector<ContactState> states(2 * static_cast<std::size_t>(own.capacity));
     context_.enter(device::Queue::Inline);
-    read_records(context_, device::Queue::Inline, states_t0_, states.data(), states.size(), first, narrow_);
-    for (int w = first_wire; w < end_wire; ++w) {
-        const WireQuadrature& wire = quadrature_.wires[w];
-        for (int k = 2 * wire.begin - first; k < 2 * (wire.begin + wire.capacity) - first; ++k)
-            if (states[k].epoch + 1 != wire.epoch) std::memset(&states[k], 0, sizeof states[k]);
-    }
+    read_records(context_, device::Queue::Inline, states_t0_, states.data(), states.size(), 2 * static_cast<std::size_t>(own.begin), narrow_);
+    for (ContactState& state : states)
+        if (state.epoch + 1 != own.epoch) std::memset(&state, 0, sizeof state);
     return states;
 }
 
@@ -148,31 +143,14 @@ void PointStates::bring_accepted()
     runs.close();
 }
 
-/// Marks the points in contact of a restored state. @param states  two records for each point of wires [first, end)
-void PointStates::note_living(int first_wire, int end_wire, std::span<const ContactState> states)
+/// Marks the points in contact of a restored state. @param states  two records for each point of the wire
+void PointStates::note_living(int wire, std::span<const ContactState> states)
 {
-    std::size_t at = 0;
-    for (int w = first_wire; w < end_wire; ++w) {
-        const WireQuadrature& wire = quadrature_.wires[w];
-        std::vector<std::uint32_t>& list = evaluated_[static_cast<std::size_t>(w)];
-        list.clear();
-        for (int k = wire.begin; k < wire.begin + wire.capacity; ++k, at += 2)
-            if ((states[at].flags | states[at + 1].flags) & SEL_CONTACT_ACTIVE) list.push_back(static_cast<std::uint32_t>(k));
-    }
-}
-
-void PointStates::save(std::vector<std::uint8_t>& bytes)
-{
-    const std::vector<ContactState> states = living(0, static_cast<int>(quadrature_.wires.size()));
-    put_bytes(bytes, states.data(), states.size());
-    for (const WireQuadrature& wire : quadrature_.wires) put_bytes(bytes, &wire.epoch, 1);
-}
-
-void PointStates::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    const std::vector<ContactState> states = living(wire, wire + 1);
-    put_bytes(bytes, states.data(), states.size());
-    put_bytes(bytes, &quadrature_.wires[wire].epoch, 1);
+    std::vector<std::uint32_t>& list = evaluated_[static_cast<std::size_t>(wire)];
+    list.clear();
+    for (std::size_t k = 0; 2 * k < states.size(); ++k)
+        if ((states[2 * k].flags | states[2 * k + 1].flags) & SEL_CONTACT_ACTIVE)
+            list.push_back(static_cast<std::uint32_t>(quadrature_.wires[static_cast<std::size_t>(wire)].begin + k));
 }
 
 void check_contact_states(std::span<const ContactState> states, std::size_t triangles)
@@ -187,27 +165,16 @@ void check_contact_states(std::span<const ContactState> states, std::size_t tria
     }
 }
 
-void PointStates::restore(const std::uint8_t*& bytes, const std::uint8_t* end, std::size_t triangles)
+void PointStates::walk_state(StateWalk& walk, int wire, std::size_t triangles)
 {
-    std::vector<ContactState> states(2 * quadrature_.models.size());
-    take_bytes(bytes, end, states.data(), states.size());
+    WireQuadrature& own = quadrature_.wires[static_cast<std::size_t>(wire)];
+    std::vector<ContactState> states =
+        walk.reads() ? std::vector<ContactState>(2 * static_cast<std::size_t>(own.capacity)) : living(wire);
+    walk({"a contact", "", "accept"}, std::span(states));
+    walk({"the number of a step", "", "accept"}, own.epoch);
+    if (!walk.reads()) return;
     check_contact_states(states, triangles);
-    for (WireQuadrature& wire : quadrature_.wires) take_bytes(bytes, end, &wire.epoch, 1);
-    note_living(0, static_cast<int>(quadrature_.wires.size()), states);
-    context_.enter(device::Queue::Inline);
-    write_records(context_, device::Queue::Inline, states_t0_, states, narrow_);
-    context_.finish(device::Queue::Inline);
-    if (!context_.float32()) std::copy(states.begin(), states.end(), host_t0_.begin());
-}
-
-void PointStates::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::size_t triangles)
-{
-    WireQuadrature& own = quadrature_.wires[wire];
-    std::vector<ContactState> states(2 * static_cast<std::size_t>(own.capacity));
-    take_bytes(bytes, end, states.data(), states.size());
-    check_contact_states(states, triangles);
-    take_bytes(bytes, end, &own.epoch, 1);
-    note_living(wire, wire + 1, states);
+    note_living(wire, states);
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_, 2 * static_cast<std::size_t>(own.begin));
     context_.finish(device::Queue::Inline);

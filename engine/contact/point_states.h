@@ -10,6 +10,8 @@
 
 namespace seldinger {
 
+class StateWalk;  // core/state_walk.h
+
 /// Checks a saved state: finite numbers, existing triangles. @throws Error BadFile
 void check_contact_states(std::span<const ContactState> states, std::size_t triangles);
 
@@ -33,9 +35,6 @@ public:
             }
         commit(active);
     }
-    /// Two records for each point of wires [first, end). States that no contact of the last step wrote are zeros: leftovers must
-    /// neither affect later steps nor the saved bytes.
-    [[nodiscard]] std::vector<ContactState> living(int first_wire, int end_wire);
     /// Before for_each_contact(): brings the records of all wires to the host, in few copies.
     void bring_accepted();
     /// Calls f(point, state) with each record of a wire that a contact of the last step wrote, in the order of its points.
@@ -53,11 +52,8 @@ public:
     void bring_trial(device::Queue queue, std::span<const std::uint32_t> points);
     /// What evaluations since the last commit wrote, two records for each point; others are older. Empty in float32.
     [[nodiscard]] std::span<const ContactState> at_trial() const { return host_; }
-    void save(std::vector<std::uint8_t>& bytes);
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire);
-    /// @param triangles  of the wall. @throws Error BadFile: the bytes hold a state that is none of its contacts
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end, std::size_t triangles);
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::size_t triangles);
+    /// @param triangles  of the wall. @throws Error BadFile: what is read holds a state that is none of its contacts
+    void walk_state(StateWalk& walk, int wire, std::size_t triangles);
 
     [[nodiscard]] const device::Buffer& models() const { return models_; }        // [points]
     [[nodiscard]] const device::Buffer& places() const { return places_; }        // [points]
@@ -66,7 +62,10 @@ public:
 
 private:
     void commit(std::span<const std::uint8_t> active);
-    void note_living(int first_wire, int end_wire, std::span<const ContactState> states);
+    /// Two records for each point of a wire. States that no contact of the last step wrote are zeros: leftovers must neither affect
+    /// later steps nor the saved bytes.
+    [[nodiscard]] std::vector<ContactState> living(int wire);
+    void note_living(int wire, std::span<const ContactState> states);
 
     device::Context& context_;
     QuadratureSet& quadrature_;

@@ -71,10 +71,9 @@ QuadratureSet make_quadrature(const ContactSetup& setup)
         points.capacity = stretches + 1;
         points.s.push_back(0);
         const ContactSpec contact = with_lengths(contacts[w], spec.least_radius());
-        const double curved_ridges = !setup.ridges.empty() && setup.ridges[w] ? 1 : 0;
         const auto add_model = [&, reach = contact_reach * spec.least_radius()](QuadratureModel model) {
             model.reach = reach;  // the same all along the wire
-            model.ridges = curved_ridges;
+            model.ridges = 1;  // without it Newton's method converges linearly on a ridge of the wall: half of all late steps
             set.models.push_back(model);
         };
         // `nodes`: one quadrature point at each control node, with its Voronoi length (the tip's is half an edge)

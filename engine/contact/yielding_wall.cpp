@@ -72,6 +72,7 @@ YieldingWall::YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodA
                            std::span<const int> systems)
     : wall_(wall), contact_(contact), rods_(rods), unmoved_(unmoved), system_of_(systems.begin(), systems.end())
 {
+    traits_ = contact.traits();
     for (int w = 0; w < rods.wire_count(); ++w) {
         if (system_of_[w] == static_cast<int>(systems_.size()))
             systems_.push_back(std::make_unique<System>(wall, rods.node_begin(w)));
@@ -94,22 +95,31 @@ YieldingWall::~YieldingWall() = default;
 
 // ---- at a trial ---------------------------------------------------------------------------------------------------------------
 
-void YieldingWall::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+/// What contact has taken is in this term's times too.
+void YieldingWall::take_times(double seconds)
 {
-    std::copy(active.begin(), active.end(), todo_.begin());
+    times += contact_.times;
+    times.wall += seconds;
+    contact_.times = {};
+}
+
+void YieldingWall::evaluate(const TermTrial& trial)
+{
+    if (trial.before) return evaluate_start(trial);
+    std::copy(trial.active.begin(), trial.active.end(), todo_.begin());
     bool again = true;
     for (int round = 0; again; ++round) {
         auto start = Clock::now();
         for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
             System& system = *systems_[s];
             if (!system.is_in(todo_)) return;
-            if (!system.begun) start_step(system, h);
-            if (round == 0) foresee(system, trial);
+            if (!system.begun) start_step(system, trial.h);
+            if (round == 0) foresee(system, trial.at);
             else system.correct();
-            carry_trial(system, trial, carried_);
+            carry_trial(system, trial.at, carried_);
         });
-        seconds_ += seconds_since(start);
-        contact_.evaluate(carried_, h, todo_);
+        take_times(seconds_since(start));
+        contact_.evaluate({carried_, trial.h, todo_});
         start = Clock::now();
         again = false;
         for (const auto& system : systems_) {
@@ -119,24 +129,24 @@ void YieldingWall::evaluate(const TrialState& trial, double h, std::span<const s
                 for (const int w : system->wires) todo_[w] = 0;
             else again = true;
         }
-        seconds_ += seconds_since(start);
+        take_times(seconds_since(start));
     }
 }
 
 /// The wall stands where it is when forces are taken at the start of a step.
-void YieldingWall::evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
-                                  std::span<const std::uint8_t> active)
+void YieldingWall::evaluate_start(const TermTrial& start)
 {
     for (const auto& system : systems_) {
-        if (!system->is_in(active)) continue;
-        if (!system->begun) start_step(*system, h);
-        foresee(*system, start);
-        carry_trial(*system, before, before_);
-        carry_trial(*system, start, carried_);
+        if (!system->is_in(start.active)) continue;
+        if (!system->begun) start_step(*system, start.h);
+        foresee(*system, start.at);
+        carry_trial(*system, *start.before, before_);
+        carry_trial(*system, start.at, carried_);
     }
-    contact_.evaluate_start(carried_, before_, h, linearised, active);
+    contact_.evaluate({carried_, start.h, start.active, &before_, start.linearised});
+    take_times(0);
     for (const auto& system : systems_)
-        if (system->is_in(active)) (void)take_forces(*system);
+        if (system->is_in(start.active)) (void)take_forces(*system);
 }
 
 /// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
@@ -314,14 +324,24 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
     else linearise(system, &unknowns, tangent->condensed);
 }
 
-bool YieldingWall::admissible(int wire) const { return contact_.admissible(wire) && open_way(of(wire), wire) == 1; }
-
-double YieldingWall::feasible_step(int wire) const { return std::min(contact_.feasible_step(wire), open_way(of(wire), wire)); }
+TermAnswer YieldingWall::answer(int wire, Ask what)
+{
+    if (what == Ask::Kinks) return {};  // they are the unmoved wall's
+    TermAnswer answer = contact_.answer(wire, what);
+    if (what == Ask::Energies) {
+        answer.energies.from_outside = work_from_outside(wire);
+    } else {
+        const double open = open_way(of(wire), wire);
+        answer.open = std::min(answer.open, open);
+        answer.admissible = answer.admissible && open == 1;
+    }
+    return answer;
+}
 
 /// No wall is jumped while no node goes farther than the limit as the unmoved wall sees it. @return how much of the path is open
 double YieldingWall::open_way(const System& system, int wire) const
 {
-    const double limit = contact_.move_limit(wire);
+    const double limit = traits_.most_move.empty() ? INFINITY : traits_.most_move[static_cast<std::size_t>(wire)];
     if (!std::isfinite(limit)) return 1;
     const std::vector<double>& from = system.base_trial() ? system.base_trial()->y : system.y_start;
     const std::vector<double>& to = system.trial().y;
@@ -333,21 +353,17 @@ double YieldingWall::open_way(const System& system, int wire) const
     return share < 1 - 1e-6 ? share : 1;
 }
 
-void YieldingWall::take(int wire)
+void YieldingWall::take(int wire, Base base, std::span<double> /*kinks*/)
 {
-    contact_.take(wire);
-    of(wire).take();
-}
-
-void YieldingWall::start_again(int wire)
-{
-    contact_.start_again(wire);
-    of(wire).forget_base();
+    contact_.take(wire, base, {});
+    if (base == Base::Trial) of(wire).take();
+    else of(wire).forget_base();
 }
 
 bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
 {
     bool any = contact_.refine(solved, again);
+    take_times(0);
     for (const auto& system : systems_) {
         const bool all =
             std::all_of(system->wires.begin(), system->wires.end(), [&](int w) { return solved[w] || !system->begun; });

@@ -29,40 +29,19 @@ public:
                  std::span<const int> systems);
     ~YieldingWall() override;
 
-    void begin_step(RodArrays& rods) override;
+    void begin_step(RodArrays& rods, Settling how) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
-    void set_settling(Settling how) override { contact_.set_settling(how); }
-
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
-    void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
-                        std::span<const std::uint8_t> active) override;
-    [[nodiscard]] bool admissible(int wire) const override;
+    void evaluate(const TermTrial& trial) override;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
-    [[nodiscard]] bool unsymmetric(int wire) const override { return contact_.unsymmetric(wire); }
-    [[nodiscard]] double largest_force(int wire) const override { return contact_.largest_force(wire); }
-    [[nodiscard]] double rounding(int wire) const override { return contact_.rounding(wire); }
-    [[nodiscard]] double feasible_step(int wire) const override;
-    [[nodiscard]] double move_limit(int wire) const override { return contact_.move_limit(wire); }
-    void take(int wire) override;
-    void start_again(int wire) override;
+    void take(int wire, Base base, std::span<double> kinks) override;
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
-
-    [[nodiscard]] bool follows_spins() const override { return contact_.follows_spins(); }
-    [[nodiscard]] bool may_jump() const override { return contact_.may_jump(); }
     void commit(std::span<const std::uint8_t> active) override;
-    [[nodiscard]] double work_from_outside(int wire) const override;
-    [[nodiscard]] ContactWork contact_work(int wire) const override { return contact_.contact_work(wire); }
-    [[nodiscard]] double stored_energy(int wire) const override { return contact_.stored_energy(wire); }
-    [[nodiscard]] bool never_overlaps() const override { return contact_.never_overlaps(); }
-    [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
-    [[nodiscard]] StageTimes times() const override;
-    void clear_times() override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
+    /// As of the contact behind it.
+    [[nodiscard]] bool is_clear(RodArrays& rods, int wire);
     /// Displacement of the control vertices [3V] [m], and contact's work on them since the beginning [J].
     [[nodiscard]] std::vector<double> displacement(int system) const;
     [[nodiscard]] double work(int system) const;
@@ -86,8 +65,9 @@ public:
 private:
     struct System;
     [[nodiscard]] System& of(int wire) const { return *systems_[system_of_[wire]]; }
-    void put_feet(std::vector<std::uint8_t>& bytes, int wire) const;
-    void take_feet(const std::uint8_t*& bytes, const std::uint8_t* end, int wire);
+    void evaluate_start(const TermTrial& start);
+    [[nodiscard]] double work_from_outside(int wire) const;
+    void take_times(double seconds);
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
     void list_rows(System& system) const;
@@ -110,7 +90,6 @@ private:
     mutable std::vector<std::vector<double>> residuals_;  // [wires] likewise
     TrialState carried_, before_;
     std::vector<std::uint8_t> todo_;
-    double seconds_ = 0;
 };
 
 }  // namespace seldinger

@@ -2,10 +2,9 @@
 
 #include "contact/yielding_system.h"
 
-#include "core/bytes.h"
 #include "core/clock.h"
-#include "core/error.h"
 #include "core/parallel.h"
+#include "core/state_walk.h"
 #include "wall/shell.h"
 
 #include <algorithm>
@@ -147,13 +146,13 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
     system.stations.forget(first + n, first + rods.capacity(wire));
 }
 
-void YieldingWall::begin_step(RodArrays& rods)
+void YieldingWall::begin_step(RodArrays& rods, Settling how)
 {
     const auto start = Clock::now();
     for_each_item(rods.wire_count(), wire_grain, [&](int w) { carry_back(rods, w); });
     for (const auto& system : systems_) system->begun = false;
-    seconds_ += seconds_since(start);
-    contact_.begin_step(unmoved_);
+    take_times(seconds_since(start));
+    contact_.begin_step(unmoved_, how);
 }
 
 void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
@@ -163,8 +162,9 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         if (live[w]) place_and_copy(rods, w);
     });
     for (const auto& system : systems_) system->begun = false;
-    seconds_ += seconds_since(start);
+    const double seconds = seconds_since(start);
     contact_.prepare(unmoved_, live);
+    take_times(seconds);
 }
 
 /// The wall's free motion in a step of h, and its compliance where it may be touched.
@@ -281,7 +281,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         read_under(system);
         for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
-    seconds_ += seconds_since(start);
+    take_times(seconds_since(start));
 }
 
 void YieldingWall::read_under(System& system) const
@@ -398,82 +398,29 @@ bool YieldingWall::is_clear(RodArrays& rods, int wire)
     return contact_.is_clear(unmoved_, wire);
 }
 
-StageTimes YieldingWall::times() const
-{
-    StageTimes all = contact_.times();
-    all.wall += seconds_;
-    return all;
-}
-
-void YieldingWall::clear_times()
-{
-    contact_.clear_times();
-    seconds_ = 0;
-}
-
-void YieldingWall::put_feet(std::vector<std::uint8_t>& bytes, int wire) const
+void YieldingWall::walk_state(StateWalk& walk, int wire)
 {
     System& system = of(wire);
-    const int first = rods_.node_begin(wire) - system.first_node;
-    for (int i = first; i < first + rods_.node_count(wire); ++i) {
-        put_bytes(bytes, &system.stations.foot(i), 1);
-        put_bytes(bytes, &system.ends[i], 1);
+    contact_.walk_state(walk, wire);
+    if (system.wires.front() == wire) system.dynamics.walk_state(walk);
+    const int first = rods_.node_begin(wire) - system.first_node, n = rods_.node_count(wire);
+    if (walk.reads()) {
+        system.begun = false;
+        system.under = {};
+        for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {}, system.ends[i] = {};
     }
-}
-
-void YieldingWall::save(std::vector<std::uint8_t>& bytes)
-{
-    contact_.save(bytes);
-    for (const auto& system : systems_) system->dynamics.save(bytes);
-    for (int w = 0; w < rods_.wire_count(); ++w) put_feet(bytes, w);
-}
-
-void YieldingWall::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    contact_.save_wire(bytes, wire);
-    if (of(wire).wires.front() == wire) of(wire).dynamics.save(bytes);
-    put_feet(bytes, wire);
-}
-
-void YieldingWall::take_feet(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
-{
-    System& system = of(wire);
-    const int first = rods_.node_begin(wire) - system.first_node;
-    for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {}, system.ends[i] = {};
-    for (int i = first; i < first + rods_.node_count(wire); ++i) {
+    const double triangles = static_cast<double>(wall_.surface().topology().triangle_count());
+    for (int i = first; i < first + n; ++i) {
         WallFoot& foot = system.stations.foot(i);
-        take_bytes(bytes, end, &foot, 1);
-        if (foot.triangle >= wall_.surface().topology().triangle_count() ||
-            !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9) ||
-            !std::all_of(std::begin(foot.node), std::end(foot.node), [](double x) { return std::isfinite(x); }))
-            throw Error(ExitCode::BadFile, "the saved state names a position that this scene's wall does not have");
-        WallEnd& end_state = system.ends[i];
-        take_bytes(bytes, end, &end_state, 1);
-        const auto finite = [](double x) { return std::isfinite(x); };
-        if (!std::ranges::all_of(end_state.x, finite) || !std::ranges::all_of(end_state.y, finite))
-            throw Error(ExitCode::BadFile, "the saved state holds a position that is not finite");
+        constexpr double unknown = 1e30;  // WallFoot, WallEnd
+        walk({"a place on the wall", "m", "find_contacts", -unknown, unknown}, std::span(foot.node));
+        walk({"a place on the wall", "", "find_contacts", 0}, foot.u);
+        walk({"a place on the wall", "", "find_contacts", 0}, foot.v);
+        if (walk.checks()) StateWalk::need(foot.u + foot.v <= 1 + 1e-9, "a place on the wall");
+        walk({"a triangle of the wall", "", "find_contacts", -1, triangles - 1}, foot.triangle);
+        walk({"a node's place", "m", "accept", -unknown, unknown}, std::span(system.ends[i].x));
+        walk({"a node's place", "m", "accept", -unknown, unknown}, std::span(system.ends[i].y));
     }
-}
-
-void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
-{
-    contact_.restore(bytes, end);
-    for (const auto& system : systems_) {
-        system->dynamics.restore(bytes, end);
-        system->begun = false;
-        system->under = {};
-    }
-    for (int w = 0; w < rods_.wire_count(); ++w) take_feet(bytes, end, w);
-}
-
-void YieldingWall::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
-{
-    System& system = of(wire);
-    contact_.restore_wire(bytes, end, wire);
-    if (system.wires.front() == wire) system.dynamics.restore(bytes, end);
-    system.begun = false;
-    system.under = {};
-    take_feet(bytes, end, wire);
 }
 
 }  // namespace seldinger

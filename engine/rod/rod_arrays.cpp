@@ -3,60 +3,69 @@
 #include "rod/rod_arrays.h"
 
 #include "core/check.h"
+#include "core/state_walk.h"
 
 #include <algorithm>
-#include <array>
+#include <limits>
 
 namespace seldinger {
 
 namespace {
 
+constexpr double positive = std::numeric_limits<double>::denorm_min(), most_length = 1e4, most_angle = 1e9;  // [m], [rad]
+
+struct RodRow {
+    std::span<double> RodView::*array;
+    bool of_edges;  // else of nodes
+    StateRow row;
+};
+
 // The order fixes the layout of checkpoints and of the state hash: append, never reorder.
-constexpr std::array members = {
-    &RodView::material_s,
-    &RodView::rest_length,
-    &RodView::stretch_stiffness,
-    &RodView::bend_stiffness,
-    &RodView::twist_stiffness,
-    &RodView::rest_kappa1,
-    &RodView::rest_kappa2,
-    &RodView::rest_twist,
-    &RodView::mass,
-    &RodView::spin_inertia,
-    &RodView::radius,
-    &RodView::x,
-    &RodView::y,
-    &RodView::z,
-    &RodView::theta,
-    &RodView::vx,
-    &RodView::vy,
-    &RodView::vz,
-    &RodView::spin_rate,
-    &RodView::ax,
-    &RodView::ay,
-    &RodView::az,
-    &RodView::spin_acc,
-    &RodView::tx,
-    &RodView::ty,
-    &RodView::tz,
-    &RodView::d1x,
-    &RodView::d1y,
-    &RodView::d1z,
-    &RodView::ref_twist,
-    &RodView::clamp_twist_a,
-    &RodView::clamp_twist_b,
+constexpr RodRow members[] = {
+    {&RodView::material_s, false, {"a material coordinate", "m", "feed_hubs, adapt_nodes", -most_length, most_length}},
+    {&RodView::rest_length, true, {"an edge's length", "m", "feed_hubs, adapt_nodes", positive, most_length}},
+    {&RodView::stretch_stiffness, true, {"a stiffness", "N", "feed_hubs, adapt_nodes", positive}},
+    {&RodView::bend_stiffness, false, {"a stiffness", "N m^2", "feed_hubs, adapt_nodes", positive}},
+    {&RodView::twist_stiffness, false, {"a stiffness", "N m^2", "feed_hubs, adapt_nodes", positive}},
+    {&RodView::rest_kappa1, false, {"an angle", "", "feed_hubs, adapt_nodes", -most_angle, most_angle}},
+    {&RodView::rest_kappa2, false, {"an angle", "", "feed_hubs, adapt_nodes", -most_angle, most_angle}},
+    {&RodView::rest_twist, false, {"an angle", "rad", "feed_hubs, adapt_nodes", -most_angle, most_angle}},
+    {&RodView::mass, false, {"a mass", "kg", "feed_hubs, adapt_nodes", positive}},
+    {&RodView::spin_inertia, true, {"an inertia", "kg m^2", "feed_hubs, adapt_nodes", positive}},
+    {&RodView::radius, true, {"a radius", "m", "feed_hubs, adapt_nodes", positive, most_length}},
+    {&RodView::x, false, {"a node's place", "m", "solve", -most_length, most_length}},
+    {&RodView::y, false, {"a node's place", "m", "solve", -most_length, most_length}},
+    {&RodView::z, false, {"a node's place", "m", "solve", -most_length, most_length}},
+    {&RodView::theta, true, {"an angle", "rad", "solve", -most_angle, most_angle}},
+    {&RodView::vx, false, {"a speed", "m/s", "solve"}},
+    {&RodView::vy, false, {"a speed", "m/s", "solve"}},
+    {&RodView::vz, false, {"a speed", "m/s", "solve"}},
+    {&RodView::spin_rate, true, {"a speed", "rad/s", "solve"}},
+    {&RodView::ax, false, {"an acceleration", "m/s^2", "solve"}},
+    {&RodView::ay, false, {"an acceleration", "m/s^2", "solve"}},
+    {&RodView::az, false, {"an acceleration", "m/s^2", "solve"}},
+    {&RodView::spin_acc, true, {"an acceleration", "rad/s^2", "solve"}},
+    {&RodView::tx, true, {"a director", "", "solve", -2, 2}},
+    {&RodView::ty, true, {"a director", "", "solve", -2, 2}},
+    {&RodView::tz, true, {"a director", "", "solve", -2, 2}},
+    {&RodView::d1x, true, {"a director", "", "solve", -2, 2}},
+    {&RodView::d1y, true, {"a director", "", "solve", -2, 2}},
+    {&RodView::d1z, true, {"a director", "", "solve", -2, 2}},
+    {&RodView::ref_twist, false, {"an angle", "rad", "solve", -most_angle, most_angle}},
+    {&RodView::clamp_twist_a, false, {"an angle", "rad", "solve", -most_angle, most_angle}},
+    {&RodView::clamp_twist_b, false, {"an angle", "rad", "solve", -most_angle, most_angle}},
 };
 
 }  // namespace
 
 // A span that is added to RodView and forgotten above would silently stay out of checkpoints. (Spans are two words and
 // RodView opens with two ints, one word.)
-static_assert(sizeof(RodView) == sizeof(void*) + members.size() * sizeof(std::span<double>),
+static_assert(sizeof(RodView) == sizeof(void*) + std::size(members) * sizeof(std::span<double>),
               "every span of RodView is listed above");
 
 RodArrays::RodArrays(std::span<const int> capacity)
 {
-    static_assert(members.size() == array_count);
+    static_assert(std::size(members) == array_count);
     begin_.push_back(0);
     for (const int nodes : capacity) {
         SEL_ASSERT(nodes >= 2);
@@ -100,7 +109,7 @@ RodView RodArrays::view(int wire)
     RodView rod;
     rod.n = count_[wire];
     rod.curvature = curvature_[wire];
-    for (int k = 0; k < array_count; ++k) rod.*members[k] = std::span<double>(storage_[k]).subspan(begin_[wire], rod.n);
+    for (int k = 0; k < array_count; ++k) rod.*members[k].array = std::span<double>(storage_[k]).subspan(begin_[wire], rod.n);
     return rod;
 }
 
@@ -109,6 +118,17 @@ std::array<std::span<double>, RodArrays::array_count> RodArrays::arrays(int wire
     std::array<std::span<double>, array_count> result;
     for (int k = 0; k < array_count; ++k) result[k] = std::span<double>(storage_[k]).subspan(begin_[wire], count_[wire]);
     return result;
+}
+
+void RodArrays::walk_state(StateWalk& walk, int wire, bool own)
+{
+    const auto spans = arrays(wire);
+    const auto n = static_cast<std::size_t>(node_count(wire));
+    for (std::size_t k = 0; k < spans.size(); ++k) {
+        const StateRow& row = members[k].row;
+        if (own) walk(row, spans[k], members[k].of_edges ? n - 1 : n);
+        else walk({row.name, row.unit, row.writer}, spans[k]);
+    }
 }
 
 }  // namespace seldinger

@@ -10,6 +10,8 @@
 
 namespace seldinger {
 
+class StateWalk;  // core/state_walk.h
+
 /// Owner of all wires' arrays. Capacities are fixed at construction: no allocation in the step loop.
 class RodArrays {
 public:
@@ -29,9 +31,11 @@ public:
     void erase_node(int wire, int index);
     void set_curvature(int wire, CurvatureMeasure measure) { curvature_[wire] = measure; }
     [[nodiscard]] RodView view(int wire);
-    /// All state and model bytes of a wire, for checkpoints and the state hash: one span per array, in a fixed order.
+    /// All of a wire's arrays, in a fixed order.
     static constexpr int array_count = 32;  // members of RodView that are spans (checked in the source file)
     [[nodiscard]] std::array<std::span<double>, array_count> arrays(int wire);
+    /// Their rows (core/state_walk.h). @param own  the wire is a rod of its own: its numbers are looked at as such
+    void walk_state(StateWalk& walk, int wire, bool own);
 
 private:
     std::vector<int> begin_, count_;            // [wires + 1], [wires]

@@ -37,7 +37,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, const For
             any = true;
             system.problem.restore_reference();
             system.problem.return_to_start();
-            for (const WireProblem* wire : system.problem.solved()) terms.start_again(wire->wire);
+            for (const WireProblem* wire : system.problem.solved()) terms.take(wire->wire, ForceTerm::Base::Start);
             system.start(again, terms);
             prepare_trial(s);
         }

@@ -5,26 +5,26 @@
 // A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step and in each sub-step:
 //
 //   begin_step, prepare                     start of the step is remembered, possible contacts are found
-//     evaluate                              at each trial; the questions below are about that trial
-//       admissible, add, feasible_step ...  residual and tangent, limits of the next trial
+//     evaluate                              at each trial
+//       answer, add, couple                 what Newton's method needs to know of it; residual and tangent
 //     take                                  the trial becomes the base of the next ones
 //   refine                                  outer update, once Newton has converged (multipliers); Newton's method continues where asked
 //   commit                                  the last trial is the accepted state
 //
-// Optional functions have an empty default.
+// What but one law needs stays with that law. Optional functions have an empty default.
 
 #include "core/stage_times.h"
 #include "math/band_matrix.h"
 #include "rod/rod_arrays.h"
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 namespace seldinger {
 
 class BandedSolver;  // math/banded_solver.h
+class StateWalk;     // core/state_walk.h
 
 /// Trial configuration of all wires, in the concatenated layout of RodArrays.
 struct TrialState {
@@ -48,44 +48,78 @@ struct SystemUnknowns {
 /// that follow. Sliding: a contact slips during the search and holds where it comes to rest.
 enum class Settling { Off, Stuck, Sliding };
 
+/// What of a term stays as it is from its construction on.
+struct TermTraits {
+    bool follows_spins = true;    // forces depend on the spin angles (friction): a solve without these must leave them where they were
+    bool may_jump = true;         // forces may jump within a hair's breadth (facets of a wall)
+    bool never_overlaps = false;  // the law allows no overlap at all, and so no change of nodes that makes one
+    std::vector<double> most_move;  // [wires] of any node in one Newton update, for which no wall can be jumped [m]; empty: no limit
+};
+
+/// What is evaluated.
+struct TermTrial {
+    const TrialState& at;
+    double h = 0;                          // step [s]; 0: static (no damping, friction anchored at the accepted positions)
+    std::span<const std::uint8_t> active;  // [wires] these
+    // at the accepted state, from the velocities known there: which have taken the wire from `before` to it within h
+    const TrialState* before = nullptr;
+    bool linearised = false;  // for one Newton step: force and tangent are those of a function linear in the move (contact_law.h)
+};
+
 /// Work of contact on a wire in a step, relative to the touched body, by its laws [J].
 struct ContactWork {
     double normal = 0, friction = 0, rolling = 0;
+    ContactWork& operator+=(const ContactWork& other);
 };
 
-/// What contacts have done on the way to a trial that the tangent did not foresee.
+/// Of the step that was evaluated last.
+struct TermEnergies {
+    ContactWork work;
+    double from_outside = 0;  // work done on the wire by moving contact partners, such as a wall; not in stored [J]
+    double stored = 0;        // the most that can be given back [J]
+    TermEnergies& operator+=(const TermEnergies& other);
+};
+
+/// What contacts have done on the way from the base to a trial that the tangent did not foresee (contact/valleys.h): the balance may be
+/// in a kink of the wall.
 struct KinksPassed {
-    double share = 1;      // of the way to the trial at which one has gone over a kink of the wall; 1: none has
+    double share = 1;      // of the way at which one has gone over a kink; 1: none has
     bool entered = false;  // one has come to lie in a kink that it did not lie in before
+    KinksPassed& operator+=(const KinksPassed& other);
+};
+
+/// What a term is asked of a wire; what costs more is asked for alone.
+enum class Ask { Trial, Kinks, Energies };
+
+/// What it answers about the trial that was evaluated last.
+struct TermAnswer {
+    // Ask::Trial
+    bool admissible = true;    // false where the force would be infinite or is not known: too deep, moved farther than was searched
+    bool acts = true;          // false: nothing is added to residual or tangent of the wire's system
+    bool unsymmetric = false;  // the tangent (sliding friction)
+    double open = 1;           // share of the straight path from the base to the trial; a law that never overlaps asks for all
+    double largest_force = 0;  // on one edge [N]: the scale of a jump that a kink of the wall can make
+    double rounding = 0;       // of the force on a node at most [N]: no residual is smaller. 0: nothing that counts
+    KinksPassed kinks;      // Ask::Kinks
+    TermEnergies energies;  // Ask::Energies
+    /// Of two terms together.
+    TermAnswer& operator+=(const TermAnswer& other);
 };
 
 class ForceTerm {
 public:
     virtual ~ForceTerm() = default;
+    [[nodiscard]] const TermTraits& traits() const { return traits_; }
 
     // ---- start of a step ----
     /// Remembers the start of the step.
-    virtual void begin_step(RodArrays& /*rods*/) {}
+    virtual void begin_step(RodArrays& /*rods*/, Settling /*how*/) {}
     /// Takes the present node set (after feeding); nothing acts on wires with live[w] == 0 (still in the introducer).
     virtual void prepare(RodArrays& /*rods*/, std::span<const std::uint8_t> /*live*/) {}
 
-    virtual void set_settling(Settling /*how*/) {}
-
     // ---- at a trial ----
-    /// Evaluates the term on every wire with active[w] != 0 at the trial; h is the step [s]. Static: h = 0 (no damping, friction
-    /// anchored at the accepted positions).
-    virtual void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) = 0;
-    /// The same at the accepted state, from the velocities known there, which have taken the wire from `before` to it within h.
-    /// @param linearised  for one Newton step: force and tangent of add() are those of a function linear in the move from here
-    /// (contact_law.h); else the force alone
-    virtual void evaluate_start(const TrialState& start, const TrialState& /*before*/, double h, bool /*linearised*/,
-                                std::span<const std::uint8_t> active)
-    {
-        evaluate(start, h, active);
-    }
-    /// False where the force would be infinite, or cannot be told: a trial that overlaps the wall beyond what the law allows, or
-    /// moved farther than was searched.
-    [[nodiscard]] virtual bool admissible(int /*wire*/) const { return true; }
+    virtual void evaluate(const TermTrial& trial) = 0;
+    [[nodiscard]] virtual TermAnswer answer(int /*wire*/, Ask /*what*/) { return {}; }
     /// Adds -force to `residual` (laid out as RodDofs says) and -d(force)/dq to `tangent` if not null. `symmetric`: leave out the
     /// unsymmetric (sliding friction) part of the tangent.
     virtual void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const = 0;
@@ -95,122 +129,58 @@ public:
                         bool /*symmetric*/) const
     {
     }
-    /// Whether the tangent at the trial is unsymmetric (sliding friction).
-    [[nodiscard]] virtual bool unsymmetric(int /*wire*/) const { return false; }
-    /// Largest force on one edge of the wire at the trial [N]; the scale of a jump that a kink of the wall can make.
-    [[nodiscard]] virtual double largest_force(int /*wire*/) const { return 0; }
-    /// What rounding does to the force on a node at the trial [N], at most: no residual is smaller. 0: nothing that counts.
-    [[nodiscard]] virtual double rounding(int /*wire*/) const { return 0; }
-    /// Feasible step length: how much of the straight path from the last state taken to the trial is open, 1: all. A law that
-    /// never overlaps refuses a trial whose path is not.
-    [[nodiscard]] virtual double feasible_step(int /*wire*/) const { return 1; }
-    /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
-    [[nodiscard]] virtual double move_limit(int /*wire*/) const { return std::numeric_limits<double>::infinity(); }
-    /// The wire's last evaluated trial has been taken: the next ones start from there.
-    virtual void take(int /*wire*/) {}
-    /// Kinks of the wall, where the balance may be and of which the tangent knows nothing, that contacts have passed since the last
-    /// trial that was taken (contact/valleys.h).
-    [[nodiscard]] virtual KinksPassed crossed(int /*wire*/) { return {}; }
-    /// The trial will be taken: adds to `residual` what leads the direction from it to the kinks that crossed() has found, and to
-    /// the tangent of add() what belongs to it.
-    virtual void admit_crossings(int /*wire*/, std::span<double> /*residual*/) {}
-    /// The next trial is the start of the step again: an accepted trial is no base of it.
-    virtual void start_again(int /*wire*/) {}
+    enum class Base { Trial, Start };
+    /// The next trials start from the wire's last evaluated one, or again from the start of the step.
+    /// @param kinks  not empty: a residual, to which is added what leads the direction from the trial to the kinks that Ask::Kinks has
+    /// found; the tangent of add() takes in what belongs to it
+    virtual void take(int /*wire*/, Base /*base*/, std::span<double> /*kinks*/) {}
     /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not
     /// settled there (D8), renews them and sets again[w] = 1: these wires are to be solved on from there. @return whether any
     virtual bool refine(std::span<const std::uint8_t> /*solved*/, std::span<std::uint8_t> /*again*/) { return false; }
 
-    // ---- questions that decide how Newton works ----
-    /// Whether its forces depend on the spin angles (by friction on the surface that they turn): then a solve without them must
-    /// leave them where they were.
-    [[nodiscard]] virtual bool follows_spins() const { return true; }
-    /// Whether it exerts anything on a wire's system in the trial that was evaluated last: else it adds nothing to residual or tangent.
-    [[nodiscard]] virtual bool acts(int /*wire*/) const { return true; }
-    /// Whether its forces may jump within a hair's breadth (facets of a wall).
-    [[nodiscard]] virtual bool may_jump() const { return true; }
-
     // ---- the accepted state ----
     /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
     virtual void commit(std::span<const std::uint8_t> /*active*/) {}
-    /// Work done on the wire by moving contact partners, such as a wall, in the step that was evaluated last; stored_energy() does
-    /// not include it [J].
-    [[nodiscard]] virtual double work_from_outside(int /*wire*/) const { return 0; }
-    /// In the step that was evaluated last.
-    [[nodiscard]] virtual ContactWork contact_work(int /*wire*/) const { return {}; }
-    /// The most energy that it can give back from where it was evaluated last [J].
-    [[nodiscard]] virtual double stored_energy(int /*wire*/) const { return 0; }
-    /// Whether the law allows no overlap at all, and so no change of nodes that makes one.
-    [[nodiscard]] virtual bool never_overlaps() const { return false; }
-    /// Whether a wire on its present nodes is clear of the wall; asked of laws that never overlap.
-    [[nodiscard]] virtual bool is_clear(RodArrays& /*rods*/, int /*wire*/) { return true; }
-    /// Where the time has gone since clear_times().
-    [[nodiscard]] virtual StageTimes times() const { return {}; }
-    virtual void clear_times() {}
-    /// State from step to step, of all wires; save_wire: the bytes of save() in a world of this wire alone.
-    virtual void save(std::vector<std::uint8_t>& /*bytes*/) {}
-    virtual void save_wire(std::vector<std::uint8_t>& /*bytes*/, int /*wire*/) {}
-    virtual void restore(const std::uint8_t*& /*bytes*/, const std::uint8_t* /*end*/) {}
-    /// What save_wire() wrote, of a wire of the same model, becomes this wire's; the others stay as they are.
-    virtual void restore_wire(const std::uint8_t*& /*bytes*/, const std::uint8_t* /*end*/, int /*wire*/) {}
+    /// Its rows of what must survive a step, of one wire (core/state_walk.h): the same whatever else is in the world.
+    virtual void walk_state(StateWalk& /*walk*/, int /*wire*/) {}
+
+    StageTimes times;  // where the time has gone, for whoever reads and clears it
+
+protected:
+    TermTraits traits_;  // set by the constructor
 };
 
 /// The terms that act on a set of wires, asked as one. Without any, nothing acts and nothing limits a trial. Terms are not owned.
 class ForceTerms {
 public:
     ForceTerms() = default;
-    ForceTerms(ForceTerm& term) : list_{&term} {}
-    void add(ForceTerm& term) { list_.push_back(&term); }
+    ForceTerms(ForceTerm& term) { add(term); }
+    void add(ForceTerm& term);
     /// Whether there is nothing to evaluate or to add.
     [[nodiscard]] bool empty() const { return list_.empty(); }
-
-    void begin_step(RodArrays& rods) const;
-    void set_settling(Settling how) const;
-    /// The sum of all.
+    /// Of all together.
+    [[nodiscard]] const TermTraits& traits() const { return traits_; }
+    /// TermTraits::most_move; infinity: no limit.
+    [[nodiscard]] double most_move(int wire) const;
+    /// The sum of all since clear_times().
     [[nodiscard]] StageTimes times() const;
     void clear_times() const;
+
+    void begin_step(RodArrays& rods, Settling how = Settling::Off) const;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) const;
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) const;
-    void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
-                        std::span<const std::uint8_t> active) const;
-    /// Whether all terms admit the trial.
-    [[nodiscard]] bool admissible(int wire) const;
-    /// The sum of all.
+    void evaluate(const TermTrial& trial) const;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) const;
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const;
-    /// Whether any term acts.
-    [[nodiscard]] bool act(int wire) const;
-    /// Whether any term's tangent is unsymmetric.
-    [[nodiscard]] bool unsymmetric(int wire) const;
-    [[nodiscard]] bool follows_spins() const;
-    [[nodiscard]] bool may_jump() const;
-    [[nodiscard]] bool never_overlaps() const;
-    /// The largest.
-    [[nodiscard]] double largest_force(int wire) const;
-    /// The sum.
-    [[nodiscard]] double rounding(int wire) const;
-    [[nodiscard]] double stored_energy(int wire) const;
-    [[nodiscard]] double work_from_outside(int wire) const;
-    [[nodiscard]] ContactWork contact_work(int wire) const;
-    /// The least.
-    [[nodiscard]] double feasible_step(int wire) const;
-    [[nodiscard]] double move_limit(int wire) const;
-    void take(int wire) const;
-    /// The least share.
-    [[nodiscard]] KinksPassed crossed(int wire) const;
-    void admit_crossings(int wire, std::span<double> residual) const;
-    void start_again(int wire) const;
+    void take(int wire, ForceTerm::Base base, std::span<double> kinks = {}) const;
     /// Each term renews its own data. @param again  [wires] overwritten: those to be solved on
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) const;
     void commit(std::span<const std::uint8_t> active) const;
-    /// Whether all terms are clear.
-    [[nodiscard]] bool is_clear(RodArrays& rods, int wire) const;
-    void save(std::vector<std::uint8_t>& bytes) const;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) const;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) const;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) const;
+    void walk_state(StateWalk& walk, int wire) const;
 
 private:
     std::vector<ForceTerm*> list_;
+    TermTraits traits_{false, false, false, {}};
 };
 
 }  // namespace seldinger

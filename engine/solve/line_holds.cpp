@@ -2,8 +2,7 @@
 
 #include "solve/line_holds.h"
 
-#include "core/bytes.h"
-#include "core/error.h"
+#include "core/state_walk.h"
 #include "rod/pair.h"
 
 #include <algorithm>
@@ -60,6 +59,7 @@ void set_end_compliance(double distance, double length, double stiffness, double
 LineHolds::LineHolds(RodArrays& rods, const std::vector<WireConstraints>& constraints)
     : rods_(rods), constraints_(constraints), of_(static_cast<std::size_t>(rods.wire_count()))
 {
+    traits_.follows_spins = traits_.may_jump = false;  // spins of a common centreline are never left out
 }
 
 void LineHolds::add(const CoaxialGroup& group, std::span<const int> count)
@@ -173,11 +173,11 @@ LineHolds::EdgeState LineHolds::edge_state(const OfWire& of, const TrialState& t
     return {tangent, parallel_transport(line.ref_d1(edge), from, tangent, one_plus_cos(from, tangent)), inverse};
 }
 
-void LineHolds::evaluate(const TrialState& trial, double /*h*/, std::span<const std::uint8_t> active)
+void LineHolds::evaluate(const TermTrial& trial)
 {
     for (std::size_t w = 0; w < of_.size(); ++w)
         for (Active& hold : of_[w].active)
-            if (active[w]) evaluate(of_[w], static_cast<int>(w), trial, hold);
+            if (trial.active[w]) evaluate(of_[w], static_cast<int>(w), trial.at, hold);
 }
 
 void LineHolds::evaluate(const OfWire& of, int wire, const TrialState& trial, Active& active)
@@ -312,6 +312,13 @@ void LineHolds::add(int wire, std::span<double> residual, BandRows* tangent, boo
         }
 }
 
+TermAnswer LineHolds::answer(int wire, Ask what)
+{
+    TermAnswer answer;
+    if (what == Ask::Trial) answer.rounding = rounding(wire);
+    return answer;
+}
+
 double LineHolds::rounding(int wire) const
 {
     const OfWire& line = of_[static_cast<std::size_t>(wire)];
@@ -376,34 +383,13 @@ double LineHolds::work(int wire) const
     return sum;
 }
 
-void LineHolds::save_wire(std::vector<std::uint8_t>& bytes, int wire)
-{
-    for (const Memory& memory : of_[static_cast<std::size_t>(wire)].memory) {
-        put_bytes(bytes, memory.force.data(), 3);
-        put_bytes(bytes, &memory.turned, 1);
-        put_bytes(bytes, &memory.held, 1);
-    }
-}
-
-void LineHolds::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+void LineHolds::walk_state(StateWalk& walk, int wire)
 {
     for (Memory& memory : of_[static_cast<std::size_t>(wire)].memory) {
-        take_bytes(bytes, end, memory.force.data(), 3);
-        take_bytes(bytes, end, &memory.turned, 1);
-        take_bytes(bytes, end, &memory.held, 1);
-        const bool sound = memory.force.cwiseAbs().maxCoeff() <= 1e18 && std::abs(memory.turned) <= 1e9 && memory.held <= 1;
-        if (!sound) throw Error(ExitCode::BadFile, "the saved state is damaged: a hold's force is out of bounds");
+        walk.numbers({"a hold's force", "N", "accept"}, memory.force);
+        walk({"a hold's angle", "rad", "accept", -1e9, 1e9}, memory.turned);
+        walk({"a hold's flag", "", "accept", 0, 1}, memory.held);
     }
-}
-
-void LineHolds::save(std::vector<std::uint8_t>& bytes)
-{
-    for (int w = 0; w < rods_.wire_count(); ++w) save_wire(bytes, w);
-}
-
-void LineHolds::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
-{
-    for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
 }
 
 }  // namespace seldinger

@@ -46,17 +46,12 @@ public:
     void add(const CoaxialGroup& group, std::span<const int> count);
 
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
-    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
+    void evaluate(const TermTrial& trial) override;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override;
-    [[nodiscard]] double rounding(int wire) const override;
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
-    [[nodiscard]] bool follows_spins() const override { return false; }  // those of a common centreline are never left out
-    [[nodiscard]] bool may_jump() const override { return false; }
     void commit(std::span<const std::uint8_t> active) override;
-    void save(std::vector<std::uint8_t>& bytes) override;
-    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
+    void walk_state(StateWalk& walk, int wire) override;
 
     // ---- of the last evaluation ----
     /// On an instrument, of its holds of position [N].
@@ -123,6 +118,7 @@ private:
     static void add_position(const RodView& line, const TrialState& trial, int begin, Active& active);
     static void add_direction(const EdgeState* edges, Active& active);
     void add_spin(const EdgeState* edges, const TrialState& trial, int begin, Active& active) const;
+    [[nodiscard]] double rounding(int wire) const;
     [[nodiscard]] static int unknown(const Active& active, int local);
 
     RodArrays& rods_;

@@ -43,7 +43,7 @@ void LinearModel::set_shift_weights()
 void LinearModel::factorise(bool shortened, const ForceTerms& terms)
 {
     bool loaded = problem_.unsymmetric();
-    for (const WireProblem* wire : problem_.solved()) loaded = loaded || terms.unsymmetric(wire->wire);
+    for (const WireProblem* wire : problem_.solved()) loaded = loaded || wire->terms.unsymmetric;
     const bool whole = loaded && (!shortened || problem_.conserving());
     projected_steps_ = shortened ? 0 : projected_steps_;
     unsymmetric_ = whole || projected_steps_ >= 3;

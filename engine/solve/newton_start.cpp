@@ -40,7 +40,7 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
     iterations_ = first_iteration_ = evaluations_ = backtracks_ = mode_perturbations_ = jumps_passed_ = 0;
     contraction_ = 0;
     for (WireProblem* wire : problem.solved()) {
-        move_limit_ = std::min(move_limit_, terms.move_limit(wire->wire));
+        move_limit_ = std::min(move_limit_, terms.most_move(wire->wire));
         wire->norm = wire->rounding = 0;
     }
     model_.start(options.shifted, options.pseudo_transient ? 100 : 0);

@@ -66,32 +66,27 @@ void NewtonSystem::decide(bool finite, const ForceTerms& terms)
 {
     ++evaluations_;
     took_trial_ = corrected_ = false;
-    bool usable = finite;
-    double open = 1;  // share of the path to the trial
-    for (const WireProblem* wire : problem.solved()) {
-        usable = usable && terms.admissible(wire->wire);
-        if (finite) open = std::min(open, terms.feasible_step(wire->wire));
-    }
-    refused_ = !usable || !problem.evaluate_residual(terms);
+    if (finite) problem.ask(terms);
+    refused_ = !finite || !problem.admissible() || !problem.evaluate_residual(terms);
     if (refused_) {
         non_finite_ = non_finite_ || !finite;
         if (settling_) phase_ = Phase::Failed;
-        else backtrack(open);
+        else backtrack(finite ? problem.open() : 1);
         return;
     }
-    problem.note_residuals(terms);
+    problem.note_residuals();
     non_finite_ = false;
     const bool asked = phase_ == Phase::Search && !options_.shifted && !options_.linearised;
     crossed_ = asked ? problem.crossed(terms) : KinksPassed{};
     if (ends_when_due() || ends_at_trial(terms)) return;
     if (iterations_ - first_iteration_ >= options_.max_iterations) {
-        if (at_kink(terms)) phase_ = Phase::Done;
+        if (at_kink()) phase_ = Phase::Done;
         else give_up();
         return;
     }
     const bool keep = crossed_.share == 1 && keeps_factors();
     take_base();
-    if (crossed_.share < 1) problem.admit_crossings(terms);
+    problem.take(terms, crossed_.share < 1);
     if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
     else new_direction(terms);
     launch();
@@ -161,7 +156,7 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
         return true;
     }
     if (jump == Jump::Passed || acceptable()) return false;
-    if (at_kink(terms)) phase_ = Phase::Done;
+    if (at_kink()) phase_ = Phase::Done;
     return true;
 }
 

@@ -75,8 +75,6 @@ public:
         phase_ = Phase::Failed;
         settling_ = false;
     }
-    /// Whether the last advance() took its trial: the next ones start from there.
-    [[nodiscard]] bool took_trial() const { return took_trial_; }
 
     [[nodiscard]] bool running() const { return phase_ == Phase::Guess || phase_ == Phase::Search; }
     [[nodiscard]] bool converged() const { return phase_ == Phase::Done; }
@@ -112,9 +110,8 @@ private:
     [[nodiscard]] bool acceptable();
     [[nodiscard]] bool natural_test(bool slope_falls, double slope);
     void correct();
-    [[nodiscard]] double largest_force(const ForceTerms& terms) const;
     [[nodiscard]] Jump jump_of_force(const ForceTerms& terms);
-    [[nodiscard]] bool at_kink(const ForceTerms& terms) const;
+    [[nodiscard]] bool at_kink() const;
 
     // pseudo-transient continuation (pseudo_transient.cpp)
     void adapt_shift();

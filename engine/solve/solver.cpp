@@ -132,7 +132,7 @@ void Solver::evaluate_start(double h, bool linearised, const ForceTerms& terms)
             before_.theta[begin + i] = before(RodDofs::spin(i));
         }
     }
-    terms.evaluate_start(trial_, before_, h, linearised, evaluate_);
+    terms.evaluate({trial_, h, evaluate_, &before_, linearised});
 }
 
 /// Until none is running. A system takes its decision and sets up its next trial in one go, while its arrays are in the cache.
@@ -148,15 +148,13 @@ void Solver::iterate(double h, const ForceTerms& terms)
         const bool due = due_ && due_();
         if (any(evaluate_)) {
             if (at_start) evaluate_start(h, true, terms);
-            else terms.evaluate(trial_, h, evaluate_);
+            else terms.evaluate({trial_, h, evaluate_});
         }
         for_each_system(SolveStage::Advance, [&](int s) {
             if (!running_[s]) return;
             NewtonSystem& newton = newton_of(s);
-            const std::span<WireProblem* const> wires = newton.problem.solved();
             newton.hurry(due);
-            newton.advance(evaluate_[wires.front()->wire], terms);
-            for (std::size_t k = 0; k < wires.size() && newton.took_trial(); ++k) terms.take(wires[k]->wire);
+            newton.advance(evaluate_[newton.problem.solved().front()->wire], terms);
             prepare_trial(s);
         });
     }

@@ -135,7 +135,7 @@ private:
     std::vector<int> first_wire_, system_of_;  // [systems + 1], [wires]
     std::vector<std::unique_ptr<Work>> work_;  // [systems]
     std::unique_ptr<Workspaces> workspaces_;
-    TrialState trial_, before_;  // before_: where known velocities come from, see ForceTerm::evaluate_start
+    TrialState trial_, before_;  // before_: where known velocities come from, see TermTrial
     bool best_effort_ = false;
     std::vector<std::uint8_t> asked_;           // [systems] with an active wire, in the present call
     std::vector<std::uint8_t> running_;         // [systems] not finished

@@ -17,7 +17,7 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
         write_trial(s);
         set_evaluated(s, evaluate_[problem.solved().front()->wire] && problem.update());
     }
-    terms.evaluate(trial_, h, evaluate_);  // so that force terms keep the state that is accepted
+    terms.evaluate({trial_, h, evaluate_});  // so that force terms keep the state that is accepted
     accept_explicit(terms, reports);
 }
 
@@ -27,8 +27,8 @@ void Solver::accept_explicit(const ForceTerms& terms, std::span<SolveReport> rep
         if (!asked_[s]) continue;
         SystemProblem& problem = newton_of(s).problem;
         const bool finite = evaluate_[problem.solved().front()->wire];
-        bool converged = finite;
-        for (const WireProblem* wire : problem.solved()) converged = converged && terms.admissible(wire->wire);
+        if (finite) problem.ask(terms);
+        const bool converged = finite && problem.admissible();
         for (WireProblem* wire : problem.solved()) {
             SolveReport& report = reports[wire->wire] = {};
             report.evaluations = 2;
@@ -47,10 +47,12 @@ void Solver::evaluate_forces(double h, const ForceTerms& terms)
     for (int s = 0; s < system_count(); ++s)
         if (asked_[s]) set_evaluated(s, newton_of(s).problem.update());
     if (h > 0) evaluate_start(h, false, terms);
-    else terms.evaluate(trial_, h, evaluate_);
+    else terms.evaluate({trial_, h, evaluate_});
     for (int s = 0; s < system_count(); ++s) {
         if (!asked_[s] || !evaluate_[work_[s]->newton.problem.solved().front()->wire]) continue;
-        set_evaluated(s, newton_of(s).problem.evaluate_residual(terms));
+        SystemProblem& problem = newton_of(s).problem;
+        problem.ask(terms);
+        set_evaluated(s, problem.evaluate_residual(terms));
     }
 }
 

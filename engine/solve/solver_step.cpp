@@ -81,7 +81,7 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, const 
     stopped_ = false;
     if (stop_asked_) spins_before_ = spin_records_;
     workspaces_->provide();
-    const SpinAngles spins = spec_.spins == Spins::Kept ? SolvedFor : terms.follows_spins() ? LeftIfStill : LeftIfFree;
+    const SpinAngles spins = spec_.spins == Spins::Kept ? SolvedFor : terms.traits().follows_spins ? LeftIfStill : LeftIfFree;
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;

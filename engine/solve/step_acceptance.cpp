@@ -83,13 +83,6 @@ void NewtonSystem::correct()
     model_.correction(scratch_, part(correction_), 1 - alpha_);
 }
 
-double NewtonSystem::largest_force(const ForceTerms& terms) const
-{
-    double most = 0;
-    for (const WireProblem* wire : problem.solved()) most = std::max(most, terms.largest_force(wire->wire));
-    return most;
-}
-
 /// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the residual is not
 /// (1 - alpha) of the base's, as the linear equations have it, by more than half of it and a thousandth of the largest contact
 /// force. Then the nearest facets of the wall have changed, and the force with them (in a neck as narrow as the wire, at the corner
@@ -98,7 +91,7 @@ double NewtonSystem::largest_force(const ForceTerms& terms) const
 /// trial is as good a base as any.
 NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
 {
-    if (!terms.may_jump() || options_.shifted || alpha_ == first_alpha_) return Jump::None;
+    if (!terms.traits().may_jump || options_.shifted || alpha_ == first_alpha_) return Jump::None;
     if (alpha_ * problem.largest_surface_move(direction_) > located * problem.smallest_radius()) return Jump::None;
     double change = 0, base = 0;
     for (const WireProblem* wire : problem.solved()) {
@@ -111,7 +104,7 @@ NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
             base = std::max(base, std::abs(before[i]));
         }
     }
-    if (change <= std::max(0.5 * base, 1e-3 * largest_force(terms))) return Jump::None;
+    if (change <= std::max(0.5 * base, 1e-3 * problem.largest_force())) return Jump::None;
     if (problem.residual_along(direction_) * slope_ < 0) return Jump::Turns;
     return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
 }
@@ -119,10 +112,10 @@ NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
 /// The correction is below 1e-6 of the wire's radius (half a nanometre). The remaining force is rounding (of a single-precision
 /// gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets blend. The position is known to that
 /// half nanometre, and no position has a smaller residual.
-bool NewtonSystem::at_kink(const ForceTerms& terms) const
+bool NewtonSystem::at_kink() const
 {
     if (iterations_ < 4 || options_.shifted) return false;
-    const double jump = 1e-3 * largest_force(terms);
+    const double jump = 1e-3 * problem.largest_force();
     const auto small = [&](const WireProblem* wire) { return wire->norm <= std::max(100 * wire->tolerance, jump); };
     return std::all_of(problem.solved().begin(), problem.solved().end(), small) &&
            problem.largest_move(direction_) <= located * problem.smallest_radius() && problem.at_prescribed();

@@ -7,11 +7,35 @@
 
 namespace seldinger {
 
-void SystemProblem::note_residuals(const ForceTerms& terms)
+void SystemProblem::ask(const ForceTerms& terms)
+{
+    for (WireProblem* wire : solved_) wire->terms = terms.answer(wire->wire, Ask::Trial);
+}
+
+bool SystemProblem::admissible() const
+{
+    return std::all_of(solved_.begin(), solved_.end(), [](const WireProblem* wire) { return wire->terms.admissible; });
+}
+
+double SystemProblem::open() const
+{
+    double open = 1;
+    for (const WireProblem* wire : solved_) open = std::min(open, wire->terms.open);
+    return open;
+}
+
+double SystemProblem::largest_force() const
+{
+    double most = 0;
+    for (const WireProblem* wire : solved_) most = std::max(most, wire->terms.largest_force);
+    return most;
+}
+
+void SystemProblem::note_residuals()
 {
     for (WireProblem* wire : solved_) {
         wire->norm = wire->residual_norm();
-        wire->rounding = terms.rounding(wire->wire);
+        wire->rounding = wire->terms.rounding;
     }
 }
 

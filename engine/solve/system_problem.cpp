@@ -130,7 +130,7 @@ void SystemProblem::take_spins_in()
 bool SystemProblem::spins_hold(const ForceTerms& terms)
 {
     take_spins_in();
-    if (!terms.follows_spins() && update())
+    if (!terms.traits().follows_spins && update())
         for (WireProblem* wire : solved_) wire->untwist();
     if (!update() || !evaluate_residual(terms)) return false;
     return std::all_of(solved_.begin(), solved_.end(), [](const WireProblem* wire) { return wire->spins_balanced(); });
@@ -170,21 +170,19 @@ bool SystemProblem::evaluate_residual(const ForceTerms& terms)
 KinksPassed SystemProblem::crossed(const ForceTerms& terms) const
 {
     KinksPassed all;
-    for (const int wire : solved_wires_) {
-        if (!solved_coaxial_.empty()) break;
-        const KinksPassed of = terms.crossed(wire);
-        all.share = std::min(all.share, of.share);
-        all.entered = all.entered || of.entered;
-    }
+    for (const int wire : solved_wires_)
+        if (solved_coaxial_.empty()) all += terms.answer(wire, Ask::Kinks).kinks;
     return all;
 }
 
-void SystemProblem::admit_crossings(const ForceTerms& terms)
+void SystemProblem::take(const ForceTerms& terms, bool kinks)
 {
     const std::size_t count = size();
-    std::fill_n(scratch_.begin(), count, 0.0);
+    if (kinks) std::fill_n(scratch_.begin(), count, 0.0);
     for (std::size_t k = 0; k < solved_.size(); ++k)
-        terms.admit_crossings(solved_wires_[k], scratch_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()));
+        terms.take(solved_wires_[k], ForceTerm::Base::Trial,
+                   kinks ? scratch_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()) : std::span<double>());
+    if (!kinks) return;
     for (std::size_t i = 0; i < count; ++i) {
         residual[i] += scratch_[i];
         term_residual_[i] += scratch_[i];
@@ -212,7 +210,7 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
 /// Whether a term acts on any of its wires.
 bool SystemProblem::acted_on(const ForceTerms& terms) const
 {
-    return std::any_of(solved_wires_.begin(), solved_wires_.end(), [&](int wire) { return terms.act(wire); });
+    return !terms.empty() && std::any_of(solved_.begin(), solved_.end(), [](const WireProblem* wire) { return wire->terms.acts; });
 }
 
 /// @return false if not finite

@@ -65,12 +65,18 @@ public:
     void mirror();
     /// Frames at the trial. @return false if anything is not finite
     [[nodiscard]] bool update();
-    /// R at the trial into `residual`; update() must have run there, and terms been evaluated. @return false if not finite
+    /// What terms say of each wire at the trial that they were evaluated at: WireProblem::terms.
+    void ask(const ForceTerms& terms);
+    /// Of all wires together, see TermAnswer.
+    [[nodiscard]] bool admissible() const;
+    [[nodiscard]] double open() const;
+    [[nodiscard]] double largest_force() const;
+    /// R at the trial into `residual`; update() and ask() must have run there. @return false if not finite
     [[nodiscard]] bool evaluate_residual(const ForceTerms& terms);
-    /// Kinks that terms have passed since the base (ForceTerm::crossed).
+    /// Kinks that terms have passed since the base (Ask::Kinks).
     [[nodiscard]] KinksPassed crossed(const ForceTerms& terms) const;
-    /// What leads the next direction to them, into R and the terms' share of it.
-    void admit_crossings(const ForceTerms& terms);
+    /// The trial is the base from now on. @param kinks  what leads the next direction to those goes into R and the terms' share of it
+    void take(const ForceTerms& terms, bool kinks);
     /// The same with force terms taken as linear from where assemble_tangent last ran, `base`: evaluates none of them.
     [[nodiscard]] bool evaluate_linear_terms(const ForceTerms& terms, std::span<const double> base);
     /// dR/dq at the trial into `linear`, prescribed unknowns not yet fixed. @param symmetric  its symmetric part, as far as it is
@@ -87,7 +93,7 @@ public:
     [[nodiscard]] bool conserving() const { return !solved_.empty() && solved_.front()->time.conserving(); }
 
     /// Notes each wire's residual at the trial and what rounding adds to its tolerance.
-    void note_residuals(const ForceTerms& terms);
+    void note_residuals();
     /// Whether all that were noted are within their tolerances.
     [[nodiscard]] bool balanced() const;
     /// The largest of those that were noted, of its tolerance [-].

@@ -13,6 +13,7 @@
 // within a step, is differentiated exactly, and that is not symmetric.
 
 #include "solve/external_loads.h"
+#include "solve/force_term.h"
 #include "solve/mixed_tension.h"
 #include "solve/solve_report.h"
 #include "solve/step_kind.h"
@@ -114,6 +115,7 @@ public:
     std::vector<RodClamp> clamps;
     RodFrames frames;
     WireUnknowns q;  // its part of the system's
+    TermAnswer terms;  // of force terms at the trial, see SystemProblem::ask()
     TimeScheme time;
     MixedTension tension;
 

@@ -2,12 +2,12 @@
 
 #include "wall/wall_dynamics.h"
 
-#include "core/bytes.h"
-#include "core/error.h"
+#include "core/state_walk.h"
 #include "wall/wall_compliance.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace seldinger {
 
@@ -151,55 +151,43 @@ void WallDynamics::end_step(std::span<const Push> pushed, double farthest)
     forget();
 }
 
-void WallDynamics::save(std::vector<std::uint8_t>& bytes) const
+void WallDynamics::walk_state(StateWalk& walk)
 {
-    const std::uint8_t still = still_;
-    put_bytes(bytes, &still, 1);
-    put_bytes(bytes, &work, 1);
+    const char* name = "the wall's motion";
+    const auto vertices = static_cast<double>(known_at_.size());
+    std::uint8_t still = still_;
+    walk({name, "", "accept", 0, 1}, still);
+    walk({name, "J", "accept"}, work);
+    if (walk.reads()) forget_motion();
+    still_ = still != 0;
     if (still_) return;
-    const double numbers[] = {h_, keep_, ahead_, slope_};
-    const std::int32_t counts[] = {step_, steps_, static_cast<std::int32_t>(touched_.size())};
-    put_bytes(bytes, numbers, 4);
-    put_bytes(bytes, counts, 3);
-    put_bytes(bytes, touched_.data(), touched_.size());
-    for (const auto* list : {&start_, &memory_, &change_, &pushed_}) put_bytes(bytes, list->data(), list->size());
+    double numbers[] = {h_, keep_, ahead_, slope_};
+    std::int32_t counts[] = {step_, steps_, static_cast<std::int32_t>(touched_.size())};
+    walk({name, "", "accept"}, std::span(numbers));
+    walk({name, "", "accept", 0, std::max<double>(block_steps, vertices)}, std::span(counts));
+    if (walk.reads()) {
+        StateWalk::need(numbers[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 && counts[1] <= block_steps && counts[2] <= vertices, name);
+        start_block(numbers[0]);
+        touched_.resize(static_cast<std::size_t>(counts[2]));
+    }
+    walk({name, "", "accept", 0, vertices - 1}, std::span(touched_));
+    if (walk.checks()) StateWalk::need(std::adjacent_find(touched_.begin(), touched_.end(), std::greater_equal<>()) == touched_.end(), name);
+    for (auto* list : {&start_, &memory_, &change_, &pushed_}) walk({name, "m, N", "accept"}, std::span(*list));
+    if (!walk.reads()) return;
+    farthest_ = std::sqrt(3.0) * largest(start_);
+    keep_ = numbers[1], ahead_ = numbers[2], slope_ = numbers[3];
+    step_ = counts[0], steps_ = counts[1];
+    forget();
 }
 
-void WallDynamics::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+/// As if it had never been moved.
+void WallDynamics::forget_motion()
 {
-    std::uint8_t still = 1;
-    take_bytes(bytes, end, &still, 1);
-    take_bytes(bytes, end, &work, 1);
-    still_ = still != 0;
     for (auto* list : {&start_, &memory_, &change_, &pushed_}) std::fill(list->begin(), list->end(), 0.0);
     touched_.clear();
     h_ = -1;
     factor_.reset();
     step_ = 0, steps_ = 1, keep_ = 1, ahead_ = slope_ = 0;
-    forget();
-    if (still_) return;
-    double numbers[4] = {};
-    std::int32_t counts[3] = {};
-    take_bytes(bytes, end, numbers, 4);
-    take_bytes(bytes, end, counts, 3);
-    const auto vertices = static_cast<std::int32_t>(known_at_.size());
-    const bool sound = std::isfinite(numbers[0]) && numbers[0] >= 0 && counts[0] >= 0 && counts[0] <= counts[1] &&
-                       counts[1] >= 1 && counts[1] <= block_steps && counts[2] >= 0 && counts[2] <= vertices;
-    if (!sound) throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
-    start_block(numbers[0]);
-    touched_.resize(static_cast<std::size_t>(counts[2]));
-    take_bytes(bytes, end, touched_.data(), touched_.size());
-    for (std::size_t k = 0; k < touched_.size(); ++k)
-        if (touched_[k] < (k > 0 ? touched_[k - 1] + 1 : 0) || touched_[k] >= vertices)
-            throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
-    for (auto* list : {&start_, &memory_, &change_, &pushed_}) take_bytes(bytes, end, list->data(), list->size());
-    const auto bounded = [](double value) { return std::abs(value) <= 1e18; };  // in any unit; false for NaN
-    for (const auto* list : {&start_, &memory_, &change_, &pushed_})
-        if (!std::all_of(list->begin(), list->end(), bounded) || !std::all_of(numbers, numbers + 4, bounded))
-            throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
-    farthest_ = std::sqrt(3.0) * largest(start_);
-    keep_ = numbers[1], ahead_ = numbers[2], slope_ = numbers[3];
-    step_ = counts[0], steps_ = counts[1];
     forget();
 }
 

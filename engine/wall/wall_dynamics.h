@@ -23,6 +23,8 @@
 
 namespace seldinger {
 
+class StateWalk;  // core/state_walk.h
+
 class WallDynamics {
 public:
     static constexpr int block_steps = 8;
@@ -52,8 +54,8 @@ public:
     /// Whether it has never been moved.
     [[nodiscard]] bool still() const { return still_; }
 
-    void save(std::vector<std::uint8_t>& bytes) const;
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
+    /// Rows of what must survive a step (core/state_walk.h).
+    void walk_state(StateWalk& walk);
 
     double work = 0;  // done on the wall by contact since the beginning [J]
 
@@ -65,6 +67,7 @@ private:
         return list.empty() ? Vec3(Vec3::Zero()) : Vec3(&list[3 * static_cast<std::size_t>(vertex)]);
     }
     void forget() const;
+    void forget_motion();
 
     const ElasticWall& wall_;
     bool still_ = true;

@@ -2,8 +2,7 @@
 
 #include "world/carried.h"
 
-#include "core/bytes.h"
-#include "core/error.h"
+#include "core/state_walk.h"
 #include "solve/solver.h"
 
 #include <algorithm>
@@ -38,38 +37,17 @@ void carry(const ConstRodView& rod, const std::vector<CarriedImpulse>& left, dou
     }
 }
 
-void put_carried(std::vector<std::uint8_t>& bytes, const std::vector<std::vector<CarriedImpulse>>& carried, std::span<const int> wires)
+void walk_carried(StateWalk& walk, std::vector<std::vector<CarriedImpulse>>& carried, std::span<const int> wires)
 {
     const auto has = [&](int w) { return !carried[static_cast<std::size_t>(w)].empty(); };
-    if (std::none_of(wires.begin(), wires.end(), has)) return;
+    const bool rows = walk.reads() ? walk.left() > 0 : std::any_of(wires.begin(), wires.end(), has);
     for (const int w : wires) {
-        const std::vector<CarriedImpulse>& of = carried[static_cast<std::size_t>(w)];
-        const auto count = static_cast<std::uint32_t>(of.size());
-        put_bytes(bytes, &count, 1);
-        for (const CarriedImpulse& at : of) {
-            put_bytes(bytes, &at.s, 1);
-            put_bytes(bytes, at.impulse.data(), 3);
-        }
-    }
-}
-
-void take_carried(const std::uint8_t*& bytes, const std::uint8_t* end, std::vector<std::vector<CarriedImpulse>>& carried,
-                  std::span<const int> wires)
-{
-    for (const int w : wires) carried[static_cast<std::size_t>(w)].clear();
-    if (bytes == end) return;
-    for (const int w : wires) {
-        std::uint32_t count = 0;
-        take_bytes(bytes, end, &count, 1);
-        if (count > most_carried) throw Error(ExitCode::BadFile, "the saved state is damaged: more forces are carried than a wire can have");
-        for (std::uint32_t k = 0; k < count; ++k) {
-            CarriedImpulse at;
-            take_bytes(bytes, end, &at.s, 1);
-            take_bytes(bytes, end, at.impulse.data(), 3);
-            if (!(at.s >= 0) || !at.impulse.allFinite())
-                throw Error(ExitCode::BadFile, "the saved state is damaged: a force that is carried into the next step is not a number");
-            carried[static_cast<std::size_t>(w)].push_back(at);
-        }
+        std::vector<CarriedImpulse>& of = carried[static_cast<std::size_t>(w)];
+        if (walk.reads()) of.clear();
+        if (!rows) continue;
+        walk.list<std::uint32_t>({"a force that is carried into the next step", "N s", "carry_on"}, of, most_carried);
+        for (const CarriedImpulse& at : of)
+            if (walk.checks()) StateWalk::need(at.s >= 0 && at.impulse.allFinite(), "a force that is carried into the next step");
     }
 }
 

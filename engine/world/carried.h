@@ -15,6 +15,7 @@
 namespace seldinger {
 
 class Solver;
+class StateWalk;
 
 struct CarriedImpulse {
     double s = 0;                    // rest length from the tip [m]
@@ -26,10 +27,7 @@ void add_left(const ConstRodView& rod, const Solver& solver, int wire, double h,
 /// As loads over a step of dt [s].
 void carry(const ConstRodView& rod, const std::vector<CarriedImpulse>& left, double dt, WireConstraints& constraints);
 
-/// State from which a run resumes; nothing where no wire carries anything. @param wires  those of `bytes`
-void put_carried(std::vector<std::uint8_t>& bytes, const std::vector<std::vector<CarriedImpulse>>& carried, std::span<const int> wires);
-/// @throws Error BadFile: impossible values
-void take_carried(const std::uint8_t*& bytes, const std::uint8_t* end, std::vector<std::vector<CarriedImpulse>>& carried,
-                  std::span<const int> wires);
+/// Rows of the state, its last ones: none where no wire carries anything. @throws Error BadFile: impossible values
+void walk_carried(StateWalk& walk, std::vector<std::vector<CarriedImpulse>>& carried, std::span<const int> wires);
 
 }  // namespace seldinger

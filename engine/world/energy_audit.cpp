@@ -184,12 +184,15 @@ void for_each_of_group(World::Impl& state, int wire, const Visit& visit)
     for (const int w : group->wires()) visit(w);
 }
 
-WireEnergy energy_now(World::Impl& state, int wire)
+WireEnergy energy_now(const EnergyAudit& audit)
 {
-    const EnergyAudit& audit = state.audits[wire];
-    double stored = 0;
-    for_each_of_group(state, wire, [&](int w) { stored += state.terms.stored_energy(w); });
-    return {audit.kinetic, audit.elastic + audit.gravitational, stored};
+    return {audit.kinetic, audit.elastic + audit.gravitational, audit.terms.stored};
+}
+
+void read_terms(World::Impl& state, int wire)
+{
+    TermEnergies& terms = state.audits[wire].terms = {};
+    for_each_of_group(state, wire, [&](int w) { terms += state.terms.answer(w, Ask::Energies).energies; });
 }
 
 void read_energies(World::Impl& state, int wire)
@@ -198,6 +201,7 @@ void read_energies(World::Impl& state, int wire)
     audit.kinetic = kinetic_energy(state, wire);
     audit.elastic = state.solver->elastic_energy(wire);
     audit.gravitational = state.solver->potential_energy(wire);
+    read_terms(state, wire);
 }
 
 /// Work of a sub-step on a wire, by its sources [J].
@@ -222,7 +226,7 @@ WorkDone work_done(World::Impl& state, int wire)
         work.turning = turning_work(state, wire);
     }
     work.outside = held_work(state, wire) + load_work(state, wire);
-    for_each_of_group(state, wire, [&](int w) { work.wall += state.terms.work_from_outside(w); });
+    work.wall = state.audits[wire].terms.from_outside;
     return work;
 }
 
@@ -234,13 +238,7 @@ void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
     if (!audit.known) return;
     EnergyLedger& ledger = audit.next_ledger;
     const double now = audit.kinetic + audit.elastic + audit.gravitational;
-    ContactWork contact;
-    for_each_of_group(state, wire, [&](int w) {
-        const ContactWork own = state.terms.contact_work(w);
-        contact.normal += own.normal;
-        contact.friction += own.friction;
-        contact.rolling += own.rolling;
-    });
+    const ContactWork& contact = audit.terms.work;
     ledger.hand += work.hand + work.turning;
     ledger.outside += work.outside;
     if (state.reports[wire].cut_short) ledger.outside += state.solver->residual_work(wire);  // a force from outside; the next step returns it
@@ -331,10 +329,11 @@ void begin_audit(World::Impl& state, int wire, bool placed)
         audit.elastic = group ? elastic_now(state, *group)
                               : seldinger::energy_now(rod, state.constraints[wire].clamps, frames);
         audit.gravitational = state.solver->potential_energy(wire);
+        read_terms(state, wire);
     } else {
         read_energies(state, wire);
     }
-    audit.balance.begin(energy_now(state, wire));
+    audit.balance.begin(energy_now(audit));
     audit.ledger = {};
     audit.wire_then = audit.kinetic + audit.elastic + audit.gravitational;
     audit.elastic_then = audit.elastic;
@@ -357,8 +356,8 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     if (state.setup.integrator.scheme == Scheme::Newton && !state.reports[wire].best_effort)
         for_each_of_group(state, wire, [&](int w) { input.work += state.solver->residual_work(w); });
     audit.next = audit.balance;
-    if (audit.known) return audit.next.take_in(energy_now(state, wire), input, audit.limits);
-    audit.next.begin_after(energy_now(state, wire), input);
+    if (audit.known) return audit.next.take_in(energy_now(audit), input, audit.limits);
+    audit.next.begin_after(energy_now(audit), input);
     return true;
 }
 

@@ -22,6 +22,7 @@
 
 #include "engine.h"
 #include "solve/energy_balance.h"
+#include "solve/force_term.h"
 
 #include <cstdint>
 #include <vector>
@@ -48,6 +49,7 @@ struct EnergyAudit {
     EnergyInput fed;                                     // by feeding, and by splits and merges before it
     double remeshed_now = 0;                             // the second part of it [J]
     double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
+    TermEnergies terms;                                  // likewise, of all of a common centreline
 };
 
 /// Fraction of the energy exchanged as in EnergyLimits; floor: 0.1 % of the energy that lifts the whole wire by its own length and
@@ -78,7 +80,6 @@ void begin_audit(World::Impl& state, int wire, bool placed);
 void accept_energy(World::Impl& state, int wire, double h);
 
 /// State from which a run resumes. Part of the saved state, but not of the hashed one: it affects no motion.
-void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit);
-void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit);
+void walk_audit(StateWalk& walk, EnergyAudit& audit);
 
 }  // namespace seldinger

@@ -50,9 +50,6 @@ struct MergedGroup {
     std::vector<double> turning;
     std::vector<Vec3> contact;
     std::vector<std::uint8_t> bowed;
-    // what a failed attempt returns to
-    FeedState feed_backup;
-    int leader_backup = 0;
 
     [[nodiscard]] std::span<const int> wires() const { return shared.wires; }
     [[nodiscard]] int line() const { return shared.line(); }

@@ -48,21 +48,19 @@ void change_nodes(World::Impl& state, MergedGroup& group, const NodeChange& what
 template <class Change>
 bool where_clear(World::Impl& state, MergedGroup& group, Change change)
 {
-    if (!state.terms.never_overlaps()) return change(), true;
+    if (!state.terms.traits().never_overlaps) return change(), true;
     std::vector<std::vector<Vec3>> forces;
     for (const int w : group.wires()) {
-        state.save_wire(w);
+        state.keep_wire(w);
         forces.push_back(state.results[w].nodal_contact);
     }
-    const double energy = state.remesh_energy[group.line()];
     change();
     set_exposures(state);
-    if (std::ranges::all_of(group.wires(), [&](int w) { return state.terms.is_clear(state.rods, w); })) return true;
+    if (std::ranges::all_of(group.wires(), [&](int w) { return state.is_clear(w); })) return true;
     for (std::size_t k = 0; k < forces.size(); ++k) {
-        state.restore_wire(group.wires()[k]);
+        state.put_back_wire(group.wires()[k]);
         state.results[group.wires()[k]].nodal_contact = forces[k];
     }
-    state.remesh_energy[group.line()] = energy;
     refresh_group(state, group);
     return false;
 }

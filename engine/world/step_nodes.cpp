@@ -55,15 +55,13 @@ void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes
 template <class Change>
 bool where_clear(World::Impl& state, int w, Change change)
 {
-    if (!state.terms.never_overlaps()) return change();
-    state.save_wire(w);
+    if (!state.terms.traits().never_overlaps) return change();
+    state.keep_wire(w);
     state.nodal_backup = state.results[w].nodal_contact;
-    const double energy = state.remesh_energy[w];
     if (!change()) return false;
-    if (state.terms.is_clear(state.rods, w)) return true;
-    state.restore_wire(w);
+    if (state.is_clear(w)) return true;
+    state.put_back_wire(w);
     state.results[w].nodal_contact = state.nodal_backup;
-    state.remesh_energy[w] = energy;
     return false;
 }
 
@@ -118,7 +116,7 @@ bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
     }
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return changed;
-    if (!state.terms.never_overlaps()) return change_nodes(state, w, changes), true;
+    if (!state.terms.traits().never_overlaps) return change_nodes(state, w, changes), true;
     for (std::size_t k = 0; k < changes.size(); ++k)
         changed = where_clear(state, w, [&] { return change_nodes(state, w, changes.subspan(k, 1)), true; }) || changed;
     return changed;

@@ -60,10 +60,9 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
         for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
         return most > farthest * now.radius[0];
     };
-    state.terms.set_settling(settling);
     set_exposures(state);
     for (const auto& group : state.merged) group->shared.fed = {};
-    state.terms.begin_step(state.rods);
+    state.terms.begin_step(state.rods, settling);
     for (int w = 0; w < state.wire_count(); ++w) {
         state.live[w] = state.active[w] = mask[w] && state.is_solved(w);
         constrain_at(state, w, paths[state.system_of[w]].target);
@@ -78,15 +77,14 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!failed[w]) continue;
         done[w] = 0;
-        state.restore_wire(w);
+        state.put_back_wire(w);
     }
     for (const auto& group : state.merged)
         if (failed[group->line()]) refresh_group(state, *group);
     state.terms.commit(done);
-    state.terms.set_settling(Settling::Off);
     for (int w = 0; w < state.wire_count(); ++w)
         if (done[w]) {
-            state.save_wire(w);
+            state.keep_wire(w);
             state.read_results(w, 0);
         }
     return failed;

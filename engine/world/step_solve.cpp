@@ -116,7 +116,7 @@ void begin_step(World::Impl& state)
     }
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
         prefetch_after(state, w);
-        state.save_wire(w);
+        state.keep_wire(w);
     });
     state.terms_in_solve = 0;
     state.step_start.clear();
@@ -153,7 +153,7 @@ void begin_sub_step(World::Impl& state, const SubStep& sub)
     for (int w = 0; w < state.wire_count() && sub.after != SubStep::After::Nothing; ++w) {
         if (!sub.wires[w]) continue;
         if (sub.after == SubStep::After::Part && !state.is_passenger(w)) adapt_nodes_of(state, w, sub.h);
-        state.save_wire(w);
+        state.keep_wire(w);
     }
     set_exposures(state);
     state.terms.begin_step(state.rods);
@@ -194,7 +194,7 @@ void accept(World::Impl& state, const SubStep& sub, StepReport& report)
     const bool shortest = sub.halvings == most_halvings;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!outcomes.failed[w] && !outcomes.ended[w]) continue;
-        state.restore_wire(w);
+        state.put_back_wire(w);
         if (outcomes.ended[w]) note(state, report, w, StepEnergy);
         else if (shortest) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
         else note(state, report, w, StepHalved, 0, 2 << sub.halvings);

@@ -77,13 +77,11 @@ void close_ring(WireSetup& wire)
 
 ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall)
 {
-    ContactSetup made{{}, {}, wall, {}, false};
+    ContactSetup made{{}, {}, wall, false};
     for (const WireSetup& wire : setup.wires) {
         made.wires.push_back(wire.wire);
         made.contacts.push_back(wire.contact);
     }
-    // without it Newton's method converges linearly where a wire lies on a ridge: half of all late steps
-    made.ridges.assign(setup.wires.size(), 1);
     const Scheme scheme = setup.integrator.scheme;
     made.known_velocities = scheme == Scheme::Linearised || scheme == Scheme::Explicit;
     return made;
@@ -183,14 +181,11 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     live.assign(count, 1);
     wire_reports.resize(count);
     wire_time.assign(count, 0.0);
-    time_backup.assign(count, 0.0);
     momentum_start.resize(count);
     results.resize(count);
-    backup.resize(count);
-    feed_backup = feeds;
-    count_backup.assign(count, 0);
-    for (int w = 0; w < count; ++w)
-        backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
+    kept.resize(count);
+    for (int w = 0; w < count; ++w)  // grows with the wire else
+        kept[w].reserve(sizeof(double) * static_cast<std::size_t>(RodArrays::array_count) * static_cast<std::size_t>(rods.capacity(w)) + 512);
     for (int w = 0; w < count; ++w)
         if (feeds[w].on) hub_scratch.split.provide(rods.capacity(w));
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
@@ -254,35 +249,7 @@ void World::Impl::make_line_holds()
 
 bool World::Impl::is_passenger(int wire) const { return merged_of[wire] >= 0 && merged[merged_of[wire]]->line() != wire; }
 
-void World::Impl::save_wire(int wire)
-{
-    std::vector<double>& to = backup[wire];
-    to.clear();
-    for (const std::span<double>& array : rods.arrays(wire)) to.insert(to.end(), array.begin(), array.end());
-    feed_backup[wire] = feeds[wire];
-    count_backup[wire] = rods.node_count(wire);
-    time_backup[wire] = wire_time[wire];
-    if (merged_of[wire] < 0 || is_passenger(wire)) return;
-    MergedGroup& group = *group_of(wire);
-    group.feed_backup = group.feed;
-    group.leader_backup = group.leader;
-}
-
-void World::Impl::restore_wire(int wire)
-{
-    rods.set_node_count(wire, count_backup[wire]);
-    const double* from = backup[wire].data();
-    for (const std::span<double>& array : rods.arrays(wire)) {
-        std::copy(from, from + array.size(), array.begin());
-        from += array.size();
-    }
-    feeds[wire] = feed_backup[wire];
-    wire_time[wire] = time_backup[wire];
-    if (merged_of[wire] < 0 || is_passenger(wire)) return;
-    MergedGroup& group = *group_of(wire);
-    group.feed = group.feed_backup;
-    group.leader = group.leader_backup;
-}
+bool World::Impl::is_clear(int wire) { return yielding ? yielding->is_clear(rods, wire) : contact->is_clear(rods, wire); }
 
 void World::Impl::spread_over_systems(const WireMask& part, WireMask& mask) const
 {

@@ -104,13 +104,10 @@ struct World::Impl {
     std::vector<std::uint8_t> active, live;
     std::vector<std::uint8_t> retired;        // per wire: its system is left out of every step
     std::vector<WireReport> wire_reports;     // per wire, of the last step
-    std::vector<std::vector<double>> backup;  // per wire: its arrays before the step
-    std::vector<FeedState> feed_backup;
+    std::vector<std::vector<std::uint8_t>> kept;  // per wire: what of it a failed attempt returns to
     std::vector<StepParts> parts;  // per wire: sub-steps that feeding asks for
     SubSteps pending;
     HubScratch hub_scratch;
-    std::vector<int> count_backup;
-    std::vector<double> time_backup;
     std::vector<Vec3> nodal_backup;                             // of the wire whose nodes are being changed
     std::vector<std::uint8_t> bowed;                            // likewise, see YieldingWall::note_bowed
     std::vector<MomentumStart> momentum_start;                  // per wire, of the present sub-step
@@ -146,8 +143,11 @@ struct World::Impl {
     void make_line_holds();
     /// A system with one instrument in the mask is in it with all of them, as far as it takes part.
     void spread_over_systems(const WireMask& part, WireMask& mask) const;
-    void save_wire(int wire);
-    void restore_wire(int wire);
+    /// Whether a wire on its present nodes is clear of the wall; asked where the law never overlaps.
+    [[nodiscard]] bool is_clear(int wire);
+    /// What a failed attempt returns to.
+    void keep_wire(int wire);
+    void put_back_wire(int wire);
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
     /// Fills wall_loads and instrument_loads, once for each state.
@@ -155,11 +155,13 @@ struct World::Impl {
     /// After it, where hand stiffness is watched.
     void read_hand_stiffness(int wire);
     void read_merged(int wire, double h);
-    void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
-    void take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire);
-    [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
+    // What must survive a step, row by row (core/state_walk.h): of one wire, of wires with what their force terms hold, of the
+    // world. Audits affect no motion, and are not hashed.
+    void walk_wire(StateWalk& walk, int wire);
+    void walk_wires(StateWalk& walk, std::span<const int> wires, bool with_audits);
+    void walk_all(StateWalk& walk, bool with_audits);
     /// Everything that World::save_state() returns, put back unchecked.
-    void put_back(const std::vector<std::uint8_t>& bytes);
+    void put_back(std::span<const std::uint8_t> bytes);
 };
 
 /// @throws Error BadScene: dt, or the input of a hub. Nothing has changed then

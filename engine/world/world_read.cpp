@@ -126,9 +126,9 @@ void World::Impl::read_merged(int wire, double h)
     std::vector<Vec3> contact_force(static_cast<std::size_t>(line.n), Vec3::Zero());
     for (const int w : group.wires()) {
         WireResult& result = results[w];
-        std::vector<Vec3> kept = std::move(result.nodal_contact);
+        std::vector<Vec3> forces = std::move(result.nodal_contact);
         result = {};
-        result.nodal_contact = std::move(kept);
+        result.nodal_contact = std::move(forces);
         std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
         if (!group.feed.inside) continue;
         result.residual = reports[w].residual;

@@ -1,223 +1,207 @@
-// The bytes of a world: saving, restoring, hashing.
+// What of a world must survive a step, row by row, and the walks over these rows: saving, restoring, hashing, keeping a wire for an
+// attempt and putting it back.
 
-#include "core/bytes.h"
-#include "core/error.h"
-#include "core/fnv1a.h"
+#include "core/state_walk.h"
 #include "world/merged.h"
-#include "world/state_check.h"
 #include "world/world.h"
 
-#include <fmt/format.h>
+#include <cmath>
 
 namespace seldinger {
 
 namespace {
 
-// What of a FeedState changes; the rest follows from the scene. There is a surplus only where nodes come and go.
-void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed, bool nodes_change)
+constexpr double longest = 1e4;      // [m] places, lengths
+constexpr double most_turned = 1e9;  // [rad]
+constexpr double latest = 1e12;      // [s]
+constexpr double least_edge = 1e-9;  // [m] an edge: a thousandth of what a wire is thick
+
+/// First of the saved bytes: the rows below and their order. Another table, another number.
+constexpr std::uint64_t state_layout = 0x344554415453454C;  // "LESTATE4"
+
+void walk_layout(StateWalk& walk)
 {
-    put_bytes(bytes, &feed.advance, 1);
-    put_bytes(bytes, &feed.turn, 1);
-    put_bytes(bytes, &feed.surplus, 1);
-    put_bytes(bytes, &feed.inside, 1);
-    if (nodes_change) put_bytes(bytes, &feed.surplus_rate, 1);
+    std::uint64_t written = state_layout;
+    walk({"the layout", "", "", 0, INFINITY}, written);
+    if (written != state_layout)
+        throw Error(ExitCode::BadFile,
+                    "the saved state: got one that another version has written; expected one of this version. Fix: resume with that version, or run again");
 }
 
-void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed, bool nodes_change)
+// What of a FeedState changes; the rest follows from the scene. There is a surplus only where nodes come and go.
+void walk_feed(StateWalk& walk, FeedState& feed, bool nodes_change)
 {
-    take_bytes(bytes, end, &feed.advance, 1);
-    take_bytes(bytes, end, &feed.turn, 1);
-    take_bytes(bytes, end, &feed.surplus, 1);
-    take_bytes(bytes, end, &feed.inside, 1);
-    if (nodes_change) take_bytes(bytes, end, &feed.surplus_rate, 1);
+    walk({"a fed length", "m", "feed_hubs", -longest, longest}, feed.advance);
+    walk({"a turn", "rad", "feed_hubs", -most_turned, most_turned}, feed.turn);
+    walk({"a fed length", "m", "feed_hubs, adapt_nodes", -longest, longest}, feed.surplus);
+    walk({"a feed's flag", "", "feed_hubs", 0, 1}, feed.inside);
+    if (nodes_change) walk({"a feed's speed", "m/s", "feed_hubs, adapt_nodes"}, feed.surplus_rate);
+    if (!walk.of_attempt()) return;
+    walk({"a feed's speed", "m/s", "feed_hubs"}, feed.speed);
+    walk({"a fed length", "m", "feed_hubs"}, feed.grown);
+}
+
+void walk_node_count(StateWalk& walk, RodArrays& rods, int wire)
+{
+    std::int32_t n = rods.node_count(wire);
+    walk({"a number of nodes", "", "adapt_nodes"}, n);
+    if (n < 2 || n > rods.capacity(wire))
+        throw Error(ExitCode::BadFile, "the saved state has another number of nodes than this scene's wire can have");
+    if (walk.reads()) rods.set_node_count(wire, n);
+}
+
+/// @param rod  the feed's own, null where it has none
+void check_saved_feed(const FeedState& feed, double length, const RodView* rod)
+{
+    if (!feed.on) return;
+    StateWalk::need(feed.advance >= 0 && feed.advance <= length * (1 + 1e-9), "a fed length");
+    if (!feed.inside || !rod) return;
+    const double inside = rod->material_s[rod->n - 1];  // what is there is what was fed and the surplus
+    StateWalk::need(std::abs(inside - (feed.advance + feed.surplus)) <= 1e-6 * length, "a fed length");
+}
+
+void check_saved_edges(const RodView& rod)
+{
+    for (int j = 0; j + 1 < rod.n; ++j) {
+        const double length = rod.material_s[j + 1] - rod.material_s[j];
+        StateWalk::need(length > least_edge && std::abs(rod.rest_length[j] - length) <= 1e-6 * length, "an edge's length");
+    }
 }
 
 }  // namespace
 
-void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
+void World::Impl::walk_wire(StateWalk& walk, int wire)
 {
-    const std::int32_t n = rods.node_count(wire);
-    put_bytes(bytes, &n, 1);
-    put_bytes(bytes, &wire_time[wire], 1);
-    put_bytes(bytes, &remesh_energy[wire], 1);
-    put_feed(bytes, feeds[wire], feeds[wire].on || adapters[wire].on);
-    const Solver::SpinRecord& spins = solver->spin_record(wire);
-    const std::int32_t waits[2] = {spins.wait, spins.last_wait};
-    put_bytes(bytes, waits, 2);
-    // views are of changeable arrays; these only read
-    for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
-    if (merged_of[wire] < 0 || is_passenger(wire)) return;
-    const MergedGroup& group = *merged[merged_of[wire]];
-    const std::int32_t leader = group.leader;
-    put_bytes(bytes, &leader, 1);
-    put_feed(bytes, group.feed, true);
-}
-
-std::vector<std::uint8_t> World::Impl::state_bytes() const
-{
-    std::vector<std::uint8_t> bytes;
-    put_bytes(bytes, &time, 1);
-    const std::int64_t taken = steps;
-    put_bytes(bytes, &taken, 1);
-    for (int w = 0; w < wire_count(); ++w) put_wire(bytes, w);
-    terms.save(bytes);
-    return bytes;
-}
-
-std::vector<std::uint8_t> World::save_state() const
-{
-    std::vector<std::uint8_t> bytes = impl_->state_bytes();
-    for (const EnergyAudit& audit : impl_->audits) put_audit(bytes, audit);
-    put_carried(bytes, impl_->carried, impl_->wire_list);
-    return bytes;
-}
-
-void World::Impl::take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire)
-{
-    std::int32_t n = 0;
-    take_bytes(at, end, &n, 1);
-    if (n < 2 || n > rods.capacity(wire))
-        throw Error(ExitCode::BadFile, "the saved state has another number of nodes than this scene's wire can have");
-    rods.set_node_count(wire, n);
-    take_bytes(at, end, &wire_time[wire], 1);
-    take_bytes(at, end, &remesh_energy[wire], 1);
-    take_feed(at, end, feeds[wire], feeds[wire].on || adapters[wire].on);
-    std::int32_t waits[2] = {};
-    take_bytes(at, end, waits, 2);
-    solver->spin_record(wire).wait = waits[0];
-    solver->spin_record(wire).last_wait = waits[1];
-    for (const std::span<double>& array : rods.arrays(wire)) take_bytes(at, end, array.data(), array.size());
-    if (merged_of[wire] < 0 || is_passenger(wire)) return;
+    walk_node_count(walk, rods, wire);
+    walk({"the time", "s", "accept", -latest, latest}, wire_time[wire]);
+    walk({"an energy", "J", "adapt_nodes"}, remesh_energy[wire]);
+    walk_feed(walk, feeds[wire], feeds[wire].on || adapters[wire].on);
+    if (!walk.of_attempt()) {  // what a failed attempt has found out of the spins is not forgotten
+        Solver::SpinRecord& spins = solver->spin_record(wire);
+        walk({"a count of steps", "", "solve", 0, 256}, spins.wait);
+        walk({"a count of steps", "", "solve", 0, 256}, spins.last_wait);
+    }
+    // lines and passengers of a common centreline: values in use follow from others, and the remaining ones may be zero
+    const bool own = merged_of[wire] < 0;
+    rods.walk_state(walk, wire, own);
+    if (walk.checks()) {
+        const RodView rod = rods.view(wire);
+        if (own) check_saved_edges(rod);
+        check_saved_feed(feeds[wire], setup.wires[wire].wire.length, own ? &rod : nullptr);
+    }
+    if (own || is_passenger(wire)) return;
     MergedGroup& group = *group_of(wire);
-    std::int32_t leader = 0;
-    take_bytes(at, end, &leader, 1);
+    std::int32_t leader = group.leader;
+    walk({"a leader", "", "feed_hubs"}, leader);
     if (leader < 0 || leader >= group.shared.count())
         throw Error(ExitCode::BadFile, "the saved state names an instrument that this scene does not have");
-    group.leader = leader;
-    take_feed(at, end, group.feed, true);
+    if (walk.reads()) group.leader = leader;
+    walk_feed(walk, group.feed, true);
+    if (walk.checks()) check_saved_feed(group.feed, longest, nullptr);
+}
+
+void World::Impl::walk_wires(StateWalk& walk, std::span<const int> wires, bool with_audits)
+{
+    for (const int w : wires) walk_wire(walk, w);
+    if (walk.reads()) {
+        loads_known = false;
+        for (const int w : wires)
+            if (MergedGroup* group = group_of(w); group && !is_passenger(w)) refresh_group(*this, *group);
+        set_exposures(*this);
+        show_groups(*this);
+    }
+    for (const int w : wires) terms.walk_state(walk, w);
+    for (const int w : wires)
+        if (with_audits) walk_audit(walk, audits[w]);
+    walk_carried(walk, carried, wires);  // the last rows: where no wire carries anything there are none
+}
+
+void World::Impl::walk_all(StateWalk& walk, bool with_audits)
+{
+    walk({"the time", "s", "check_state", 0, latest}, time);
+    std::int64_t taken = steps;
+    walk({"the number of steps", "", "step", 0}, taken);
+    if (walk.reads()) steps = static_cast<long>(taken);
+    walk_wires(walk, wire_list, with_audits);
+}
+
+void World::Impl::keep_wire(int wire)
+{
+    kept[wire].clear();
+    StateWalk walk(kept[wire], StateWalk::Of::Attempt);
+    walk_wire(walk, wire);
+}
+
+void World::Impl::put_back_wire(int wire)
+{
+    StateWalk walk(kept[wire], true, StateWalk::Of::Attempt);
+    walk_wire(walk, wire);
 }
 
 namespace {
 
-enum class Origin { File, Own };  // Own: saved a moment ago, and restored whatever it holds
-
-void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes, Origin origin)
+/// @param system  -1: the whole world
+void walk_saved(World::Impl& state, StateWalk& walk, int system)
 {
-    const std::uint8_t* at = bytes.data();
-    const std::uint8_t* end = at + bytes.size();
-    s.loads_known = false;
-    take_bytes(at, end, &s.time, 1);
-    std::int64_t steps = 0;
-    take_bytes(at, end, &steps, 1);
-    if (origin == Origin::File) check_saved_time(s.time, steps);
-    s.steps = static_cast<long>(steps);
-    for (int w = 0; w < s.wire_count(); ++w) {
-        s.take_wire(at, end, w);
-        if (origin == Origin::File) check_saved_wire(s, w);
-    }
-    for (const auto& group : s.merged) refresh_group(s, *group);
-    set_exposures(s);
-    show_groups(s);
-    s.terms.restore(at, end);
-    for (EnergyAudit& audit : s.audits) {
-        take_audit(at, end, audit);
-        if (origin == Origin::File) check_saved_audit(audit);
-    }
-    take_carried(at, end, s.carried, s.wire_list);
-    if (at != end)
+    walk_layout(walk);
+    if (system < 0) state.walk_all(walk, true);
+    else state.walk_wires(walk, state.wires_of(system), true);
+    if (walk.reads() && walk.left() > 0)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
 
-}  // namespace
-
-void World::restore_state(const std::vector<std::uint8_t>& bytes)
+std::vector<std::uint8_t> saved_bytes(World::Impl& state, int system)
 {
-    const std::vector<std::uint8_t> before = save_state();
-    try {
-        take_state(*impl_, bytes, Origin::File);
-    } catch (...) {
-        take_state(*impl_, before, Origin::Own);
-        throw;
-    }
-}
-
-void World::Impl::put_back(const std::vector<std::uint8_t>& bytes) { take_state(*this, bytes, Origin::Own); }
-
-std::vector<std::uint8_t> World::save_state(int system) const
-{
-    const Impl& s = *impl_;
     std::vector<std::uint8_t> bytes;
-    for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
-    for (const int w : s.wires_of(system)) s.terms.save_wire(bytes, w);
-    for (const int w : s.wires_of(system)) put_audit(bytes, s.audits[w]);
-    put_carried(bytes, s.carried, s.wires_of(system));
+    StateWalk walk(bytes);
+    walk_saved(state, walk, system);
     return bytes;
 }
 
-namespace {
-
-void take_system(World::Impl& s, int system, const std::vector<std::uint8_t>& bytes, Origin origin)
+void take_saved(World::Impl& state, std::span<const std::uint8_t> bytes, int system, bool trusted)
 {
-    const std::uint8_t* at = bytes.data();
-    const std::uint8_t* end = at + bytes.size();
-    s.loads_known = false;
-    for (const int w : s.wires_of(system)) {
-        s.take_wire(at, end, w);
-        if (origin == Origin::File) check_saved_wire(s, w);
-    }
-    for (const int w : s.wires_of(system))
-        if (MergedGroup* group = s.group_of(w); group && !s.is_passenger(w)) refresh_group(s, *group);
-    if (!s.merged.empty()) {
-        set_exposures(s);
-        show_groups(s);
-    }
-    for (const int w : s.wires_of(system)) s.terms.restore_wire(at, end, w);
-    for (const int w : s.wires_of(system)) {
-        take_audit(at, end, s.audits[w]);
-        if (origin == Origin::File) check_saved_audit(s.audits[w]);
-    }
-    take_carried(at, end, s.carried, s.wires_of(system));
-    if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this system's; it was written by another one");
+    StateWalk walk(bytes, trusted);
+    walk_saved(state, walk, system);
 }
 
-}  // namespace
-
-void World::restore_state(int system, const std::vector<std::uint8_t>& bytes)
+void restore_saved(World::Impl& state, std::span<const std::uint8_t> bytes, int system)
 {
-    const std::vector<std::uint8_t> before = save_state(system);
+    const std::vector<std::uint8_t> before = saved_bytes(state, system);
     try {
-        take_system(*impl_, system, bytes, Origin::File);
+        take_saved(state, bytes, system, false);
     } catch (...) {
-        take_system(*impl_, system, before, Origin::Own);
+        take_saved(state, before, system, true);
         throw;
     }
 }
 
-namespace {
-
-std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format("{:016x}", fnv1a(bytes.data(), bytes.size())); }
-
 }  // namespace
+
+void World::Impl::put_back(std::span<const std::uint8_t> bytes) { take_saved(*this, bytes, -1, true); }
+
+std::vector<std::uint8_t> World::save_state() const { return saved_bytes(*impl_, -1); }
+std::vector<std::uint8_t> World::save_state(int system) const { return saved_bytes(*impl_, system); }
+void World::restore_state(const std::vector<std::uint8_t>& bytes) { restore_saved(*impl_, bytes, -1); }
+void World::restore_state(int system, const std::vector<std::uint8_t>& bytes) { restore_saved(*impl_, bytes, system); }
 
 std::string World::state_hash() const
 {
-    if (system_count() == 1 && wire_count() > 1) return state_hash(0);  // what it is beside others too
-    std::vector<std::uint8_t> bytes = impl_->state_bytes();
-    put_carried(bytes, impl_->carried, impl_->wire_list);
-    return hash_of(bytes);
+    std::uint64_t hash = fnv1a_start;
+    StateWalk walk(hash);
+    impl_->walk_all(walk, false);
+    return fmt::format("{:016x}", hash);
 }
 
 std::string World::state_hash(int system) const
 {
-    const Impl& s = *impl_;
-    std::vector<std::uint8_t> bytes;
-    put_bytes(bytes, &s.wire_time[s.wires_of(system).front()], 1);  // alone, its time is the world's
-    const std::int64_t steps = s.steps;
-    put_bytes(bytes, &steps, 1);
-    for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
-    for (const int w : s.wires_of(system)) s.terms.save_wire(bytes, w);
-    put_carried(bytes, s.carried, s.wires_of(system));
-    return hash_of(bytes);
+    std::uint64_t hash = fnv1a_start;
+    StateWalk walk(hash);
+    double time = impl_->wire_time[impl_->wires_of(system).front()];  // alone, its time is the world's
+    std::int64_t taken = impl_->steps;
+    walk({"the time", "s", "check_state"}, time);
+    walk({"the number of steps", "", "step"}, taken);
+    impl_->walk_wires(walk, impl_->wires_of(system), false);
+    return fmt::format("{:016x}", hash);
 }
 
 }  // namespace seldinger

@@ -3,6 +3,7 @@
 
 #include "coaxial/friction_fixture.h"
 #include "contact/coaxial_friction.h"
+#include "core/state_walk.h"
 #include "world/merged.h"
 
 #include <doctest/doctest.h>
@@ -214,14 +215,15 @@ TEST_SUITE("coaxial/merged friction")
 
         std::vector<std::uint8_t> bytes;
         CoaxialFriction& friction = *third.impl().coaxial_friction;
-        friction.save_wire(bytes, 0);
-        const std::uint8_t* at = bytes.data();
-        CHECK_NOTHROW(friction.restore_wire(at, bytes.data() + bytes.size(), 0));
-        CHECK(at == bytes.data() + bytes.size());
+        StateWalk out(bytes);
+        friction.walk_state(out, 0);
+        StateWalk in(bytes, false);
+        CHECK_NOTHROW(friction.walk_state(in, 0));
+        CHECK(in.left() == 0);
         const double wrong = NAN;
         std::memcpy(bytes.data() + 48, &wrong, sizeof wrong);
-        at = bytes.data();
-        CHECK_THROWS_WITH_AS(friction.restore_wire(at, bytes.data() + bytes.size(), 0), doctest::Contains("friction between instruments"), Error);
+        StateWalk damaged(bytes, false);
+        CHECK_THROWS_WITH_AS(friction.walk_state(damaged, 0), doctest::Contains("friction between instruments"), Error);
     }
 
     TEST_CASE("property: laws that are none are refused")

@@ -263,7 +263,7 @@ TEST_SUITE("coaxial/merged holds")
                         trial.z[begin + i] = p[RodDofs::position(i, 2)];
                         trial.theta[begin + i] = p[RodDofs::spin(i)];
                     }
-                state.line_holds->evaluate(trial, 0, live);
+                state.line_holds->evaluate({trial, 0, live});
                 std::vector<double> gradient(unknowns, 0.0);
                 state.line_holds->add(1, gradient, tangent, true);
                 return gradient;
@@ -325,7 +325,7 @@ TEST_SUITE("coaxial/merged holds")
                 }
             const std::vector<std::uint8_t> live = {1, 1};
             state.line_holds->prepare(state.rods, live);
-            state.line_holds->evaluate(trial, 0, live);
+            state.line_holds->evaluate({trial, 0, live});
             // 1e-5 of an edge: the difference's own error is (1e-5)^2 of a slope that changes over a tenth of an edge
             const double step = 1e-5 * edge, slope = (energy(from_tip + step) - energy(from_tip - step)) / (2 * step);
             CAPTURE(from_tip);

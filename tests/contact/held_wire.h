@@ -35,9 +35,9 @@ inline std::vector<Push> pushes_of(device::Context& context, const TestSetup& se
     }
     here.theta.assign(here.x.size(), 0.0);
     const std::vector<std::uint8_t> on(setup.wires.size(), 1);
-    contact->begin_step(rods);
+    contact->begin_step(rods, Settling::Off);
     contact->prepare(rods, on);
-    contact->evaluate(here, 0, on);
+    contact->evaluate({here, 0, on});
     std::vector<Push> pushes(setup.wires.size());
     for (int w = 0; w < count; ++w) {
         pushes[w].normal = contact->totals(w).normal;

@@ -238,7 +238,7 @@ struct GuardedWall {
 Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<uint>& list, const Found& found, Queue queue)
 {
     sel_device::Context& context = sel_reference::reference_context(float32);
-    sel_reference::ForceKernels kernels(context, "contact/evaluation.cl", list.size(), {true, true});
+    sel_reference::ForceKernels kernels(context, "contact/evaluation.cl", list.size(), true);
     par.item_count = static_cast<uint>(list.size());
     Guarded<uint> items(context, queue, list), candidates(context, queue, found.candidates), counts(context, queue, found.counts);
     Guarded<QuadratureModel> models(context, queue, s.models);

@@ -23,7 +23,7 @@ std::vector<double> spins_at(CoaxialFriction& friction, RodArrays& rods, TrialSt
     for (int w = 0; w < 2; ++w)
         for (int j = 0; j + 1 < n; ++j) trial.theta[static_cast<std::size_t>(rods.node_begin(w) + j)] = angles[static_cast<std::size_t>(w * n + j)];
     const std::vector<std::uint8_t> active(2, 1);
-    friction.evaluate(trial, 1e-3, active);
+    friction.evaluate({trial, 1e-3, active});
     std::vector<double> out;
     for (int w = 0; w < 2; ++w) {
         std::vector<double> residual(static_cast<std::size_t>(RodDofs::count(n)), 0.0);

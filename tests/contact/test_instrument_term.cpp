@@ -2,6 +2,7 @@
 
 #include "contact/host_reference_support.h"
 #include "contact/instrument_contact.h"
+#include "core/state_walk.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -71,7 +72,7 @@ struct Term {
                 trial.z[at] = rod.z[i];
             }
         }
-        term->begin_step(rods);
+        term->begin_step(rods, Settling::Off);
         term->prepare(rods, on);
     }
     [[nodiscard]] double& unknown(int i)
@@ -81,7 +82,7 @@ struct Term {
     }
     [[nodiscard]] std::vector<double> residual(double h)
     {
-        term->evaluate(trial, h, on);
+        term->evaluate({trial, h, on});
         std::vector<double> all(static_cast<std::size_t>(map.size()));
         for (int w = 0; w < 2; ++w)
             term->add(w, std::span(all).subspan(static_cast<std::size_t>(map.first(w)), 4 * nodes_each), nullptr, false);
@@ -90,7 +91,7 @@ struct Term {
     /// K v at the trial.
     [[nodiscard]] std::vector<double> tangent_times(const std::vector<double>& v, double h)
     {
-        term->evaluate(trial, h, on);
+        term->evaluate({trial, h, on});
         BandedSolver solver(map.size());
         solver.reset(map.size());
         std::vector<double> ignored(v.size()), all(v.size());
@@ -269,8 +270,8 @@ TEST_SUITE("contact/instrument_term")
         take_step(back, true);
         CHECK(back.term->rows(back.rods).empty());
         std::vector<std::uint8_t> kept, expected;
-        back.term->save(kept);
-        straight.term->save(expected);
+        StateWalk keep(kept), expect(expected);
+        for (const int w : {0, 1}) back.term->walk_state(keep, w), straight.term->walk_state(expect, w);
         CHECK(expected.size() > 8);  // cells near the lumen's wall are followed
         CHECK(kept == expected);
     }

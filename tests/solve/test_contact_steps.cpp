@@ -20,17 +20,21 @@ public:
             for (int i = 0; i < rods.node_count(w); ++i) anchors_[rods.node_begin(w) + i] = rods.view(w).pos(i);
     }
 
-    void evaluate(const TrialState& trial, double, std::span<const std::uint8_t> active) override
+    void evaluate(const TermTrial& trial) override
     {
         ++evaluations;
-        state_ = trial;
-        CHECK(active.size() >= static_cast<std::size_t>(rods_.wire_count()));
+        state_ = trial.at;
+        CHECK(trial.active.size() >= static_cast<std::size_t>(rods_.wire_count()));
     }
-    bool admissible(int wire) const override
+    TermAnswer answer(int wire, Ask) override
     {
-        for (int i = 0; i < rods_.node_count(wire); ++i)
-            if (depth(wire, i) > deepest) return false;
-        return true;
+        TermAnswer answer;
+        for (int i = 0; i < rods_.node_count(wire); ++i) {
+            const double d = depth(wire, i);
+            answer.admissible = answer.admissible && d <= deepest;
+            answer.unsymmetric = answer.unsymmetric || (d > 0 && slides(wire, i, stiffness * std::pow(d, 1.5)));
+        }
+        return answer;
     }
     void add(int wire, std::span<double> gradient, BandRows* jacobian, bool symmetric) const override
     {
@@ -43,14 +47,7 @@ public:
             add_friction(wire, i, normal, slope, gradient, jacobian, symmetric);
         }
     }
-    bool unsymmetric(int wire) const override
-    {
-        for (int i = 0; i < rods_.node_count(wire); ++i)
-            if (depth(wire, i) > 0 && slides(wire, i, stiffness * std::pow(depth(wire, i), 1.5))) return true;
-        return false;
-    }
-    double largest_force(int) const override { return 0; }
-    double move_limit(int) const override { return limit; }
+    void limit_moves(double most) { traits_.most_move.assign(static_cast<std::size_t>(rods_.wire_count()), most); }
 
     /// After an accepted step: anchors of separated nodes follow, those of sliding ones are dragged along.
     void commit()
@@ -65,7 +62,7 @@ public:
             }
     }
 
-    double mu, stiffness = 1e3, tangential = 20, deepest = 1e-3, limit = std::numeric_limits<double>::infinity();
+    double mu, stiffness = 1e3, tangential = 20, deepest = 1e-3;
     int evaluations = 0;
 
 private:
@@ -117,7 +114,7 @@ Run push_over_floor(double mu, double limit, double h, int steps)
     rig.hold({base});
     rig.integrate_with({}, {0, 0, -9.81});
     Floor floor(rig.rods, mu);
-    floor.limit = limit;
+    floor.limit_moves(limit);
     Run run;
     int evaluations = 0;
     for (int k = 0; k < steps; ++k) {
@@ -180,11 +177,7 @@ TEST_SUITE("solve/contact_steps")
     /// Forces that jump at every evaluation: no residual is ever small.
     class Noise : public ForceTerm {
     public:
-        void evaluate(const TrialState&, double, std::span<const std::uint8_t>) override { sign_ = -sign_; }
-        bool admissible(int) const override { return true; }
-        bool unsymmetric(int) const override { return false; }
-        double largest_force(int) const override { return 0; }
-        double move_limit(int) const override { return INFINITY; }
+        void evaluate(const TermTrial&) override { sign_ = -sign_; }
         void add(int, std::span<double> gradient, BandRows*, bool) const override { gradient[RodDofs::position(5, 2)] += sign_ * 1e-3; }
 
     private:

@@ -57,7 +57,7 @@ std::vector<Turned> turn_on_plane(int forth, int back)
 
     std::vector<Turned> trace;
     for (int k = 1; k <= forth + back; ++k) {
-        contact->begin_step(rig.rods);
+        contact->begin_step(rig.rods, Settling::Off);
         contact->prepare(rig.rods, rig.active);
         rig.time += 1e-3;
         rig.fill(rig.time);

@@ -115,11 +115,7 @@ public:
         : rods_(rods), lead_(lead), radius_(radius), stiffness_(stiffness)
     {
     }
-    void evaluate(const TrialState& trial, double, std::span<const std::uint8_t>) override { state_ = trial; }
-    bool admissible(int) const override { return true; }
-    bool unsymmetric(int) const override { return false; }
-    double largest_force(int) const override { return 0; }
-    double move_limit(int) const override { return INFINITY; }
+    void evaluate(const TermTrial& trial) override { state_ = trial.at; }
     void add(int wire, std::span<double> gradient, BandRows* jacobian, bool) const override
     {
         for (int i = 0; i < rods_.node_count(wire); ++i) {

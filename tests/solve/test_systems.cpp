@@ -19,13 +19,14 @@ public:
     Spring(RodArrays& rods, int a, int b, double stiffness, bool mean = false)
         : rods_(rods), node_{a, b}, stiffness_(stiffness), mean_(mean)
     {
+        traits_.follows_spins = traits_.may_jump = false;
     }
-    void begin_step(RodArrays& rods) override { start_ = rods.view(0).pos(node_[0]) - rods.view(1).pos(node_[1]); }
-    void evaluate(const TrialState& trial, double, std::span<const std::uint8_t>) override
+    void begin_step(RodArrays& rods, Settling) override { start_ = rods.view(0).pos(node_[0]) - rods.view(1).pos(node_[1]); }
+    void evaluate(const TermTrial& trial) override
     {
         const auto at = [&](int wire) {
             const int i = rods_.node_begin(wire) + node_[wire];
-            return Vec3(trial.x[i], trial.y[i], trial.z[i]);
+            return Vec3(trial.at.x[i], trial.at.y[i], trial.at.z[i]);
         };
         apart_ = at(0) - at(1);
     }
@@ -44,8 +45,6 @@ public:
         const double k = (mean_ ? 0.5 : 1.0) * stiffness_;
         if (tangent) tangent->columns.add(columns, std::array{k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k});
     }
-    [[nodiscard]] bool follows_spins() const override { return false; }
-    [[nodiscard]] bool may_jump() const override { return false; }
 
     [[nodiscard]] Vec3 force() const { return -stiffness_ * (mean_ ? Vec3(0.5 * (start_ + apart_)) : apart_); }  // on wire 0
     [[nodiscard]] double energy() const { return 0.5 * stiffness_ * apart_.squaredNorm(); }
@@ -184,7 +183,7 @@ TEST_SUITE("solve/systems")
         const Vec3 momentum_before = momentum_of_both();
         double expected = 0, most_force = 0, allowed_momentum = 0;
         for (int k = 0; k < 200; ++k) {
-            spring.begin_step(rig.rods);
+            spring.begin_step(rig.rods, Settling::Off);
             REQUIRE(rig.step(h, spring));
             CHECK(rig.reports[0].iterations <= 6);
             most_force = std::max(most_force, spring.force().norm());

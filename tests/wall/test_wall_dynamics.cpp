@@ -1,6 +1,7 @@
 // Steps of the wall in blocks against a full solve in every step.
 
 #include "contact/wall_stations.h"
+#include "core/state_walk.h"
 #include "engine.h"
 #include "wall/wall_compliance.h"
 #include "wall/wall_dynamics.h"
@@ -199,16 +200,18 @@ TEST_CASE("a saved wall goes on with the same bits, and a damaged one is refused
     };
     advance(whole, 11);
     std::vector<std::uint8_t> bytes;
-    whole.save(bytes);
-    const std::uint8_t* at = bytes.data();
-    resumed.restore(at, bytes.data() + bytes.size());
-    CHECK(at == bytes.data() + bytes.size());
+    StateWalk out(bytes);
+    whole.walk_state(out);
+    StateWalk in(bytes, false);
+    resumed.walk_state(in);
+    CHECK(in.left() == 0);
     advance(whole, 9);
     advance(resumed, 9);
     CHECK(whole.displacement() == resumed.displacement());
 
-    at = bytes.data();
-    CHECK_THROWS_AS(resumed.restore(at, bytes.data() + bytes.size() / 2), Error);
+    bytes.resize(bytes.size() / 2);
+    StateWalk torn(bytes, false);
+    CHECK_THROWS_AS(resumed.walk_state(torn), Error);
 }
 
 }  // namespace test_wall_dynamics

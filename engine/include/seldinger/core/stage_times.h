@@ -1,6 +1,8 @@
 #pragma once
 // Time of a step by stages.
 
+#include <initializer_list>
+
 namespace seldinger {
 
 /// Times of one step, all systems together [s].
