@@ -22,6 +22,18 @@ SEL_FN void tell_side(SEL_OUT ContactPoint* first)
     first->limit = own ? -SEL_SIDE : SEL_SIDE;
 }
 
+// Does triangle t have the closest point of `facing` too, and a nearer one?
+SEL_FN int slopes_on(ContactBall ball, WallView wall, uint t, FacingTriangle facing)
+{
+    int feature;
+    const Triangle tri = load_triangle(wall.vertices, t, ball.origin);
+    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
+    if (!(dot3(v, v) < facing.d * facing.d * (1 - SEL_TIE))) return 0;
+    const vec3 q = ball.p - facing.v, off = q - closest_on_triangle(q, tri, &feature);
+    const real same = (real)SEL_COPLANAR * ball.radius;
+    return dot3(off, off) < same * same;
+}
+
 // The triangles round a ball: those of a list, or all within `shell` where it does not hold them.
 typedef struct NearTriangles {
     SEL_OUT const NearList* list;
@@ -54,27 +66,14 @@ SEL_FN int next_near(NearTriangles* of, ContactBall ball, NearWallView near, uin
     return 0;
 }
 
-// Leaves out planes whose closest point is on an edge from which triangle t goes on towards the ball.
-SEL_FN void drop_slopes(SEL_OUT NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball, Triangle tri)
+// Does the wall go on towards the ball from the closest point of `facing`, on a triangle other than t?
+SEL_FN int goes_on(ContactBall ball, NearWallView near, SEL_OUT const NearList* list, real shell, uint t, FacingTriangle facing)
 {
-    int feature;
-    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
-    const real near2 = dot3(v, v), same = (real)SEL_COPLANAR * ball.radius;
-    SEL_ROLLED for (uint k = 1; k < planes->count; ++k)
-    {
-        const real d = ball.radius - first->depth - planes->plane[k].depth;
-        if (!(planes->edges >> k & 1u) || !(near2 < d * d * (1 - SEL_TIE))) continue;
-        const vec3 q = ball.p - d * (first->normal + planes->plane[k].turn), off = q - closest_on_triangle(q, tri, &feature);
-        if (dot3(off, off) < same * same) planes->plane[k].share = -1;
-    }
-}
-
-SEL_FN void close_up(SEL_OUT NeighbourPlanes* planes)
-{
-    uint kept = 1;
-    for (uint k = 1; k < planes->count; ++k)
-        if (planes->plane[k].share >= 0) planes->plane[kept++] = planes->plane[k];
-    planes->count = kept;
+    if (facing.feature == SEL_FEATURE_FACE) return 0;
+    NearTriangles others = near_triangles(list, shell);
+    uint other;
+    SEL_ROLLED while (next_near(&others, ball, near, &other)) if (other != t && slopes_on(ball, near.wall, other, facing)) return 1;
+    return 0;
 }
 
 // Are facets beside the nearest to be joined with it, and an opposite wall to be looked for?
@@ -92,7 +91,6 @@ SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes
     const real shell = shell_distance(ball.radius - first->depth, ball);
     const vec3 facet = triangle_normal(load_triangle(near.wall.vertices, first->triangle, ball.origin));
     planes->count = 1;
-    planes->edges = 0;
     planes->plane[0] = wall_plane(facet, make_vec3(0, 0, 0), 0);
     NearTriangles round = near_triangles(list, shell);
     uint t;
@@ -103,13 +101,7 @@ SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes
         if (t == first->triangle || !faces(ball, load_triangle(near.wall.vertices, t, ball.origin), near.wall.boundary[t], &facing))
             continue;
         if (dot3(facing.n, first->side) < first->limit || !is_joined(planes, first, ball, facing, &plane)) continue;
-        keep_plane(planes, plane, facing.feature != SEL_FEATURE_FACE);
-    }
-    if (planes->edges) {
-        NearTriangles again = near_triangles(list, shell);
-        SEL_ROLLED while (next_near(&again, ball, near, &t))
-            drop_slopes(planes, first, ball, load_triangle(near.wall.vertices, t, ball.origin));
-        close_up(planes);
+        if (!goes_on(ball, near, list, shell, t, facing)) keep_plane(planes, plane);
     }
     smooth_maximum(first, planes, ball);
 }

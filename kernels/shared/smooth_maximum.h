@@ -54,7 +54,6 @@ typedef struct WallPlane {
 
 typedef struct NeighbourPlanes {
     uint count;
-    uint edges;  // bit k: the closest point of plane k is on an edge or a corner of its triangle
     WallPlane plane[SEL_SMOOTH_PLANES];  // the first: of the nearest point
 } NeighbourPlanes;
 
@@ -94,7 +93,7 @@ SEL_FN int is_joined(SEL_OUT const NeighbourPlanes* planes, SEL_OUT const Contac
 
 // Takes the plane into the list: in the place of the same plane or point when it is nearer, else at the end, else for the
 // shallowest.
-SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found, int on_edge)
+SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found)
 {
     const uint count = planes->count;
     uint at = count, shallowest = 1;
@@ -104,10 +103,7 @@ SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found, int on_
     }
     const int is_new = at == count;
     if (at == SEL_SMOOTH_PLANES) at = shallowest;
-    if (at == count || planes->plane[at].depth < found.depth) {
-        planes->plane[at] = found;
-        planes->edges = (planes->edges & ~(1u << at)) | ((uint)on_edge << at);
-    }
+    if (at == count || planes->plane[at].depth < found.depth) planes->plane[at] = found;
     if (is_new && count < SEL_SMOOTH_PLANES) planes->count = count + 1;
 }
 

@@ -66,7 +66,7 @@ TEST_SUITE("apps/training")
             {"left-subclavian", "turned, then pushed gently", {{2, 0.05, 2.8}, {14, 0.28, 2.8}}, true},
             {"left-subclavian", "pushed straight on", {{20, 0.4, 0}}, false},
             {"siphon", "slowly", {{11, 0.066, 0}}, true},
-            {"siphon", "fast", {{0.7, 0.077, 0}}, false},
+            {"siphon", "fast", {{0.257, 0.077, 0}}, false},
             {"renal", "turned back, pushed past, pulled back", {{1, 0.01, -2}, {4, 0.085, -2}, {8, 0.05, -2}}, true},
             {"renal", "hook to the front", {{4, 0.095, 0}, {8, 0.05, 0}}, false},
         };
