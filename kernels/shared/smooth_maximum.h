@@ -1,5 +1,5 @@
 // Depth where facets meet in a valley. There the nearest point jumps from one facet to another; the depth is a smooth maximum
-// over the planes of facets,
+// over the planes of facets (D6d),
 //     depth = max over lambda of  sum_i lambda_i depth_i + sum_{i<j} eps_ij lambda_i lambda_j,   eps_ij = smoothing r |n_i - n_j|,
 // with shares lambda >= 0 of sum 1. Its gradient is sum_i lambda_i n_i. The maximum is unique, because distances are negative
 // definite for shares of sum 0, so the force turns without a jump at corners of three facets too. For two planes it is
