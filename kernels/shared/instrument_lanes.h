@@ -235,22 +235,17 @@ SEL_FN LanePlaces places_in_lanes(const InstrumentScene* scene, const real* s, c
     return places_on(scene, s, start, &on_a, &on_b);
 }
 
-// Positions of four points anywhere.
-SEL_FN LanePlaces own_places_in_lanes(const InstrumentScene* scene, const real* s, const real* start)
+// Positions of four points, each on its own pieces. @param of_a, of_a_t0, beside  [4] where on the curves of a and of b, near
+SEL_FN LanePlaces places_of(const InstrumentScene* scene, const real* s, const real* start, const real* of_a, const real* of_a_t0,
+                            const real* beside)
 {
-    if (scene->part.touch == SEL_TOUCH_SELF) return no_places();
-    real now[4], then[4];
-    for (uint k = 0; k < 4; ++k) {
-        now[k] = spline_at_near(scene->a, s[k], scene->edge);
-        then[k] = spline_at_near(scene->a_t0, s[k], scene->edge);
-    }
-    const LanePieces on_a = on_pieces_at(scene->a, scene->a_t0, now, then),
-                     on_b = on_pieces_at(scene->b, scene->b_t0, start, start);
+    const LanePieces on_a = on_pieces_at(scene->a, scene->a_t0, of_a, of_a_t0),
+                     on_b = on_pieces_at(scene->b, scene->b_t0, beside, beside);
     return places_on(scene, s, start, &on_a, &on_b);
 }
 
 #else
-// One after another. @param of_a, of_a_t0, beside  [4] where on the curves of a and of b, near
+// The same, one after another.
 SEL_FN LanePlaces places_of(const InstrumentScene* scene, const real* s, const real* start, const real* of_a, const real* of_a_t0,
                             const real* beside)
 {
@@ -285,6 +280,7 @@ SEL_FN LanePlaces places_in_lanes(const InstrumentScene* scene, const real* s, c
     const real now4[4] = {of_a, of_a, of_a, of_a}, then4[4] = {then, then, then, then}, beside[4] = {middle, middle, middle, middle};
     return places_of(scene, s, start, now4, then4, beside);
 }
+#endif
 
 // Positions of four points anywhere.
 SEL_FN LanePlaces own_places_in_lanes(const InstrumentScene* scene, const real* s, const real* start)
@@ -297,7 +293,6 @@ SEL_FN LanePlaces own_places_in_lanes(const InstrumentScene* scene, const real* 
     }
     return places_of(scene, s, start, now, then, start);
 }
-#endif
 
 SEL_END
 #endif
