@@ -3,7 +3,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "device/shared_context.h"
+#include "device/compiler_watch.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -50,7 +50,7 @@ sigset_t both_signals()
 bool nobody_asks(Clock::time_point since)
 {
     if (heard) return false;
-    return listeners == 0 || deaf > 0 || device::building() > 0 || Clock::now() - since > patience;
+    return listeners == 0 || deaf > 0 || device::compiling_threads() > 0 || Clock::now() - since > patience;
 }
 
 [[noreturn]] void wait_for_signals()

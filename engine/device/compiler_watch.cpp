@@ -23,6 +23,7 @@ namespace {
 constexpr std::array<int, 5> crashes = {SIGABRT, SIGSEGV, SIGBUS, SIGILL, SIGFPE};
 constexpr int no_stderr = -1;
 
+std::atomic<int> threads = 0;
 std::mutex watching;
 std::atomic<bool> compiling = false;
 // of the call in progress; under `watching`
@@ -76,8 +77,11 @@ void at_crash(int signal)
 
 }  // namespace
 
+int compiling_threads() { return threads; }
+
 CompilerWatch::CompilerWatch(const std::string& message)
 {
+    ++threads;
     watching.lock();
     static std::once_flag once;
     std::call_once(once, [] { std::atexit(at_exit); });
@@ -104,6 +108,7 @@ CompilerWatch::~CompilerWatch()
     if (kept_back != no_stderr) close(kept_back);
     true_stderr = kept_back = no_stderr;
     watching.unlock();
+    --threads;
 }
 
 }  // namespace seldinger::device

@@ -5,6 +5,9 @@
 
 namespace seldinger::device {
 
+/// Number of threads that are inside the compiler or wait for it. For those seconds they respond to nothing else. Any thread.
+[[nodiscard]] int compiling_threads();
+
 /// Around one call of a driver's compiler. What the compiler writes to stderr is kept back: reasons of a failed build are in its
 /// log, which our own message quotes. Some compilers call exit() or abort() at code that they do not know. The process then prints
 /// `message` with the compiler's last words, and ends with exit code 5. One call at a time: others wait.

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
@@ -29,6 +30,8 @@ std::vector<cl_device_id> all_devices()
         try_system_needs(needs_of_opencl());
         setenv("POCL_DEVICES", "basic pthread", 0);
         setenv("POCL_SIGFPE_HANDLER", "0", 0);  // else an integer division by zero in our own code would go unseen
+        // else ocl-icd counts the devices of every platform to sort them, and PoCL without a usable kernel cache then has none for good
+        setenv("OCL_ICD_PLATFORM_SORT", "none", 0);
     });
     std::vector<cl_device_id> devices;
     cl_uint platform_count = 0;
@@ -41,13 +44,19 @@ std::vector<cl_device_id> all_devices()
         clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
         if (std::strncmp(name, "Portable Computing Language", 27) == 0) std::call_once(prepared, prepare_kernel_cache);
     }
+    std::vector<std::vector<cl_device_id>> by_platform;
     for (cl_platform_id platform : platforms) {
         cl_uint count = 0;
         if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
-        const std::size_t first = devices.size();
-        devices.resize(first + count);
-        clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, devices.data() + first, nullptr);
+        by_platform.emplace_back(count);
+        clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, by_platform.back().data(), nullptr);
     }
+    // the loader's own order, but the same in every process: the platform with the most devices first, then by the device's name
+    std::sort(by_platform.begin(), by_platform.end(), [](const auto& a, const auto& b) {
+        if (a.size() != b.size()) return a.size() > b.size();
+        return device_text(a.front(), CL_DEVICE_NAME) < device_text(b.front(), CL_DEVICE_NAME);
+    });
+    for (const auto& of_platform : by_platform) devices.insert(devices.end(), of_platform.begin(), of_platform.end());
     return devices;
 }
 

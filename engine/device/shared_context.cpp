@@ -9,22 +9,12 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cstring>
 #include <optional>
 
 namespace seldinger::device {
 
 namespace {
-
-std::atomic<int> builds = 0;
-
-struct Building {
-    Building() { ++builds; }
-    ~Building() { --builds; }
-    Building(const Building&) = delete;
-    Building& operator=(const Building&) = delete;
-};
 
 /// The compiler's first error.
 std::string first_error(cl_program program, cl_device_id device)
@@ -40,8 +30,6 @@ std::string first_error(cl_program program, cl_device_id device)
 }
 
 }  // namespace
-
-int building() { return builds; }
 
 SharedContext& SharedContext::of(const std::vector<cl_device_id>& devices)
 {
@@ -82,7 +70,6 @@ cl_program SharedContext::build(const std::string& file, const std::string& text
     {
         std::optional<CompilerCall> said;  // what others compile, and where they keep it, is not known
         if (device_text(devices_.front(), CL_DEVICE_VERSION).find("PoCL") != std::string::npos) said.emplace();
-        const Building building;
         const CompilerWatch watch(fmt::format(
             "seldinger: device \"{}\": its OpenCL driver ended the process while it compiled kernels/{}. Fix: choose another device "
             "with --device (`seldinger devices` lists them), or update the driver",

@@ -1,7 +1,6 @@
 #pragma once
 // State that all Contexts of one process share on the same devices: the cl_context and the programs built in it. Building a program
-// takes
-// 50 ms even if PoCL finds its kernels compiled on disk (it preprocesses the text to know). That is longer than a small world
+// takes 50 ms even if PoCL finds its kernels compiled on disk (it preprocesses the text to know). That is longer than a small world
 // computes for a second of its time, and studies make thousands of worlds.
 
 #include "device/device.h"
@@ -13,9 +12,6 @@
 #include <vector>
 
 namespace seldinger::device {
-
-/// How many threads are inside the compiler just now: seconds in which they hear of nothing else.
-[[nodiscard]] int building();
 
 /// Lives as long as the process: what OpenCL has open when a process ends it closes itself, in an order that nobody knows.
 class SharedContext {

@@ -198,6 +198,16 @@ TEST_SUITE("apps/hostile input")
         CHECK(result.err.find("POCL_CACHE_DIR") != std::string::npos);
         CHECK(result.err.find("file/cache") != std::string::npos);
         CHECK(summary_of(folder.path / "A")["state_hash"] == hash);
+        // where the loader knows two platforms, it used to count their devices before there was a usable cache
+        const fs::path pocl = "/etc/OpenCL/vendors/pocl.icd";
+        if (fs::exists(pocl)) {
+            fs::create_directory(folder.path / "vendors");
+            for (const char* name : {"vendors/first.icd", "vendors/second.icd"}) fs::copy_file(pocl, folder.path / name);
+            const std::string vendors = "OCL_ICD_VENDORS=" + (folder.path / "vendors").string();
+            const AppResult devices = run_app(folder, "devices", "env POCL_CACHE_DIR=file/cache " + vendors);
+            CHECK(devices.code == 0);
+            CHECK(devices.out.find("Portable Computing Language") != std::string::npos);
+        }
         // of one folder of PoCL's: each more would cost the time of its compiler
         const auto is_folder = [](const fs::directory_entry& entry) { return entry.is_directory(); };
         const auto damaged = std::find_if(fs::directory_iterator(cache), fs::directory_iterator(), is_folder);
