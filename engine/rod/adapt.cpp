@@ -5,7 +5,6 @@
 #include "core/check.h"
 #include "rod/curvature.h"
 #include "rod/rest_shape.h"
-#include "rod/split.h"
 #include "rod/transport.h"
 
 #include <algorithm>
@@ -252,13 +251,11 @@ std::span<const NodeChange> NodePlanner::plan(const RodView& rod, const WireSpec
     return changes_;
 }
 
-double apply_changes(RodArrays& rods, int wire, std::span<const NodeChange> changes, const WireSpec& spec,
-                     std::span<const RodClamp> clamps, bool rest_is_placed)
+double apply_changes(const RodNodes& rod, std::span<const NodeChange> changes)
 {
     double added = 0;
     for (const NodeChange& change : changes) {
-        const SplitResult result = change.split ? split_edge(rods, wire, change.at, change.fraction, spec, clamps, rest_is_placed)
-                                                : merge_edges(rods, wire, change.at, spec, clamps, rest_is_placed);
+        const SplitResult result = change.split ? split_edge(rod, change.at, change.fraction) : merge_edges(rod, change.at);
         added += result.rest_length_added;
     }
     return added;

@@ -17,7 +17,7 @@
 // edge < (0.65)^3 = 0.27 edge_error. Since e changes by 4 to 8 with a factor of 2 in h, the nodes of a resting wire come to rest
 // too.
 
-#include "rod/elastic.h"
+#include "rod/split.h"
 
 #include <limits>
 
@@ -108,8 +108,7 @@ private:
 
 /// Carries the changes out: momentum, axial force and twist are kept (rod/split.h).
 /// @return rest length added [m]
-double apply_changes(RodArrays& rods, int wire, std::span<const NodeChange> changes, const WireSpec& spec,
-                     std::span<const RodClamp> clamps, bool rest_is_placed);
+double apply_changes(const RodNodes& rod, std::span<const NodeChange> changes);
 
 /// Takes `amount` [m] of rest length out of the whole wire, evenly, and refreshes its rest shape.
 void shorten_evenly(const RodView& rod, const WireSpec& spec, double amount, bool rest_is_placed);

@@ -1,11 +1,8 @@
-// Moments and torques of instruments that share a centreline, and its edges split and merged anywhere along it.
+// Moments and torques of instruments that share a centreline, and what rod/split.cpp asks of them.
 
 #include "rod/coaxial_nodes.h"
 
-#include "core/check.h"
 #include "rod/adapt.h"
-#include "rod/coaxial_edge.h"
-#include "rod/coaxial_split.h"
 #include "rod/coaxial_stencil.h"
 
 #include <algorithm>
@@ -79,169 +76,102 @@ void measure_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTr
     for (int k = 0; k < rod.instruments; ++k) add_turning(rod, line, trial, base, frames, k, turning);
 }
 
+void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod)
+{
+    const RodView line = rods.view(wires[0]);
+    prepare_coaxial(rod, line);
+    for (std::size_t k = 0; k < wires.size(); ++k) {
+        const RodView own = rods.view(wires[k]);
+        for (int j = 0; j < line.n - 1; ++j) own.spin_inertia[j] = rod.spin_inertia[k][j];
+        if (k == 0) continue;
+        for (int i = 0; i < line.n; ++i) {
+            own.material_s[i] = line.material_s[i];
+            own.rest_length[i] = line.rest_length[i];
+            own.bend_stiffness[i] = line.bend_stiffness[i];
+            own.radius[i] = rod.instrument[k].spec->shaft.radius;
+            own.stretch_stiffness[i] = own.twist_stiffness[i] = own.mass[i] = 0;
+            own.rest_kappa1[i] = own.rest_kappa2[i] = own.rest_twist[i] = 0;
+        }
+    }
+}
+
+void follow_line(RodArrays& rods, std::span<const int> wires)
+{
+    const RodView line = rods.view(wires[0]);
+    for (const int w : wires.subspan(1)) {
+        const RodView own = rods.view(w);
+        for (int i = 0; i < line.n; ++i) {
+            own.set_pos(i, line.pos(i));
+            own.set_vel(i, line.vel(i));
+            own.set_tangent(i, line.tangent(i));
+            own.set_ref_d1(i, line.ref_d1(i));
+            own.ax[i] = line.ax[i], own.ay[i] = line.ay[i], own.az[i] = line.az[i];
+            own.ref_twist[i] = line.ref_twist[i];
+            own.clamp_twist_a[i] = line.clamp_twist_a[i];
+            own.clamp_twist_b[i] = 0;
+        }
+    }
+}
+
 namespace {
 
-RodClamp sleeve_of(const RodView& line, const CoaxialBase& base)
+RodClamp sleeve_of(int hub, const CoaxialBase& base)
 {
     RodClamp clamp;
-    clamp.node = line.n - 1;
+    clamp.node = hub;
     clamp.direction = clamp.spin = true;
     clamp.tangent = base.tangent;
     clamp.director = base.director;
     return clamp;
 }
 
-/// Data of one instrument on an edge before it is split.
-struct OldSpin {
-    double theta = 0, spin = 0, momentum = 0;
-    double twist_rate[2] = {}, slope[2] = {};  // of angle [rad/m] and of spin along the line [1/(s m)], at both nodes
+}  // namespace
 
-    OldSpin(const RodView& own, const RodView& line, const CoaxialRod& rod, int k, int a)
-        : theta(own.theta[a]), spin(own.spin_rate[a]), momentum(own.spin_inertia[a] * own.spin_rate[a])
-    {
-        for (int side = 0; side < 2; ++side) {
-            const int i = a + side;
-            if (i == 0 || !(rod.cells[i].twist_covered[k] > 0)) continue;  // a free end, or beyond one
-            const double cell = rod.cells[i].length;
-            twist_rate[side] = (own.theta[i] - own.theta[i - 1] + joint_reference(line, i)) / cell;
-            if (i < line.n - 1) slope[side] = (own.spin_rate[i] - own.spin_rate[i - 1]) / cell;
-        }
-    }
-};
-
-/// Curvature of the line's tip where nothing bends it, sum B_k R_k kappa_k / sum B_k, along the binormal (rod/coaxial.h) [1/m].
-Vec3 natural_at_tip(RodArrays& rods, std::span<const int> wires, const CoaxialRod& rod)
+CoaxialNodes::CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base)
+    : RodNodes(rods, wires, {&sleeve_, 1}, false), rod_(rod), base_(base), sleeve_(sleeve_of(line().n - 1, base))
 {
-    const RodView line = rods.view(wires[0]);
+}
+
+double CoaxialNodes::stretch_stiffness(double begin, double end) const { return coaxial_stretch_stiffness(rod_, begin, end); }
+
+void CoaxialNodes::refresh_rest(int) const { prepare_group(rods_, wires(), rod_); }
+
+// At the tip, where nothing bends it: sum B_k R_k kappa_k / sum B_k. The hub is in its sleeve.
+Vec3 CoaxialNodes::natural_at_end(int j) const
+{
+    if (j > 0) return Vec3::Zero();
+    const RodView line = RodNodes::line();
     const double s = line.material_s[0] + 0.25 * line.rest_length[0];  // the middle of the tip's half cell
     const Vec3 t = line.tangent(0);
     Vec3 moment = Vec3::Zero();
     double stiffness = 0;
-    for (std::size_t k = 0; k < wires.size(); ++k) {
-        const CoaxialInstrument& one = rod.instrument[k];
+    for (int k = 0; k < instruments(); ++k) {
+        const CoaxialInstrument& one = rod_.instrument[k];
         const double material = s + one.offset;
         if (material < 0) continue;
         const WireSection& section = one.spec->at(std::min(material, one.spec->length));
-        const Vec3 n1 = turned(line.ref_d1(0), t, rods.view(wires[k]).theta[0]);
+        const Vec3 n1 = turned(line.ref_d1(0), t, instrument(k).theta[0]);
         moment += section.bend_stiffness * (section.rest_curvature[0] * t.cross(n1) - section.rest_curvature[1] * n1);
         stiffness += section.bend_stiffness;
     }
     return stiffness > 0 ? Vec3(moment / stiffness) : Vec3::Zero();
 }
 
-/// Nodes from `first` on move along the material by `added`.
-void move_hubwards(const RodView& line, int first, double added)
+bool CoaxialNodes::pull_at_base(SplitScratch& scratch, Vec3& pull, Vec3& tangent) const
 {
-    for (int i = first; i < line.n; ++i) line.material_s[i] += added;
+    const RodView line = RodNodes::line();
+    const int m = line.n - 2;
+    CoaxialTrial now{line.x, line.y, line.z, {}};
+    for (int k = 0; k < instruments(); ++k) now.theta[k] = instrument(k).theta;
+    if (!update_coaxial(rod_, line, now, base_, scratch.frames)) return false;
+    const std::span<double> gradient = std::span(scratch.gradient).first(static_cast<std::size_t>(rod_.dofs().count(line.n)));
+    std::fill(gradient.begin(), gradient.end(), 0.0);
+    add_coaxial(rod_, line, now, base_, scratch.frames, gradient, nullptr, HessianMode::None);
+    for (int c = 0; c < 3; ++c) pull[c] = gradient[rod_.dofs().position(m, c)];
+    tangent = scratch.frames.tangent[m];
+    return true;
 }
 
-/// Rest length at which edge j, of about its present length, carries `force`. In a line that flies apart edges may be squeezed to
-/// nothing or miles long; then lengths are kept, not forces.
-double rest_under(const RodView& line, int j, double force)
-{
-    const double chord = (line.pos(j + 1) - line.pos(j)).norm();
-    return std::clamp(chord / (1 + force / line.stretch_stiffness[j]), 0.5 * line.rest_length[j], 2 * line.rest_length[j]);
-}
-
-/// Angle and spins of both edges that edge a became. @param change  of the reference twists at their outer nodes [rad]
-void split_spins(const RodView& own, const RodView& line, int a, const OldSpin& old, const std::array<double, 2>& change)
-{
-    const double first = line.rest_length[a], second = line.rest_length[a + 1];
-    own.theta[a] = old.theta - 0.5 * old.twist_rate[0] * second - change[0];
-    own.theta[a + 1] = old.theta + 0.5 * old.twist_rate[1] * first + change[1];
-    own.spin_rate[a] = old.spin - 0.5 * old.slope[0] * second;
-    own.spin_rate[a + 1] = old.spin + 0.5 * old.slope[1] * first;
-    own.spin_acc[a + 1] = own.spin_acc[a];
-    const double inertia_a = own.spin_inertia[a], inertia_b = own.spin_inertia[a + 1];
-    if (!(inertia_a + inertia_b > 0)) return;
-    const double now = inertia_a * own.spin_rate[a] + inertia_b * own.spin_rate[a + 1];
-    const double shift = (old.momentum - now) / (inertia_a + inertia_b);
-    own.spin_rate[a] += shift;
-    own.spin_rate[a + 1] += shift;
-}
-
-}  // namespace
-
-SplitResult split_coaxial_edge(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, int edge,
-                               double fraction)
-{
-    const int a = edge;
-    RodView line = rods.view(wires[0]);
-    SEL_ASSERT(edge >= 0 && edge < line.n - 1 && fraction > 0 && fraction < 1);
-    const double length = line.rest_length[a], force = axial_force(line, a);
-    const double strain_rate = line.tangent(a).dot(line.vel(a + 1) - line.vel(a)) / (line.pos(a + 1) - line.pos(a)).norm();
-    const Vec3 tangent = line.tangent(a), d1 = line.ref_d1(a), carried = momentum(line, line.n - 1);
-    const std::array<double, 2> reference = {joint_reference(line, a), joint_reference(line, a + 1)};
-    std::vector<OldSpin> spins;
-    for (std::size_t k = 0; k < wires.size(); ++k) spins.emplace_back(rods.view(wires[k]), line, rod, static_cast<int>(k), a);
-    const RodClamp sleeve = sleeve_of(line, base);
-    const Vec3 natural = a == 0 ? natural_at_tip(rods, wires, rod) : Vec3::Zero();
-    const Vec3 position = split_point(line, a, fraction, {&sleeve, 1}, natural);
-
-    for (const int w : wires) rods.insert_node(w, a + 1);
-    line = rods.view(wires[0]);
-    line.set_pos(a + 1, position);
-    line.material_s[a + 1] = line.material_s[a] + fraction * length;
-    prepare_group(rods, wires, rod);  // the stiffness of edges that are about as long
-    const double first = rest_under(line, a, force), second = rest_under(line, a + 1, force), added = first + second - length;
-    line.material_s[a + 1] = line.material_s[a] + first;
-    move_hubwards(line, a + 2, added);
-    prepare_group(rods, wires, rod);
-
-    set_edge_frame(line, a, tangent, d1);
-    set_edge_frame(line, a + 1, tangent, d1);
-    line.clamp_twist_a[a + 1] = line.clamp_twist_b[a + 1] = 0;
-    line.ref_twist[a + 1] = inner_reference(line, a + 1, 0);
-    const std::array<double, 2> change = {refresh_reference(line, base, a, reference[0]),
-                                          refresh_reference(line, base, a + 2, reference[1])};
-    for (std::size_t k = 0; k < wires.size(); ++k) split_spins(rods.view(wires[k]), line, a, spins[k], change);
-    for (const std::span<double> acc : {line.ax, line.ay, line.az}) acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
-    line.set_vel(a + 1, split_velocity(line, a, fraction, strain_rate));
-    set_momentum(line, line.n - 1, carried);
-    follow_line(rods, wires);
-    return {added};
-}
-
-SplitResult merge_coaxial_edges(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, int node)
-{
-    RodView line = rods.view(wires[0]);
-    const int a = node - 1;
-    SEL_ASSERT(node >= 1 && node < line.n - 1);
-    const double first = line.rest_length[a], second = line.rest_length[node], length = first + second;
-    const double force = (first * axial_force(line, a) + second * axial_force(line, node)) / length;
-    const double share = second / length;  // of the vanishing cell that falls to node a; the rest falls to the other one
-    const Vec3 tangent = line.tangent(a), d1 = line.ref_d1(a), carried = momentum(line, line.n - 1);
-    const double own_reference = line.ref_twist[node], at_a = joint_reference(line, a), at_b = joint_reference(line, node + 1);
-    struct OldSpins {
-        double twist, momentum;
-    };
-    std::vector<OldSpins> old;
-    for (const int w : wires) {
-        const RodView own = rods.view(w);
-        const double momentum_of = own.spin_inertia[a] * own.spin_rate[a] + own.spin_inertia[node] * own.spin_rate[node];
-        old.push_back({own.theta[node] - own.theta[a] + own_reference, momentum_of});
-    }
-
-    for (const int w : wires) rods.erase_node(w, node);
-    line = rods.view(wires[0]);
-    prepare_group(rods, wires, rod);  // the stiffness of an edge that is about as long
-    const double added = rest_under(line, a, force) - length;
-    move_hubwards(line, a + 1, added);
-    prepare_group(rods, wires, rod);
-
-    // the merged edge keeps the tip-side edge's director; angles are the mean of both, seen from there
-    set_edge_frame(line, a, tangent, d1);
-    const double change_a = refresh_reference(line, base, a, at_a);
-    const double change_b = refresh_reference(line, base, a + 1, at_b + own_reference);
-    const double halves = a > 0 ? 0.5 : 1;
-    for (std::size_t k = 0; k < wires.size(); ++k) {
-        const RodView own = rods.view(wires[k]);
-        own.theta[a] += share * old[k].twist + halves * (change_b - change_a);
-        own.spin_rate[a] = own.spin_inertia[a] > 0 ? old[k].momentum / own.spin_inertia[a] : 0.0;
-    }
-    set_momentum(line, line.n - 1, carried);
-    follow_line(rods, wires);
-    return {added};
-}
+void CoaxialNodes::follow_line() const { seldinger::follow_line(rods_, wires()); }
 
 }  // namespace seldinger

@@ -24,12 +24,31 @@ namespace seldinger {
 void measure_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
                      const RodFrames& frames, std::span<Vec3> moment, std::span<double> turning);
 
-/// split_edge() and merge_edges() of rod/split.h for a line and its passengers: all nodes hubwards move by what rest length is
-/// added, and prepare_coaxial() has been called for the offsets of before. Each instrument keeps its twist per length at both
-/// neighbours (a merge: its mean angle), and its spin momentum, where it is.
-/// @param wires  of `rods`: the line, then its passengers (solve/coaxial_group.h)
-SplitResult split_coaxial_edge(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, int edge,
-                               double fraction);
-SplitResult merge_coaxial_edges(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, int node);
+/// prepare_coaxial(), and what of it the instruments keep in their own arrays.
+/// @param wires  of `rods`: the line, then its passengers (solve/coaxial_group.h); all have as many nodes at the same places
+void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod);
+/// The line's places and frames into the passengers' arrays.
+void follow_line(RodArrays& rods, std::span<const int> wires);
+
+/// The nodes of instruments on one centreline, to be split and merged. prepare_coaxial() has been called for their offsets.
+class CoaxialNodes : public RodNodes {
+public:
+    CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base);
+    CoaxialNodes(const CoaxialNodes&) = delete;
+    CoaxialNodes& operator=(const CoaxialNodes&) = delete;
+    [[nodiscard]] double stretch_stiffness(double begin, double end) const override;
+    void refresh_rest(int first) const override;
+    [[nodiscard]] bool reaches(int k, int node) const override { return rod_.cells[node].twist_covered[k] > 0; }
+    [[nodiscard]] double clamp_angle(const RodClamp& clamp, int k) const override { return instrument(k).theta[clamp.node]; }
+    [[nodiscard]] Vec3 natural_at_end(int j) const override;
+    [[nodiscard]] bool pull_at_base(SplitScratch& scratch, Vec3& pull, Vec3& tangent) const override;
+    void follow_line() const override;
+
+private:
+    [[nodiscard]] std::span<const int> wires() const { return {wires_.data(), static_cast<std::size_t>(count_)}; }
+    CoaxialRod& rod_;
+    const CoaxialBase& base_;
+    RodClamp sleeve_;
+};
 
 }  // namespace seldinger

@@ -166,6 +166,19 @@ void prepare_coaxial(CoaxialRod& rod, const RodView& line)
     std::fill(rod.cells.begin() + line.n, rod.cells.end(), CoaxialCell{});
 }
 
+double coaxial_stretch_stiffness(const CoaxialRod& rod, double begin, double end)
+{
+    double covered = 0, compliance = 0;
+    std::size_t at = 0;
+    for_each_part(rod.pieces, begin, end, at, [&](const CoaxialPiece& piece, double length) {
+        const double stiffness = stretch_stiffness(piece);
+        if (!(stiffness > 0)) return;
+        covered += length;
+        compliance += length / stiffness;
+    });
+    return covered > 0 ? covered * covered / (compliance * (end - begin)) : 0;
+}
+
 double CoaxialHands::push(int k, int leader, int instruments) const
 {
     if (k != leader) return offset_force[k];

@@ -163,31 +163,39 @@ double energy_now(const RodView& rod, std::span<const RodClamp> clamps, RodFrame
     return update_frames(rod, now, clamps, frames) ? elastic_energy(rod, clamps, frames) : 0.0;
 }
 
+BaseChange base_change(const RodView& rod, const BaseEdge& limits, int capacity)
+{
+    const double length = rod.rest_length[rod.n - 2];
+    if (limits.whole > 0 && length >= limits.whole + limits.born && rod.n < capacity) return BaseChange::Split;
+    return length < limits.least && rod.n > 2 ? BaseChange::Merge : BaseChange::None;
+}
+
+void change_base(FeedState& state, const RodNodes& rod, BaseChange change, const BaseEdge& limits, SplitScratch& scratch)
+{
+    const double length = rod.line().rest_length[rod.line().n - 2];
+    const SplitResult result =
+        change == BaseChange::Split ? split_base_edge(rod, limits.whole / length, scratch) : merge_base_edges(rod);
+    state.surplus += result.rest_length_added;
+    state.surplus_rate = std::clamp(result.base_rate - state.speed, -std::abs(state.speed), std::abs(state.speed));
+}
+
 HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits,
                     HubScratch& scratch)
 {
-    RodView rod = rods.view(index);
-    const int base = rod.n - 2;  // the base edge
-    const double length = rod.rest_length[base];
-    const bool split = limits.whole > 0 && length >= limits.whole + limits.born && rod.n < rods.capacity(index);
-    const bool merge = length < limits.least && rod.n > 2;
-    if (!split && !merge) return {};
+    const BaseChange change = base_change(rods.view(index), limits, rods.capacity(index));
+    if (change == BaseChange::None) return {};
     WireConstraints& inlet = scratch.inlet;
     scratch.split.provide(rods.capacity(index));
-    RodFrames& frames = scratch.split.frames;
-    inlet.prescribed.clear();
-    inlet.clamps.clear();
-    add_feed_constraints(state, rod, inlet);
-    const double before = energy_now(rod, inlet.clamps, frames);
-    const SplitResult result = split ? split_base_edge(rods, index, limits.whole / length, wire, inlet.clamps, scratch.split)
-                                     : merge_base_edges(rods, index, wire, inlet.clamps);
-    state.surplus += result.rest_length_added;
-    state.surplus_rate = std::clamp(result.base_rate - state.speed, -std::abs(state.speed), std::abs(state.speed));
-    rod = rods.view(index);
-    inlet.prescribed.clear();
-    inlet.clamps.clear();
-    add_feed_constraints(state, rod, inlet);
-    return {true, energy_now(rod, inlet.clamps, frames) - before};
+    const auto energy = [&] {
+        const RodView rod = rods.view(index);
+        inlet.prescribed.clear();
+        inlet.clamps.clear();
+        add_feed_constraints(state, rod, inlet);
+        return energy_now(rod, inlet.clamps, scratch.split.frames);
+    };
+    const double before = energy();
+    change_base(state, WireNodes(rods, index, wire, inlet.clamps), change, limits, scratch.split);
+    return {true, energy() - before};
 }
 
 }  // namespace seldinger

@@ -91,7 +91,13 @@ struct HubScratch {
     SplitScratch split;  // of any capacity: grows
 };
 
-/// Splits or merges the base edge where it left its limits.
+/// What a base edge that has left its limits asks for.
+enum class BaseChange { None, Split, Merge };
+[[nodiscard]] BaseChange base_change(const RodView& rod, const BaseEdge& limits, int capacity);
+/// Carries it out. What rest length a rod gains by it goes into the feed's surplus.
+void change_base(FeedState& state, const RodNodes& rod, BaseChange change, const BaseEdge& limits, SplitScratch& scratch);
+
+/// Splits or merges the base edge of a wire where it left its limits.
 HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits,
                     HubScratch& scratch);
 

@@ -2,7 +2,7 @@
 
 #include "world/merged.h"
 
-#include "rod/coaxial_split.h"
+#include "rod/coaxial_nodes.h"
 #include "rod/place.h"
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 #include "world/merged.h"
 #include "world/node_errors.h"
 #include "rod/coaxial_nodes.h"
-#include "rod/coaxial_split.h"
 #include "world/step_stages.h"
 
 #include <algorithm>
@@ -31,14 +30,14 @@ WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec)
 
 namespace {
 
-/// Carries a change of the nodes out. @param change  of the nodes: split or merged, and where     @return rest length added [m]
+/// Carries a change of the nodes out. @param change  carries `what` out, of the nodes that it is called with
 template <class Change>
 void change_nodes(World::Impl& state, MergedGroup& group, const NodeChange& what, Change change)
 {
     const int line = group.line(), n = state.rods.node_count(line);
     refresh_group(state, group);
     const double before = elastic_now(state, group);
-    change();
+    change(CoaxialNodes(state.rods, group.wires(), group.shared.rod, group.shared.base));
     refresh_group(state, group);
     state.remesh_energy[line] += elastic_now(state, group) - before;
     for (const int w : group.wires()) renumber_forces(state.results[w].nodal_contact, n, what);
@@ -73,19 +72,11 @@ bool adapt_base(World::Impl& state, MergedGroup& group, double whole, double dt)
     const double t = state.wire_time[leader], next = std::isfinite(dt) ? t + dt : t;
     const BaseEdge limits = base_edge_limits(whole, hub.travel(t, next, +1), hub.travel(t, next, -1));
     const RodView rod = state.rods.view(line);
-    const double length = rod.rest_length[rod.n - 2];
-    const bool split = length >= limits.whole + limits.born && rod.n < state.rods.capacity(line);
-    const bool merge = length < limits.least && rod.n > 2;
-    if (!split && !merge) return false;
+    const BaseChange change = base_change(rod, limits, state.rods.capacity(line));
+    if (change == BaseChange::None) return false;
     return where_clear(state, group, [&] {
-        change_nodes(state, group, {split, rod.n - 2, 0}, [&] {
-            CoaxialGroup& shared = group.shared;
-            const SplitResult result =
-                split ? split_coaxial_base(state.rods, group.wires(), shared.rod, shared.base, limits.whole / length)
-                      : merge_coaxial_base(state.rods, group.wires(), shared.rod, shared.base);
-            FeedState& feed = group.feed;
-            feed.surplus += result.rest_length_added;
-            feed.surplus_rate = std::clamp(result.base_rate - feed.speed, -std::abs(feed.speed), std::abs(feed.speed));
+        change_nodes(state, group, {change == BaseChange::Split, rod.n - 2, 0}, [&](const RodNodes& nodes) {
+            change_base(group.feed, nodes, change, limits, state.hub_scratch.split);
         });
     });
 }
@@ -98,7 +89,8 @@ bool adapt_ends(World::Impl& state, MergedGroup& group, double dt)
     if (state.rods.view(line).rest_length[0] > 1.75 * group.feed.edge &&
         state.rods.node_count(line) < state.rods.capacity(line))
         changed = where_clear(state, group, [&] {
-            change_nodes(state, group, {true, 0, 0.5}, [&] { split_coaxial_tip(state.rods, group.wires(), group.shared.rod); });
+            change_nodes(state, group, {true, 0, 0.5},
+                         [&](const RodNodes& nodes) { group.feed.surplus += split_edge(nodes, 0, 0.5).rest_length_added; });
         });
     return adapt_base(state, group, group.feed.edge, dt) || changed;
 }
@@ -169,13 +161,8 @@ bool adapt_line(World::Impl& state, MergedGroup& group, double dt, bool may_merg
     if (state.elastic_wall) note_yielding(state, group, demands.may_merge, demands);
     for (const NodeChange& change : planner.plan(line(), group.nodes, demands, state.rods.capacity(group.line()))) {
         const auto carry_out = [&] {
-            change_nodes(state, group, change, [&] {
-                CoaxialGroup& shared = group.shared;
-                const SplitResult result =
-                    change.split ? split_coaxial_edge(state.rods, group.wires(), shared.rod, shared.base, change.at, change.fraction)
-                                 : merge_coaxial_edges(state.rods, group.wires(), shared.rod, shared.base, change.at);
-                group.feed.surplus += result.rest_length_added;
-            });
+            change_nodes(state, group, change,
+                         [&](const RodNodes& nodes) { group.feed.surplus += apply_changes(nodes, {&change, 1}); });
         };
         changed = where_clear(state, group, carry_out) || changed;
     }

@@ -42,8 +42,8 @@ void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes
     NodeAdapter& adapter = state.adapters[w];
     constrain_now(state, w);
     const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].surplus +=
-        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !state.feeds[w].on);
+    const WireNodes nodes(state.rods, w, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !state.feeds[w].on);
+    state.feeds[w].surplus += apply_changes(nodes, changes);
     constrain_now(state, w);
     int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
     for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);

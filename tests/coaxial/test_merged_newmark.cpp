@@ -97,7 +97,7 @@ TEST_SUITE("coaxial/merged newmark")
     }
 
     // Inserted equally far, they are one wire with both stiffnesses and masses, in every step and to the solver's tolerance.
-    // Fed on together as well, except for the rounding of births, in which rod/split.h and rod/coaxial_split.h differ.
+    // Fed on together as well, except for rounding.
     TEST_CASE("twin: a pair that swings is one wire of both")
     {
         const double length = 0.08;

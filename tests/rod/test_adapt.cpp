@@ -54,7 +54,7 @@ struct CurvedWire : OneWire {
     {
         const auto changes = planner.plan(rod, spec, demands, capacity);
         if (changes.empty()) return false;
-        added += apply_changes(arrays, 0, changes, spec, {}, false);
+        added += apply_changes(WireNodes(arrays, 0, spec, {}), changes);
         rod = arrays.view(0);
         return true;
     }

@@ -91,7 +91,7 @@ TEST_SUITE("rod/adapt")
         for (feel(); calls < 200; ++calls, feel()) {
             const auto changes = wire.planner.plan(wire.rod, wire.spec, demands, capacity);
             if (changes.empty()) break;
-            (void)apply_changes(wire.arrays, 0, changes, wire.spec, {}, false);
+            (void)apply_changes(WireNodes(wire.arrays, 0, wire.spec, {}), changes);
             wire.rod = wire.arrays.view(0);
         }
         REQUIRE(calls < 200);

@@ -101,7 +101,7 @@ TEST_SUITE("rod/split")
                 const Vec3 momentum = wire.momentum();
                 const double spin = wire.spin_momentum();
                 const double arc = wire.rod.rest_length[edge];
-                const SplitResult result = split_edge(wire.arrays, 0, edge, fraction, wire.spec, wire.clamps);
+                const SplitResult result = split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), edge, fraction);
                 wire.node_moved(1);
                 REQUIRE(wire.rod.n == 12);
                 CHECK(axial(wire.rod, edge) == about(force).epsilon(1e-10));
@@ -125,7 +125,7 @@ TEST_SUITE("rod/split")
                 for (int k = 0; k < 3; ++k) {
                     const int edges = 8 << k;
                     ArcWire wire(edges);
-                    split_edge(wire.arrays, 0, base ? edges - 1 : edges / 2, fraction, wire.spec, wire.clamps);
+                    split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), base ? edges - 1 : edges / 2, fraction);
                     wire.node_moved(1);
                     std::tie(curvature[k], twist[k]) = wire.worst_curvature_and_twist();
                 }
@@ -185,7 +185,7 @@ TEST_SUITE("rod/split")
                     REQUIRE(wire.accept(OwnedTrial(wire.rod)));
                     spec.shaft.rest_curvature = {0, wire.frames.kappa2[1] > 0 ? 1.0 : -1.0};
                     set_rest_shape(wire.rod, spec, false);
-                    split_edge(wire.arrays, 0, tip ? 0 : edges - 1, fraction, spec, {});
+                    split_edge(WireNodes(wire.arrays, 0, spec, {}), tip ? 0 : edges - 1, fraction);
                     wire.rod = wire.arrays.view(0);
                     REQUIRE(wire.update());
                     for (int i = 1; i < wire.rod.n - 1; ++i) {
@@ -207,9 +207,9 @@ TEST_SUITE("rod/split")
             ArcWire wire(10, true);
             const ArcWire start(10, true);
             const int edge = base ? 9 : 3;
-            const SplitResult split = split_edge(wire.arrays, 0, edge, 0.4, wire.spec, wire.clamps);
+            const SplitResult split = split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), edge, 0.4);
             wire.node_moved(1);
-            const SplitResult merge = merge_edges(wire.arrays, 0, edge + 1, wire.spec, wire.clamps);
+            const SplitResult merge = merge_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), edge + 1);
             wire.node_moved(-1);
             REQUIRE(wire.rod.n == 11);
             CHECK(std::abs(split.rest_length_added + merge.rest_length_added) < 1e-14);
@@ -235,7 +235,7 @@ TEST_SUITE("rod/split")
             ArcWire wire(edges);
             const Vec3 momentum = wire.momentum();
             const double spin = wire.spin_momentum(), force = axial(wire.rod, edges / 2);
-            merge_edges(wire.arrays, 0, edges / 2, wire.spec, wire.clamps);
+            merge_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), edges / 2);
             wire.node_moved(-1);
             CHECK(axial(wire.rod, edges / 2 - 1) == about(force).epsilon(1e-10));
             CHECK((wire.momentum() - momentum).norm() < 1e-14 * momentum.norm());
@@ -266,7 +266,7 @@ TEST_SUITE("rod/split")
             const auto [before, twist] = wire.worst_curvature_and_twist();
             SplitScratch scratch;
             const Vec3 momentum = wire.momentum();
-            const SplitResult result = split_base_edge(wire.arrays, 0, 1 - born, wire.spec, wire.clamps, scratch);
+            const SplitResult result = split_base_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), 1 - born, scratch);
             wire.node_moved(1);
             const RodView& rod = wire.rod;
             CHECK(axial(rod, 9) == about(force).epsilon(1e-10));
@@ -298,7 +298,7 @@ TEST_SUITE("rod/split")
         const double torque = clamp_torque(wire.rod, wire.clamps, wire.frames, 0);
         CHECK(torque == about(twist_stiffness * (turns + ArcWire::twist_rate)).epsilon(1e-3));
         for (const int edge : {9, 4}) {
-            split_edge(wire.arrays, 0, edge, 0.5, wire.spec, wire.clamps);
+            split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), edge, 0.5);
             wire.node_moved(1);
             REQUIRE(wire.update());
             // the lengths that twist is counted over change by (kappa h)^2/32 = 3e-4
@@ -322,11 +322,11 @@ TEST_SUITE("rod/split")
         };
         const auto before = total();
         REQUIRE(before.first > 0.9);
-        split_edge(wire.arrays, 0, 4, 0.3, wire.spec, wire.clamps, true);
+        split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps, true), 4, 0.3);
         wire.node_moved(1);
         CHECK(total().first == about(before.first).epsilon(1e-2));  // lengths of 2-vectors that differ in direction
         CHECK(total().second == about(before.second).epsilon(1e-12));
-        merge_edges(wire.arrays, 0, 5, wire.spec, wire.clamps, true);
+        merge_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps, true), 5);
         wire.node_moved(-1);
         CHECK(total().second == about(before.second).epsilon(1e-12));
     }

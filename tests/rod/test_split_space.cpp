@@ -86,7 +86,7 @@ TEST_SUITE("rod/split")
                 const auto n = static_cast<std::size_t>(node);
                 const std::vector<double> before = wire.twists();
                 const double first = wire.rod.rest_length[node - 1], second = wire.rod.rest_length[node], share = second / (first + second);
-                merge_edges(wire.arrays, 0, node, wire.spec, wire.clamps);
+                merge_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), node);
                 wire.node_moved(-1);
                 const std::vector<double> after = wire.twists();
                 const double at_a = after[n - 1] - before[n - 1] - share * before[n];
@@ -121,7 +121,7 @@ TEST_SUITE("rod/split")
                         return twist[static_cast<std::size_t>(i)] / wire.rod.voronoi_length(i);
                     };
                     const double at_a = rate(edge), at_b = rate(edge + 1);
-                    split_edge(wire.arrays, 0, edge, fraction, wire.spec, wire.clamps);
+                    split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), edge, fraction);
                     wire.node_moved(1);
                     // the cells have other lengths by the arc's excess over its chord, (kappa h)^2/24
                     if (edge > 0) CHECK(std::abs(rate(edge) - at_a) < 1e-2 * std::abs(at_a));
@@ -143,7 +143,7 @@ TEST_SUITE("rod/split")
                 const double length = old.rest_length[edge], first = fraction * length, second = length - first;
                 const double spins[2] = {slope(old.spin_rate, edge), slope(old.spin_rate, edge + 1)};
                 const double rates[2] = {slope(old.spin_acc, edge), slope(old.spin_acc, edge + 1)}, acc = old.spin_acc[edge];
-                split_edge(wire.arrays, 0, edge, fraction, wire.spec, wire.clamps);
+                split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), edge, fraction);
                 wire.node_moved(1);
                 const RodView& rod = wire.rod;
                 REQUIRE(rod.rest_length[edge] == about(first).epsilon(1e-12));
@@ -159,10 +159,10 @@ TEST_SUITE("rod/split")
         for (int i = 0; i <= edges; ++i) wire.rod.ax[i] = 2.0 * i * i, wire.rod.ay[i] = -i, wire.rod.az[i] = 0.5;
         const double ax[2] = {wire.rod.ax[4], wire.rod.ax[5]}, first = wire.rod.rest_length[6], second = wire.rod.rest_length[7];
         const double acc[2] = {wire.rod.spin_acc[6], wire.rod.spin_acc[7]};
-        merge_edges(wire.arrays, 0, 7, wire.spec, wire.clamps);
+        merge_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), 7);
         wire.node_moved(-1);
         CHECK(wire.rod.spin_acc[6] == about((first * acc[0] + second * acc[1]) / (first + second)).epsilon(1e-13));
-        split_edge(wire.arrays, 0, 4, 0.3, wire.spec, wire.clamps);
+        split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), 4, 0.3);
         wire.node_moved(1);
         CHECK(wire.rod.ax[5] == about(0.7 * ax[0] + 0.3 * ax[1]).epsilon(1e-14));
         CHECK(wire.rod.ay[5] == about(-4.3).epsilon(1e-14));
@@ -192,8 +192,8 @@ TEST_SUITE("rod/split")
             const double mean = (first * force(edges - 2) + second * force(edges - 1)) / (first + second), base = force(edges - 1);
             const Vec3 before = momentum();
             SplitScratch scratch;
-            const SplitResult result = birth ? split_base_edge(wire.arrays, 0, 0.9, wire.spec, wire.clamps, scratch)
-                                             : merge_base_edges(wire.arrays, 0, wire.spec, wire.clamps);
+            const SplitResult result = birth ? split_base_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), 0.9, scratch)
+                                             : merge_base_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps));
             wire.node_moved(birth ? 1 : -1);
             const int hub = wire.rod.n - 1;
             CHECK((momentum() - before).norm() < 1e-13 * before.norm());
@@ -224,7 +224,7 @@ TEST_SUITE("rod/split")
             };
             std::pair<double, double> before[3];
             for (int k = 0; k < 3; ++k) before[k] = sums(k);
-            merge_edges(wire.arrays, 0, node, wire.spec, wire.clamps, true);
+            merge_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps, true), node);
             wire.node_moved(-1);
             for (int k = 0; k < 3; ++k) {
                 CHECK(sums(k).first == about(before[k].first).epsilon(1e-13));
@@ -239,7 +239,7 @@ TEST_SUITE("rod/split")
                 const double cell = wire.rod.voronoi_length(i);
                 wire.rod.rest_kappa1[i] = rates[0] * cell, wire.rod.rest_kappa2[i] = rates[1] * cell, wire.rod.rest_twist[i] = rates[2] * cell;
             }
-            split_edge(wire.arrays, 0, edge, 0.3, wire.spec, wire.clamps, true);
+            split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps, true), edge, 0.3);
             wire.node_moved(1);
             for (int i = 0; i < wire.rod.n; ++i) {
                 const double cell = wire.rod.voronoi_length(i);
