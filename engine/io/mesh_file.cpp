@@ -11,7 +11,6 @@
 #include "vessel/work_budget.h"
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

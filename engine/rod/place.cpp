@@ -8,7 +8,6 @@
 #include "shared/segment.h"
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,6 @@
 #include "vessel/inside.h"
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

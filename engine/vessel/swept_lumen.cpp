@@ -1,7 +1,6 @@
 // The implicit function of blended tubes.
 #include "vessel/swept_lumen.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

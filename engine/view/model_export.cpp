@@ -1,13 +1,13 @@
 // Resamples the wires of each frame and carries a frame along them, and from one time to the next.
 #include "view/model_export.h"
 
-#include "math/eigen.h"
 #include "view/solids.h"
 
-#include <Eigen/Geometry>
+#include <glm/gtc/quaternion.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace seldinger {
 namespace {
@@ -36,6 +36,8 @@ std::vector<TubeStation> resample(const WireLine& wire, std::size_t count)
     return out;
 }
 
+glm::dvec3 to_dvec3(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
 /// @param side  where the first station's x points, about; carried on to the next frame
 std::vector<AnimatedTube::Pose> poses_of(const std::vector<TubeStation>& line, Vec3& side,
                                          const std::vector<AnimatedTube::Pose>* before)
@@ -49,11 +51,12 @@ std::vector<AnimatedTube::Pose> poses_of(const std::vector<TubeStation>& line, V
         if (!(x.norm() > 1e-3)) x = axis.unitOrthogonal();
         x.normalize();
         if (i == 0) side = x;
-        const Mat3 frame = Mat3::columns(x, axis.cross(x), axis);
-        Eigen::Quaterniond turn(Eigen::Matrix3d{eigen(frame)});
+        const glm::dquat turn = glm::quat_cast(glm::dmat3(to_dvec3(x), to_dvec3(axis.cross(x)), to_dvec3(axis)));
+        std::array<double, 4> q = {turn.x, turn.y, turn.z, turn.w};
         // the nearer of q and -q, so that programs do not turn the long way round between two frames
-        if (before && turn.dot(Eigen::Quaterniond((*before)[i].turn.data())) < 0) turn.coeffs() = -turn.coeffs();
-        poses.push_back({line[i].position, {turn.x(), turn.y(), turn.z(), turn.w()}});
+        if (before && std::inner_product(q.begin(), q.end(), (*before)[i].turn.begin(), 0.0) < 0)
+            for (double& component : q) component = -component;
+        poses.push_back({line[i].position, q});
     }
     return poses;
 }

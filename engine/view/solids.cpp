@@ -2,9 +2,6 @@
 #include "view/solids.h"
 
 #include "core/check.h"
-#include "math/eigen.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +68,8 @@ void add_cap(std::vector<Ring>& rings, const Ring& edge, int side)
 /// Moves a director from one tangent to the next without twist (the smallest rotation).
 Vec3 transport(const Vec3& director, const Vec3& from, const Vec3& to)
 {
-    const Vec3 moved = to_vec3(Eigen::Quaterniond::FromTwoVectors(eigen(from), eigen(to)) * eigen(director));
+    const double chi = 1 + from.dot(to);  // 0: folded, where the director is normal to both
+    const Vec3 moved = chi > 0 ? Vec3(director - director.dot(to) / chi * (from + to)) : director;
     return (moved - moved.dot(to) * to).normalized();
 }
 

@@ -2,11 +2,8 @@
 #include "view/viewpoint.h"
 
 #include "core/error.h"
-#include "math/eigen.h"
 
 #include <fmt/format.h>
-
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -130,6 +127,16 @@ CameraMotion parse_motion(const std::string& text)
     return motion;
 }
 
+namespace {
+
+/// v turned about the unit `axis` by `angle` (Rodrigues).
+Vec3 rotated(const Vec3& v, const Vec3& axis, double angle)
+{
+    return std::cos(angle) * v + std::sin(angle) * axis.cross(v) + (1 - std::cos(angle)) * axis.dot(v) * axis;
+}
+
+}  // namespace
+
 Camera frame_camera(const Scenery& scenery, ViewFrom from, const CameraMotion& motion, const WireFrame& frame, double aspect)
 {
     if (from == ViewFrom::Endoscopic) return from_tip(scenery, frame);
@@ -140,11 +147,10 @@ Camera frame_camera(const Scenery& scenery, ViewFrom from, const CameraMotion& m
     if (key.azimuth != 0 || key.elevation != 0) {
         // about the up axis of the picture through the middle of the vessel, so that the horizon stays
         const Vec3 axis = camera.up.normalized(), right = camera.right(), middle = middle_of(scenery);
-        const Mat3 turn =
-            to_mat3((Eigen::AngleAxisd(key.azimuth, eigen(axis)) * Eigen::AngleAxisd(-key.elevation, eigen(right))).toRotationMatrix());
-        camera.eye = middle + turn * (camera.eye - middle);
-        camera.target = middle + turn * (camera.target - middle);
-        camera.up = turn * camera.up;
+        const auto turn = [&](const Vec3& v) { return rotated(rotated(v, right, -key.elevation), axis, key.azimuth); };
+        camera.eye = middle + turn(camera.eye - middle);
+        camera.target = middle + turn(camera.target - middle);
+        camera.up = turn(camera.up);
     }
     const double reach = (camera.target - camera.eye).norm() / key.zoom;
     camera.eye = camera.target - reach * camera.forward();

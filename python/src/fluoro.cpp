@@ -16,8 +16,6 @@
     #include "view/labels.h"
     #include "view/xray/detector.h"
     #include "view/xray/fluoroscope.h"
-
-    #include <Eigen/Geometry>
 #endif
 
 namespace seldinger::python {
