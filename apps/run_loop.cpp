@@ -6,8 +6,7 @@
 #include "core/file_lock.h"
 #include "progress.h"
 #include "replay.h"
-#include "scene/key_frames.h"
-#include "scene/run_end.h"
+#include "scene/scene_run.h"
 #include "scene/wall_path.h"
 #include "stop_signal.h"
 
@@ -55,7 +54,7 @@ std::string advice(const StepReport& report, bool settling, const IntegratorSpec
 constexpr const char* wall_advice = "the wall moved beyond its linear theory (more than 20 % of the lumen's radius): give it its true "
                                     "vessel.youngs_pa and vessel.thickness_m, a wire that bends more easily, or wall = \"rigid\"";
 
-class Run {
+class Run : RunHooks {
 public:
     Run(const Scene& scene, const RunOptions& options, WorldSetup setup, RepairReport vessel,
         const std::optional<Checkpoint>& saved, Replay* replay)
@@ -64,54 +63,106 @@ public:
           options_(options),
           vessel_(std::move(vessel)),
           world_(std::move(setup)),
-          key_frames_(scene),
-          end_(scene),
           recorder_(saved ? Recorder(scene, vessel_, world_, options.dir, *saved)
                           : Recorder(scene, vessel_, world_, options.dir)),
+          loop_(world_, std::span(&scene, 1), this),
+          progress_(scene, options.quiet),
           earlier_wall_(recorder_.tally().wall),
           fresh_(!saved || saved->tally.steps == 0)
     {
+        const RunTally& tally = recorder_.tally();
+        if (!fresh_) loop_.resume(0, static_cast<long>(tally.steps), static_cast<long>(tally.rest_steps), false);
     }
 
     RunOutcome go(Clock::time_point called)
     {
+        called_ = called;
         loop_start_ = last_checkpoint_ = Clock::now();
-        Progress progress(scene_, options_.quiet);
-        if (fresh_ && settles_first(scene_) && !settle_first()) return stop(RunStatus::Stopped);
-        if (scene_.integrator.scheme == Scheme::Static) {
-            const RunTally& tally = recorder_.tally();
-            if (options_.estimate)
-                recorder_.estimated(equilibrium_estimate(scene_, world_, recorder_.readings(), tally.hand_force_max, tally.friction_max, tally.on_wall.patch_force));
-            return stop(RunStatus::Done);
-        }
-        if (replay_) replay_->begin(scene_, world_);
-        else if (scene_.task.on) begin_task();
-        if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
-        bool first = true, over = end_.is_over(static_cast<long>(recorder_.tally().steps), 0, 0, false);
-        const std::function<bool()> asked = [&] {
-            if (ending_) return seconds_since(*ending_) > estimate_patience;
-            progress.show(recorder_, wall());
-            return stop_asked_for() != 0 || (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit);
-        };
-        world_.stop_when(asked);
-        if (twin_) twin_->stop_when(asked);
-        for (; !over; first = false) {
-            if (stop_asked_for() != 0) return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
-            if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit)
-                return stop(RunStatus::TimeLimit);
-            if (!take_step()) return stop(RunStatus::Stopped);
-            if (interrupted_) continue;  // the same step was asked to end: said above
-            const RunTally& tally = recorder_.tally();
-            over = end_.is_over(static_cast<long>(tally.steps), static_cast<long>(tally.rest_steps), world_.time(), tally.score.reached);
-            if (over) break;
-            save_now_and_then();
-            progress.show(recorder_, wall());
-        }
-        if (replay_) replay_->end(world_);
-        return stop(RunStatus::Done);
+        if (fresh_) settle_first();
+        if (scene_.integrator.scheme != Scheme::Static && loop_.running() > 0) begin_steps();
+        else if (loop_.status() == RunStatus::Done && options_.estimate) estimate_equilibrium();
+        const RunStatus status = loop_.run();
+        if (replay_ && replay_->begun() && status == RunStatus::Done) replay_->end(world_);
+        return stop(status);
     }
 
 private:
+    // ---- hooks
+
+    const Control* control() override
+    {
+        step_start_ = Clock::now();
+        return replay_ ? &replay_->next(world_) : nullptr;
+    }
+
+    RunStatus asked() override
+    {
+        if (!first_) {
+            if (seconds_since(last_checkpoint_) >= checkpoint_seconds) {
+                recorder_.checkpoint(world_, RunStatus::Running, wall());
+                last_checkpoint_ = Clock::now();
+            }
+            progress_.show(recorder_, wall());
+        }
+        if (stop_asked_for() != 0) return stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit;
+        return !first_ && is_late() ? RunStatus::TimeLimit : RunStatus::Running;
+    }
+
+    void passed(double time) override
+    {
+        read_settled(time);
+        recorder_.passed(output_);
+    }
+
+    void settled(int, const WireReport&) override
+    {
+        read_settled(prescribed_until(scene_));
+        recorder_.settled(output_, loop_.report());
+    }
+
+    bool starts_as_placed() const override { return true; }
+
+    void placed() override
+    {
+        recorder_.warn(fmt::format("scene.start: got \"settled\", but {}. The run starts from the wire as it was placed. Fix: let the wire move "
+                                   "for a while before what is measured, or place it nearer to rest",
+                                   "no equilibrium was found"));
+        world_.read(output_);
+        recorder_.placed(output_);
+    }
+
+    bool stepped(int, const WireReport&, double dt) override
+    {
+        const StepReport& report = loop_.report();
+        first_ = false;
+        wall_was_far_ = report.flags & StepWallFar;
+        const double seconds = seconds_since(step_start_);
+        if (replay_) replay_->stepped(world_);
+        recorder_.gauge(world_);
+        world_.read(output_, recorder_.wants(world_));
+        recorder_.stepped(output_, report, seconds, loop_.rest_steps(0));
+        follow_task(dt);
+        const RunTally& tally = recorder_.tally();
+        if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(tally.steps),
+                                  {tally.on_wall.patch_force, tally.wall_move.value, tally.wall_stress.value});
+        return tally.score.reached;
+    }
+
+    void ended(int, RunStatus status) override
+    {
+        if (status != RunStatus::Stopped) return;
+        const StepReport& report = loop_.report();
+        if (settling_) {
+            failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
+            return;
+        }
+        const std::string what = advice(report, false, scene_.integrator, world_.readings(0).energy_made);
+        failure_ = fmt::format("step {} ({:.6g} s): {}{}{}", recorder_.tally().steps + 1, world_.time(), what,
+                               wall_was_far_ ? "; " : "", wall_was_far_ ? wall_advice : "");
+    }
+
+    // ----
+
     /// A recorded hand cannot be halved, and an elastic wall would be made a second time: that only if asked.
     bool estimates() const { return options_.estimate && !replay_ && (options_.asked_estimate || !scene_.vessel.elastic); }
     StepTwin::Finer finer_twins(RunStatus status) const
@@ -120,62 +171,42 @@ private:
         return options_.asked_estimate ? StepTwin::Finer::Always : StepTwin::Finer::WhereCheap;
     }
     double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
+    bool is_late() const { return options_.time_limit > 0 && seconds_since(called_) >= options_.time_limit; }
 
-    bool settle_first()
+    void settle_first()
     {
         const NoPolling settling;
-        const bool may_move = scene_.integrator.scheme != Scheme::Static;
-        const std::vector<std::uint8_t> placed = may_move ? world_.save_state() : std::vector<std::uint8_t>{};
-        const auto read_at = [&](double time) {
-            world_.read(output_);
-            recorder_.gauge(world_);
-            if (!may_move) output_.time = time;  // of the keys: that of the world stands still
-        };
-        const StepReport report = settle(world_, [&](int, double time) {
-            read_at(time);
-            recorder_.passed(output_);
-        });
-        if (report.failed() && may_move) {
-            world_.restore_state(placed);
-            recorder_.warn(fmt::format("scene.start: got \"settled\", but {}. The run starts from the wire as it was placed. Fix: let the wire move "
-                                       "for a while before what is measured, or place it nearer to rest",
-                                       "no equilibrium was found"));
-            world_.read(output_);
-            recorder_.placed(output_);
-            return true;
-        }
-        if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
-        else {
-            read_at(prescribed_until(scene_));
-            recorder_.settled(output_, report);
-        }
-        return !report.failed();
+        settling_ = true;
+        loop_.begin();
+        settling_ = false;
     }
 
-    bool take_step()
+    void read_settled(double time)
     {
-        const auto start = Clock::now();
-        const double dt = scene_.step_length(static_cast<long>(recorder_.tally().steps));
-        const StepReport report = step(world_, replay_ ? replay_->next(world_) : key_frames_.control(), dt);
-        interrupted_ = report.flags & StepStopped;
-        if (interrupted_) return true;
-        if (report.failed()) {
-            const std::string what = advice(report, false, scene_.integrator, world_.readings(0).energy_made);
-            failure_ = fmt::format("step {} ({:.6g} s): {}{}{}", recorder_.tally().steps + 1, world_.time(), what,
-                                   wall_was_far_ ? "; " : "", wall_was_far_ ? wall_advice : "");
-        } else {
-            wall_was_far_ = report.flags & StepWallFar;
-            const double seconds = seconds_since(start);
-            if (replay_) replay_->stepped(world_);
-            recorder_.gauge(world_);
-            world_.read(output_, recorder_.wants(world_));
-            recorder_.stepped(output_, report, seconds);
-            follow_task(dt);
-            const RunTally& tally = recorder_.tally();
-            if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(tally.steps),
-                                      {tally.on_wall.patch_force, tally.wall_move.value, tally.wall_stress.value});
-        }
-        return !report.failed();
+        world_.read(output_);
+        recorder_.gauge(world_);
+        if (scene_.integrator.scheme == Scheme::Static) output_.time = time;  // of the keys: that of the world stands still
+    }
+
+    void estimate_equilibrium()
+    {
+        const RunTally& tally = recorder_.tally();
+        recorder_.estimated(equilibrium_estimate(scene_, world_, recorder_.readings(), tally.hand_force_max, tally.friction_max,
+                                                 tally.on_wall.patch_force));
+    }
+
+    void begin_steps()
+    {
+        if (replay_) replay_->begin(scene_, world_);
+        else if (scene_.task.on) begin_task();
+        if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
+        const std::function<bool()> asked = [this] {
+            if (ending_) return seconds_since(*ending_) > estimate_patience;
+            progress_.show(recorder_, wall());
+            return stop_asked_for() != 0 || (!first_ && is_late());
+        };
+        world_.stop_when(asked);
+        if (twin_) twin_->stop_when(asked);
     }
 
     void begin_task()
@@ -193,13 +224,6 @@ private:
         if (replay_) score = replay_->score();
         else if (score_) score_->stepped(world_, 0, dt, false, false, score);
         recorder_.scored(score);
-    }
-
-    void save_now_and_then()
-    {
-        if (seconds_since(last_checkpoint_) < checkpoint_seconds) return;
-        recorder_.checkpoint(world_, RunStatus::Running, wall());
-        last_checkpoint_ = Clock::now();
     }
 
     RunOutcome stop(RunStatus status)
@@ -233,19 +257,20 @@ private:
     const RunOptions& options_;
     RepairReport vessel_;
     World world_;
-    KeyFrames key_frames_;
-    RunEnd end_;
     Recorder recorder_;
+    SceneRun loop_;
+    Progress progress_;
     std::optional<StepTwin> twin_;
     std::optional<ScoreWatch> score_;  // of [task], where no session is replayed
     Output output_;  // of the last step, as far as the recorder wants it
     double earlier_wall_;
     bool fresh_;
-    Clock::time_point loop_start_, last_checkpoint_;
+    bool first_ = true;      // no step has been taken by this call
+    bool settling_ = false;
+    Clock::time_point called_, loop_start_, last_checkpoint_, step_start_;
     std::optional<Clock::time_point> ending_;  // a signal or a limit has ended the run
     std::string failure_;
     bool wall_was_far_ = false;  // in the last step
-    bool interrupted_ = false;   // the last step, which changed nothing
 };
 
 }  // namespace

@@ -87,7 +87,7 @@ struct Change {
 
 class Contacts {
 public:
-    explicit Contacts(World& world) : contact_(dynamic_cast<const CapsuleContact*>(world.impl().contact.get())) {}
+    explicit Contacts(World& world) : contact_(dynamic_cast<const CapsuleContact*>(data_of(world).forces.contact.get())) {}
     void start() { base_.clear(), known_ = false; }
 
     Change look(bool take)
@@ -167,7 +167,7 @@ public:
     Recorder(World& world, bool look, int cut) : world_(world), contacts_(world), look_(look)
     {
         if (cut > 0) world.cut_when([this, cut] { return ++asked_ >= cut; });
-        world.impl().solver->watch([this](const NewtonTrial& trial) {
+        data_of(world).solver->watch([this](const NewtonTrial& trial) {
             ++step_.trials;
             if (look_) step_.seen.push_back({trial, contacts_.look(trial.end == NewtonTrial::End::Taken)});
         });

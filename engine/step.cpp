@@ -7,51 +7,51 @@
 
 namespace seldinger {
 
-StepReport step(World& world, const Control& control, double dt)
+StepReport step(World& given, const Control& control, double dt)
 {
-    World::Impl& state = world.impl();
-    check_request(state, control, dt);  // throws; nothing has changed then
+    WorldData& world = data_of(given);
+    check_request(world, control, dt);  // throws; nothing has changed then
     StepReport report;
-    clear_timers(state);
+    clear_timers(world);
 
-    take_control(state, control, dt);  // where each hub is to be, at every time of the step
-    begin_step(state);                 // what a failed attempt returns to
-    state.pending.begin(dt, everyone(state), feed_parts(state, dt, report));
-    while (const SubStep* sub = state.pending.next()) {  // one sub-step where all goes well
-        keep_start(world, *sub, dt);     // what a step that is stopped returns to
-        begin_sub_step(state, *sub);
-        feed_hubs(state, *sub);          // feed: advance and turn at the hub; the base edge grows
-        hold_and_load(state, *sub);      // holds, loads and links at the end of the sub-step
-        find_contacts(state);            // detect: what of the wall is near
-        solve(state, *sub);              // Newton: frames, forces and tangent of every trial; factor; step
-        accept(state, *sub, report);     // or put back, to go on in two halves
-        if (state.solver->stopped()) return put_back(state, report);
+    take_control(world, control, dt);  // where each hub is to be, at every time of the step
+    begin_step(world);                 // what a failed attempt returns to
+    world.work.pending.begin(dt, world.systems.running(), feed_parts(world, dt, report));
+    while (const SubStep* sub = world.work.pending.next()) {  // one sub-step where all goes well
+        keep_start(world, *sub);         // what a step that is stopped returns to
+        begin_sub_step(world, *sub);
+        feed_hubs(world, *sub);          // feed: advance and turn at the hub; the base edge grows
+        hold_and_load(world, *sub);      // holds, loads and links at the end of the sub-step
+        find_contacts(world);            // detect: what of the wall is near
+        solve(world, *sub);              // Newton: frames, forces and tangent of every trial; factor; step
+        accept(world, *sub, report);     // or put back, to go on in two halves
+        if (world.solver->stopped()) return put_back(world, report);
     }
-    carry_on(state);                 // what steps cut short have left to the next one
-    adapt_nodes(state, dt);          // adapt: split and merge edges
-    check_state(state, dt, report);  // check: non-finite values, points beyond the wall
-    show_groups(state);              // instruments that share a centreline, each by itself
+    carry_on(world);                 // what steps cut short have left to the next one
+    adapt_nodes(world, dt);          // adapt: split and merge edges
+    check_state(world, dt, report);  // check: non-finite values, points beyond the wall
+    show_groups(world);              // instruments that share a centreline, each by itself
 
-    state.steps++;
-    collect_timers(state, report);
+    world.state.steps++;
+    collect_timers(world, report);
     return report;
 }
 
 StepReport step(World& world, double dt) { return step(world, Control{}, dt); }
 
-StepReport settle(World& world, const std::function<void(int system, double time)>& passed)
+StepReport settle(World& given, const std::function<void(int system, double time)>& passed)
 {
-    World::Impl& state = world.impl();
+    WorldData& world = data_of(given);
     StepReport report;
-    clear_timers(state);
+    clear_timers(world);
 
-    take_control(state, Control{}, 0);
-    begin_step(state);
-    find_equilibrium(state, report, passed);
-    check_state(state, 0, report);
-    show_groups(state);
+    take_control(world, Control{}, 0);
+    begin_step(world);
+    find_equilibrium(world, report, passed);
+    check_state(world, 0, report);
+    show_groups(world);
 
-    collect_timers(state, report);
+    collect_timers(world, report);
     return report;
 }
 

@@ -280,7 +280,7 @@ unsigned Recorder::wants(const World& world) const
            (!yields_ ? Output::Numbers : due(next, scene_.record_every) ? Output::Wall : Output::WallUnder);
 }
 
-void Recorder::stepped(const Output& now, const StepReport& report, double seconds)
+void Recorder::stepped(const Output& now, const StepReport& report, double seconds, long rest_steps)
 {
     const Stopwatch watch(tally_.record);
     tally_.steps++;
@@ -288,8 +288,7 @@ void Recorder::stepped(const Output& now, const StepReport& report, double secon
     tally_.row_time += seconds;
     take_in(now, report, scene_.step_length(static_cast<long>(tally_.steps - 1)));
     take_greatest(now);
-    const bool at_rest = std::all_of(now.wires.begin(), now.wires.end(), [](const WireOutput& wire) { return wire.at_rest; });
-    tally_.rest_steps = at_rest ? tally_.rest_steps + 1 : 0;
+    tally_.rest_steps = rest_steps;
     if (due(tally_.steps, scene_.record_every)) write_row(now);
     if (due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
     if (due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);

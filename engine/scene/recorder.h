@@ -50,7 +50,8 @@ public:
     /// What the record of the step that the world has just taken needs, of Output::Parts.
     [[nodiscard]] unsigned wants(const World& world) const;
     /// After an accepted step. @param now  of the parts that were wanted  @param seconds  that the step took
-    void stepped(const Output& now, const StepReport& report, double seconds);
+    /// @param rest_steps  SceneRun::rest_steps, from which a saved run resumes
+    void stepped(const Output& now, const StepReport& report, double seconds, long rest_steps = 0);
 
     /// After a step, or where the task begins: what the task has come to.
     void scored(const ScoreNumbers& score) { tally_.score = score; }

@@ -384,23 +384,6 @@ void RunTally::note_read(unsigned flags)
     row_flags |= fresh & (StepWallFar | StepContactSums);
 }
 
-const char* status_word(RunStatus status)
-{
-    switch (status) {
-        case RunStatus::Running:
-            return "running";
-        case RunStatus::Done:
-            return "done";
-        case RunStatus::TimeLimit:
-            return "time-limit";
-        case RunStatus::Interrupted:
-            return "interrupted";
-        case RunStatus::Stopped:
-            return "stopped";
-    }
-    return "unknown";
-}
-
 std::string summary_json(const World& world, const RunTally& tally, const SummaryNotes& notes)
 {
     Json out;

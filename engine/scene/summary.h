@@ -5,7 +5,7 @@
 #include "math/end_mean.h"
 #include "scene/closed_ends.h"
 #include "scene/exits.h"
-#include "scene/scene.h"
+#include "scene/scene_run.h"
 #include "scene/score.h"
 #include "scene/step_twin.h"
 
@@ -19,10 +19,6 @@
 #include <vector>
 
 namespace seldinger {
-
-/// How a run ended, or where it stands.
-enum class RunStatus : std::int32_t { Running, Done, TimeLimit, Interrupted, Stopped };
-[[nodiscard]] const char* status_word(RunStatus status);  // "done", "time-limit", ...
 
 /// The most of what contacts along the wire came to (contact/force_per_length.h): forces over every step, places and extent over the
 /// rows of trace.csv.

@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "scene/key_frames.h"
-#include "scene/run_end.h"
+#include "scene/scene_run.h"
 #include "scene/scene.h"
 #include "wall/wall_model.h"
 #include "wall/wall_resolution.h"

@@ -119,34 +119,30 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
 }
 
 BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> runs, LoadedVessel vessel, int device)
-    : sweep_runs_(static_cast<std::int64_t>(source.sweep.run_count())), left_(runs.size())
+    : sweep_runs_(static_cast<std::int64_t>(source.sweep.run_count()))
 {
     std::vector<Scene> scenes;
     for (const std::size_t run : runs) {
         scenes.push_back(source.scene(run));
-        Run& own = runs_.emplace_back();
-        own.index = static_cast<std::int64_t>(run);
-        own.end = RunEnd(scenes.back());
+        runs_.emplace_back().index = static_cast<std::int64_t>(run);
     }
     scene_ = scenes.front();
-    key_frames_ = KeyFrames(scenes);
     std::vector<BoundaryLoop> openings = vessel.report.loops;
     WorldSetup setup = make_setup(scenes, std::move(vessel), device);
     find_wall_path(scenes, setup);
     world_ = std::make_unique<World>(std::move(setup));
+    loop_.emplace(*world_, scenes, static_cast<RunHooks*>(this));
     places_ = VesselPlaces(world_->setup().centreline, std::move(openings));
     if (scene_.task.on) score_.emplace(scene_, *world_, ScoreWatch::Patch::WhereItCounts);
 }
 
-void BatchWorld::finish(int system, RunStatus status, std::vector<BatchRow>& rows)
+void BatchWorld::ended(int system, RunStatus status)
 {
     Run& run = runs_[static_cast<std::size_t>(system)];
     if (status == RunStatus::Done) take_loads(system), take_wall(system, Output::Wall);
     keep_files(system);
-    rows.push_back(make_row(run.index, status, *world_, system, run.tally, places_));
-    run.finished = true;
+    rows_.push_back(make_row(run.index, status, *world_, system, run.tally, places_));
     world_->retire(system);
-    --left_;
 }
 
 /// A row of the kept trace.
@@ -223,79 +219,54 @@ void BatchWorld::follow_tips(int system)
     watch_exits(runs_[static_cast<std::size_t>(system)].tally.exits, tips_, places_.openings, world_->setup().mesh, world_->time(first));
 }
 
-void BatchWorld::follow_task(int system)
+void BatchWorld::settled(int system, const WireReport& report)
 {
-    if (score_) score_->stepped(*world_, system, scene_.step_length(world_->step_count() - 1), false, false, runs_[static_cast<std::size_t>(system)].tally.score);
+    runs_[static_cast<std::size_t>(system)].tally.take_in(joint_readings(*world_, system), report.flags, report.newton_iterations, 0);
+    take_loads(system);
+    keep_row(system);
 }
 
-void BatchWorld::settle_all(std::vector<BatchRow>& rows)
+bool BatchWorld::stepped(int system, const WireReport& report, double dt)
 {
-    settle_where_asked(rows);
+    RunTally& tally = runs_[static_cast<std::size_t>(system)].tally;
+    tally.steps++;
+    tally.rest_steps = loop_->rest_steps(system);
+    tally.take_in(joint_readings(*world_, system), report.flags, report.newton_iterations, dt);
+    follow_tips(system);
+    const bool has_row = tally.steps % scene_.record_every == 0;
+    if (has_row) take_loads(system), keep_row(system);
+    else take_greatest_loads(system);
+    take_wall(system, has_row ? Output::Wall : Output::WallUnder);
+    if (score_) score_->stepped(*world_, system, dt, false, false, tally.score);
+    return tally.score.reached;
+}
+
+void BatchWorld::begin()
+{
+    loop_->begin();
     for (int k = 0; score_ && k < world_->system_count(); ++k)
         score_->begin(*world_, k, runs_[static_cast<std::size_t>(k)].tally.score);
 }
 
-void BatchWorld::settle_where_asked(std::vector<BatchRow>& rows)
-{
-    settled_ = true;
-    if (!settles_first(scene_)) return;
-    (void)settle(*world_);
-    for (int k = 0; k < world_->system_count(); ++k) {
-        const WireReport own = joint_report(*world_, k);
-        if (!own.failed())
-            runs_[static_cast<std::size_t>(k)].tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, 0);
-        if (!own.failed()) take_loads(k), keep_row(k);
-        if (own.failed() || scene_.integrator.scheme == Scheme::Static)
-            finish(k, own.failed() ? RunStatus::Stopped : RunStatus::Done, rows);
-    }
-}
-
-bool BatchWorld::at_rest(int system) const
-{
-    const auto [first, end] = world_->wires_of(system);
-    bool all = true;
-    for (int w = first; w < end; ++w) all = all && world_->at_rest(w);
-    return all;
-}
-
 std::vector<BatchRow> BatchWorld::step()
 {
-    std::vector<BatchRow> rows;
-    if (!settled_) settle_all(rows);
-    if (finished()) return rows;
-    const StepReport report = seldinger::step(*world_, key_frames_.control(), scene_.step_length(world_->step_count()));
-    stages_ += report.times;
-    for (int k = 0; k < world_->system_count(); ++k) {
-        Run& run = runs_[static_cast<std::size_t>(k)];
-        if (run.finished) continue;
-        const WireReport own = joint_report(*world_, k);
-        if (own.failed()) {
-            finish(k, RunStatus::Stopped, rows);
-            continue;
-        }
-        run.tally.steps++;
-        run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations, scene_.step_length(static_cast<long>(run.tally.steps - 1)));
-        follow_tips(k);
-        const bool has_row = run.tally.steps % scene_.record_every == 0;
-        if (has_row) take_loads(k), keep_row(k);
-        else take_greatest_loads(k);
-        take_wall(k, has_row ? Output::Wall : Output::WallUnder);
-        follow_task(k);
-        if (scene_.until == Until::Rest) run.tally.rest_steps = at_rest(k) ? run.tally.rest_steps + 1 : 0;
-        if (run.end.is_over(static_cast<long>(run.tally.steps), static_cast<long>(run.tally.rest_steps), world_->time(world_->wires_of(k).first),
-                            run.tally.score.reached))
-            finish(k, RunStatus::Done, rows);
+    rows_.clear();
+    if (!loop_->begun()) begin();
+    if (!finished()) {
+        loop_->step();
+        stages_ += loop_->report().times;
     }
-    return rows;
+    return std::move(rows_);
 }
 
 void BatchWorld::save(std::vector<std::uint8_t>& bytes) const
 {
-    const std::uint8_t settled = settled_;
+    const std::uint8_t settled = loop_->begun();
     put_bytes(bytes, &settled, 1);
     for (const Run& run : runs_) {
         put_bytes(bytes, &run.tally, 1);
-        put_bytes(bytes, &run.finished, 1);
+        const std::uint8_t finished = !loop_->runs(static_cast<int>(&run - runs_.data()));
+        put_bytes(bytes, &finished, 1);
         const std::uint64_t length = run.trace.size();
         put_bytes(bytes, &length, 1);
         put_bytes(bytes, run.trace.data(), run.trace.size());
@@ -310,21 +281,19 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
 {
     std::uint8_t settled = 0;
     take_bytes(at, end, &settled, 1);
-    settled_ = settled;
-    left_ = 0;
     for (Run& run : runs_) {
         take_bytes(at, end, &run.tally, 1);
         std::uint8_t finished = 0;
         take_bytes(at, end, &finished, 1);
         if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
             throw Error(ExitCode::BadFile, "got a saved state with a counter out of range; expected one that this version wrote");
-        run.finished = finished != 0;
         std::uint64_t length = 0;
         take_bytes(at, end, &length, 1);
         if (length > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "the saved state is longer than the file");
         run.trace.resize(length);
         take_bytes(at, end, run.trace.data(), run.trace.size());
-        left_ += !run.finished;
+        if (finished) world_->retire(static_cast<int>(&run - runs_.data()));
+        if (settled) loop_->resume(static_cast<int>(&run - runs_.data()), static_cast<long>(run.tally.steps), static_cast<long>(run.tally.rest_steps), finished);
     }
     std::uint64_t size = 0;
     take_bytes(at, end, &size, 1);
@@ -332,8 +301,6 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
     std::vector<std::uint8_t> state(size);
     take_bytes(at, end, state.data(), state.size());
     world_->restore_state(state);
-    for (std::size_t k = 0; k < runs_.size(); ++k)
-        if (runs_[k].finished) world_->retire(static_cast<int>(k));
 }
 
 }  // namespace seldinger

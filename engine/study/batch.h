@@ -4,8 +4,7 @@
 // of the run alone.
 
 #include "core/bytes.h"
-#include "scene/key_frames.h"
-#include "scene/run_end.h"
+#include "scene/scene_run.h"
 #include "scene/vessel_load.h"
 #include "study/batch_keep.h"
 #include "study/batch_table.h"
@@ -56,7 +55,7 @@ inline constexpr std::size_t most_wires = 96;  // of a world; the records of mor
                                                                 bool ramp = false);
 
 /// One world of a batch and how its systems fare.
-class BatchWorld {
+class BatchWorld : RunHooks {
 public:
     BatchWorld(const BatchSource& source, std::span<const std::size_t> runs, LoadedVessel vessel, int device);
 
@@ -65,8 +64,8 @@ public:
     std::vector<BatchRow> step();
     /// Files of runs that have ended since the last call, where the scene keeps any.
     [[nodiscard]] KeptFiles take_kept() { return std::exchange(kept_, {}); }
-    [[nodiscard]] bool finished() const { return left_ == 0; }
-    [[nodiscard]] std::size_t running() const { return left_; }
+    [[nodiscard]] bool finished() const { return running() == 0; }
+    [[nodiscard]] std::size_t running() const { return static_cast<std::size_t>(loop_->running()); }
     [[nodiscard]] long step_count() const { return world_->step_count(); }
     [[nodiscard]] long steps_in_all() const { return scene_.steps(); }
     [[nodiscard]] const StageTimes& stages() const { return stages_; }  // sums since construction [s]
@@ -78,15 +77,13 @@ public:
 private:
     struct Run {
         std::int64_t index = 0;
-        RunEnd end;  // of its own scene
         RunTally tally;
-        bool finished = false;
         std::string trace;  // of output.keep_traces
     };
-    void finish(int system, RunStatus status, std::vector<BatchRow>& rows);
-    [[nodiscard]] bool at_rest(int system) const;
-    void settle_all(std::vector<BatchRow>& rows);
-    void settle_where_asked(std::vector<BatchRow>& rows);
+    void settled(int system, const WireReport& report) override;
+    bool stepped(int system, const WireReport& report, double dt) override;
+    void ended(int system, RunStatus status) override;
+    void begin();
     void take_loads(int system);
     void take_greatest_loads(int system);
     void take_wall(int system, unsigned parts);
@@ -94,19 +91,17 @@ private:
     void keep_files(int system);
 
     void follow_tips(int system);
-    void follow_task(int system);
 
     Scene scene_;            // of the first run: what they share
     std::vector<Run> runs_;  // in the order of the world's systems
-    KeyFrames key_frames_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
+    std::optional<SceneRun> loop_;
+    std::vector<BatchRow> rows_;  // of the systems that have ended in this step
     VesselPlaces places_;
     std::vector<Vec3> tips_;  // scratch of follow_tips
     std::int64_t sweep_runs_ = 0;  // later items are of half the step, and nothing is kept of them
     KeptFiles kept_;
     std::optional<ScoreWatch> score_;  // of [task]
-    std::size_t left_ = 0;  // runs not finished
-    bool settled_ = false;
     StageTimes stages_;
     Output loads_;  // contacts of the step
     std::vector<WireOutput> greatest_;  // scratch of take_greatest_loads

@@ -4,6 +4,7 @@
 
 #include "core/state_walk.h"
 #include "solve/solver.h"
+#include "world/world.h"
 
 #include <algorithm>
 
@@ -37,12 +38,11 @@ void carry(const ConstRodView& rod, const std::vector<CarriedImpulse>& left, dou
     }
 }
 
-void walk_carried(StateWalk& walk, std::vector<std::vector<CarriedImpulse>>& carried, std::span<const int> wires)
+void walk_carried(StateWalk& walk, std::span<WireState> states, std::span<const int> wires)
 {
-    const auto has = [&](int w) { return !carried[static_cast<std::size_t>(w)].empty(); };
-    const bool rows = walk.reads() ? walk.left() > 0 : std::any_of(wires.begin(), wires.end(), has);
+    const bool rows = walk.reads() ? walk.left() > 0 : std::ranges::any_of(wires, [&](int w) { return !states[w].carried.empty(); });
     for (const int w : wires) {
-        std::vector<CarriedImpulse>& of = carried[static_cast<std::size_t>(w)];
+        std::vector<CarriedImpulse>& of = states[w].carried;
         if (walk.reads()) of.clear();
         if (!rows) continue;
         walk.list<std::uint32_t>({"a force that is carried into the next step", "N s", "carry_on"}, of, most_carried);

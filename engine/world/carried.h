@@ -16,6 +16,7 @@ namespace seldinger {
 
 class Solver;
 class StateWalk;
+struct WireState;  // world/world.h
 
 struct CarriedImpulse {
     double s = 0;                    // rest length from the tip [m]
@@ -28,6 +29,6 @@ void add_left(const ConstRodView& rod, const Solver& solver, int wire, double h,
 void carry(const ConstRodView& rod, const std::vector<CarriedImpulse>& left, double dt, WireConstraints& constraints);
 
 /// Rows of the state, its last ones: none where no wire carries anything. @throws Error BadFile: impossible values
-void walk_carried(StateWalk& walk, std::vector<std::vector<CarriedImpulse>>& carried, std::span<const int> wires);
+void walk_carried(StateWalk& walk, std::span<WireState> states, std::span<const int> wires);
 
 }  // namespace seldinger

@@ -20,7 +20,7 @@
 //
 // Energy of splits and merges between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged separately.
 
-#include "engine.h"
+#include "model.h"
 #include "solve/energy_balance.h"
 #include "solve/force_term.h"
 
@@ -28,6 +28,9 @@
 #include <vector>
 
 namespace seldinger {
+
+class StateWalk;   // core/state_walk.h
+struct WorldData;  // world/world.h
 
 struct EnergyAudit {
     EnergyBalance balance;
@@ -57,13 +60,13 @@ struct EnergyAudit {
 [[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
 
 /// Before a sub-step: changes of the wire by splits and merges since the last one.
-void audit_remeshing(World::Impl& state, int wire);
+void audit_remeshing(WorldData& world, int wire);
 
 /// Before and after the feed has moved on by a sub-step.
 class FeedingAudit {
 public:
-    FeedingAudit(World::Impl& state, int wire);
-    void after(World::Impl& state);
+    FeedingAudit(WorldData& world, int wire);
+    void after(WorldData& world);
 
 private:
     int wire_;
@@ -73,11 +76,11 @@ private:
 
 /// The wire as it has been placed, touching nothing, or at rest in an equilibrium that was just found: its energies are counted
 /// from there.
-void begin_audit(World::Impl& state, int wire, bool placed);
+void begin_audit(WorldData& world, int wire, bool placed);
 /// At the end of a sub-step of h [s] that the solver has taken. @return false: the wire has more energy than was put in
-[[nodiscard]] bool energy_adds_up(World::Impl& state, int wire, double h);
+[[nodiscard]] bool energy_adds_up(WorldData& world, int wire, double h);
 /// The same has been accepted.
-void accept_energy(World::Impl& state, int wire, double h);
+void accept_energy(WorldData& world, int wire, double h);
 
 /// State from which a run resumes. Part of the saved state, but not of the hashed one: it affects no motion.
 void walk_audit(StateWalk& walk, EnergyAudit& audit);

@@ -2,8 +2,10 @@
 
 #include "world/merged.h"
 
+#include "contact/coaxial_friction.h"
 #include "rod/coaxial_nodes.h"
 #include "rod/place.h"
+#include "solve/line_holds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,73 +38,73 @@ int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec)
 
 namespace {
 
-const WireSpec& spec_of(const World::Impl& state, const MergedGroup& group, int k)
+const WireSpec& spec_of(const WorldData& world, const MergedGroup& group, int k)
 {
-    return state.setup.wires[group.wires()[k]].wire;
+    return world.setup.wires[group.wires()[k]].wire;
 }
 
-int ahead_of_all(const World::Impl& state, const MergedGroup& group)
+int ahead_of_all(const WorldData& world, const MergedGroup& group)
 {
     int first = group.leader;
     for (int k = 0; k < group.shared.count(); ++k)
-        if (state.feeds[group.wires()[k]].advance > state.feeds[group.wires()[first]].advance) first = k;
+        if (world.feed(group.wires()[k]).advance > world.feed(group.wires()[first]).advance) first = k;
     return first;
 }
 
 /// The leader's tip is where the line's is; the others have been fed as far as they are beyond the hub.
-double offset_of(World::Impl& state, const MergedGroup& group, int k)
+double offset_of(WorldData& world, const MergedGroup& group, int k)
 {
-    const double advance = state.feeds[group.wires()[k]].advance;
+    const double advance = world.feed(group.wires()[k]).advance;
     if (!group.feed.inside || k == group.leader) return advance - group.feed.advance;
-    const RodView line = state.rods.view(group.line());
+    const RodView line = world.rod(group.line());
     return advance - line.material_s[line.n - 1];
 }
 
-void set_offsets(World::Impl& state, MergedGroup& group)
+void set_offsets(WorldData& world, MergedGroup& group)
 {
     for (int k = 0; k < group.shared.count(); ++k)
-        group.shared.rod.instrument[k] = {&spec_of(state, group, k), offset_of(state, group, k)};
+        group.shared.rod.instrument[k] = {&spec_of(world, group, k), offset_of(world, group, k)};
 }
 
 /// Angles at the clamps, or of the hands that hold the lengths behind them.
-void set_angles(World::Impl& state, MergedGroup& group)
+void set_angles(WorldData& world, MergedGroup& group)
 {
     for (int k = 0; k < group.shared.count(); ++k) {
         const int w = group.wires()[k];
-        const FeedSpec& from = state.setup.wires[w].feed;
-        group.shared.clamp[k] = group.shared.base.hand[k] = -state.feeds[w].turn;
-        const double behind = from.behind > 0 ? from.behind - (state.feeds[w].advance - from.advance) : 0.0;
-        group.shared.base.behind[k] = std::max(behind, 0.0) / spec_of(state, group, k).shaft.twist_stiffness;
+        const FeedSpec& from = world.setup.wires[w].feed;
+        group.shared.clamp[k] = group.shared.base.hand[k] = -world.feed(w).turn;
+        const double behind = from.behind > 0 ? from.behind - (world.feed(w).advance - from.advance) : 0.0;
+        group.shared.base.behind[k] = std::max(behind, 0.0) / spec_of(world, group, k).shaft.twist_stiffness;
     }
 }
 
-void set_inside(World::Impl& state, const MergedGroup& group)
+void set_inside(WorldData& world, const MergedGroup& group)
 {
-    for (const int w : group.wires()) state.feeds[w].inside = group.feed.inside;
+    for (const int w : group.wires()) world.feed(w).inside = group.feed.inside;
 }
 
 /// Passengers as long as the line; angles of all as the hubs are turned. @param rate  of each [rad/s]
-void level(World::Impl& state, MergedGroup& group, std::span<const double> angle, std::span<const double> rate)
+void level(WorldData& world, MergedGroup& group, std::span<const double> angle, std::span<const double> rate)
 {
     for (std::size_t k = 0; k < group.wires().size(); ++k) {
-        state.rods.set_node_count(group.wires()[k], state.rods.node_count(group.line()));
-        state.rods.set_curvature(group.wires()[k], spec_of(state, group, 0).curvature);
-        const RodView own = state.rods.view(group.wires()[k]);
+        world.state.rods.set_node_count(group.wires()[k], world.state.rods.node_count(group.line()));
+        world.state.rods.set_curvature(group.wires()[k], spec_of(world, group, 0).curvature);
+        const RodView own = world.rod(group.wires()[k]);
         std::ranges::fill(own.theta, angle[k]);
         std::ranges::fill(own.spin_rate, rate[k]);
         std::ranges::fill(own.spin_acc, 0.0);
     }
-    follow_line(state.rods, group.wires());
+    follow_line(world.state.rods, group.wires());
 }
 
 /// Angles of an instrument that is still outside follow its hub.
-void level_absent(World::Impl& state, MergedGroup& group)
+void level_absent(WorldData& world, MergedGroup& group)
 {
-    const RodView line = state.rods.view(group.line());
+    const RodView line = world.rod(group.line());
     const int hub = line.n - 1;
     for (int k = 0; k < group.shared.count(); ++k) {
         if (!coaxial_idle(group.shared.rod, hub, k) || !coaxial_idle(group.shared.rod, hub - 1, k)) continue;
-        const RodView own = state.rods.view(group.wires()[k]);
+        const RodView own = world.rod(group.wires()[k]);
         own.theta[hub] = group.shared.clamp[k];
         own.theta[hub - 1] = own.theta[hub] + line.clamp_twist_a[hub];
         for (int j = hub - 2; j >= 0; --j) own.theta[j] = own.theta[j + 1] + line.ref_twist[j + 1];
@@ -112,11 +114,11 @@ void level_absent(World::Impl& state, MergedGroup& group)
 
 }  // namespace
 
-double elastic_now(World::Impl& state, MergedGroup& group)
+double elastic_now(WorldData& world, MergedGroup& group)
 {
-    const RodView line = state.rods.view(group.line());
+    const RodView line = world.rod(group.line());
     CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = state.rods.view(group.wires()[k]).theta;
+    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = world.rod(group.wires()[k]).theta;
     RodFrames& frames = group.frames;
     const bool usable = update_coaxial(group.shared.rod, line, now, group.shared.base, frames);
     const double energy = usable ? coaxial_energy(group.shared.rod, line, now, group.shared.base, frames) : 0.0;
@@ -137,41 +139,41 @@ void slide_faster(const RodView& line, double speed, const Vec3& inwards)
 }
 
 /// How fast a hub goes in the sub-step of h that is to come [m/s].
-double hub_speed(const World::Impl& state, int wire, double h)
+double hub_speed(const WorldData& world, int wire, double h)
 {
-    const HubPath path = state.hub_requests[wire].path();
-    const double now = state.wire_time[wire];
+    const HubPath path = world.work.wires[wire].hub.path();
+    const double now = world.state.wires[wire].time;
     return (path.at(now + h).advance - path.at(now).advance) / h;
 }
 
 /// Another instrument has got ahead: the line continues straight to its tip, and counts from there. The stretch is that
 /// instrument's material now and has its speed. At the speed of the old leader, a push of the hands would stop all of it within
 /// the sub-step of h.
-void change_leader(World::Impl& state, MergedGroup& group, int leader, double h)
+void change_leader(WorldData& world, MergedGroup& group, int leader, double h)
 {
     const int next = group.wires()[leader], last = group.wires()[group.leader];
-    if (state.setup.integrator.scheme != Scheme::Static)
-        slide_faster(state.rods.view(group.line()), hub_speed(state, next, h) - hub_speed(state, last, h), group.feed.direction);
-    const RodView line = state.rods.view(group.line());
-    const double before = elastic_now(state, group);
-    const double longer = state.feeds[next].advance - line.material_s[line.n - 1];
+    if (world.setup.integrator.scheme != Scheme::Static)
+        slide_faster(world.rod(group.line()), hub_speed(world, next, h) - hub_speed(world, last, h), group.feed.direction);
+    const RodView line = world.rod(group.line());
+    const double before = elastic_now(world, group);
+    const double longer = world.feed(next).advance - line.material_s[line.n - 1];
     const Vec3 forwards = (line.pos(0) - line.pos(1)).normalized();
     line.set_pos(0, line.pos(0) + longer * forwards);
     for (int i = 1; i < line.n; ++i) line.material_s[i] += longer;
     group.leader = leader;
-    group.feed.advance = state.feeds[next].advance;
+    group.feed.advance = world.feed(next).advance;
     group.feed.surplus = group.feed.surplus_rate = 0;
-    set_offsets(state, group);
-    prepare_group(state.rods, group.wires(), group.shared.rod);
-    follow_line(state.rods, group.wires());
-    state.remesh_energy[group.line()] += elastic_now(state, group) - before;
+    set_offsets(world, group);
+    prepare_group(world.state.rods, group.wires(), group.shared.rod);
+    follow_line(world.state.rods, group.wires());
+    world.state.wires[group.line()].remesh_energy += elastic_now(world, group) - before;
 }
 
 /// Energy carried in by new material, and the hands' work to lift it.
-void count_material(World::Impl& state, MergedGroup& group)
+void count_material(WorldData& world, MergedGroup& group)
 {
-    const RodView line = state.rods.view(group.line());
-    const Vec3 g = state.setup.gravity, hub = group.feed.point;
+    const RodView line = world.rod(group.line());
+    const Vec3 g = world.setup.gravity, hub = group.feed.point;
     group.carried = group.weight_work = 0;
     for (int i = 0; i < line.n; ++i) {
         const double more = line.mass[i] - group.mass[i];
@@ -179,7 +181,7 @@ void count_material(World::Impl& state, MergedGroup& group)
         group.weight_work -= more * g.dot(line.pos(i) - hub);
     }
     for (int k = 0; k < group.shared.count(); ++k) {
-        const RodView own = state.rods.view(group.wires()[k]);
+        const RodView own = world.rod(group.wires()[k]);
         for (int j = 0; j < line.n - 1; ++j) {
             const double rate = own.spin_rate[j];
             group.carried += 0.5 * (own.spin_inertia[j] - group.inertia[k][j]) * rate * rate;
@@ -189,10 +191,10 @@ void count_material(World::Impl& state, MergedGroup& group)
 
 }  // namespace
 
-void place_group(World::Impl& state, MergedGroup& group)
+void place_group(WorldData& world, MergedGroup& group)
 {
-    const WorldSetup& setup = state.setup;
-    const int line = group.line(), count = group.shared.count(), capacity = state.rods.capacity(line);
+    const WorldSetup& setup = world.setup;
+    const int line = group.line(), count = group.shared.count(), capacity = world.state.rods.capacity(line);
     group.shared.rod = CoaxialRod(capacity, count);
     group.mass.resize(capacity);
     group.frames = RodFrames(capacity);
@@ -202,87 +204,87 @@ void place_group(World::Impl& state, MergedGroup& group)
     std::array<double, most_coaxial> angle{}, still{};
     for (int k = 0; k < count; ++k) {
         const FeedSpec& from = setup.wires[group.wires()[k]].feed;
-        FeedState& feed = state.feeds[group.wires()[k]];
+        FeedState& feed = world.feed(group.wires()[k]);
         feed.on = 1;
         feed.advance = from.advance;
         feed.turn = from.turn;
         feed.edge = group.feed.edge;
         angle[k] = -from.turn;
     }
-    group.leader = ahead_of_all(state, group);
+    group.leader = ahead_of_all(world, group);
     FeedSpec spec = setup.wires[line].feed;
-    spec.advance = state.feeds[group.wires()[group.leader]].advance;
+    spec.advance = world.feed(group.wires()[group.leader]).advance;
     spec.turn = 0;
-    start_feed(group.feed, spec, spec_of(state, group, group.leader), state.rods, line);
+    start_feed(group.feed, spec, spec_of(world, group, group.leader), world.state.rods, line);
     for (const int w : group.wires()) {
-        state.feeds[w].point = group.feed.point;
-        state.feeds[w].direction = group.feed.direction;
-        state.feeds[w].director = group.feed.director;
+        world.feed(w).point = group.feed.point;
+        world.feed(w).direction = group.feed.direction;
+        world.feed(w).director = group.feed.director;
     }
     group.shared.base.tangent = -group.feed.direction;
     group.shared.base.director = group.feed.director;
-    level(state, group, angle, still);
-    set_inside(state, group);
-    refresh_group(state, group);
+    level(world, group, angle, still);
+    set_inside(world, group);
+    refresh_group(world, group);
 }
 
-void refresh_group(World::Impl& state, MergedGroup& group)
+void refresh_group(WorldData& world, MergedGroup& group)
 {
-    set_offsets(state, group);
-    set_angles(state, group);
-    prepare_group(state.rods, group.wires(), group.shared.rod);
+    set_offsets(world, group);
+    set_angles(world, group);
+    prepare_group(world.state.rods, group.wires(), group.shared.rod);
 }
 
-void feed_group(World::Impl& state, MergedGroup& group, double step, double h)
+void feed_group(WorldData& world, MergedGroup& group, double step, double h)
 {
     std::array<double, most_coaxial> angle{}, rate{}, offset{};
     const int count = group.shared.count();
     for (int k = 0; k < count; ++k) {
         const int w = group.wires()[k];
-        FeedState& feed = state.feeds[w];
-        const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + step);
+        FeedState& feed = world.feed(w);
+        const FeedKey end = world.work.wires[w].hub.path().at(world.state.wires[w].time + step);
         angle[k] = -feed.turn;
         group.turned[k] = feed.turn - end.turn;
         rate[k] = group.turned[k] / h;
-        offset[k] = offset_of(state, group, k);
+        offset[k] = offset_of(world, group, k);
         feed.speed = (end.advance - feed.advance) / h;
         feed.grown = end.advance - feed.advance;
         feed.advance = end.advance;
         feed.turn = end.turn;
     }
-    const RodView before = state.rods.view(group.line());
+    const RodView before = world.rod(group.line());
     std::ranges::copy(before.mass, group.mass.begin());
-    for (int k = 0; k < count; ++k) std::ranges::copy(state.rods.view(group.wires()[k]).spin_inertia, group.inertia[k].begin());
+    for (int k = 0; k < count; ++k) std::ranges::copy(world.rod(group.wires()[k]).spin_inertia, group.inertia[k].begin());
     const int leader = group.wires()[group.leader];
     const bool was_inside = group.feed.inside;
-    feed_to(group.feed, {0, state.feeds[leader].advance, 0}, spec_of(state, group, group.leader), state.rods, group.line(), h);
-    if (!was_inside || !group.feed.inside) level(state, group, angle, rate);
-    set_inside(state, group);
-    set_offsets(state, group);
-    set_angles(state, group);
+    feed_to(group.feed, {0, world.feed(leader).advance, 0}, spec_of(world, group, group.leader), world.state.rods, group.line(), h);
+    if (!was_inside || !group.feed.inside) level(world, group, angle, rate);
+    set_inside(world, group);
+    set_offsets(world, group);
+    set_angles(world, group);
     for (int k = 0; k < count; ++k) {
         group.slid[k] = group.shared.rod.instrument[k].offset - offset[k];
-        group.shared.fed[k] = state.feeds[group.wires()[k]].grown;
+        group.shared.fed[k] = world.feed(group.wires()[k]).grown;
     }
-    prepare_group(state.rods, group.wires(), group.shared.rod);
-    level_absent(state, group);
-    EnergyAudit& audit = state.audits[group.line()];
+    prepare_group(world.state.rods, group.wires(), group.shared.rod);
+    level_absent(world, group);
+    EnergyAudit& audit = world.audit(group.line());
     if (!was_inside || !group.feed.inside) {
         audit.known = false;
         return;
     }
-    count_material(state, group);
+    count_material(world, group);
     audit.fed.carried += group.carried;
-    const RodView line = state.rods.view(group.line());
+    const RodView line = world.rod(group.line());
     // as FeedingAudit::after() has it for a wire
-    const bool at_ends = state.setup.integrator.newmark;
+    const bool at_ends = world.setup.integrator.newmark;
     const double moved =
         at_ends ? std::accumulate(line.mass.begin(), line.mass.begin() + line.n, 0.0) : 0.5 * line.mass[line.n - 1];
     const double speed = group.feed.speed;
     audit.fed.unseen = speed == audit.speed ? 0 : moved * std::abs(speed * speed - audit.speed * audit.speed);
 }
 
-double lead_change_after(const World::Impl& state, const MergedGroup& group, double dt)
+double lead_change_after(const WorldData& world, const MergedGroup& group, double dt)
 {
     if (!group.feed.inside) return 0;
     constexpr double least_share = 0.01;          // of the step; what is gained in so much of it may be continued straight
@@ -292,7 +294,7 @@ double lead_change_after(const World::Impl& state, const MergedGroup& group, dou
         double others = -INFINITY, leader = 0;
         for (int k = 0; k < group.shared.count(); ++k) {
             const int w = group.wires()[k];
-            const double advance = state.hub_requests[w].path().at(state.wire_time[w] + after).advance;
+            const double advance = world.work.wires[w].hub.path().at(world.state.wires[w].time + after).advance;
             if (k == group.leader) leader = advance + std::max(group.feed.surplus, 0.0);
             else others = std::max(others, advance);
         }
@@ -307,31 +309,84 @@ double lead_change_after(const World::Impl& state, const MergedGroup& group, dou
     return after > (1 - least_share) * dt ? 0 : std::max(after, least_share * dt);
 }
 
-void lead_group(World::Impl& state, MergedGroup& group, double h)
+void lead_group(WorldData& world, MergedGroup& group, double h)
 {
     if (!group.feed.inside) {  // a rigid piece in the introducer: its tip is the leader's
-        group.leader = ahead_of_all(state, group);
-        group.feed.advance = state.feeds[group.wires()[group.leader]].advance;
+        group.leader = ahead_of_all(world, group);
+        group.feed.advance = world.feed(group.wires()[group.leader]).advance;
         return;
     }
-    const int leader = ahead_of_all(state, group);
-    const RodView line = state.rods.view(group.line());
-    if (leader != group.leader && state.feeds[group.wires()[leader]].advance > line.material_s[line.n - 1])
-        change_leader(state, group, leader, h);
+    const int leader = ahead_of_all(world, group);
+    const RodView line = world.rod(group.line());
+    if (leader != group.leader && world.feed(group.wires()[leader]).advance > line.material_s[line.n - 1])
+        change_leader(world, group, leader, h);
 }
 
-void set_exposures(World::Impl& state)
+void set_exposures(WorldData& world)
 {
-    if (!state.contact) return;
-    for (const auto& group : state.merged) {
+    if (!world.forces.contact) return;
+    for (const auto& group : world.groups.list) {
         double farthest = -INFINITY;  // of those around
         for (int k = 0; k < group->shared.count(); ++k) {
             const int w = group->wires()[k];
-            const double advance = state.feeds[w].advance, out = k == 0 ? INFINITY : advance - farthest;
-            state.contact->set_exposure(w, offset_of(state, *group, k), out > 0 ? out : -1.0);
+            const double advance = world.feed(w).advance, out = k == 0 ? INFINITY : advance - farthest;
+            world.forces.contact->set_exposure(w, offset_of(world, *group, k), out > 0 ? out : -1.0);
             farthest = std::max(farthest, advance);
         }
     }
+}
+
+void make_groups(WorldData& world)
+{
+    MergedGroups& groups = world.groups;
+    groups.place.assign(world.setup.wires.size(), -1);
+    groups.line.assign(world.setup.wires.size(), -1);
+    for (const CoaxialSpec& spec : world.setup.coaxial) {
+        if (spec.model != CoaxialSpec::Model::Merged) continue;
+        MergedGroup& group = *groups.list.emplace_back(std::make_unique<MergedGroup>());
+        group.shared.wires = spec.order;
+        group.feed.edge = merged_edge(world.setup, spec);
+        group.nodes = merged_nodes(world.setup, spec);
+        for (const int w : spec.order) {
+            groups.place[w] = static_cast<int>(groups.list.size()) - 1;
+            groups.line[w] = group.line();
+        }
+        NodeAdapter& adapter = world.adapter(group.line());
+        adapter.on = group.adapts();
+        if (adapter.on) adapter.planner = NodePlanner(group.nodes, world.state.rods.capacity(group.line()));
+        place_group(world, group);
+    }
+    if (groups.list.empty()) return;
+    groups.shown = std::make_unique<RodArrays>(world.state.rods);
+    groups.shown_from.assign(world.setup.wires.size(), 0);
+}
+
+void make_group_friction(WorldData& world)
+{
+    WorldForces& forces = world.forces;
+    for (const auto& group : world.groups.list) {
+        const CoaxialSpec& spec = *merged_spec_of(world.setup, group->line());
+        const double pressed = spec.lumen_friction ? 1 : 0;
+        const CoaxialFrictionSpec friction{spec.drag, spec.viscous, pressed * spec.mu_static, pressed * spec.mu_sliding};
+        if (!friction.any()) continue;
+        if (!forces.coaxial_friction) forces.coaxial_friction = std::make_unique<CoaxialFriction>(world.state.rods);
+        forces.coaxial_friction->add(group->shared, friction, group->adapts() ? group->nodes.min_edge : group->feed.edge);
+    }
+    if (forces.coaxial_friction) forces.terms.add(*forces.coaxial_friction);
+}
+
+void make_line_holds(WorldData& world)
+{
+    WorldForces& forces = world.forces;
+    for (const auto& group : world.groups.list) {
+        std::vector<int> held;
+        for (const int w : group->wires()) held.push_back(static_cast<int>(world.setup.wires[w].holds.size()));
+        if (std::ranges::all_of(held, [](int count) { return count == 0; })) continue;
+        take_holds(world, *group);
+        if (!forces.line_holds) forces.line_holds = std::make_unique<LineHolds>(world.state.rods, world.work.constraints);
+        forces.line_holds->add(group->shared, held);
+    }
+    if (forces.line_holds) forces.terms.add(*forces.line_holds);
 }
 
 }  // namespace seldinger

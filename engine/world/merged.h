@@ -66,36 +66,41 @@ void check_merged(const WorldSetup& setup);
 /// The merged group that a wire is in, or null.
 [[nodiscard]] const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire);
 
+/// The groups of the setup, with their lines placed.
+void make_groups(WorldData& world);
+/// Force terms of the groups that ask for friction between their instruments, and of those with holds.
+void make_group_friction(WorldData& world);
+void make_line_holds(WorldData& world);
 /// Into the introducer, with as much inside as the feeds say.
-void place_group(World::Impl& state, MergedGroup& group);
+void place_group(WorldData& world, MergedGroup& group);
 /// Before a sub-step of h [s]: whoever is in farthest leads.
-void lead_group(World::Impl& state, MergedGroup& group, double h);
+void lead_group(WorldData& world, MergedGroup& group, double h);
 /// How long it takes from now until another instrument gets ahead of the leader; 0: not within dt, or so near one of its ends that
 /// the step need not be cut there [s].
-[[nodiscard]] double lead_change_after(const World::Impl& state, const MergedGroup& group, double dt);
+[[nodiscard]] double lead_change_after(const WorldData& world, const MergedGroup& group, double dt);
 /// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
-void feed_group(World::Impl& state, MergedGroup& group, double step, double h);
+void feed_group(WorldData& world, MergedGroup& group, double step, double h);
 /// Constraints: the line gets its hold at the hub and the loads and links of all instruments in the group at time t; each
 /// instrument gets its own holds.
-void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t);
+void constrain_member(WorldData& world, const MergedGroup& group, int wire, double t);
 /// What its instruments' holds keep, of the line as placed. @throws Error BadScene: they cannot be held there
-void take_holds(World::Impl& state, MergedGroup& group);
+void take_holds(WorldData& world, MergedGroup& group);
 /// Force of loads, links and holds on an instrument along the line, + towards the tip [N].
-[[nodiscard]] double axial_load(World::Impl& state, const MergedGroup& group, int k);
+[[nodiscard]] double axial_load(WorldData& world, const MergedGroup& group, int k);
 /// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
-bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge);
+bool adapt_group(WorldData& world, MergedGroup& group, double dt, bool may_merge);
 /// Elastic energy of the accepted state [J].
-[[nodiscard]] double elastic_now(World::Impl& state, MergedGroup& group);
+[[nodiscard]] double elastic_now(WorldData& world, MergedGroup& group);
 /// After arrays and feeds have been put back: offsets, angles and integrals.
-void refresh_group(World::Impl& state, MergedGroup& group);
+void refresh_group(WorldData& world, MergedGroup& group);
 /// What the nodes of the line are judged by at the accepted state: moments, torques and contact of all instruments of the group, which has to
 /// be inside. Valid until the next call.
-[[nodiscard]] NodeDemands group_demands(World::Impl& state, MergedGroup& group);
+[[nodiscard]] NodeDemands group_demands(WorldData& world, MergedGroup& group);
 /// Where the instruments lie in the line now, for contact.
-void set_exposures(World::Impl& state);
+void set_exposures(WorldData& world);
 
 /// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
-void read_hands(World::Impl& state, MergedGroup& group);
+void read_hands(WorldData& world, MergedGroup& group);
 /// Forces by which a group's hands do work [N], [N m]. First dE/dL; then for each instrument dE/do, the forces along the line of
 /// its surroundings, of friction and of the twisted length behind the inlet, and its torque.
 struct MergedForces {
@@ -104,17 +109,17 @@ struct MergedForces {
     std::size_t count;
     std::array<double, 1 + each * most_coaxial> value{};
 };
-[[nodiscard]] MergedForces merged_forces(World::Impl& state, const MergedGroup& group);
+[[nodiscard]] MergedForces merged_forces(WorldData& world, const MergedGroup& group);
 /// Elastic work of the feed in the last sub-step, and that of hands in all; of turning, by such forces [J].
 struct MergedWork {
     double feed = 0, hand = 0, turning = 0;
 };
-[[nodiscard]] MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const MergedForces& forces);
+[[nodiscard]] MergedWork merged_work(const WorldData& world, const MergedGroup& group, const MergedForces& forces);
 
 /// Each instrument alone, from its own tip to the hub: the view of World::rod(). After a step, and where the state was put
 /// back.
-void show_groups(World::Impl& state);
+void show_groups(WorldData& world);
 /// The wall's force on the nodes that show_groups() made.
-[[nodiscard]] std::vector<Vec3> shown_contact_force(const World::Impl& state, int wire);
+[[nodiscard]] std::vector<Vec3> shown_contact_force(const WorldData& world, int wire);
 
 }  // namespace seldinger

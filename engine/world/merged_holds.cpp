@@ -52,19 +52,19 @@ void refuse_both(const Taken& a, const Taken& b)
 
 }  // namespace
 
-void take_holds(World::Impl& state, MergedGroup& group)
+void take_holds(WorldData& world, MergedGroup& group)
 {
-    const RodView line = state.rods.view(group.line());
+    const RodView line = world.rod(group.line());
     std::vector<Taken> taken;
     for (int k = 0; k < group.shared.count(); ++k) {
         const int w = group.wires()[k];
-        const std::vector<HoldSpec>& specs = state.setup.wires[w].holds;
+        const std::vector<HoldSpec>& specs = world.setup.wires[w].holds;
         if (!specs.empty() && !group.feed.inside)
             throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds: got a wire that is outside at the start; expected the held point inside. Fix: feed "
                                                         "some of it in (feed.advance)",
                                                         w));
         const double offset = group.shared.rod.instrument[k].offset;
-        state.holds[w].take_line_holds(specs, state.rods.view(w), offset);
+        world.holds[w].take_line_holds(specs, world.rod(w), offset);
         for (std::size_t h = 0; h < specs.size(); ++h) {
             const double from_tip = specs[h].at.kind == WirePoint::Kind::Tip ? 0.0 : specs[h].at.from_tip;
             const Taken now{w, static_cast<int>(h), nearest_line_node(line, from_tip - offset), &specs[h]};
@@ -74,31 +74,31 @@ void take_holds(World::Impl& state, MergedGroup& group)
     }
 }
 
-void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t)
+void constrain_member(WorldData& world, const MergedGroup& group, int wire, double t)
 {
-    WireConstraints& out = state.constraints[wire];
+    WireConstraints& out = world.constraints(wire);
     out.clear();
-    const RodView line = state.rods.view(group.line());
+    const RodView line = world.rod(group.line());
     for (int k = 0; k < group.shared.count(); ++k)
         if (group.wires()[k] == wire && group.feed.inside)
-            state.holds[wire].add_line_holds(t, line, group.shared.rod.instrument[k].offset, out);
+            world.holds[wire].add_line_holds(t, line, group.shared.rod.instrument[k].offset, out);
     if (wire != group.line()) return;
     hold_at_hub(group, line, out);
     for (int k = 0; k < group.shared.count(); ++k)
-        state.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
+        world.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
 }
 
-double axial_load(World::Impl& state, const MergedGroup& group, int k)
+double axial_load(WorldData& world, const MergedGroup& group, int k)
 {
-    const WireConstraints& constraints = state.constraints[group.line()];
-    const RodView line = state.rods.view(group.line());
+    const WireConstraints& constraints = world.constraints(group.line());
+    const RodView line = world.rod(group.line());
     const auto forwards = [&](int edge) { return (line.pos(edge) - line.pos(edge + 1)).normalized(); };
     double force = 0;
     for (const auto& load : constraints.loads)
         if (load.member == k) force += load.force.dot(forwards(load.edge));
     for (const auto& spring : constraints.springs)
         if (spring.member == k) force += spring.pull(line).dot(forwards(spring.edge));
-    if (state.line_holds) force += state.line_holds->along(group.wires()[k]);
+    if (world.forces.line_holds) force += world.forces.line_holds->along(group.wires()[k]);
     return force;
 }
 

@@ -32,76 +32,76 @@ namespace {
 
 /// Carries a change of the nodes out. @param change  carries `what` out, of the nodes that it is called with
 template <class Change>
-void change_nodes(World::Impl& state, MergedGroup& group, const NodeChange& what, Change change)
+void change_nodes(WorldData& world, MergedGroup& group, const NodeChange& what, Change change)
 {
-    const int line = group.line(), n = state.rods.node_count(line);
-    refresh_group(state, group);
-    const double before = elastic_now(state, group);
-    change(CoaxialNodes(state.rods, group.wires(), group.shared.rod, group.shared.base));
-    refresh_group(state, group);
-    state.remesh_energy[line] += elastic_now(state, group) - before;
-    for (const int w : group.wires()) renumber_forces(state.results[w].nodal_contact, n, what);
+    const int line = group.line(), n = world.state.rods.node_count(line);
+    refresh_group(world, group);
+    const double before = elastic_now(world, group);
+    change(CoaxialNodes(world.state.rods, group.wires(), group.shared.rod, group.shared.base));
+    refresh_group(world, group);
+    world.state.wires[line].remesh_energy += elastic_now(world, group) - before;
+    for (const int w : group.wires()) renumber_forces(world.output.results[w].nodal_contact, n, what);
 }
 
 /// As where_clear() of step_nodes.cpp, for a group. @return whether the change stands
 template <class Change>
-bool where_clear(World::Impl& state, MergedGroup& group, Change change)
+bool where_clear(WorldData& world, MergedGroup& group, Change change)
 {
-    if (!state.terms.traits().never_overlaps) return change(), true;
+    if (!world.forces.terms.traits().never_overlaps) return change(), true;
     std::vector<std::vector<Vec3>> forces;
     for (const int w : group.wires()) {
-        state.keep_wire(w);
-        forces.push_back(state.results[w].nodal_contact);
+        keep_wire(world, w);
+        forces.push_back(world.output.results[w].nodal_contact);
     }
     change();
-    set_exposures(state);
-    if (std::ranges::all_of(group.wires(), [&](int w) { return state.is_clear(w); })) return true;
+    set_exposures(world);
+    if (std::ranges::all_of(group.wires(), [&](int w) { return world.forces.is_clear(world.state.rods, w); })) return true;
     for (std::size_t k = 0; k < forces.size(); ++k) {
-        state.put_back_wire(group.wires()[k]);
-        state.results[group.wires()[k]].nodal_contact = forces[k];
+        put_back_wire(world, group.wires()[k]);
+        world.output.results[group.wires()[k]].nodal_contact = forces[k];
     }
-    refresh_group(state, group);
+    refresh_group(world, group);
     return false;
 }
 
 /// A birth or a merge at the hub, where the base edge has left its limits for edges that become `whole` [m].
-bool adapt_base(World::Impl& state, MergedGroup& group, double whole, double dt)
+bool adapt_base(WorldData& world, MergedGroup& group, double whole, double dt)
 {
     const int leader = group.wires()[group.leader], line = group.line();
-    const HubPath hub = state.hub_requests[leader].path();
-    const double t = state.wire_time[leader], next = std::isfinite(dt) ? t + dt : t;
+    const HubPath hub = world.work.wires[leader].hub.path();
+    const double t = world.state.wires[leader].time, next = std::isfinite(dt) ? t + dt : t;
     const BaseEdge limits = base_edge_limits(whole, hub.travel(t, next, +1), hub.travel(t, next, -1));
-    const RodView rod = state.rods.view(line);
-    const BaseChange change = base_change(rod, limits, state.rods.capacity(line));
+    const RodView rod = world.rod(line);
+    const BaseChange change = base_change(rod, limits, world.state.rods.capacity(line));
     if (change == BaseChange::None) return false;
-    return where_clear(state, group, [&] {
-        change_nodes(state, group, {change == BaseChange::Split, rod.n - 2, 0}, [&](const RodNodes& nodes) {
-            change_base(group.feed, nodes, change, limits, state.hub_scratch.split);
+    return where_clear(world, group, [&] {
+        change_nodes(world, group, {change == BaseChange::Split, rod.n - 2, 0}, [&](const RodNodes& nodes) {
+            change_base(group.feed, nodes, change, limits, world.work.hub_scratch.split);
         });
     });
 }
 
 /// Even nodes: births at the hub, and at the tip where another instrument has got ahead time after time.
-bool adapt_ends(World::Impl& state, MergedGroup& group, double dt)
+bool adapt_ends(WorldData& world, MergedGroup& group, double dt)
 {
     const int line = group.line();
     bool changed = false;
-    if (state.rods.view(line).rest_length[0] > 1.75 * group.feed.edge &&
-        state.rods.node_count(line) < state.rods.capacity(line))
-        changed = where_clear(state, group, [&] {
-            change_nodes(state, group, {true, 0, 0.5},
+    if (world.rod(line).rest_length[0] > 1.75 * group.feed.edge &&
+        world.state.rods.node_count(line) < world.state.rods.capacity(line))
+        changed = where_clear(world, group, [&] {
+            change_nodes(world, group, {true, 0, 0.5},
                          [&](const RodNodes& nodes) { group.feed.surplus += split_edge(nodes, 0, 0.5).rest_length_added; });
         });
-    return adapt_base(state, group, group.feed.edge, dt) || changed;
+    return adapt_base(world, group, group.feed.edge, dt) || changed;
 }
 
 /// Moments and torques of the accepted state.
-void measure(World::Impl& state, MergedGroup& group, NodeDemands& demands)
+void measure(WorldData& world, MergedGroup& group, NodeDemands& demands)
 {
-    refresh_group(state, group);
-    const RodView line = state.rods.view(group.line());
+    refresh_group(world, group);
+    const RodView line = world.rod(group.line());
     CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = state.rods.view(group.wires()[k]).theta;
+    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = world.rod(group.wires()[k]).theta;
     const auto n = static_cast<std::size_t>(line.n);
     const std::span<Vec3> moment = std::span(group.moment).first(n);
     const std::span<double> turning = std::span(group.turning).first(n);
@@ -116,12 +116,12 @@ void measure(World::Impl& state, MergedGroup& group, NodeDemands& demands)
 }
 
 /// Contact of all its instruments on the line's nodes.
-void sum_contact(World::Impl& state, MergedGroup& group, NodeDemands& demands)
+void sum_contact(WorldData& world, MergedGroup& group, NodeDemands& demands)
 {
-    const auto n = static_cast<std::size_t>(state.rods.node_count(group.line()));
+    const auto n = static_cast<std::size_t>(world.state.rods.node_count(group.line()));
     group.contact.assign(n, Vec3::Zero());
     for (const int w : group.wires()) {
-        const std::vector<Vec3>& force = state.results[w].nodal_contact;
+        const std::vector<Vec3>& force = world.output.results[w].nodal_contact;
         for (std::size_t i = 0; i < n; ++i)
             group.contact[i] += force[i];
     }
@@ -129,54 +129,54 @@ void sum_contact(World::Impl& state, MergedGroup& group, NodeDemands& demands)
 }
 
 /// Where any of the instruments touches an elastic wall, and the wall below.
-void note_yielding(World::Impl& state, MergedGroup& group, bool may_merge, NodeDemands& demands)
+void note_yielding(WorldData& world, MergedGroup& group, bool may_merge, NodeDemands& demands)
 {
-    const auto n = static_cast<std::size_t>(state.rods.node_count(group.line()));
-    demands.touching_edge = std::max(group.nodes.min_edge, state.elastic_wall->edge_touched());
-    sum_contact(state, group, demands);
+    const auto n = static_cast<std::size_t>(world.state.rods.node_count(group.line()));
+    demands.touching_edge = std::max(group.nodes.min_edge, world.forces.elastic_wall->edge_touched());
+    sum_contact(world, group, demands);
     group.bowed.assign(n, 0);
     for (const int w : group.wires()) {
         if (!may_merge) continue;
-        state.yielding->note_bowed(state.rods, w, state.bowed);
-        for (std::size_t i = 0; i < n; ++i) group.bowed[i] |= state.bowed[i];
+        world.forces.yielding->note_bowed(world.state.rods, w, world.work.bowed);
+        for (std::size_t i = 0; i < n; ++i) group.bowed[i] |= world.work.bowed[i];
     }
     demands.bowed = group.bowed;
 }
 
 /// Adaptive nodes; as adapt_wire() of step_nodes.cpp.
-bool adapt_line(World::Impl& state, MergedGroup& group, double dt, bool may_merge)
+bool adapt_line(WorldData& world, MergedGroup& group, double dt, bool may_merge)
 {
-    NodePlanner& planner = state.adapters[group.line()].planner;
+    NodePlanner& planner = world.adapter(group.line()).planner;
     NodeDemands demands;
     demands.fed = true;
     demands.may_merge = may_merge;
     demands.hub_tangent = group.shared.base.tangent;
-    measure(state, group, demands);
-    const auto line = [&] { return state.rods.view(group.line()); };
-    bool changed = adapt_base(state, group, planner.base_edge(line(), group.nodes, demands), dt);
+    measure(world, group, demands);
+    const auto line = [&] { return world.rod(group.line()); };
+    bool changed = adapt_base(world, group, planner.base_edge(line(), group.nodes, demands), dt);
     if (changed) {  // the moments beside a new node settle within the next step; until then only lengths are judged
         demands.may_refine = demands.may_merge = false;
-        measure(state, group, demands);
+        measure(world, group, demands);
     }
-    if (state.elastic_wall) note_yielding(state, group, demands.may_merge, demands);
-    for (const NodeChange& change : planner.plan(line(), group.nodes, demands, state.rods.capacity(group.line()))) {
+    if (world.forces.elastic_wall) note_yielding(world, group, demands.may_merge, demands);
+    for (const NodeChange& change : planner.plan(line(), group.nodes, demands, world.state.rods.capacity(group.line()))) {
         const auto carry_out = [&] {
-            change_nodes(state, group, change,
+            change_nodes(world, group, change,
                          [&](const RodNodes& nodes) { group.feed.surplus += apply_changes(nodes, {&change, 1}); });
         };
-        changed = where_clear(state, group, carry_out) || changed;
+        changed = where_clear(world, group, carry_out) || changed;
     }
     return changed;
 }
 
 }  // namespace
 
-NodeDemands group_demands(World::Impl& state, MergedGroup& group)
+NodeDemands group_demands(WorldData& world, MergedGroup& group)
 {
     NodeDemands demands;
     demands.hub_tangent = group.shared.base.tangent;
-    measure(state, group, demands);
-    sum_contact(state, group, demands);
+    measure(world, group, demands);
+    sum_contact(world, group, demands);
     return demands;
 }
 
@@ -220,13 +220,13 @@ double boundary_error(const MergedGroup& group, const RodView& line, std::span<c
 
 }  // namespace
 
-double hand_error(const World& world, int wire)
+double hand_error(const World& given, int wire)
 {
-    World::Impl& state = const_cast<World&>(world).impl();  // scratch of the group is made anew; the state is only read
-    MergedGroup* group = state.group_of(wire);
+    WorldData& world = data_of(const_cast<World&>(given));  // scratch of the group is made anew; the state is only read
+    MergedGroup* group = world.groups.of(wire);
     if (!group || !group->feed.inside) return 0;
-    const NodeDemands demands = group_demands(state, *group);
-    const RodView line = state.rods.view(group->line());
+    const NodeDemands demands = group_demands(world, *group);
+    const RodView line = world.rod(group->line());
     const auto wires = group->wires();
     double sum = 0;
     for (int k = 0; k < group->shared.count(); ++k)
@@ -234,10 +234,10 @@ double hand_error(const World& world, int wire)
     return sum;
 }
 
-bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge)
+bool adapt_group(WorldData& world, MergedGroup& group, double dt, bool may_merge)
 {
     if (!group.feed.inside) return false;
-    return group.adapts() ? adapt_line(state, group, dt, may_merge) : adapt_ends(state, group, dt);
+    return group.adapts() ? adapt_line(world, group, dt, may_merge) : adapt_ends(world, group, dt);
 }
 
 }  // namespace seldinger

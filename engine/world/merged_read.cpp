@@ -12,16 +12,16 @@ namespace seldinger {
 namespace {
 
 /// Force of the surroundings on an instrument along the line, + towards the tip: the wall's, that of loads and links [N].
-double axial_contact(World::Impl& state, const MergedGroup& group, int k)
+double axial_contact(WorldData& world, const MergedGroup& group, int k)
 {
-    const double load = axial_load(state, group, k);
-    return state.contact ? state.contact->along(group.wires()[k]) + load : load;
+    const double load = axial_load(world, group, k);
+    return world.forces.contact ? world.forces.contact->along(group.wires()[k]) + load : load;
 }
 
 /// Friction of the others on an instrument, + towards the tip. In a group it adds up to nothing: the line does not feel it.
-double axial_friction(const World::Impl& state, int wire)
+double axial_friction(const WorldData& world, int wire)
 {
-    return state.coaxial_friction ? state.coaxial_friction->along(wire) : 0;
+    return world.forces.coaxial_friction ? world.forces.coaxial_friction->along(wire) : 0;
 }
 
 double mass_rate(const WireSection* section)
@@ -31,17 +31,17 @@ double mass_rate(const WireSection* section)
 
 /// A push removes part of the twisted length behind the inlet: d(twist energy there)/d(length) at the angle that the hand holds
 /// [N].
-double twist_behind(const World::Impl& state, const MergedGroup& group, const CoaxialHands& hands, int k)
+double twist_behind(const WorldData& world, const MergedGroup& group, const CoaxialHands& hands, int k)
 {
     const double torque = hands.torque[k];
-    const double stiffness = state.setup.wires[group.wires()[k]].wire.shaft.twist_stiffness;
+    const double stiffness = world.setup.wires[group.wires()[k]].wire.shaft.twist_stiffness;
     return group.shared.base.behind[k] > 0 ? 0.5 * torque * torque / stiffness : 0.0;
 }
 
 /// Weight against a push of instrument k alone: each change of its section moves into the cell that it lies in.
-double weight_of(World::Impl& state, const MergedGroup& group, int k)
+double weight_of(WorldData& world, const MergedGroup& group, int k)
 {
-    const RodView line = state.rods.view(group.line());
+    const RodView line = world.rod(group.line());
     double force = 0;
     const auto& pieces = group.shared.rod.pieces;
     for (std::size_t p = 0; p + 1 < pieces.size(); ++p) {
@@ -50,49 +50,49 @@ double weight_of(World::Impl& state, const MergedGroup& group, int k)
         const double s = pieces[p].end;
         int i = 0;  // cell that it is in
         while (i < line.n - 1 && s >= 0.5 * (line.material_s[i] + line.material_s[i + 1])) ++i;
-        force -= more * state.setup.gravity.dot(line.pos(i) - group.feed.point);
+        force -= more * world.setup.gravity.dot(line.pos(i) - group.feed.point);
     }
     return force;
 }
 
 }  // namespace
 
-void read_hands(World::Impl& state, MergedGroup& group)
+void read_hands(WorldData& world, MergedGroup& group)
 {
-    const CoaxialHands hands = state.solver->coaxial_hands(group.line());
-    const RodView line = state.rods.view(group.line());
+    const CoaxialHands hands = world.solver->coaxial_hands(group.line());
+    const RodView line = world.rod(group.line());
     const int count = group.shared.count(), base = line.n - 2;
     const double stretched = (line.pos(base + 1) - line.pos(base)).norm() / line.rest_length[base];
-    double of_leader = hands.push(group.leader, group.leader, count) + twist_behind(state, group, hands, group.leader) +
-                       line.mass[base + 1] * stretched * state.setup.gravity.dot(line.tangent(base));
+    double of_leader = hands.push(group.leader, group.leader, count) + twist_behind(world, group, hands, group.leader) +
+                       line.mass[base + 1] * stretched * world.setup.gravity.dot(line.tangent(base));
     for (int k = 0; k < count; ++k) {
-        WireResult& result = state.results[group.wires()[k]];
+        WireResult& result = world.output.results[group.wires()[k]];
         result.hand_torque = -hands.torque[k];
-        if (state.coaxial_friction) state.coaxial_friction->set_outside(group.wires()[k], axial_contact(state, group, k));
+        if (world.forces.coaxial_friction) world.forces.coaxial_friction->set_outside(group.wires()[k], axial_contact(world, group, k));
         if (k == group.leader) continue;
-        const double beside = weight_of(state, group, k) - axial_contact(state, group, k);
-        result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(state, group, hands, k) -
-                            axial_friction(state, group.wires()[k]);
+        const double beside = weight_of(world, group, k) - axial_contact(world, group, k);
+        result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(world, group, hands, k) -
+                            axial_friction(world, group.wires()[k]);
         of_leader -= beside;
     }
-    of_leader -= axial_friction(state, group.wires()[group.leader]);
-    state.results[group.wires()[group.leader]].hand_force = of_leader;
+    of_leader -= axial_friction(world, group.wires()[group.leader]);
+    world.output.results[group.wires()[group.leader]].hand_force = of_leader;
 }
 
-MergedForces merged_forces(World::Impl& state, const MergedGroup& group)
+MergedForces merged_forces(WorldData& world, const MergedGroup& group)
 {
-    const CoaxialHands hands = state.solver->coaxial_hands(group.line());
+    const CoaxialHands hands = world.solver->coaxial_hands(group.line());
     MergedForces forces(group.shared.count());
     auto to = forces.value.begin();
     *to++ = hands.line_force;
     for (int k = 0; k < group.shared.count(); ++k)
-        for (const double force : {hands.offset_force[k], axial_contact(state, group, k), axial_friction(state, group.wires()[k]),
-                                   twist_behind(state, group, hands, k), hands.torque[k]})
+        for (const double force : {hands.offset_force[k], axial_contact(world, group, k), axial_friction(world, group.wires()[k]),
+                                   twist_behind(world, group, hands, k), hands.torque[k]})
             *to++ = force;
     return forces;
 }
 
-MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const MergedForces& forces)
+MergedWork merged_work(const WorldData& world, const MergedGroup& group, const MergedForces& forces)
 {
     MergedWork work;
     work.feed = forces.value[0] * group.feed.grown;
@@ -103,7 +103,7 @@ MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const
         work.feed += pushed * group.slid[k];
         if (group.slid[k] != 0) work.hand -= around * group.slid[k];
         if (group.shared.fed[k] != 0) work.hand -= friction * group.shared.fed[k];
-        work.feed += behind * state.feeds[group.wires()[k]].grown;
+        work.feed += behind * world.feed(group.wires()[k]).grown;
         work.turning += torque * group.turned[k];
     }
     work.hand += work.feed;
@@ -113,13 +113,13 @@ MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const
 namespace {
 
 /// One that is not in yet: the last half edge of it, in the introducer.
-void show_outside(World::Impl& state, const MergedGroup& group, int k)
+void show_outside(WorldData& world, const MergedGroup& group, int k)
 {
     const int w = group.wires()[k];
-    state.shown->set_node_count(w, 2);
-    const RodView own = state.shown->view(w);
-    const FeedState& feed = state.feeds[w];
-    for (const std::span<double>& array : state.shown->arrays(w)) std::ranges::fill(array, 0.0);
+    world.groups.shown->set_node_count(w, 2);
+    const RodView own = world.groups.shown->view(w);
+    const FeedState& feed = world.feed(w);
+    for (const std::span<double>& array : world.groups.shown->arrays(w)) std::ranges::fill(array, 0.0);
     for (int i = 0; i < 2; ++i) {
         own.material_s[i] = i * group.feed.edge / 2;
         own.set_pos(i, feed.point + (feed.advance - own.material_s[i]) * feed.direction);
@@ -129,7 +129,7 @@ void show_outside(World::Impl& state, const MergedGroup& group, int k)
         own.set_ref_d1(i, feed.director);
     }
     own.rest_length[0] = group.feed.edge / 2;
-    own.radius[0] = own.radius[1] = state.setup.wires[w].wire.shaft.radius;
+    own.radius[0] = own.radius[1] = world.setup.wires[w].wire.shaft.radius;
 }
 
 /// Its own stiffness, mass and radius.
@@ -150,22 +150,22 @@ void show_section(const RodView& own, const WireSpec& spec)
     }
 }
 
-void show(World::Impl& state, const MergedGroup& group, int k)
+void show(WorldData& world, const MergedGroup& group, int k)
 {
     const int w = group.wires()[k];
-    const RodView line = state.rods.view(group.line()), angles = state.rods.view(w);
+    const RodView line = world.rod(group.line()), angles = world.rod(w);
     const double tip = -group.shared.rod.instrument[k].offset, hub = line.material_s[line.n - 1];
     const double least = 1e-6 * group.feed.edge;
-    state.shown_from[w] = 0;
-    if (!group.feed.inside || !(hub - tip > least)) return show_outside(state, group, k);
+    world.groups.shown_from[w] = 0;
+    if (!group.feed.inside || !(hub - tip > least)) return show_outside(world, group, k);
     int edge = 0;  // that its tip is on
     while (edge < line.n - 2 && line.material_s[edge + 1] - tip <= least) ++edge;
-    state.shown_from[w] = edge;
+    world.groups.shown_from[w] = edge;
     const int n = line.n - edge;
-    state.shown->set_node_count(w, n);
-    const RodView own = state.shown->view(w);
-    const auto to = state.shown->arrays(w);
-    const auto from = state.rods.arrays(group.line());
+    world.groups.shown->set_node_count(w, n);
+    const RodView own = world.groups.shown->view(w);
+    const auto to = world.groups.shown->arrays(w);
+    const auto from = world.state.rods.arrays(group.line());
     for (std::size_t a = 0; a < to.size(); ++a) std::ranges::copy(from[a].subspan(edge, n), to[a].begin());
     for (int i = 0; i < n; ++i) {
         own.material_s[i] -= tip;
@@ -179,29 +179,29 @@ void show(World::Impl& state, const MergedGroup& group, int k)
     own.material_s[0] = 0;
     own.rest_length[0] = own.material_s[1];
     own.ref_twist[0] = own.clamp_twist_a[0] = 0;
-    show_section(own, state.setup.wires[w].wire);
+    show_section(own, world.setup.wires[w].wire);
     for (int j = 0; j < n - 1; ++j) own.spin_inertia[j] = angles.spin_inertia[j + edge];
 }
 
 }  // namespace
 
-std::vector<Vec3> shown_contact_force(const World::Impl& state, int wire)
+std::vector<Vec3> shown_contact_force(const WorldData& world, int wire)
 {
-    const std::vector<Vec3>& all = state.results[wire].nodal_contact;
-    const int from = state.shown_from[wire], n = state.shown->node_count(wire);
+    const std::vector<Vec3>& all = world.output.results[wire].nodal_contact;
+    const int from = world.groups.shown_from[wire], n = world.groups.shown->node_count(wire);
     std::vector<Vec3> force(static_cast<std::size_t>(n), Vec3::Zero());
     // values on the node before its tip belong to the edge with the tip
     for (int i = 0; i < n && from + i < static_cast<int>(all.size()); ++i) force[i] = all[from + i];
     return force;
 }
 
-void show_groups(World::Impl& state)
+void show_groups(WorldData& world)
 {
-    for (const auto& group : state.merged)
+    for (const auto& group : world.groups.list)
         for (int k = 0; k < group->shared.count(); ++k) {
             const int w = group->wires()[k];
-            state.shown->set_curvature(w, state.rods.view(group->line()).curvature);
-            show(state, *group, k);
+            world.groups.shown->set_curvature(w, world.rod(group->line()).curvature);
+            show(world, *group, k);
         }
 }
 

@@ -1,5 +1,6 @@
 // The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
 
+#include "contact/contact_sums.h"
 #include "world/step_stages.h"
 #include "vessel/repair.h"
 #include "world/world.h"
@@ -14,31 +15,31 @@ namespace {
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
 // touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
 // it (a sample that passes the wall has touched it before, and says so).
-bool needs_audit(World::Impl& state, int wire, double dt)
+bool needs_audit(WorldData& world, int wire, double dt)
 {
-    const Detection detection = state.setup.wires[wire].contact.detection;
-    if (!state.wall || detection == Detection::Swept || !state.is_solved(wire)) return false;
-    if (detection != Detection::Capsule) return state.steps % 10 == 0;
-    const RodView rod = state.rods.view(wire);
+    const Detection detection = world.setup.wires[wire].contact.detection;
+    if (!world.forces.wall || detection == Detection::Swept || !world.state.is_solved(wire)) return false;
+    if (detection != Detection::Capsule) return world.state.steps % 10 == 0;
+    const RodView rod = world.rod(wire);
     double fastest = 0;
     for (int i = 0; i < rod.n; ++i) fastest = std::max(fastest, rod.vel(i).norm());
     return fastest * dt > 0.5 * rod.radius[0];
 }
 
-void audit_outside(World::Impl& state, int wire)
+void audit_outside(WorldData& world, int wire)
 {
-    if (!state.lumen) {
-        const bool open = state.setup.vessel.shape != VesselShape::Plane;  // a plane's edge is no opening
-        state.lumen =
-            std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
+    if (!world.output.lumen) {
+        const bool open = world.setup.vessel.shape != VesselShape::Plane;  // a plane's edge is no opening
+        world.output.lumen =
+            std::make_unique<LumenQuery>(world.setup.mesh, open ? describe(world.setup.mesh).loops : std::vector<BoundaryLoop>{});
     }
-    const RodView rod = state.rods.view(wire);
-    if (state.yielding) state.yielding->carry_back(state.rods, wire);
-    double& outside = state.results[wire].contact.outside;
+    const RodView rod = world.rod(wire);
+    if (world.forces.yielding) world.forces.yielding->carry_back(world.state.rods, wire);
+    double& outside = world.output.results[wire].contact.outside;
     // where the wall was before it moved
-    const RodView seen = state.unmoved_rods ? state.unmoved_rods->view(wire) : rod;
+    const RodView seen = world.forces.unmoved_rods ? world.forces.unmoved_rods->view(wire) : rod;
     const auto look = [&](const Vec3& p) {
-        const LumenPlace place = state.lumen->locate(p);
+        const LumenPlace place = world.output.lumen->locate(p);
         if (place.opening < 0) outside = std::max(outside, -place.signed_distance);
     };
     for (int j = 0; j + 1 < rod.n; ++j) {
@@ -62,29 +63,29 @@ bool is_finite(const WireResult& r)
 }
 
 /// The samples that readings are taken from against the forces that the solver balanced (contact/contact_sums.h).
-bool samples_add_up(const World::Impl& state, int wire)
+bool samples_add_up(const WorldData& world, int wire)
 {
-    const WireLoads &wall = state.wall_loads[wire], &others = state.instrument_loads[wire];
+    const WireLoads &wall = world.output.wall_loads[wire], &others = world.output.instrument_loads[wire];
     return add_up(wall.normal + others.normal, wall.friction + others.friction, wall.samples.size() + others.samples.size(),
-                  state.results[wire].contact, state.context && state.context->float32());
+                  world.output.results[wire].contact, world.forces.context && world.forces.context->float32());
 }
 
 }  // namespace
 
-void check_state(World::Impl& state, double dt, StepReport& report)
+void check_state(WorldData& world, double dt, StepReport& report)
 {
-    state.time = *std::max_element(state.wire_time.begin(), state.wire_time.end());
-    state.loads_known = false;
-    state.gather_loads();
-    for (int w = 0; w < state.wire_count(); ++w) {
-        if (state.retired[w]) continue;
-        if (!is_finite(state.rods.view(w)) || !is_finite(state.results[w])) note(state, report, w, StepNonFinite);
+    world.state.time = std::ranges::max_element(world.state.wires, {}, &WireState::time)->time;
+    world.output.loads_known = false;
+    gather_loads(world);
+    for (int w = 0; w < world.wire_count(); ++w) {
+        if (world.systems.is_retired(w)) continue;
+        if (!is_finite(world.rod(w)) || !is_finite(world.output.results[w])) note(world, report, w, StepNonFinite);
         // readings of a failed wire belong to another state than the one that was restored
-        if (!state.wire_reports[w].failed() && !samples_add_up(state, w)) note(state, report, w, StepContactSums);
-        if (needs_audit(state, w, dt)) audit_outside(state, w);
-        if (state.yielding && state.yielding->move_share(state.system_of[w]) > 1)
-            note(state, report, w, StepWallFar);
-        if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
+        if (!world.output.reports[w].failed() && !samples_add_up(world, w)) note(world, report, w, StepContactSums);
+        if (needs_audit(world, w, dt)) audit_outside(world, w);
+        if (world.forces.yielding && world.forces.yielding->move_share(world.systems.of(w)) > 1)
+            note(world, report, w, StepWallFar);
+        if (world.output.results[w].contact.outside > 0) note(world, report, w, StepWallPenetration);
     }
 }
 

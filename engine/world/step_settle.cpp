@@ -29,15 +29,15 @@ struct ContinuationPath {
     [[nodiscard]] bool done() const { return next == times.size(); }
 };
 
-ContinuationPath path_of(const World::Impl& state, int system)
+ContinuationPath path_of(const WorldData& world, int system)
 {
     ContinuationPath path;
-    for (const int w : state.wires_of(system)) {
-        const bool is_static = state.setup.integrator.scheme == Scheme::Static;
+    for (const int w : world.systems.wires_of(system)) {
+        const bool is_static = world.setup.integrator.scheme == Scheme::Static;
         const std::vector<double> own =
-            is_static ? state.holds[w].path(state.setup.wires[w].wire.length) : std::vector<double>{state.wire_time[w]};
+            is_static ? world.holds[w].path(world.setup.wires[w].wire.length) : std::vector<double>{world.state.wires[w].time};
         path.times.insert(path.times.end(), own.begin(), own.end());
-        path.end = std::max(path.end, state.holds[w].moving_until());
+        path.end = std::max(path.end, world.holds[w].moving_until());
     }
     std::sort(path.times.begin(), path.times.end());
     path.times.erase(std::unique(path.times.begin(), path.times.end()), path.times.end());
@@ -48,76 +48,76 @@ ContinuationPath path_of(const World::Impl& state, int system)
 /// Equilibrium of the wires of the mask at their paths' targets. @param settling  what friction does on the way
 /// @param farthest  [radii] a wire of which a node has moved farther has found none  @return wires that found none; they are
 /// where they were
-WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths, const WireMask& mask, Settling settling,
+WireMask balance(WorldData& world, const std::vector<ContinuationPath>& paths, const WireMask& mask, Settling settling,
                  double farthest = INFINITY)
 {
     std::optional<RodArrays> placed;
-    if (std::isfinite(farthest)) placed = state.rods;
+    if (std::isfinite(farthest)) placed = world.state.rods;
     const auto too_far = [&](int w) {
         if (!placed) return false;
-        const RodView now = state.rods.view(w), then = placed->view(w);
+        const RodView now = world.rod(w), then = placed->view(w);
         double most = 0;
         for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
         return most > farthest * now.radius[0];
     };
-    set_exposures(state);
-    for (const auto& group : state.merged) group->shared.fed = {};
-    state.terms.begin_step(state.rods, settling);
-    for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = mask[w] && state.is_solved(w);
-        constrain_at(state, w, paths[state.system_of[w]].target);
+    set_exposures(world);
+    for (const auto& group : world.groups.list) group->shared.fed = {};
+    world.forces.terms.begin_step(world.state.rods, settling);
+    for (int w = 0; w < world.wire_count(); ++w) {
+        world.work.live[w] = world.work.active[w] = mask[w] && world.state.is_solved(w);
+        constrain_at(world, w, paths[world.systems.of(w)].target);
     }
-    state.terms.prepare(state.rods, state.live);
+    world.forces.terms.prepare(world.state.rods, world.work.live);
     const auto start = Clock::now();
-    state.solver->equilibrium(state.constraints, state.terms, state.active, state.reports);
-    state.solve_time += seconds_since(start);
+    world.solver->equilibrium(world.work.constraints, world.forces.terms, world.work.active, world.work.reports);
+    world.work.solve_time += seconds_since(start);
     WireMask done = mask, failed(mask.size(), 0);
-    for (int w = 0; w < state.wire_count(); ++w) failed[w] = state.active[w] && (!state.reports[w].converged || too_far(w));
-    state.spread_over_systems(mask, failed);
-    for (int w = 0; w < state.wire_count(); ++w) {
+    for (int w = 0; w < world.wire_count(); ++w) failed[w] = world.work.active[w] && (!world.work.reports[w].converged || too_far(w));
+    world.systems.spread(mask, failed);
+    for (int w = 0; w < world.wire_count(); ++w) {
         if (!failed[w]) continue;
         done[w] = 0;
-        state.put_back_wire(w);
+        put_back_wire(world, w);
     }
-    for (const auto& group : state.merged)
-        if (failed[group->line()]) refresh_group(state, *group);
-    state.terms.commit(done);
-    for (int w = 0; w < state.wire_count(); ++w)
+    for (const auto& group : world.groups.list)
+        if (failed[group->line()]) refresh_group(world, *group);
+    world.forces.terms.commit(done);
+    for (int w = 0; w < world.wire_count(); ++w)
         if (done[w]) {
-            state.keep_wire(w);
-            state.read_results(w, 0);
+            keep_wire(world, w);
+            read_results(world, w, 0);
         }
     return failed;
 }
 
 /// Nodes of a wire at rest, the rest length that they made taken out at once. @return whether any came or went
-bool adapt_wire_at_rest(World::Impl& state, int w)
+bool adapt_wire_at_rest(WorldData& world, int w)
 {
     constexpr int at_once = 8;
     bool changed = false;
     for (int k = 0; k < at_once; ++k) {
-        const int n = state.rods.node_count(w);
-        if (!adapt_wire(state, w, INFINITY, true)) break;
+        const int n = world.state.rods.node_count(w);
+        if (!adapt_wire(world, w, INFINITY, true)) break;
         changed = true;
-        if (state.rods.node_count(w) > n) break;  // moments beside a new node are off until it is at rest
+        if (world.state.rods.node_count(w) > n) break;  // moments beside a new node are off until it is at rest
     }
-    if (!state.feeds[w].on) fade_surplus_of(state, w, INFINITY);
+    if (!world.feed(w).on) fade_surplus_of(world, w, INFINITY);
     return changed;
 }
 
 /// Nodes of an equilibrium until none has to come or go. @return whether any did: the equilibrium is to be found anew
-bool adapt_at_rest(World::Impl& state, int system, ContinuationPath& path)
+bool adapt_at_rest(WorldData& world, int system, ContinuationPath& path)
 {
-    const auto adapts = [&](int w) { return state.adapters[w].on && state.is_solved(w); };
-    const auto wires = state.wires_of(system);
+    const auto adapts = [&](int w) { return world.adapter(w).on && world.state.is_solved(w); };
+    const auto wires = world.systems.wires_of(system);
     if (std::none_of(wires.begin(), wires.end(), adapts) || ++path.rounds > most_adapt_rounds) return false;
     bool changed = false;
-    for (const int w : wires) changed = (adapts(w) && adapt_wire_at_rest(state, w)) || changed;
+    for (const int w : wires) changed = (adapts(w) && adapt_wire_at_rest(world, w)) || changed;
     return changed;
 }
 
 /// Takes in what became of the system's part: the next one, or its nodes, or half of it. @return false: there is no equilibrium
-bool go_on(World::Impl& state, int system, ContinuationPath& path, bool failed)
+bool go_on(WorldData& world, int system, ContinuationPath& path, bool failed)
 {
     if (failed) {
         if (path.adapting) {  // the nodes it had will do
@@ -130,7 +130,7 @@ bool go_on(World::Impl& state, int system, ContinuationPath& path, bool failed)
     }
     path.reached = path.target;
     if (path.target == path.times[path.next]) {
-        path.adapting = adapt_at_rest(state, system, path);
+        path.adapting = adapt_at_rest(world, system, path);
         if (path.adapting) return true;
         path.rounds = path.halvings = 0;
         ++path.next;
@@ -140,55 +140,55 @@ bool go_on(World::Impl& state, int system, ContinuationPath& path, bool failed)
 }
 
 /// Solver iterations of the wires of the mask into their reports.
-void note_solves(World::Impl& state, StepReport& report, const WireMask& mask)
+void note_solves(WorldData& world, StepReport& report, const WireMask& mask)
 {
-    for (int w = 0; w < state.wire_count(); ++w)
-        if (mask[w] && state.active[w]) note(state, report, w, StepOk, state.reports[w].iterations);
+    for (int w = 0; w < world.wire_count(); ++w)
+        if (mask[w] && world.work.active[w]) note(world, report, w, StepOk, world.work.reports[w].iterations);
 }
 
 /// The first equilibrium of wires that start settled: all contacts stuck. @return wires that found none
-WireMask balance_stuck(World::Impl& state, const std::vector<ContinuationPath>& paths, const WireMask& mask, StepReport& report)
+WireMask balance_stuck(WorldData& world, const std::vector<ContinuationPath>& paths, const WireMask& mask, StepReport& report)
 {
-    WireMask failed = balance(state, paths, mask, Settling::Stuck, 1);
-    note_solves(state, report, mask);
+    WireMask failed = balance(world, paths, mask, Settling::Stuck, 1);
+    note_solves(world, report, mask);
     if (!failed.any()) return failed;
     // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its
     // way there. It slides to rest instead, and holds from there on.
     WireMask rested = failed;
-    failed = balance(state, paths, failed, Settling::Sliding);
-    note_solves(state, report, rested);
+    failed = balance(world, paths, failed, Settling::Sliding);
+    note_solves(world, report, rested);
     for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
     if (rested.any()) {
-        (void)balance(state, paths, rested, Settling::Stuck);  // where that fails the wire is at rest all the same
-        note_solves(state, report, rested);
+        (void)balance(world, paths, rested, Settling::Stuck);  // where that fails the wire is at rest all the same
+        note_solves(world, report, rested);
     }
     return failed;
 }
 
 }  // namespace
 
-void find_equilibrium(World::Impl& state, StepReport& report, const std::function<void(int system, double time)>& passed)
+void find_equilibrium(WorldData& world, StepReport& report, const std::function<void(int system, double time)>& passed)
 {
-    WireMask going = everyone(state);
+    WireMask going = world.systems.running();
     std::vector<ContinuationPath> paths;
-    for (int s = 0; s < state.system_count(); ++s) paths.push_back(path_of(state, s));
-    bool stuck = state.setup.start_settled && state.steps == 0;
+    for (int s = 0; s < world.systems.count(); ++s) paths.push_back(path_of(world, s));
+    bool stuck = world.setup.start_settled && world.state.steps == 0;
     while (going.any()) {
-        const WireMask failed = stuck ? balance_stuck(state, paths, going, report) : balance(state, paths, going, Settling::Off);
-        if (!stuck) note_solves(state, report, going);
+        const WireMask failed = stuck ? balance_stuck(world, paths, going, report) : balance(world, paths, going, Settling::Off);
+        if (!stuck) note_solves(world, report, going);
         stuck = false;
-        for (int s = 0; s < state.system_count(); ++s) {
-            const auto wires = state.wires_of(s);
+        for (int s = 0; s < world.systems.count(); ++s) {
+            const auto wires = world.systems.wires_of(s);
             if (!going[wires.front()]) continue;
             const bool any_failed = std::any_of(wires.begin(), wires.end(), [&](int w) { return failed[w]; });
             const std::size_t reached = paths[s].next;
-            const bool found = go_on(state, s, paths[s], any_failed);
+            const bool found = go_on(world, s, paths[s], any_failed);
             if (passed && found && paths[s].next > reached && !paths[s].done()) {
-                show_groups(state);
+                show_groups(world);
                 passed(s, paths[s].reached);
             }
             for (const int w : wires) {
-                if (!found) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+                if (!found) note(world, report, w, world.work.reports[w].non_finite ? StepNonFinite : StepNotConverged);
                 going[w] = found && !paths[s].done();
             }
         }

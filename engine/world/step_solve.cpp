@@ -18,25 +18,25 @@ namespace {
 constexpr int most_energy_halvings = 3;  // energy that steps eight times as short make too is none of the step's length
 
 /// What a loop over the wires comes to next: the arrays of the wire after this one.
-void prefetch_after(World::Impl& state, int w)
+void prefetch_after(WorldData& world, int w)
 {
-    if (w + 1 >= state.wire_count()) return;
-    for (const std::span<double>& array : state.rods.arrays(w + 1)) prefetch(array.data(), array.size_bytes());
+    if (w + 1 >= world.wire_count()) return;
+    for (const std::span<double>& array : world.state.rods.arrays(w + 1)) prefetch(array.data(), array.size_bytes());
 }
 
 // Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
-void start_acceleration(World::Impl& state)
+void start_acceleration(WorldData& world)
 {
-    for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = state.is_solved(w);
-        constrain_now(state, w);
+    for (int w = 0; w < world.wire_count(); ++w) {
+        world.work.live[w] = world.work.active[w] = world.state.is_solved(w);
+        constrain_now(world, w);
     }
-    state.terms.begin_step(state.rods);
-    state.terms.prepare(state.rods, state.live);
-    state.solver->initialise_acceleration(state.constraints, state.terms, state.active);
+    world.forces.terms.begin_step(world.state.rods);
+    world.forces.terms.prepare(world.state.rods, world.work.live);
+    world.solver->initialise_acceleration(world.work.constraints, world.forces.terms, world.work.active);
 }
 
-bool audited(const World::Impl& state) { return state.setup.integrator.scheme != Scheme::Static; }
+bool audited(const WorldData& world) { return world.setup.integrator.scheme != Scheme::Static; }
 
 /// What became of the systems that were solved.
 struct Outcomes {
@@ -44,164 +44,156 @@ struct Outcomes {
     WireMask ended;   // converged to a state of more energy than was put in, in short sub-steps too
 };
 
-Outcomes judge(World::Impl& state, const SubStep& sub, StepReport& report)
+Outcomes judge(WorldData& world, const SubStep& sub, StepReport& report)
 {
     const std::size_t count = sub.wires.size();
     Outcomes to{WireMask(count), WireMask(count)};
     WireMask adds_up(count, 1);
-    if (audited(state))
-        for_each_item(state.wire_count(), wire_grain, [&](int w) {
-            if (state.active[w] && state.reports[w].converged && !state.is_passenger(w)) adds_up[w] = energy_adds_up(state, w, sub.h);
+    if (audited(world))
+        for_each_item(world.wire_count(), wire_grain, [&](int w) {
+            if (world.work.active[w] && world.work.reports[w].converged && !world.groups.is_passenger(w)) adds_up[w] = energy_adds_up(world, w, sub.h);
         });
-    for (int w = 0; w < state.wire_count(); ++w) {
-        if (!state.active[w]) continue;
-        const SolveReport& solved = state.reports[w];
-        note(state, report, w, solved.best_effort ? StepBestEffort : solved.cut_short ? StepCutShort : StepOk, solved.iterations);
-        const bool missed = solved.converged && solved.best_effort && !state.is_passenger(w);
-        if (missed && (is_torn(state.rods.view(w)) || is_thrown(state.rods.view(w), solved.residual, sub.h))) {
+    for (int w = 0; w < world.wire_count(); ++w) {
+        if (!world.work.active[w]) continue;
+        const SolveReport& solved = world.work.reports[w];
+        note(world, report, w, solved.best_effort ? StepBestEffort : solved.cut_short ? StepCutShort : StepOk, solved.iterations);
+        const bool missed = solved.converged && solved.best_effort && !world.groups.is_passenger(w);
+        if (missed && (is_torn(world.rod(w)) || is_thrown(world.rod(w), solved.residual, sub.h))) {
             to.failed[w] = 1;
             continue;
         }
         if (solved.converged && adds_up[w]) continue;
         (solved.converged && sub.halvings >= most_energy_halvings ? to.ended : to.failed)[w] = 1;
     }
-    state.spread_over_systems(sub.wires, to.ended);
+    world.systems.spread(sub.wires, to.ended);
     for (std::size_t w = 0; w < count; ++w) to.failed[w] = to.failed[w] && !to.ended[w];
-    state.spread_over_systems(sub.wires, to.failed);
+    world.systems.spread(sub.wires, to.failed);
     return to;
 }
 
 }  // namespace
 
-WireMask everyone(const World::Impl& state)
+void clear_timers(WorldData& world)
 {
-    WireMask mask(state.wire_count());
-    for (int w = 0; w < state.wire_count(); ++w) mask[w] = !state.retired[w];
-    return mask;
+    world.work.solve_time = world.work.adapt_time = 0;
+    world.forces.terms.clear_times();
 }
 
-void clear_timers(World::Impl& state)
+void collect_timers(WorldData& world, StepReport& report)
 {
-    state.solve_time = state.adapt_time = 0;
-    state.terms.clear_times();
-}
-
-void collect_timers(World::Impl& state, StepReport& report)
-{
-    report.times = state.terms.times();
+    report.times = world.forces.terms.times();
     // the solver's own share: its time less that of force terms inside it
-    report.times.solve = std::max(0.0, state.solve_time - state.terms_in_solve);
-    report.times.adapt = state.adapt_time;
+    report.times.solve = std::max(0.0, world.work.solve_time - world.work.terms_in_solve);
+    report.times.adapt = world.work.adapt_time;
 }
 
-void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations, int sub_steps)
+void note(WorldData& world, StepReport& report, int wire, unsigned flags, int newton_iterations, int sub_steps)
 {
     const auto add_to = [&](auto& to) {
         to.flags |= flags;
         to.newton_iterations = std::max(to.newton_iterations, newton_iterations);
         to.sub_steps = std::max(to.sub_steps, sub_steps);
     };
-    add_to(state.wire_reports[wire]);
+    add_to(world.output.reports[wire]);
     add_to(report);
 }
 
-void begin_step(World::Impl& state)
+void begin_step(WorldData& world)
 {
-    if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
+    if (world.state.steps == 0 && world.setup.integrator.newmark) start_acceleration(world);
     // contacts of the initial placement are not known yet: there energies are counted from the end of the first step
-    for (int w = 0; w < state.wire_count() && state.steps == 0 && state.terms.empty(); ++w) {
-        if (state.audits[w].known || !state.is_solved(w) || state.is_passenger(w)) continue;
-        constrain_now(state, w);
-        begin_audit(state, w, true);
+    for (int w = 0; w < world.wire_count() && world.state.steps == 0 && world.forces.terms.empty(); ++w) {
+        if (world.audit(w).known || !world.state.is_solved(w) || world.groups.is_passenger(w)) continue;
+        constrain_now(world, w);
+        begin_audit(world, w, true);
     }
-    for_each_item(state.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(state, w);
-        state.keep_wire(w);
+    for_each_item(world.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(world, w);
+        keep_wire(world, w);
     });
-    state.terms_in_solve = 0;
-    state.step_start.clear();
-    for (std::vector<CarriedImpulse>& left : state.left) left.clear();
-    state.wire_reports.assign(state.wire_count(), WireReport{});
+    world.work.terms_in_solve = 0;
+    world.work.step_start.clear();
+    for (WireState& wire : world.state.wires) wire.left.clear();
+    world.output.reports.assign(world.wire_count(), WireReport{});
 }
 
 // One sub-step that is stopped is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other
 // systems, may have been accepted by then.
-void keep_start(World& world, const SubStep& sub, double dt)
+void keep_start(WorldData& world, const SubStep& sub)
 {
-    World::Impl& state = world.impl();
-    const bool whole = sub.h > 0.999 * dt && state.system_count() == 1;
-    if (state.stop_asked && state.step_start.empty() && !whole) state.step_start = world.save_state();
+    const bool whole = sub.h > 0.999 * world.work.length && world.systems.count() == 1;
+    if (world.work.stop_asked && world.work.step_start.empty() && !whole) world.work.step_start = saved_state(world);
 }
 
-StepReport put_back(World::Impl& state, StepReport& report)
+StepReport put_back(WorldData& world, StepReport& report)
 {
-    if (!state.step_start.empty()) state.put_back(state.step_start);
-    show_groups(state);
-    state.step_start.clear();
-    note(state, report, 0, StepStopped);
-    collect_timers(state, report);
+    if (!world.work.step_start.empty()) put_back_saved(world, world.work.step_start);
+    show_groups(world);
+    world.work.step_start.clear();
+    note(world, report, 0, StepStopped);
+    collect_timers(world, report);
     return report;
 }
 
-void carry_on(World::Impl& state)
+void carry_on(WorldData& world)
 {
-    for (std::size_t w = 0; w < state.left.size(); ++w) std::swap(state.carried[w], state.left[w]);
+    for (WireState& wire : world.state.wires) std::swap(wire.carried, wire.left);
 }
 
-void begin_sub_step(World::Impl& state, const SubStep& sub)
+void begin_sub_step(WorldData& world, const SubStep& sub)
 {
-    for (int w = 0; w < state.wire_count() && sub.after != SubStep::After::Nothing; ++w) {
+    for (int w = 0; w < world.wire_count() && sub.after != SubStep::After::Nothing; ++w) {
         if (!sub.wires[w]) continue;
-        if (sub.after == SubStep::After::Part && !state.is_passenger(w)) adapt_nodes_of(state, w, sub.h);
-        state.keep_wire(w);
+        if (sub.after == SubStep::After::Part && !world.groups.is_passenger(w)) adapt_nodes_of(world, w, sub.h);
+        keep_wire(world, w);
     }
-    set_exposures(state);
-    state.terms.begin_step(state.rods);
+    set_exposures(world);
+    world.forces.terms.begin_step(world.state.rods);
 }
 
-void find_contacts(World::Impl& state)
+void find_contacts(WorldData& world)
 {
-    set_exposures(state);
-    state.terms.prepare(state.rods, state.live);
+    set_exposures(world);
+    world.forces.terms.prepare(world.state.rods, world.work.live);
 }
 
-void solve(World::Impl& state, const SubStep& sub)
+void solve(WorldData& world, const SubStep& sub)
 {
     const auto start = Clock::now();
-    const double before = state.terms.times().in_all();
-    state.solver->set_best_effort(sub.halvings == most_halvings);
-    state.solver->step(sub.h, state.constraints, state.terms, state.active, state.reports);
-    state.solve_time += seconds_since(start);
-    state.terms_in_solve += state.terms.times().in_all() - before;
+    const double before = world.forces.terms.times().in_all();
+    world.solver->set_best_effort(sub.halvings == most_halvings);
+    world.solver->step(sub.h, world.work.constraints, world.forces.terms, world.work.active, world.work.reports);
+    world.work.solve_time += seconds_since(start);
+    world.work.terms_in_solve += world.forces.terms.times().in_all() - before;
 }
 
-void accept(World::Impl& state, const SubStep& sub, StepReport& report)
+void accept(WorldData& world, const SubStep& sub, StepReport& report)
 {
-    Outcomes outcomes = judge(state, sub, report);
+    Outcomes outcomes = judge(world, sub, report);
     WireMask done = sub.wires;
-    for (int w = 0; w < state.wire_count(); ++w) done[w] = done[w] && !outcomes.failed[w] && !outcomes.ended[w];
-    state.terms.commit(done);
-    for_each_item(state.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(state, w);
+    for (int w = 0; w < world.wire_count(); ++w) done[w] = done[w] && !outcomes.failed[w] && !outcomes.ended[w];
+    world.forces.terms.commit(done);
+    for_each_item(world.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(world, w);
         if (!done[w]) return;
-        state.wire_time[w] += sub.h;
-        if (state.active[w] && audited(state) && !state.is_passenger(w)) accept_energy(state, w, sub.h);
-        if (state.active[w] && state.reports[w].cut_short) add_left(state.rods.view(w), *state.solver, w, sub.h, state.left[w]);
-        state.read_results(w, sub.h);
+        world.state.wires[w].time += sub.h;
+        if (world.work.active[w] && audited(world) && !world.groups.is_passenger(w)) accept_energy(world, w, sub.h);
+        if (world.work.active[w] && world.work.reports[w].cut_short) add_left(world.rod(w), *world.solver, w, sub.h, world.state.wires[w].left);
+        read_results(world, w, sub.h);
     });
-    for (int w = 0; w < state.wire_count() && state.hand_stiffness_watched; ++w)
-        if (done[w] && state.active[w]) state.read_hand_stiffness(w);
+    for (int w = 0; w < world.wire_count() && world.output.hand_stiffness_watched; ++w)
+        if (done[w] && world.work.active[w]) read_hand_stiffness(world, w);
     const bool shortest = sub.halvings == most_halvings;
-    for (int w = 0; w < state.wire_count(); ++w) {
+    for (int w = 0; w < world.wire_count(); ++w) {
         if (!outcomes.failed[w] && !outcomes.ended[w]) continue;
-        state.put_back_wire(w);
-        if (outcomes.ended[w]) note(state, report, w, StepEnergy);
-        else if (shortest) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
-        else note(state, report, w, StepHalved, 0, 2 << sub.halvings);
+        put_back_wire(world, w);
+        if (outcomes.ended[w]) note(world, report, w, StepEnergy);
+        else if (shortest) note(world, report, w, world.work.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+        else note(world, report, w, StepHalved, 0, 2 << sub.halvings);
     }
-    state.pending.lose(outcomes.ended);
-    if (shortest) state.pending.lose(outcomes.failed);
-    else state.pending.halve(outcomes.failed);
+    world.work.pending.lose(outcomes.ended);
+    if (shortest) world.work.pending.lose(outcomes.failed);
+    else world.work.pending.halve(outcomes.failed);
 }
 
 }  // namespace seldinger

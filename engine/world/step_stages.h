@@ -11,62 +11,67 @@ namespace seldinger {
 // ---- step_feed.cpp: input of the hubs
 
 /// Resolves the control to the path of each hub through the step.
-void take_control(World::Impl& state, const Control& control, double dt);
+void take_control(WorldData& world, const Control& control, double dt);
 /// In how many parts a step feeds each wire [wires]: one birth can follow a push by an edge, and pulling back must leave some of
 /// the base edge. It is cut where another instrument of a common centreline gets ahead. All instruments of a system go in as many.
-[[nodiscard]] std::span<const StepParts> feed_parts(World::Impl& state, double dt, StepReport& report);
+[[nodiscard]] std::span<const StepParts> feed_parts(WorldData& world, double dt, StepReport& report);
 /// The hubs' advance and turn at the end of the sub-step: the base edge grows, or the piece in the introducer moves.
-void feed_hubs(World::Impl& state, const SubStep& sub);
+void feed_hubs(WorldData& world, const SubStep& sub);
 /// Holds, loads and links at the end of the sub-step; `live` wires are the ones that are solved and may touch the wall.
-void hold_and_load(World::Impl& state, const SubStep& sub);
+void hold_and_load(WorldData& world, const SubStep& sub);
 /// The same for the accepted state on its present nodes.
-void constrain_now(World::Impl& state, int wire);
-void constrain_at(World::Impl& state, int wire, double time);
+void constrain_now(WorldData& world, int wire);
+void constrain_at(WorldData& world, int wire, double time);
 
 // ---- step_solve.cpp: from the start of a step to the states that are accepted
 
-/// All wires but those of retired systems.
-[[nodiscard]] WireMask everyone(const World::Impl& state);
-void clear_timers(World::Impl& state);
-void collect_timers(World::Impl& state, StepReport& report);
+void clear_timers(WorldData& world);
+void collect_timers(WorldData& world, StepReport& report);
 /// Into the wire's own report and that of the step.
-void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1);
+void note(WorldData& world, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1);
 
 /// Nothing of the last step is needed any more; what a failed attempt returns to.
-void begin_step(World::Impl& state);
+void begin_step(WorldData& world);
 /// Keeps the state before the first of several sub-steps, where the step may be stopped.
-void keep_start(World& world, const SubStep& sub, double dt);
+void keep_start(WorldData& world, const SubStep& sub);
 /// The state before a step that was stopped. @return its report
-StepReport put_back(World::Impl& state, StepReport& report);
+StepReport put_back(WorldData& world, StepReport& report);
 /// What a sub-step that follows another one starts from.
-void begin_sub_step(World::Impl& state, const SubStep& sub);
+void begin_sub_step(WorldData& world, const SubStep& sub);
 /// Quadrature points on the present nodes and what of the wall is near them.
-void find_contacts(World::Impl& state);
+void find_contacts(WorldData& world);
 /// Newton on the equations of the sub-step: every system to its own trial state.
-void solve(World::Impl& state, const SubStep& sub);
+void solve(WorldData& world, const SubStep& sub);
 /// Systems that converged, and whose energy adds up, take their trial as the accepted state. The others are put back: they take
 /// the sub-step in two halves, or are lost where that has no sense any more.
-void accept(World::Impl& state, const SubStep& sub, StepReport& report);
+void accept(WorldData& world, const SubStep& sub, StepReport& report);
+
+// ---- step_read.cpp
+
+/// Readings of a wire at the end of a sub-step of h [s]; 0: an equilibrium.
+void read_results(WorldData& world, int wire, double h);
+/// After it, where hand stiffness is watched.
+void read_hand_stiffness(WorldData& world, int wire);
 
 // ---- step_nodes.cpp
 
 /// Splits and merges edges where the shape asks for it, after a step of dt [s]; wires of a given node number at the hub only.
-void carry_on(World::Impl& state);
-void adapt_nodes(World::Impl& state, double dt);
+void carry_on(WorldData& world);
+void adapt_nodes(WorldData& world, double dt);
 /// The same for one wire.
-void adapt_nodes_of(World::Impl& state, int wire, double dt);
+void adapt_nodes_of(WorldData& world, int wire, double dt);
 /// Nodes of an adaptive wire. @return whether any came or went
-bool adapt_wire(World::Impl& state, int wire, double dt, bool may_merge);
+bool adapt_wire(WorldData& world, int wire, double dt, bool may_merge);
 /// Readings of the nodes follow them, sums kept, until the next step reads them anew. @param n  nodes before
 void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change);
 /// Takes the surplus of rest length that splits and merges have left out of a wire of constant length, as far as it fades in dt.
-void fade_surplus_of(World::Impl& state, int wire, double dt);
+void fade_surplus_of(WorldData& world, int wire, double dt);
 
 // ---- step_check.cpp, step_settle.cpp
 
 /// Non-finite values, and points beyond the wall, after a step of dt [s]; 0: an equilibrium.
-void check_state(World::Impl& state, double dt, StepReport& report);
+void check_state(WorldData& world, double dt, StepReport& report);
 /// Static equilibrium with contact (scheme "static", start "settled").
-void find_equilibrium(World::Impl& state, StepReport& report, const std::function<void(int system, double time)>& passed);
+void find_equilibrium(WorldData& world, StepReport& report, const std::function<void(int system, double time)>& passed);
 
 }  // namespace seldinger

@@ -1,50 +1,73 @@
 #pragma once
-// Data of a World. Private to the engine: step.cpp and its stages read and write it, nobody else includes it (tests may).
+// Data of a World, in the order in which it comes about. Private to the engine: step.cpp and its stages read and write it, nobody
+// else includes it (tests may).
 //
-//   model     setup, wall, holds, adapters       constant from the constructor on
-//   state     rods, feeds, wire_time, contact's and solver's memory, remesh_energy, audits      saved; all but audits hashed
-//   control   hub_requests                       of the present step
-//   output    results, wire_reports, rows        of the accepted state
+//   model     setup, systems, groups, holds      constant from the constructor on
+//   state     WorldState                         survives a step: saved, all but the audits hashed
+//   forces    WorldForces, Solver                made once, with memory of their own that is saved with the state
+//   work      StepWork                           of the present step, worth nothing after it
+//   output    WorldOutput                        of the accepted state
 
-#include "world/carried.h"
-#include "contact/contact_sums.h"
-#include "contact/instrument_contact.h"
-#include "contact/yielding_wall.h"
-#include "device/device.h"
-#include "world/energy_audit.h"
 #include "engine.h"
 #include "rod/adapt.h"
 #include "solve/constraints.h"
 #include "solve/feed.h"
 #include "solve/momentum.h"
 #include "solve/solver.h"
-#include "world/sub_steps.h"
 #include "vessel/inside.h"
 #include "wall/wall_shape.h"
+#include "world/carried.h"
+#include "world/energy_audit.h"
+#include "world/sub_steps.h"
+#include "world/systems.h"
+#include "world/world_forces.h"
 
 #include <array>
 #include <functional>
-#include <optional>
 
 namespace seldinger {
 
-class CoaxialFriction;  // contact/coaxial_friction.h
-class LineHolds;        // solve/line_holds.h
-struct MergedGroup;     // merged.h
+struct MergedGroup;  // merged.h
 
-/// Readings of a wire when its step was accepted.
-struct WireResult {
-    ContactTotals contact;
-    double normal_between = 0;           // WireReadings::normal_between
-    double overlap_share = 0;            // WireReadings::overlap_share
-    Vec3 overlap_at = Vec3::Zero();      // [m]
-    std::vector<Vec3> nodal_contact;  // [capacity] [N]
-    double hand_force = 0, hand_torque = 0, hand_stiffness = 0;
-    Vec3 base_force = Vec3::Zero();
-    double kinetic = 0, elastic = 0, gravitational = 0;
-    double residual = 0;
-    MomentumBalance momentum;
+/// The instruments that share one centreline, group by group.
+struct MergedGroups {
+    MergedGroups();
+    ~MergedGroups();
+    std::vector<std::unique_ptr<MergedGroup>> list;
+    std::vector<int> place;            // [wires] in `list`; -1: a rod of its own
+    std::vector<int> line;             // [wires] whose nodes its own are; -1 likewise
+    std::unique_ptr<RodArrays> shown;  // each instrument by itself; none without a group
+    std::vector<int> shown_from;       // [wires] edge of the line that its tip is on
+
+    [[nodiscard]] bool has(int wire) const { return place[wire] >= 0; }
+    [[nodiscard]] MergedGroup* of(int wire) const { return has(wire) ? list[place[wire]].get() : nullptr; }
+    /// Whether its nodes are those of another one, the line of its group.
+    [[nodiscard]] bool is_passenger(int wire) const { return has(wire) && line[wire] != wire; }
 };
+
+// ---- state
+
+/// What of a wire survives a step, beside its arrays.
+struct WireState {
+    double time = 0;  // [s]; where its system failed or was retired, it stopped
+    FeedState feed;
+    double remesh_energy = 0;                   // accumulated [J]
+    std::vector<CarriedImpulse> carried, left;  // of the step before; of the present one
+    EnergyAudit audit;
+};
+
+struct WorldState {
+    explicit WorldState(std::span<const int> capacities) : rods(capacities), wires(capacities.size()) {}
+    double time = 0;
+    long steps = 0;
+    RodArrays rods;
+    std::vector<WireState> wires;
+
+    /// Whether a wire is among those that are solved: one that is still in its introducer is not.
+    [[nodiscard]] bool is_solved(int wire) const { return !wires[wire].feed.on || wires[wire].feed.inside; }
+};
+
+// ---- work
 
 /// What a wire's nodes are adapted with.
 struct NodeAdapter {
@@ -61,113 +84,104 @@ struct HubRequest {
     [[nodiscard]] HubPath path() const { return HubPath(keys.empty() ? std::span<const FeedKey>(own) : keys); }
 };
 
-/// What contact is made from.
-[[nodiscard]] ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall);
-[[nodiscard]] InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> system_of);
+struct WireWork {
+    HubRequest hub;
+    NodeAdapter adapter;
+    MomentumStart start;             // of the present sub-step
+    std::vector<std::uint8_t> kept;  // what of the wire a failed attempt returns to
+};
 
-struct World::Impl {
-    explicit Impl(WorldSetup from);
-    ~Impl();
-    void divide_into_systems();
-
-    WorldSetup setup;
-    std::vector<int> wire_list;     // 0, 1, 2, ...: instruments in the order of their systems
-    std::vector<int> system_begin;  // [systems + 1] in wire_list
-    std::vector<int> system_of;     // per wire
-    double time = 0;
-    long steps = 0;
-    std::vector<double> wire_time;             // per wire [s]; where a system failed or was retired, it stopped
-    std::unique_ptr<device::Context> context;  // none without a vessel and without instruments that touch
-    RodArrays rods;
-    std::vector<WireHolds> holds;               // per wire
-    std::vector<FeedState> feeds;               // per wire
-    std::vector<HubRequest> hub_requests;       // per wire
-    std::vector<double> remesh_energy;          // per wire, accumulated [J]
-    std::vector<std::vector<CarriedImpulse>> carried, left;  // per wire: of the step before; of the present one
-    std::vector<EnergyAudit> audits;            // per wire
-    std::vector<std::unique_ptr<MergedGroup>> merged;  // instruments that share one centreline
-    std::vector<int> merged_of;                        // per wire: place in `merged`, -1: a rod of its own
-    std::vector<NodeAdapter> adapters;          // per wire; no state, only what it works with
-    std::optional<WallModel> wall;              // none without a vessel
-    std::unique_ptr<ElasticWall> elastic_wall;  // only of a vessel that yields, and so what is next
-    std::unique_ptr<RodArrays> unmoved_rods;    // the wires as the wall sees them where it has not moved
-    std::unique_ptr<ContactMethod> contact;     // none without a vessel
-    std::unique_ptr<YieldingWall> yielding;     // contact as it acts on the wires and the moving wall
-    std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
-    std::unique_ptr<CoaxialFriction> coaxial_friction;  // between those that share a centreline
-    std::unique_ptr<LineHolds> line_holds;              // of instruments that share a centreline; none without
-    ForceTerms terms;                           // what acts on the wires: contact, friction
-    std::unique_ptr<Solver> solver;
-    // scratch of a step
+struct StepWork {
+    double length = 0;  // of the present step [s]
+    std::vector<WireWork> wires;
+    std::vector<StepParts> parts;  // per wire: sub-steps that feeding asks for
+    SubSteps pending;
+    // what the solver reads and writes, per wire
     std::vector<WireConstraints> constraints;
     std::vector<SolveReport> reports;
     std::vector<std::uint8_t> active, live;
-    std::vector<std::uint8_t> retired;        // per wire: its system is left out of every step
-    std::vector<WireReport> wire_reports;     // per wire, of the last step
-    std::vector<std::vector<std::uint8_t>> kept;  // per wire: what of it a failed attempt returns to
-    std::vector<StepParts> parts;  // per wire: sub-steps that feeding asks for
-    SubSteps pending;
+    // of the wire whose nodes are being changed
     HubScratch hub_scratch;
-    std::vector<Vec3> nodal_backup;                             // of the wire whose nodes are being changed
-    std::vector<std::uint8_t> bowed;                            // likewise, see YieldingWall::note_bowed
-    std::vector<MomentumStart> momentum_start;                  // per wire, of the present sub-step
-    std::vector<WireResult> results;                            // per wire
-    std::vector<ContactRow> rows;                               // what contacts() last returned
-    std::vector<ContactAlong> on_wall, on_instruments;          // per wire: what those come to
-    std::vector<WireLoads> wall_loads, instrument_loads;        // per wire: what the samples of contact bear
-    bool loads_known = false;                                   // of the present state
-    bool hand_stiffness_watched = false;
-    std::function<bool()> stop_asked;       // whether to end the present step; empty: never
-    std::vector<std::uint8_t> step_start;   // the whole state there, of a step of several sub-steps that may be ended
-    double step_length = 0;                 // of the present step [s]
-    double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
-
-    std::unique_ptr<RodArrays> shown;  // of instruments that share a centreline, each by itself; none without
-    std::vector<int> shown_from;       // per wire: edge of the line that its tip is on
-    std::unique_ptr<WallShape> wall_shape;  // made when first asked for
-    std::unique_ptr<LumenQuery> lumen;      // made when first needed; see audit_outside
-
-    [[nodiscard]] int wire_count() const { return rods.wire_count(); }
-    [[nodiscard]] int system_count() const { return static_cast<int>(system_begin.size()) - 1; }
-    [[nodiscard]] std::span<const int> wires_of(int system) const
-    {
-        return std::span(wire_list).subspan(system_begin[system], system_begin[system + 1] - system_begin[system]);
-    }
-    /// Whether a wire is among those that are solved: one that is still in its introducer is not.
-    [[nodiscard]] bool is_solved(int wire) const { return !feeds[wire].on || feeds[wire].inside; }
-    [[nodiscard]] MergedGroup* group_of(int wire) { return merged_of[wire] < 0 ? nullptr : merged[merged_of[wire]].get(); }
-    /// Whether its nodes are those of another one, the line of its group.
-    [[nodiscard]] bool is_passenger(int wire) const;
-    void make_groups();
-    void make_coaxial_friction();
-    void make_line_holds();
-    /// A system with one instrument in the mask is in it with all of them, as far as it takes part.
-    void spread_over_systems(const WireMask& part, WireMask& mask) const;
-    /// Whether a wire on its present nodes is clear of the wall; asked where the law never overlaps.
-    [[nodiscard]] bool is_clear(int wire);
-    /// What a failed attempt returns to.
-    void keep_wire(int wire);
-    void put_back_wire(int wire);
-    /// @param h  of the sub-step that was taken [s], 0: an equilibrium
-    void read_results(int wire, double h);
-    /// Fills wall_loads and instrument_loads, once for each state.
-    void gather_loads();
-    /// After it, where hand stiffness is watched.
-    void read_hand_stiffness(int wire);
-    void read_merged(int wire, double h);
-    // What must survive a step, row by row (core/state_walk.h): of one wire, of wires with what their force terms hold, of the
-    // world. Audits affect no motion, and are not hashed.
-    void walk_wire(StateWalk& walk, int wire);
-    void walk_wires(StateWalk& walk, std::span<const int> wires, bool with_audits);
-    void walk_all(StateWalk& walk, bool with_audits);
-    /// Everything that World::save_state() returns, put back unchecked.
-    void put_back(std::span<const std::uint8_t> bytes);
+    std::vector<Vec3> nodal_backup;
+    std::vector<std::uint8_t> bowed;  // YieldingWall::note_bowed
+    // a step that may be stopped
+    std::function<bool()> stop_asked;      // empty: never
+    std::vector<std::uint8_t> step_start;  // the whole state there, of a step of several sub-steps
+    double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // [s]
 };
 
+// ---- output
+
+/// Readings of a wire when its step was accepted.
+struct WireResult {
+    ContactTotals contact;
+    double normal_between = 0;         // WireReadings::normal_between
+    double overlap_share = 0;          // WireReadings::overlap_share
+    Vec3 overlap_at = Vec3::Zero();    // [m]
+    std::vector<Vec3> nodal_contact;   // [capacity] [N]
+    double hand_force = 0, hand_torque = 0, hand_stiffness = 0;
+    Vec3 base_force = Vec3::Zero();
+    double kinetic = 0, elastic = 0, gravitational = 0;
+    double residual = 0;
+    MomentumBalance momentum;
+};
+
+struct WorldOutput {
+    std::vector<WireResult> results;  // per wire
+    std::vector<WireReport> reports;  // per wire, of the last step
+    bool hand_stiffness_watched = false;
+    // loads: what the samples of contact bear, per wire
+    bool loads_known = false;  // of the present state
+    std::vector<WireLoads> wall_loads, instrument_loads;
+    std::vector<ContactRow> rows;                        // what contacts() last returned
+    std::vector<ContactAlong> on_wall, on_instruments;   // what those come to
+    // made when first asked for
+    std::unique_ptr<WallShape> wall_shape;
+    std::unique_ptr<LumenQuery> lumen;  // audit_outside
+};
+
+struct WorldData {
+    explicit WorldData(WorldSetup from);
+
+    WorldSetup setup;
+    SystemList systems;
+    MergedGroups groups;
+    std::vector<WireHolds> holds;  // per wire
+    WorldState state;
+    WorldForces forces;
+    std::unique_ptr<Solver> solver;
+    StepWork work;
+    WorldOutput output;
+
+    [[nodiscard]] int wire_count() const { return state.rods.wire_count(); }
+    [[nodiscard]] RodView rod(int wire) { return state.rods.view(wire); }
+    [[nodiscard]] FeedState& feed(int wire) { return state.wires[wire].feed; }
+    [[nodiscard]] const FeedState& feed(int wire) const { return state.wires[wire].feed; }
+    [[nodiscard]] EnergyAudit& audit(int wire) { return state.wires[wire].audit; }
+    [[nodiscard]] WireConstraints& constraints(int wire) { return work.constraints[wire]; }
+    [[nodiscard]] NodeAdapter& adapter(int wire) { return work.wires[wire].adapter; }
+    [[nodiscard]] const NodeAdapter& adapter(int wire) const { return work.wires[wire].adapter; }
+};
+
+/// For step.cpp, and for tests that look inside.
+[[nodiscard]] inline WorldData& data_of(World& world) { return *world.data_; }
+
 /// @throws Error BadScene: dt, or the input of a hub. Nothing has changed then
-void check_request(const World::Impl& state, const Control& control, double dt);
+void check_request(const WorldData& world, const Control& control, double dt);
 
 /// Whether nodes of a wire come and go by themselves (nodes = "adaptive").
 [[nodiscard]] bool nodes_adapt(const WireSetup& setup);
+
+// ---- world_state.cpp: what must survive a step, row by row (core/state_walk.h)
+
+/// What a failed attempt returns to.
+void keep_wire(WorldData& world, int wire);
+void put_back_wire(WorldData& world, int wire);
+/// Everything that World::save_state() returns; put back unchecked.
+[[nodiscard]] std::vector<std::uint8_t> saved_state(WorldData& world);
+void put_back_saved(WorldData& world, std::span<const std::uint8_t> bytes);
+
+/// Fills wall_loads and instrument_loads, once for each state.
+void gather_loads(WorldData& world);
 
 }  // namespace seldinger

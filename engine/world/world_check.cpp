@@ -224,19 +224,19 @@ void check_wall(const WorldSetup& setup)
 }
 
 /// Asked in every step: makes no text unless there is something to say.
-void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub, double dt)
+void check_hub(const WorldData& world, int instrument, const Control::Hub& hub, double dt)
 {
     if (hub.kind == Control::Hub::Kind::Stay) return;
     const auto refuse_it = [&](const std::string& what) { refuse(fmt::format("control: instrument {}", instrument), what); };
-    if (instrument >= state.wire_count()) refuse_it(fmt::format("index out of range; expected below {}", state.wire_count()));
-    if (!state.feeds[instrument].on) refuse_it("got a move, but it is not fed and has no hub; expected WireSetup::feed.on");
+    if (instrument >= world.wire_count()) refuse_it(fmt::format("index out of range; expected below {}", world.wire_count()));
+    if (!world.feed(instrument).on) refuse_it("got a move, but it is not fed and has no hub; expected WireSetup::feed.on");
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
             refuse_it(fmt::format("key {}: got {} s; expected times that increase", k, hub.keys[k].t));
     // later keys of a known path need not be satisfied by this step
     const FeedKey end = hub.kind == Control::Hub::Kind::MoveTo ? FeedKey{0, hub.advance, hub.turn}
-                                                               : HubPath(hub.keys).at(state.wire_time[instrument] + dt);
-    const double length = state.setup.wires[instrument].wire.length;
+                                                               : HubPath(hub.keys).at(world.state.wires[instrument].time + dt);
+    const double length = world.setup.wires[instrument].wire.length;
     if (!(end.advance >= 0 && end.advance <= length))
         refuse_it(fmt::format("advance: got {} m; expected 0 to the wire's length, {} m", end.advance, length));
     if (!std::isfinite(end.turn)) refuse_it(fmt::format("turn: got {} rad; expected a finite number", end.turn));
@@ -267,10 +267,10 @@ void check_setup(const WorldSetup& setup)
     check_merged(setup);
 }
 
-void check_request(const World::Impl& state, const Control& control, double dt)
+void check_request(const WorldData& world, const Control& control, double dt)
 {
     if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("got {} s; expected a finite time greater than 0", dt));
-    for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(state, static_cast<int>(k), control.hubs()[k], dt);
+    for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(world, static_cast<int>(k), control.hubs()[k], dt);
 }
 
 }  // namespace seldinger

@@ -68,29 +68,8 @@ void check_saved_edges(const RodView& rod)
     }
 }
 
-}  // namespace
-
-void World::Impl::walk_wire(StateWalk& walk, int wire)
+void walk_group(StateWalk& walk, MergedGroup& group)
 {
-    walk_node_count(walk, rods, wire);
-    walk({"the time", "s", "accept", -latest, latest}, wire_time[wire]);
-    walk({"an energy", "J", "adapt_nodes"}, remesh_energy[wire]);
-    walk_feed(walk, feeds[wire], feeds[wire].on || adapters[wire].on);
-    if (!walk.of_attempt()) {  // what a failed attempt has found out of the spins is not forgotten
-        Solver::SpinRecord& spins = solver->spin_record(wire);
-        walk({"a count of steps", "", "solve", 0, 256}, spins.wait);
-        walk({"a count of steps", "", "solve", 0, 256}, spins.last_wait);
-    }
-    // lines and passengers of a common centreline: values in use follow from others, and the remaining ones may be zero
-    const bool own = merged_of[wire] < 0;
-    rods.walk_state(walk, wire, own);
-    if (walk.checks()) {
-        const RodView rod = rods.view(wire);
-        if (own) check_saved_edges(rod);
-        check_saved_feed(feeds[wire], setup.wires[wire].wire.length, own ? &rod : nullptr);
-    }
-    if (own || is_passenger(wire)) return;
-    MergedGroup& group = *group_of(wire);
     std::int32_t leader = group.leader;
     walk({"a leader", "", "feed_hubs"}, leader);
     if (leader < 0 || leader >= group.shared.count())
@@ -100,107 +79,131 @@ void World::Impl::walk_wire(StateWalk& walk, int wire)
     if (walk.checks()) check_saved_feed(group.feed, longest, nullptr);
 }
 
-void World::Impl::walk_wires(StateWalk& walk, std::span<const int> wires, bool with_audits)
+void walk_wire(StateWalk& walk, WorldData& world, int wire)
 {
-    for (const int w : wires) walk_wire(walk, w);
-    if (walk.reads()) {
-        loads_known = false;
-        for (const int w : wires)
-            if (MergedGroup* group = group_of(w); group && !is_passenger(w)) refresh_group(*this, *group);
-        set_exposures(*this);
-        show_groups(*this);
+    WireState& own = world.state.wires[wire];
+    walk_node_count(walk, world.state.rods, wire);
+    walk({"the time", "s", "accept", -latest, latest}, own.time);
+    walk({"an energy", "J", "adapt_nodes"}, own.remesh_energy);
+    walk_feed(walk, own.feed, own.feed.on || world.adapter(wire).on);
+    if (!walk.of_attempt()) {  // what a failed attempt has found out of the spins is not forgotten
+        Solver::SpinRecord& spins = world.solver->spin_record(wire);
+        walk({"a count of steps", "", "solve", 0, 256}, spins.wait);
+        walk({"a count of steps", "", "solve", 0, 256}, spins.last_wait);
     }
-    for (const int w : wires) terms.walk_state(walk, w);
+    // lines and passengers of a common centreline: values in use follow from others, and the remaining ones may be zero
+    const bool alone = !world.groups.has(wire);
+    world.state.rods.walk_state(walk, wire, alone);
+    if (walk.checks()) {
+        const RodView rod = world.rod(wire);
+        if (alone) check_saved_edges(rod);
+        check_saved_feed(own.feed, world.setup.wires[wire].wire.length, alone ? &rod : nullptr);
+    }
+    if (!alone && !world.groups.is_passenger(wire)) walk_group(walk, *world.groups.of(wire));
+}
+
+void walk_wires(StateWalk& walk, WorldData& world, std::span<const int> wires, bool with_audits)
+{
+    for (const int w : wires) walk_wire(walk, world, w);
+    if (walk.reads()) {
+        world.output.loads_known = false;
+        for (const int w : wires)
+            if (MergedGroup* group = world.groups.of(w); group && !world.groups.is_passenger(w)) refresh_group(world, *group);
+        set_exposures(world);
+        show_groups(world);
+    }
+    for (const int w : wires) world.forces.terms.walk_state(walk, w);
     for (const int w : wires)
-        if (with_audits) walk_audit(walk, audits[w]);
-    walk_carried(walk, carried, wires);  // the last rows: where no wire carries anything there are none
+        if (with_audits) walk_audit(walk, world.audit(w));
+    walk_carried(walk, world.state.wires, wires);  // the last rows: where no wire carries anything there are none
 }
 
-void World::Impl::walk_all(StateWalk& walk, bool with_audits)
+void walk_all(StateWalk& walk, WorldData& world, bool with_audits)
 {
-    walk({"the time", "s", "check_state", 0, latest}, time);
-    std::int64_t taken = steps;
+    walk({"the time", "s", "check_state", 0, latest}, world.state.time);
+    std::int64_t taken = world.state.steps;
     walk({"the number of steps", "", "step", 0}, taken);
-    if (walk.reads()) steps = static_cast<long>(taken);
-    walk_wires(walk, wire_list, with_audits);
+    if (walk.reads()) world.state.steps = static_cast<long>(taken);
+    walk_wires(walk, world, world.systems.all(), with_audits);
 }
-
-void World::Impl::keep_wire(int wire)
-{
-    kept[wire].clear();
-    StateWalk walk(kept[wire], StateWalk::Of::Attempt);
-    walk_wire(walk, wire);
-}
-
-void World::Impl::put_back_wire(int wire)
-{
-    StateWalk walk(kept[wire], true, StateWalk::Of::Attempt);
-    walk_wire(walk, wire);
-}
-
-namespace {
 
 /// @param system  -1: the whole world
-void walk_saved(World::Impl& state, StateWalk& walk, int system)
+void walk_saved(WorldData& world, StateWalk& walk, int system)
 {
     walk_layout(walk);
-    if (system < 0) state.walk_all(walk, true);
-    else state.walk_wires(walk, state.wires_of(system), true);
+    if (system < 0) walk_all(walk, world, true);
+    else walk_wires(walk, world, world.systems.wires_of(system), true);
     if (walk.reads() && walk.left() > 0)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
 
-std::vector<std::uint8_t> saved_bytes(World::Impl& state, int system)
+std::vector<std::uint8_t> saved_bytes(WorldData& world, int system)
 {
     std::vector<std::uint8_t> bytes;
     StateWalk walk(bytes);
-    walk_saved(state, walk, system);
+    walk_saved(world, walk, system);
     return bytes;
 }
 
-void take_saved(World::Impl& state, std::span<const std::uint8_t> bytes, int system, bool trusted)
+void take_saved(WorldData& world, std::span<const std::uint8_t> bytes, int system, bool trusted)
 {
     StateWalk walk(bytes, trusted);
-    walk_saved(state, walk, system);
+    walk_saved(world, walk, system);
 }
 
-void restore_saved(World::Impl& state, std::span<const std::uint8_t> bytes, int system)
+void restore_saved(WorldData& world, std::span<const std::uint8_t> bytes, int system)
 {
-    const std::vector<std::uint8_t> before = saved_bytes(state, system);
+    const std::vector<std::uint8_t> before = saved_bytes(world, system);
     try {
-        take_saved(state, bytes, system, false);
+        take_saved(world, bytes, system, false);
     } catch (...) {
-        take_saved(state, before, system, true);
+        take_saved(world, before, system, true);
         throw;
     }
 }
 
 }  // namespace
 
-void World::Impl::put_back(std::span<const std::uint8_t> bytes) { take_saved(*this, bytes, -1, true); }
+void keep_wire(WorldData& world, int wire)
+{
+    std::vector<std::uint8_t>& kept = world.work.wires[wire].kept;
+    kept.clear();
+    StateWalk walk(kept, StateWalk::Of::Attempt);
+    walk_wire(walk, world, wire);
+}
 
-std::vector<std::uint8_t> World::save_state() const { return saved_bytes(*impl_, -1); }
-std::vector<std::uint8_t> World::save_state(int system) const { return saved_bytes(*impl_, system); }
-void World::restore_state(const std::vector<std::uint8_t>& bytes) { restore_saved(*impl_, bytes, -1); }
-void World::restore_state(int system, const std::vector<std::uint8_t>& bytes) { restore_saved(*impl_, bytes, system); }
+void put_back_wire(WorldData& world, int wire)
+{
+    StateWalk walk(world.work.wires[wire].kept, true, StateWalk::Of::Attempt);
+    walk_wire(walk, world, wire);
+}
+
+std::vector<std::uint8_t> saved_state(WorldData& world) { return saved_bytes(world, -1); }
+void put_back_saved(WorldData& world, std::span<const std::uint8_t> bytes) { take_saved(world, bytes, -1, true); }
+
+std::vector<std::uint8_t> World::save_state() const { return saved_bytes(*data_, -1); }
+std::vector<std::uint8_t> World::save_state(int system) const { return saved_bytes(*data_, system); }
+void World::restore_state(const std::vector<std::uint8_t>& bytes) { restore_saved(*data_, bytes, -1); }
+void World::restore_state(int system, const std::vector<std::uint8_t>& bytes) { restore_saved(*data_, bytes, system); }
 
 std::string World::state_hash() const
 {
     std::uint64_t hash = fnv1a_start;
     StateWalk walk(hash);
-    impl_->walk_all(walk, false);
+    walk_all(walk, *data_, false);
     return fmt::format("{:016x}", hash);
 }
 
 std::string World::state_hash(int system) const
 {
+    const std::span<const int> wires = data_->systems.wires_of(system);
     std::uint64_t hash = fnv1a_start;
     StateWalk walk(hash);
-    double time = impl_->wire_time[impl_->wires_of(system).front()];  // alone, its time is the world's
-    std::int64_t taken = impl_->steps;
+    double time = this->time(wires.front());  // alone, its time is the world's
+    std::int64_t taken = data_->state.steps;
     walk({"the time", "s", "check_state"}, time);
     walk({"the number of steps", "", "step"}, taken);
-    impl_->walk_wires(walk, impl_->wires_of(system), false);
+    walk_wires(walk, *data_, wires, false);
     return fmt::format("{:016x}", hash);
 }
 

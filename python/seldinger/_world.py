@@ -132,7 +132,7 @@ class World:
         own = [[]] if copies is None else _overrides_of(copies)
         self._scene, self._copies, self._device = given, own, int(device)
         self._world = _engine.make_world(given.text, given.file, [given.overrides + c for c in own], self._device)
-        self._dt, self._duration, self._steps, self._settles, self._static, self._watched = self._world.scene_numbers()
+        self._dt, self._duration, self._steps, self._settles = self._world.scene_numbers()
         wires, self._systems = self._world.counts()
         names = self._world.names()
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
@@ -257,23 +257,17 @@ class World:
         0.05
         """
         steps = self._steps if until is None else min(self._steps, round(float(until) / self._dt))
-        if not self._settled and self.output.step == 0 and self._settles:
-            placed = None if self._static else self.save()
-            report = self.settle()
-            if report.failed and placed is not None:
-                self.restore(placed)
+        settles = not self._settled and self.output.step == 0 and self._settles
+        self._settled = self._settled or settles
+        self._world.begin_run(settles)
+        over, warned = False, False
+        while not over:
+            over, as_placed, failed, settling = self._world.run(steps, 64)
+            if as_placed and not warned:
+                warned = True
                 warnings.warn("scene.start: got \"settled\", but no equilibrium was found; the run starts from the wire as it was placed", stacklevel=2)
-            else:
-                self._check(report, "settling")
-        if self._static:
-            return self.output
-        rest, over = 0, False
-        while self.output.step < steps and not over:
-            at = self.output.step
-            n = 1 if self._watched else max(1, min(64, steps - 1 - at))  # the last step alone: it can be shorter
-            self._check(self.step(n=n, dt=self._world.step_length(at)), f"step {at + 1} or after")
-            rest = rest + 1 if self._world.at_rest() else 0
-            over = self._world.run_is_over(self.output.step, rest)
+            if failed is not None:
+                self._check(StepReport(*failed), "settling" if settling else f"step {self.output.step}")
         return self.output
 
     def _refuse_if_held(self, call: str, instead: str) -> None:

@@ -2,6 +2,7 @@
 #include "handle.h"
 
 #include "core/bytes.h"
+#include "scene/joint_readings.h"
 #include "scene/scene_difference.h"
 #include "scene/vessel_load.h"
 #include "scene/wall_path.h"
@@ -64,14 +65,15 @@ void Handle::begin_tasks()
     for (int s = 0; s < world_->system_count(); ++s) watch_->begin(*world_, s, scores_[static_cast<std::size_t>(s)]);
 }
 
+void Handle::follow_task(int system, double dt)
+{
+    if (watch_) watch_->stepped(*world_, system, dt, false, false, scores_[static_cast<std::size_t>(system)]);
+}
+
 void Handle::follow_tasks(double dt)
 {
-    for (int s = 0; watch_ && s < world_->system_count(); ++s) {
-        const auto [first, end] = world_->wires_of(s);
-        bool failed = world_->retired(s);
-        for (int w = first; w < end; ++w) failed = failed || world_->report(w).failed();
-        if (!failed) watch_->stepped(*world_, s, dt, false, false, scores_[static_cast<std::size_t>(s)]);
-    }
+    for (int s = 0; s < world_->system_count(); ++s)
+        if (!world_->retired(s) && !joint_report(*world_, s).failed()) follow_task(s, dt);
 }
 
 const ScoreNumbers& Handle::score(int system) const
@@ -97,6 +99,7 @@ void Handle::close()
         (void)world_.release();
         new std::shared_ptr<void>(std::move(companion));
     }
+    run_.reset();
     world_.reset();
     output_.reset();
     spare_.reset();
@@ -135,7 +138,7 @@ StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double d
         start.push_back({true, feed.advance + now.inserted, feed.turn + now.turned});
     }
     start.resize(std::max(start.size(), targets ? targets->size() : 0));
-    if (output_) spare_ = std::move(output_);
+    forget_output();
     StepSummary all;
     while (all.steps < n) {
         const StepReport report = one_step(targets, start, static_cast<double>(all.steps + 1) / static_cast<double>(n), dt);
@@ -155,10 +158,58 @@ StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double d
 StepReport Handle::settle()
 {
     World& at = world();
-    if (output_) spare_ = std::move(output_);
+    forget_output();
     const StepReport report = seldinger::settle(at);
     begin_tasks();
     return report;
+}
+
+/// The state is about to change; who holds its output keeps it.
+void Handle::forget_output()
+{
+    if (output_) spare_ = std::move(output_);
+}
+
+void Handle::begin_run(bool settles)
+{
+    World& at = world();
+    forget_output();
+    part_ = {};
+    run_.emplace(at, scenes_, static_cast<RunHooks*>(this));
+    if (settles) {
+        part_.settling = true;
+        run_->begin();
+        begin_tasks();
+        part_.settling = part_.failed.has_value();
+        return;
+    }
+    for (int s = 0; s < at.system_count(); ++s)
+        run_->resume(s, at.step_count(), 0, scene(s).integrator.scheme == Scheme::Static);
+}
+
+Handle::RunPart Handle::run(long to, long most)
+{
+    const World& at = world();
+    if (!run_) throw Error(ExitCode::BadScene, "run: nothing has begun");
+    forget_output();
+    failed_.assign(static_cast<std::size_t>(at.wire_count()), 0);
+    (void)run_->run(std::min(to, at.step_count() + most));
+    part_.over = part_.failed || run_->running() == 0 || at.step_count() >= to;
+    return part_;
+}
+
+bool Handle::stepped(int system, const WireReport&, double dt)
+{
+    follow_task(system, dt);
+    return watch_ && scores_[static_cast<std::size_t>(system)].reached;
+}
+
+void Handle::ended(int system, RunStatus status)
+{
+    if (status != RunStatus::Stopped) return;
+    part_.failed = run_->report();
+    const auto [first, end] = world_->wires_of(system);
+    for (int w = first; w < end; ++w) failed_[static_cast<std::size_t>(w)] = world_->report(w).failed();
 }
 
 std::shared_ptr<const Output> Handle::output()

@@ -2,8 +2,7 @@
 // A World as Python holds it: with its scenes, its key frames, a copy of the last readings, and a lock, so that threads may share
 // it.
 
-#include "scene/key_frames.h"
-#include "scene/scene.h"
+#include "scene/scene_run.h"
 #include "scene/score.h"
 
 #include <memory>
@@ -40,7 +39,7 @@ struct SavedState {
 /// @throws Error NoDevice in a child that was forked after OpenCL had been started: its threads are not there
 void check_process();
 
-class Handle {
+class Handle : RunHooks {
 public:
     /// @param text  of the scene   @param file  names it in messages; relative paths start at its folder
     /// @param overrides  per system, texts of --set: as many systems as lists
@@ -61,6 +60,16 @@ public:
     /// Per instrument: whether a step of the last call failed.
     [[nodiscard]] const std::vector<std::uint8_t>& failed() const { return failed_; }
     StepReport settle();
+
+    /// A run of the scene from the present state on. @param settles  it begins with the equilibrium that the scene asks for
+    void begin_run(bool settles);
+    /// How a part of it went. @param to  steps of the world at its end, `most` of them in one part: signals are seen in between
+    struct RunPart {
+        bool over = false, as_placed = false;  // as_placed: no equilibrium was found, the wire starts as it was placed
+        std::optional<StepReport> failed;
+        bool settling = false;  // that failed
+    };
+    RunPart run(long to, long most);
     /// Output of the present state; the same object until something changes.
     std::shared_ptr<const Output> output();
     SavedState save(int system);
@@ -80,13 +89,22 @@ public:
     std::shared_ptr<void> companion, fluoroscope;
 
 private:
+    bool starts_as_placed() const override { return true; }
+    void placed() override { part_.as_placed = true; }
+    bool stepped(int system, const WireReport& report, double dt) override;
+    void ended(int system, RunStatus status) override;
+    RunStatus asked() override { return part_.failed ? RunStatus::Stopped : RunStatus::Running; }
     void begin_tasks();
+    void follow_task(int system, double dt);
+    void forget_output();
     void follow_tasks(double dt);
     StepReport one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt);
 
     std::vector<Scene> scenes_;
     KeyFrames keys_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
+    std::optional<SceneRun> run_;  // after begin_run()
+    RunPart part_;
     std::vector<std::uint8_t> failed_;
     Branches branches_;
     std::optional<ScoreWatch> watch_;   // where the scene has a [task]

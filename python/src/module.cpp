@@ -5,7 +5,6 @@
 #include "studies.h"
 #include "views.h"
 
-#include "scene/run_end.h"
 #include "scene/summary.h"
 
 #include <pybind11/stl.h>
@@ -181,14 +180,12 @@ void bind_world(py::module_& module)
     c.def("scene_text", [](const Handle& h, const std::string& folder) { return write_scene(h.scene(), folder); });
     c.def("scene_numbers", [](const Handle& h) {
         const Scene& s = h.scene();
-        return py::make_tuple(s.dt, s.duration, s.steps(), settles_first(s), s.integrator.scheme == Scheme::Static, RunEnd(s).is_watched());
+        return py::make_tuple(s.dt, s.duration, s.steps(), settles_first(s));
     });
-    c.def("step_length", [](const Handle& h, long taken) { return h.scene().step_length(taken); });
-    c.def("run_is_over", [](Handle& h, long steps, long rest_steps) {
-        return alone(h, [&] {
-            const Scene& s = h.scene();
-            return RunEnd(s).is_over(steps, rest_steps, h.world().time(), s.until == Until::Reached && h.score(0).reached);
-        });
+    c.def("begin_run", [](Handle& h, bool settles) { alone(h, [&] { h.begin_run(settles); }); });
+    c.def("run", [](Handle& h, long to, long most) {
+        const Handle::RunPart part = alone(h, [&] { return h.run(to, most); });
+        return py::make_tuple(part.over, part.as_placed, part.failed ? py::object(summary(*part.failed, 0)) : py::none(), part.settling);
     });
 }
 

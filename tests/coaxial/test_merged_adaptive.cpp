@@ -188,8 +188,8 @@ TEST_SUITE("coaxial/merged adaptive")
     {
         World world(in_air(0.05, 0.06, 2e-3, Scheme::Newton));
         go(world, {0.05, 0.06, 0}, {0.06, 0.09, 2}, 200);
-        World::Impl& state = world.impl();
-        MergedGroup& group = *state.merged[0];
+        WorldData& data = data_of(world);
+        MergedGroup& group = *data.groups.list[0];
         const std::vector<std::uint8_t> before = world.save_state();
         struct Carried {
             Vec3 momentum = Vec3::Zero();
@@ -198,10 +198,10 @@ TEST_SUITE("coaxial/merged adaptive")
         };
         const auto carried = [&](int edge) {
             Carried sum;
-            const RodView line = state.rods.view(group.line());
+            const RodView line = data.rod(group.line());
             for (int i = 0; i < line.n; ++i) sum.momentum += line.mass[i] * line.vel(i);
             for (const int w : {0, 1}) {
-                const RodView own = state.rods.view(w);
+                const RodView own = data.rod(w);
                 for (int j = 0; j < own.n - 1; ++j) {
                     const double spin = own.spin_inertia[j] * own.spin_rate[j];
                     sum.spin[w] += spin;
@@ -214,18 +214,18 @@ TEST_SUITE("coaxial/merged adaptive")
             sum.length = line.material_s[line.n - 1];
             return sum;
         };
-        const int edges = state.rods.node_count(group.line()) - 1;
+        const int edges = data.state.rods.node_count(group.line()) - 1;
         REQUIRE(edges > 30);
         const double speed = 0.2, mass = 2 * 6500 * pi * 0.25e-6 * 0.09;
         for (int edge = 0; edge < edges; ++edge) {
             CAPTURE(edge);
             world.restore_state(before);
             const Carried old = carried(edge);
-            const double energy = elastic_now(state, group);
-            const RodView line = state.rods.view(group.line());
+            const double energy = elastic_now(data, group);
+            const RodView line = data.rod(group.line());
             const double from = line.material_s[edge], h = line.rest_length[edge], stretch = line.stretch_stiffness[edge];
             CoaxialGroup& shared = group.shared;
-            const SplitResult split = split_edge(CoaxialNodes(state.rods, group.wires(), shared.rod, shared.base), edge, 0.4);
+            const SplitResult split = split_edge(CoaxialNodes(data.state.rods, group.wires(), shared.rod, shared.base), edge, 0.4);
             const Carried now = carried(edge), other = carried(edge + 1);
             CHECK((now.momentum - old.momentum).norm() < 1e-12 * mass * speed);
             // the catheter, which ends within the line, is short of the added length until its offset is set anew
@@ -236,19 +236,19 @@ TEST_SUITE("coaxial/merged adaptive")
             CHECK(std::abs(other.force - old.force) < 1e-3 * std::abs(old.force) + 1e-12 * stretch);
             CHECK(std::abs(now.length - old.length - split.rest_length_added) < 1e-15);
             CHECK(std::abs(split.rest_length_added) < h * std::pow(30 * h, 2));
-            refresh_group(state, group);
+            refresh_group(data, group);
             // A cell in which a natural curvature of stiffness B jumps by D has its mean, with a variance of D^2/4 at most. A
             // cell that is new at the tip is bent as both ends together are at rest there
             double born = 0;
             for (const auto& [s, bend, jump] : {std::tuple(0.02, 1e-4, 25.0), {0.03, 2e-4, 15.0}, {0.06, 2e-4, 15.0}})
                 if (s > from - h && s < from + 2 * h) born += 0.5 * bend * jump * jump / 4 * h;
-            CHECK(std::abs(elastic_now(state, group) - energy) < 0.01 * energy + born);
-            const SplitResult merge = merge_edges(CoaxialNodes(state.rods, group.wires(), shared.rod, shared.base), edge + 1);
-            refresh_group(state, group);
+            CHECK(std::abs(elastic_now(data, group) - energy) < 0.01 * energy + born);
+            const SplitResult merge = merge_edges(CoaxialNodes(data.state.rods, group.wires(), shared.rod, shared.base), edge + 1);
+            refresh_group(data, group);
             // (what an end is moved by, 1e-12 m at most, takes its mass along)
             CHECK((carried(edge).momentum - old.momentum).norm() < (1e-12 + 1e-12 / 0.09) * mass * speed);
             CHECK(std::abs(split.rest_length_added + merge.rest_length_added) < 1e-12);
-            CHECK(elastic_now(state, group) == about(energy).epsilon(1e-6));
+            CHECK(elastic_now(data, group) == about(energy).epsilon(1e-6));
             const Carried again = carried(edge);
             CHECK(std::abs(again.spin[0] - old.spin[0]) < 1e-9 * old.spun[0] + std::abs(split.rest_length_added) * old.dense[0]);
             CHECK(std::abs(again.spin[1] - old.spin[1]) < 1e-9 * old.spun[1]);

@@ -214,7 +214,7 @@ TEST_SUITE("coaxial/merged friction")
         CHECK(third.save_state(0) == together.save_state(1));
 
         std::vector<std::uint8_t> bytes;
-        CoaxialFriction& friction = *third.impl().coaxial_friction;
+        CoaxialFriction& friction = *data_of(third).forces.coaxial_friction;
         StateWalk out(bytes);
         friction.walk_state(out, 0);
         StateWalk in(bytes, false);

@@ -33,12 +33,12 @@ HoldSpec hold_at(double from_tip, bool position, bool direction, bool spin)
 }
 
 /// An arbitrary shape of a pair, accepted with the frames that it is carried to. @return unknowns of its second instrument
-std::vector<double> bend_at_random(World::Impl& state, std::mt19937& random)
+std::vector<double> bend_at_random(WorldData& data, std::mt19937& random)
 {
     std::uniform_real_distribution<double> noise(-1, 1);
-    constrain_member(state, *state.merged[0], 0, 1);
-    constrain_member(state, *state.merged[0], 1, 1);
-    const RodView line = state.rods.view(0);
+    constrain_member(data, *data.groups.list[0], 0, 1);
+    constrain_member(data, *data.groups.list[0], 1, 1);
+    const RodView line = data.rod(0);
     std::vector<double> q(RodDofs::count(line.n));
     for (int i = 0; i < line.n; ++i) {
         const Vec3 x = line.pos(i) + 2e-4 * Vec3(noise(random), noise(random), noise(random));
@@ -247,15 +247,15 @@ TEST_SUITE("coaxial/merged holds")
             setup.wires[1].holds.push_back(hold_at(from_tip, true, true, true));
             setup.wires[1].holds.back().turn = {{0, 0}, {1, 0.4}};
             World world(setup);
-            World::Impl& state = world.impl();
-            const int at = state.rods.node_begin(1), n = state.rods.node_count(1), unknowns = RodDofs::count(n);
-            const std::vector<double> q = bend_at_random(state, random);
+            WorldData& data = data_of(world);
+            const int at = data.state.rods.node_begin(1), n = data.state.rods.node_count(1), unknowns = RodDofs::count(n);
+            const std::vector<double> q = bend_at_random(data, random);
             const std::vector<std::uint8_t> live = {1, 1};
-            state.line_holds->prepare(state.rods, live);
+            data.forces.line_holds->prepare(data.state.rods, live);
             TrialState trial;
-            for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(state.rods.total_capacity());
+            for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(data.state.rods.total_capacity());
             const auto force_at = [&](const std::vector<double>& p, BandRows* tangent) {
-                const int line = state.rods.node_begin(0);
+                const int line = data.state.rods.node_begin(0);
                 for (const int begin : {line, at})
                     for (int i = 0; i < n; ++i) {
                         trial.x[begin + i] = p[RodDofs::position(i, 0)];
@@ -263,9 +263,9 @@ TEST_SUITE("coaxial/merged holds")
                         trial.z[begin + i] = p[RodDofs::position(i, 2)];
                         trial.theta[begin + i] = p[RodDofs::spin(i)];
                     }
-                state.line_holds->evaluate({trial, 0, live});
+                data.forces.line_holds->evaluate({trial, 0, live});
                 std::vector<double> gradient(unknowns, 0.0);
-                state.line_holds->add(1, gradient, tangent, true);
+                data.forces.line_holds->add(1, gradient, tangent, true);
                 return gradient;
             };
             BandMatrix matrix(unknowns);
@@ -305,32 +305,32 @@ TEST_SUITE("coaxial/merged holds")
             WorldSetup setup = straight_pair(0.03, 0.03, Scheme::Static, edge);
             setup.wires[1].holds.push_back(hold_at(from_tip, false, true, false));
             World world(setup);
-            World::Impl& state = world.impl();
-            const Vec3 held = state.rods.view(0).tangent(0);
-            (void)bend_at_random(state, random);
-            const RodView line = state.rods.view(0);
+            WorldData& data = data_of(world);
+            const Vec3 held = data.rod(0).tangent(0);
+            (void)bend_at_random(data, random);
+            const RodView line = data.rod(0);
             const int a = static_cast<int>(std::floor(from_tip / edge - 0.5));  // the place is between the middles of edges a and a + 1
             const auto energy = [&](double s) {
                 const double w = s / edge - 0.5 - a;
                 return (held - (1 - w) * line.tangent(a) - w * line.tangent(a + 1)).squaredNorm() * pair_bend / (2 * w * (1 - w) * edge);
             };
             TrialState trial;
-            for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(state.rods.total_capacity());
+            for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(data.state.rods.total_capacity());
             for (const int wire : {0, 1})
                 for (int i = 0; i < line.n; ++i) {
-                    const int at = state.rods.node_begin(wire) + i;
+                    const int at = data.state.rods.node_begin(wire) + i;
                     trial.x[at] = line.pos(i).x();
                     trial.y[at] = line.pos(i).y();
                     trial.z[at] = line.pos(i).z();
                 }
             const std::vector<std::uint8_t> live = {1, 1};
-            state.line_holds->prepare(state.rods, live);
-            state.line_holds->evaluate({trial, 0, live});
+            data.forces.line_holds->prepare(data.state.rods, live);
+            data.forces.line_holds->evaluate({trial, 0, live});
             // 1e-5 of an edge: the difference's own error is (1e-5)^2 of a slope that changes over a tenth of an edge
             const double step = 1e-5 * edge, slope = (energy(from_tip + step) - energy(from_tip - step)) / (2 * step);
             CAPTURE(from_tip);
-            CHECK(state.line_holds->along(1) == about(slope).epsilon(1e-6));
-            CHECK(state.line_holds->along(0) == 0);
+            CHECK(data.forces.line_holds->along(1) == about(slope).epsilon(1e-6));
+            CHECK(data.forces.line_holds->along(0) == 0);
         }
     }
 

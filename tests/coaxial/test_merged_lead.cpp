@@ -50,9 +50,9 @@ TEST_SUITE("coaxial/merged lead")
             CAPTURE(crossing);
             const Crossing made(crossing);
             World world(made.setup);
-            World::Impl& state = world.impl();
-            take_control(state, made.control(), Crossing::dt);
-            const double after = lead_change_after(state, *state.merged.front(), Crossing::dt);
+            WorldData& data = data_of(world);
+            take_control(data, made.control(), Crossing::dt);
+            const double after = lead_change_after(data, *data.groups.list.front(), Crossing::dt);
             // within 1 % of either end the gained length may be put before the tip; the cut is where the catheter is ahead by
             // 1e-6 of an edge
             const double late = 1e-6 * 2e-3 / (Crossing::pushed + Crossing::drawn);
@@ -93,8 +93,8 @@ TEST_SUITE("coaxial/merged lead")
         const Crossing made(0.4, curvature);
         World world(made.setup);
         for (int k = 0; k < 3; ++k) REQUIRE_FALSE(step(world, made.control(), Crossing::dt).failed());
-        World::Impl& state = world.impl();
-        CHECK(state.merged.front()->leader == 0);
+        WorldData& data = data_of(world);
+        CHECK(data.groups.list.front()->leader == 0);
         const double gained = 0.6 * Crossing::dt * (Crossing::pushed + Crossing::drawn);
         // births at the hub leave some, of another order
         CHECK(std::abs(world.readings(0).remesh_energy) < 0.1 * 0.5 * bend * curvature * curvature * gained);

@@ -25,9 +25,9 @@ double most_off(const WorldSetup& setup, const std::vector<double>& from, const 
         Control control;
         for (int w = 0; w < world.wire_count(); ++w) control.move_to(w, from[w] + share[w] * k * by, 0);
         REQUIRE_FALSE(step(world, control, dt).failed());
-        World::Impl& state = world.impl();
-        const RodView line = state.rods.view(0);
-        const double fed = state.merged.empty() ? state.feeds[0].advance : state.merged[0]->feed.advance;
+        WorldData& data = data_of(world);
+        const RodView line = data.rod(0);
+        const double fed = data.groups.list.empty() ? data.feed(0).advance : data.groups.list[0]->feed.advance;
         most = std::max(most, std::abs(line.material_s[line.n - 1] - fed));
     }
     return most;

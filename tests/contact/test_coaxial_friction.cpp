@@ -48,9 +48,9 @@ TEST_SUITE("contact/coaxial friction")
             WorldSetup setup =
                 merged_setup({instrument_of({{0.4, 2e-4, 0}}, 0.5), instrument_of({{0.6, 2e-4, 0}}, 0.5)}, {0.0307, 0.04}, 2e-3, Scheme::Newton);
             World world(setup);
-            World::Impl& state = world.impl();
-            RodArrays& rods = state.rods;
-            CoaxialGroup& group = state.merged[0]->shared;
+            WorldData& data = data_of(world);
+            RodArrays& rods = data.state.rods;
+            CoaxialGroup& group = data.groups.list[0]->shared;
             CoaxialFriction friction(rods);
             friction.add(group, {0.8, 3.0, 0, 0}, cell);
             const std::vector<std::uint8_t> live(2, 1);

@@ -126,18 +126,18 @@ TEST_SUITE("contact/contact_sums")
         setup.wires.push_back(fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1, 2));
         FedWorld world(setup);
         for (int k = 0; k < 300; ++k) CHECK((step(world, 1e-3).flags & StepContactSums) == 0);
-        World::Impl& state = world.impl();
-        REQUIRE(state.results[0].contact.normal > 0);
+        WorldData& data = data_of(world);
+        REQUIRE(data.output.results[0].contact.normal > 0);
         StepReport report;
-        check_state(state, 1e-3, report);
+        check_state(data, 1e-3, report);
         CHECK((report.flags & StepContactSums) == 0);
         for (double ContactTotals::*sum : {&ContactTotals::normal, &ContactTotals::friction}) {
-            double& value = state.results[0].contact.*sum;
+            double& value = data.output.results[0].contact.*sum;
             REQUIRE(value > 0);
             const double right = value;
             value *= 1 + 1e-9;
             report = {};
-            check_state(state, 1e-3, report);
+            check_state(data, 1e-3, report);
             CHECK((report.flags & StepContactSums) != 0);
             CHECK((world.report(0).flags & StepContactSums) != 0);
             value = right;

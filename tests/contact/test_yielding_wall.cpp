@@ -189,7 +189,7 @@ TEST_CASE("analytic: the largest stress under a line load is that of a plate on 
         const WallReadings now = world.wall_readings();
         CHECK(now.stress_max == about(exact).epsilon(0.04));
         CHECK(std::abs(now.stress_max - exact) < now.stress_band);
-        const WallReadings bare = read_wall(*world.impl().elastic_wall, world.impl().yielding->displacement(0), 0);
+        const WallReadings bare = read_wall(*data_of(world).forces.elastic_wall, data_of(world).forces.yielding->displacement(0), 0);
         if (share > 0.3) CHECK(bare.stress_max < 0.93 * exact);
     }
 }

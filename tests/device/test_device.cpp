@@ -102,7 +102,7 @@ TEST_SUITE("device")
         setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
         FedWorld world(std::move(setup));
         for (int k = 0; k < 100; ++k) (void)step(world, 1e-3);
-        device::Counters& counters = world.impl().context->counters();
+        device::Counters& counters = data_of(world).forces.context->counters();
         const device::Counters before = counters;
         int iterations = 0;
         for (int k = 0; k < 200; ++k) {
@@ -116,14 +116,14 @@ TEST_SUITE("device")
         // an evaluation is two launches, or a chain of up to 17 (contact/force_kernels.h), and one read-back, or two from memory of the
         // device's own; candidates that are found anew are one of each on top. Evaluations: one for the guess and some 1 to 3 per
         // iteration (line search, halved steps)
-        const int most = world.impl().context->workgroup(device::Items::Branching) == 1 ? 2 : 17;
+        const int most = data_of(world).forces.context->workgroup(device::Items::Branching) == 1 ? 2 : 17;
         const double launches = double(counters.launches - before.launches), reads = double(counters.reads - before.reads);
         MESSAGE("per step: " << launches / 200 << " launches, " << reads / 200 << " reads, "
                              << double(counters.writes - before.writes) / 200 << " writes, " << iterations / 200.0
                              << " iterations");
         CHECK(reads >= launches / most);
         CHECK(reads <= launches);
-        CHECK(reads <= (world.impl().context->on_cpu() ? 3.0 : 6.0) * (iterations + 200));
+        CHECK(reads <= (data_of(world).forces.context->on_cpu() ? 3.0 : 6.0) * (iterations + 200));
         CHECK(launches >= 2 * 100);
     }
 

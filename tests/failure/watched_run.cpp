@@ -67,7 +67,7 @@ WireReadings WatchedRun::at_start(int wire)
     if (world.setup().wires[wire].feed.on) return start;
     const ConstRodView rod = world.rod(wire);
     RodFrames frames(rod.n);
-    start.elastic = energy_now(world.impl().rods.view(wire), {}, frames);
+    start.elastic = energy_now(data_of(world).rod(wire), {}, frames);
     for (int i = 0; i < rod.n; ++i) {
         start.kinetic += 0.5 * rod.mass[i] * rod.vel(i).squaredNorm();
         start.gravitational -= rod.mass[i] * world.setup().gravity.dot(rod.pos(i));
@@ -91,7 +91,7 @@ void WatchedRun::follow_wall()
 /// That a wall has done on a wire of its own since this was last asked [J].
 double WatchedRun::work_of_wall(int wire)
 {
-    const auto& yielding = world.impl().yielding;
+    const auto& yielding = data_of(world).forces.yielding;
     if (!yielding) return 0;
     const double before = wall_work_[wire];
     wall_work_[wire] = yielding->work(world.system_of(wire));

@@ -2,8 +2,7 @@
 #include "golden/golden_table.h"
 
 #include "engine.h"
-#include "scene/key_frames.h"
-#include "scene/run_end.h"
+#include "scene/scene_run.h"
 #include "scene/vessel_load.h"
 #include "support/shared_folder.h"
 
@@ -35,26 +34,13 @@ Scene scene_of(const GoldenRow& row)
     return read_scene(file.is_absolute() ? file : fs::path(SEL_SOURCE_DIR) / file, overrides);
 }
 
-/// Settles and steps the world as the scene asks. @return false where a step failed
-bool run_to_the_end(World& world, const KeyFrames& keys, const Scene& scene)
-{
-    if (settles_first(scene) && settle(world).failed()) return false;
-    if (scene.integrator.scheme == Scheme::Static) return true;
-    const RunEnd end(scene);
-    for (long k = 0, at_rest = 0; !end.is_over(k, at_rest, world.time(), false); ++k) {
-        if (step(world, keys.control(), scene.step_length(k)).failed()) return false;
-        at_rest = world.at_rest() ? at_rest + 1 : 0;
-    }
-    return true;
-}
-
 void check_world(const std::vector<GoldenRow>& rows, int device_index)
 {
     CAPTURE(rows.front().line());
     std::vector<Scene> scenes;
     for (const GoldenRow& row : rows) scenes.push_back(scene_of(row));
     World world(make_setup(scenes, load_vessel(scenes.front().vessel), device_index));
-    const bool done = run_to_the_end(world, KeyFrames(scenes), scenes.front());
+    const bool done = SceneRun(world, scenes).run() == RunStatus::Done;
     CHECK_MESSAGE(done, "stopped at " << world.time() << " s");
     if (!done) return;
     for (std::size_t w = 0; w < rows.size(); ++w) {

@@ -154,7 +154,7 @@ TEST_SUITE("scene/recorder")
         for (int k = 0; k < 4; ++k) {
             const StepReport report = step(world, scene.dt);
             REQUIRE_FALSE(report.failed());
-            if (k == 3) world.impl().rods.view(0).x[0] = std::numeric_limits<double>::quiet_NaN();  // behind the solver's back
+            if (k == 3) data_of(world).rod(0).x[0] = std::numeric_limits<double>::quiet_NaN();  // behind the solver's back
             recorder.stepped(world.output(), report, 0.001);
         }
         const auto summary = nlohmann::json::parse(recorder.finish(world, RunStatus::Stopped, 0.1));

@@ -40,22 +40,22 @@ TestSetup arc_setup(double speed, double until)
 /// A step with or without its last stage, the change of nodes.
 void step_stages_of(FedWorld& world, double dt, bool adapt)
 {
-    World::Impl& state = world.impl();
+    WorldData& data = data_of(world);
     StepReport report;
-    take_control(state, world.keys.control(), dt);
-    begin_step(state);
-    state.pending.begin(dt, everyone(state), feed_parts(state, dt, report));
-    while (const SubStep* sub = state.pending.next()) {
-        begin_sub_step(state, *sub);
-        feed_hubs(state, *sub);
-        hold_and_load(state, *sub);
-        find_contacts(state);
-        solve(state, *sub);
-        accept(state, *sub, report);
+    take_control(data, world.keys.control(), dt);
+    begin_step(data);
+    data.work.pending.begin(dt, data.systems.running(), feed_parts(data, dt, report));
+    while (const SubStep* sub = data.work.pending.next()) {
+        begin_sub_step(data, *sub);
+        feed_hubs(data, *sub);
+        hold_and_load(data, *sub);
+        find_contacts(data);
+        solve(data, *sub);
+        accept(data, *sub, report);
     }
-    if (adapt) adapt_nodes(state, dt);
-    check_state(state, dt, report);
-    state.steps++;
+    if (adapt) adapt_nodes(data, dt);
+    check_state(data, dt, report);
+    data.state.steps++;
     REQUIRE_FALSE(report.failed());
 }
 
@@ -99,9 +99,9 @@ TEST_SUITE("step/adapt_run")
             const bool started = world.rod(0).n > 2;
             const std::vector<std::uint8_t> before = world.save_state();
             const int nodes = world.rod(0).n;
-            world.impl().steps--;  // as the stage sees it inside a step
-            adapt_nodes(world.impl(), 1e-3);
-            world.impl().steps++;
+            data_of(world).state.steps--;  // as the stage sees it inside a step
+            adapt_nodes(data_of(world), 1e-3);
+            data_of(world).state.steps++;
             if (world.rod(0).n == nodes || !started) continue;
             const std::vector<std::uint8_t> after = world.save_state();
             twin.restore_state(before);
@@ -149,7 +149,7 @@ TEST_SUITE("step/adapt_run")
             most = std::max(most, world.rod(0).n);
         }
         const ConstRodView rod = world.rod(0);
-        const FeedState& feed = world.impl().feeds[0];
+        const FeedState& feed = data_of(world).feed(0);
         CHECK(most > 2 * rod.n);
         CHECK(rod.material_s[rod.n - 1] == about(feed.advance + feed.surplus).epsilon(1e-9));
         CHECK(std::abs(feed.surplus) < 1e-6);  // drained by feeding either way
@@ -172,15 +172,15 @@ TEST_SUITE("step/adapt_run")
         setup.wires = {wire};
         setup.integrator.damping_mass = 20;
         FedWorld world(std::move(setup));
-        const double held = world.impl().holds[0].held_distances()[0];
-        const Vec3 at = world.rod(0).pos(world.impl().holds[0].node(1, world.impl().rods.view(0)));
+        const double held = data_of(world).holds[0].held_distances()[0];
+        const Vec3 at = world.rod(0).pos(data_of(world).holds[0].node(1, data_of(world).rod(0)));
         int changes = 0;
         for (int k = 0; k < 2500; ++k) {
             const int n = world.rod(0).n;
             REQUIRE_FALSE(step(world, 1e-3).failed());
             changes += world.rod(0).n != n;
             const ConstRodView rod = world.rod(0);
-            const int node = world.impl().holds[0].node(1, world.impl().rods.view(0));
+            const int node = data_of(world).holds[0].node(1, data_of(world).rod(0));
             CAPTURE(k);
             REQUIRE(std::abs(rod.material_s[node] - held) < 1e-4);  // no other node is as near; the surplus is some micrometres
             REQUIRE((rod.pos(node) - at).norm() < 1e-12);
@@ -190,7 +190,7 @@ TEST_SUITE("step/adapt_run")
         check_edges(rod, spec, false);
         // paid to e^-t/0.05 s of the last change, and the last was long ago
         CHECK(rod.material_s[rod.n - 1] == about(0.2).epsilon(1e-6));
-        CHECK(std::abs(rod.material_s[rod.n - 1] - 0.2 - world.impl().feeds[0].surplus) < 1e-12);
+        CHECK(std::abs(rod.material_s[rod.n - 1] - 0.2 - data_of(world).feed(0).surplus) < 1e-12);
         // the load bends its surroundings, the straight rest is left alone
         CHECK(*std::min_element(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1) < 0.7 * 0.004);
     }

@@ -47,12 +47,12 @@ TEST_SUITE("step/feed")
     TEST_CASE("analytic: what is inside is what was fed, up to the surplus; the hub stays where it is")
     {
         FedWorld world(bend_setup(0.1, 25));
-        const double edge = world.impl().feeds[0].edge;
+        const double edge = data_of(world).feed(0).edge;
         double worst = 0, surplus = 0;
         for (int k = 1; k <= 700; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
             CHECK(world.readings(0).inserted == about(1e-4 * k).epsilon(1e-12));
-            const FeedState& feed = world.impl().feeds[0];
+            const FeedState& feed = data_of(world).feed(0);
             if (!feed.inside) {
                 CHECK(feed.advance < edge / 2);
                 continue;
@@ -152,7 +152,7 @@ TEST_SUITE("step/feed")
         bool was_inside = false, went_back = false;
         for (int k = 1; k <= 1000; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
-            const FeedState& feed = world.impl().feeds[0];
+            const FeedState& feed = data_of(world).feed(0);
             if (k == 300) was_inside = feed.inside;
             if (k == 600) {
                 went_back = !feed.inside;
@@ -165,7 +165,7 @@ TEST_SUITE("step/feed")
         }
         CHECK(was_inside);
         CHECK(went_back);
-        CHECK(world.impl().feeds[0].inside);
+        CHECK(data_of(world).feed(0).inside);
         CHECK(length_inside(world.rod(0)) == about(0.03).epsilon(1e-6));
     }
 
@@ -178,12 +178,12 @@ TEST_SUITE("step/feed")
             TestSetup setup = bend_setup(0, 49);
             setup.wires[0].feed.keys = {{0, 0, 0}, {0.1, 0.05, 0}, {0.16, 0.0275, 0}, {0.24, 0.0675, 0}, {1, 0.0675, 0}};
             FedWorld world(std::move(setup));
-            const double edge = world.impl().feeds[0].edge;
+            const double edge = data_of(world).feed(0).edge;
             for (int k = 0; k < std::lround(0.6 / dt); ++k) {
                 const StepReport report = step(world, dt);
                 REQUIRE_FALSE(report.failed());
                 const ConstRodView rod = world.rod(0);
-                if (!world.impl().feeds[0].inside) continue;
+                if (!data_of(world).feed(0).inside) continue;
                 for (int j = 0; j + 1 < rod.n; ++j) REQUIRE(rod.rest_length[j] > 0);
                 // where a part of a step feeds an edge, one is split when half a one more is inside
                 CHECK(rod.rest_length[rod.n - 2] < (1.5 + 1e-6) * edge);

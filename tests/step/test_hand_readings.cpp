@@ -217,7 +217,7 @@ TEST_SUITE("step/hand_readings")
             const WireReadings now = world.readings(0);
             const Vec3 tip = world.rod(0).pos(0);
             REQUIRE(tip.z() > 0.5 * length);
-            const Vec3 insertion = -world.impl().constraints[0].clamps[0].tangent;
+            const Vec3 insertion = -data_of(world).constraints(0).clamps[0].tangent;
             CHECK(insertion.x() > 0.999);
             CHECK(now.hand_torque > 0);
             CHECK(now.hand_torque == about(-tip.cross(force).dot(insertion)).epsilon(1e-6));

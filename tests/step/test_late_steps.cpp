@@ -23,7 +23,7 @@ TEST_CASE("property: steps over a faceted wall seldom take many iterations")
     const KeyFrames keys(scene);
     long late = 0, halved = 0, refused = 0, trials = 0;
     int most = 0;
-    world.impl().solver->watch([&](const NewtonTrial& trial) {
+    data_of(world).solver->watch([&](const NewtonTrial& trial) {
         ++trials;
         refused += trial.end == NewtonTrial::End::Refused;
     });

@@ -51,7 +51,7 @@ Closed run_closed(TestSetup setup, int steps, double dt = 1e-3)
     for (int k = 0; k < steps; ++k) {
         const Vec3 before = momentum_of(world);
         const double allowed_before = allowed_error(world);  // a base edge that was short has gone by the end of the step
-        const bool was_inside = !world.impl().feeds[0].on || world.impl().feeds[0].inside;
+        const bool was_inside = !data_of(world).feed(0).on || data_of(world).feed(0).inside;
         const StepReport report = step(world, dt);
         REQUIRE_FALSE(report.failed());
         const WireReadings now = world.readings(0);
@@ -209,7 +209,7 @@ TEST_SUITE("step/momentum")
             for (int k = 0; k < 1500; ++k) {
                 REQUIRE_FALSE(step(world, 1e-4).failed());
                 // the step that leaves the guide starts with the rigid piece of half an edge, whatever of it was inside
-                if (!world.impl().feeds[0].inside || ++inside == 1) continue;
+                if (!data_of(world).feed(0).inside || ++inside == 1) continue;
                 const WireReadings now = world.readings(0);
                 held = std::max(held, now.momentum.held.norm());
                 hand = std::max(hand, std::abs(now.hand_force));

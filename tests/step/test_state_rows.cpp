@@ -32,29 +32,29 @@ TEST_SUITE("step/state rows")
         for (const char* model : {"merged", "separate"}) {
             CAPTURE(model);
             World world = pushed_pair(model);
-            World::Impl& state = world.impl();
+            WorldData& data = data_of(world);
             const std::vector<std::uint8_t> before = world.save_state();
-            const std::vector<FeedState> feeds = state.feeds;
-            for (int w = 0; w < world.wire_count(); ++w) state.keep_wire(w);
+            const std::vector<WireState> before = data.state.wires;
+            for (int w = 0; w < world.wire_count(); ++w) keep_wire(data, w);
             for (int w = 0; w < world.wire_count(); ++w) {
-                for (const std::span<double>& array : state.rods.arrays(w))
+                for (const std::span<double>& array : data.state.rods.arrays(w))
                     for (double& value : array) value += 1;
-                state.rods.set_node_count(w, state.rods.node_count(w) + 1);
-                state.wire_time[w] += 1;
-                state.remesh_energy[w] += 1;
-                FeedState& feed = state.feeds[w];
+                data.state.rods.set_node_count(w, data.state.rods.node_count(w) + 1);
+                data.state.wires[w].time += 1;
+                data.state.wires[w].remesh_energy += 1;
+                FeedState& feed = data.feed(w);
                 for (double* value : {&feed.advance, &feed.turn, &feed.surplus, &feed.surplus_rate, &feed.speed, &feed.grown}) *value += 1;
                 feed.inside = 0;
-                state.solver->spin_record(w).wait = 3;
+                data.solver->spin_record(w).wait = 3;
             }
-            for (const auto& group : state.merged) group->leader = 1 - group->leader, group->feed.advance += 1, group->feed.speed += 1;
+            for (const auto& group : data.groups.list) group->leader = 1 - group->leader, group->feed.advance += 1, group->feed.speed += 1;
             CHECK(world.save_state() != before);
-            for (int w = 0; w < world.wire_count(); ++w) state.put_back_wire(w);
-            CHECK(state.solver->spin_record(0).wait == 3);
+            for (int w = 0; w < world.wire_count(); ++w) put_back_wire(data, w);
+            CHECK(data.solver->spin_record(0).wait == 3);
             for (int w = 0; w < world.wire_count(); ++w) {
-                state.solver->spin_record(w).wait = 0;
-                CHECK(state.feeds[w].speed == feeds[w].speed);
-                CHECK(state.feeds[w].grown == feeds[w].grown);
+                data.solver->spin_record(w).wait = 0;
+                CHECK(data.feed(w).speed == before[w].feed.speed);
+                CHECK(data.feed(w).grown == before[w].feed.grown);
             }
             CHECK(world.save_state() == before);
         }

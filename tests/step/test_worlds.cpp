@@ -45,7 +45,7 @@ TestSetup three_wires(Detection detection)
 std::vector<double> state_of(FedWorld& world, int wire)
 {
     std::vector<double> all;
-    for (const std::span<double>& array : world.impl().rods.arrays(wire)) all.insert(all.end(), array.begin(), array.end());
+    for (const std::span<double>& array : data_of(world).state.rods.arrays(wire)) all.insert(all.end(), array.begin(), array.end());
     return all;
 }
 
@@ -282,14 +282,14 @@ TEST_SUITE("step/worlds")
         setup.wires = {wire};
         setup.integrator.scheme = Scheme::Linearised;
         FedWorld world(std::move(setup));
-        const RodView rod = world.impl().rods.view(0);
+        const RodView rod = data_of(world).rod(0);
         const Vec3 base = rod.pos(rod.n - 1);
         int halved = 0;
         for (int k = 1; k <= 30; ++k) {
             const StepReport report = step(world, 1.0 / 60);
             REQUIRE_FALSE(report.failed());
             halved += (report.flags & StepHalved) != 0;
-            const Vec3 moved = world.impl().rods.view(0).pos(rod.n - 1) - base;
+            const Vec3 moved = data_of(world).rod(0).pos(rod.n - 1) - base;
             CHECK((moved - Vec3(0.02 * k / 60.0, 0, 0)).norm() <= 1e-12);
         }
         CHECK(halved > 0);

@@ -30,6 +30,8 @@ struct DeviceCounts {
     std::uint64_t launches = 0, reads = 0, writes = 0, buffers_created = 0, programs_built = 0;
 };
 
+struct WorldData;  // the engine's own
+
 class World {
 public:
     /// @throws Error: a setup that contradicts itself or is out of range (one line that names the member), no usable device
@@ -109,12 +111,9 @@ public:
     /// All zero for a world without a vessel.
     [[nodiscard]] DeviceCounts device_counts() const;
 
-    struct Impl;  // world.h
-    [[nodiscard]] Impl& impl() { return *impl_; }
-    [[nodiscard]] const Impl& impl() const { return *impl_; }
-
 private:
-    std::unique_ptr<Impl> impl_;
+    friend WorldData& data_of(World& world);  // world/world.h
+    std::unique_ptr<WorldData> data_;
 };
 
 /// Advances every system by dt [s]. Numerical failure is reported in the StepReport, never thrown.

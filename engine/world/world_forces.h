@@ -1,0 +1,48 @@
+#pragma once
+// What acts on the wires of a world, wall and device included. All of it is made once; what changes in it is the memory of its
+// force terms (ForceTerm::walk_state).
+
+#include "contact/instrument_contact.h"
+#include "contact/yielding_wall.h"
+#include "device/device.h"
+#include "model.h"
+
+#include <optional>
+
+namespace seldinger {
+
+class CoaxialFriction;  // contact/coaxial_friction.h
+class LineHolds;        // solve/line_holds.h
+class SystemList;       // world/systems.h
+
+/// What contact is made from.
+[[nodiscard]] ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall);
+[[nodiscard]] InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> system_of);
+
+struct WorldForces {
+    /// The wall alone: wires are placed before anything touches them.
+    explicit WorldForces(const WorldSetup& setup);
+    ~WorldForces();
+    /// Contact with the wall and between instruments.
+    void make_contacts(const WorldSetup& setup, const SystemList& systems, RodArrays& rods);
+
+    std::unique_ptr<device::Context> context;        // none without a vessel and without instruments that touch
+    std::optional<WallModel> wall;                   // none without a vessel
+    std::unique_ptr<ElasticWall> elastic_wall;       // only of a vessel that yields, and so the next two
+    std::unique_ptr<RodArrays> unmoved_rods;         // the wires as the wall sees them where it has not moved
+    std::unique_ptr<ContactMethod> contact;          // none without a vessel
+    std::unique_ptr<YieldingWall> yielding;          // contact as it acts on the wires and the moving wall
+    std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
+    std::unique_ptr<CoaxialFriction> coaxial_friction;  // between those that share a centreline
+    std::unique_ptr<LineHolds> line_holds;              // of instruments that share a centreline; none without
+    ForceTerms terms;                                // all of them
+
+    /// Whether a wire on its present nodes is clear of the wall; asked where the law never overlaps.
+    [[nodiscard]] bool is_clear(RodArrays& rods, int wire) const;
+    /// The wall's forces on the nodes of a wire, as the wire feels them.
+    void add_wall_forces(int wire, std::span<Vec3> forces) const;
+    /// Contacts of the accepted state, in an order that does not depend on the device.
+    [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) const;
+};
+
+}  // namespace seldinger
