@@ -9,7 +9,7 @@
 #include "core/sealed_file.h"
 #include "io/json_text.h"
 #include "progress.h"
-#include "scene/frames.h"
+#include "run/frames.h"
 #include "scene/scene_difference.h"
 #include "scene/toml_parse.h"
 #include "study/batch_answer.h"

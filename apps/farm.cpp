@@ -13,7 +13,7 @@
 #include "io/film_write.h"
 #include "io/json_text.h"
 #include "render_frames.h"
-#include "scene/frames.h"
+#include "run/frames.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // One line on stderr that follows a run; nothing when stderr is not a terminal.
 
 #include "core/clock.h"
-#include "scene/recorder.h"
+#include "run/recorder.h"
 #include "study/batch.h"
 
 namespace seldinger::apps {

@@ -6,8 +6,8 @@
 #include "core/file_lock.h"
 #include "progress.h"
 #include "replay.h"
-#include "scene/scene_run.h"
-#include "scene/wall_path.h"
+#include "run/scene_run.h"
+#include "run/wall_path.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>

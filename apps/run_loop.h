@@ -2,7 +2,7 @@
 // From a scene to a finished folder: the loop that steps, records, saves and stops.
 
 #include "core/error.h"
-#include "scene/recorder.h"
+#include "run/recorder.h"
 #include "scene/scene.h"
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct RunOptions {
     FolderUse use = FolderUse::Refuse;
     double time_limit = 0;  // [s] from the call on, loading included; 0: none
     int device = -1;
-    bool estimate = true;   // the error that the step's length leaves (scene/step_twin.h)
+    bool estimate = true;   // the error that the step's length leaves (run/step_twin.h)
     bool asked_estimate = false;  // for it, where it is dear
     bool quiet = false;
     Folder keep;            // of a batch: where runs/ lies; none: in its own folder

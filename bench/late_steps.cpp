@@ -12,7 +12,7 @@
 #include "contact/capsule.h"
 #include "core/error.h"
 #include "core/file_io.h"
-#include "scene/key_frames.h"
+#include "run/key_frames.h"
 #include "scene/scene.h"
 #include "world/world.h"
 

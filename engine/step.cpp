@@ -27,7 +27,7 @@ StepReport step(World& given, const Control& control, double dt)
         accept(world, *sub, report);     // or put back, to go on in two halves
         if (world.solver->stopped()) return put_back(world, report);
     }
-    carry_on(world);                 // what steps cut short have left to the next one
+    carry_on(world.state);           // what steps cut short have left to the next one
     adapt_nodes(world, dt);          // adapt: split and merge edges
     check_state(world, dt, report);  // check: non-finite values, points beyond the wall
     show_groups(world);              // instruments that share a centreline, each by itself

@@ -7,6 +7,7 @@
 #include "shared/instrument_types.h"
 #include "vessel/vessel_spec.h"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -54,5 +55,18 @@ private:
     void add_nested_pairs(const InstrumentSetup& setup, int wire, const NestedInstruments& nest);
     [[nodiscard]] double widest(int wire) const;
 };
+
+/// Calls f(wire, first, count) with the stretch of slots in which a wire's cells, of which of_wire tells the first, are listed.
+template <class F>
+void for_each_stretch(std::span<const std::uint32_t> listed, std::span<const int> of_wire, const F& f)
+{
+    auto from = listed.begin();
+    for (std::size_t w = 0; w + 1 < of_wire.size(); ++w) {
+        const auto end = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * of_wire[w + 1]);
+        const auto until = std::lower_bound(from, listed.end(), end);
+        if (from != until) f(static_cast<int>(w), std::size_t{*from}, std::size_t{*(until - 1)} - *from + 1);
+        from = until;
+    }
+}
 
 }  // namespace seldinger

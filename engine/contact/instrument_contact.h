@@ -14,6 +14,7 @@
 
 #include "contact/contact_row.h"
 #include "contact/force_per_length.h"
+#include "contact/found_slots.h"
 #include "contact/instrument_cells.h"
 #include "contact/instrument_sums.h"
 #include "device/device.h"
@@ -51,8 +52,6 @@ public:
     void add_loads(std::span<WireLoads> loads);
 
 private:
-    /// What the last trial knows of a slot. Touched: in a trial before it, whose record is still there.
-    enum Touch : std::uint8_t { Apart, Touching, Touched };
     /// Nodes of all rods on host and device.
     struct Nodes {
         Nodes(device::Context& context, int capacity);
@@ -85,13 +84,6 @@ private:
     void list_found();
     void upload(device::Queue queue);
     void pick(std::span<const std::uint8_t> active);
-    struct NodeRange {
-        int first, end;
-    };
-    /// Nodes of the cell and of its neighbours: on a, on b.
-    struct NearNodes {
-        NodeRange a, b;
-    };
     [[nodiscard]] NodeRange nodes_between(const InstrumentRod& rod, double from, double until, int near) const;
     [[nodiscard]] NearNodes near_nodes(std::uint32_t slot, int near) const;
     [[nodiscard]] double most_moved(NodeRange nodes) const;
@@ -130,18 +122,11 @@ private:
     std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;
     std::vector<InstrumentState> no_states_;
-    // slots that something is near in; of these the ones evaluated: of systems that are, and not known to be clear
-    std::vector<std::uint32_t> found_, picked_;
-    std::vector<std::size_t> found_of_, picked_of_;  // [systems + 1] their first
-    std::vector<std::uint32_t> place_;               // [picked] in found_
-    std::vector<std::uint8_t> touches_;              // [found] a Touch: at its last evaluation
-    std::vector<double> clear_;                      // [found] InstrumentForce's, at the first evaluation [m]
-    std::vector<NearNodes> near_nodes_;              // [found]
-    // before the last search
-    std::vector<std::uint32_t> found_before_;
-    std::vector<std::uint8_t> touches_before_;
-    std::vector<double> clear_before_;
-    std::vector<NearNodes> near_nodes_before_;
+    FoundSlots found_, found_before_;  // by the last search, by the one before
+    // of these the ones evaluated: of systems that are, and not known to be clear
+    std::vector<std::uint32_t> picked_;
+    std::vector<std::size_t> picked_of_;  // [systems + 1] their first
+    std::vector<std::uint32_t> place_;    // [picked] in found_
     std::vector<std::uint8_t> cleared_;              // [systems] whether that is known
     std::vector<double> cleared_position_;           // where nodes were then
     std::vector<double> moved_;                      // [nodes] since [m]

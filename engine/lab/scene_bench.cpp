@@ -3,7 +3,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "scene/key_frames.h"
+#include "run/key_frames.h"
 
 #include <fmt/format.h>
 

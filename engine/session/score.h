@@ -2,7 +2,7 @@
 // The score sheet of a live session, as JSON and as a page, and which instruments a hand can hold.
 
 #include "scene/scene.h"
-#include "scene/score.h"
+#include "run/score.h"
 
 #include <string>
 #include <vector>

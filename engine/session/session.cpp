@@ -3,7 +3,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "scene/checkpoint.h"
+#include "run/checkpoint.h"
 
 #include <fmt/format.h>
 #include <pthread.h>

@@ -1,7 +1,7 @@
 #pragma once
 // What a session shows of its newest step to the threads beside it: copies of fixed size or of kept capacity, nothing to wait for.
 
-#include "scene/score_numbers.h"
+#include "run/score_numbers.h"
 #include "session/session_limits.h"
 
 #include <array>

@@ -2,9 +2,9 @@
 #include "study/batch.h"
 
 #include "core/error.h"
-#include "scene/checkpoint.h"
-#include "scene/joint_readings.h"
-#include "scene/wall_path.h"
+#include "run/checkpoint.h"
+#include "run/joint_readings.h"
+#include "run/wall_path.h"
 
 #include <fmt/format.h>
 
@@ -103,7 +103,7 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
             throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
                                                         "results.csv; leave `name` out of what is varied",
                                                         source.sweep.source.string(), run));
-        // a wall's mesh follows the path of its own run (scene/wall_path.h): nothing else goes with it
+        // a wall's mesh follows the path of its own run (run/wall_path.h): nothing else goes with it
         const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
         const std::string key = own_wall ? fmt::format("{}", run) : shared_part(std::move(scene), first);
         const auto [at, is_new] = open.try_emplace(key, worlds.size());

@@ -4,7 +4,7 @@
 // of the run alone.
 
 #include "core/bytes.h"
-#include "scene/scene_run.h"
+#include "run/scene_run.h"
 #include "scene/vessel_load.h"
 #include "study/batch_keep.h"
 #include "study/batch_table.h"

@@ -1,7 +1,7 @@
 // Counts and ranks a batch's runs, and says so in one line.
 #include "study/batch_answer.h"
 
-#include "scene/force_text.h"
+#include "run/force_text.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
-#include "scene/frames.h"
+#include "run/frames.h"
 #include "scene/scene.h"
 #include "study/batch_table.h"
 

@@ -2,8 +2,8 @@
 #include "study/batch_table.h"
 
 #include "io/npz_write.h"
-#include "scene/joint_readings.h"
-#include "scene/step_twin.h"
+#include "run/joint_readings.h"
+#include "run/step_twin.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #pragma once
 // The results of a batch: one row per run, as CSV and as NumPy's .npz.
 
-#include "scene/exits.h"
-#include "scene/summary.h"
-#include "scene/wire_shapes.h"
+#include "run/exits.h"
+#include "run/summary.h"
+#include "run/wire_shapes.h"
 #include "vessel/branches.h"
 #include "study/sweep.h"
 
@@ -138,7 +138,7 @@ struct VesselPlaces {
 [[nodiscard]] BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally,
                                 const VesselPlaces& places);
 
-/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (scene/step_twin.h). NaN where the
+/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (run/step_twin.h). NaN where the
 /// other run stopped, or, of what happens until the target is reached, where only one of the two reaches it.
 [[nodiscard]] double band_of(const BatchRow& row, const BatchRow& half, std::size_t column);
 

@@ -2,7 +2,7 @@
 #include "study/run_model.h"
 
 #include "core/clock.h"
-#include "scene/scene_run.h"
+#include "run/scene_run.h"
 #include "study/run_watch.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #include "study/simulation.h"
 
 #include "core/error.h"
-#include "scene/joint_readings.h"
-#include "scene/key_frames.h"
+#include "run/joint_readings.h"
+#include "run/key_frames.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include "view/legend.h"
 #include "view/shaders.h"
 #include "view/solids.h"
+#include "view/wall_vertices.h"
 
 #include <fmt/format.h>
 
@@ -39,37 +40,8 @@ struct View {
 
 glm::vec3 to_glm(const Vec3& v) { return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}; }
 
-/// Area-weighted vertex normals; zero where a vertex has no triangle.
-std::vector<Vec3> vertex_normals(const std::vector<Vec3>& vertices, const std::vector<std::array<std::int32_t, 3>>& triangles)
-{
-    std::vector<Vec3> normals(vertices.size(), Vec3::Zero());
-    for (const auto& t : triangles) {
-        const Vec3& a = vertices[t[0]];
-        const Vec3 area = (vertices[t[1]] - a).cross(vertices[t[2]] - a);
-        for (int k : t) normals[k] += area;
-    }
-    for (Vec3& n : normals) n = n.squaredNorm() > 0 ? Vec3(n.normalized()) : Vec3::UnitZ();
-    return normals;
-}
-
 constexpr GLsizei wall_stride = 7 * sizeof(float);
 constexpr Attribute wall_attributes[] = {{0, 3, 0}, {1, 3, 3 * sizeof(float)}, {2, 1, 6 * sizeof(float)}};
-
-/// Position, normal and share of the scale of every vertex. @param share  empty: 0
-std::vector<float> interleave(const std::vector<Vec3>& vertices, const std::vector<Vec3>& normals,
-                              const std::vector<float>& share, const Vec3& origin)
-{
-    std::vector<float> list(7 * vertices.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const Vec3 p = vertices[i] - origin;
-        for (int k = 0; k < 3; ++k) {
-            list[7 * i + k] = static_cast<float>(p[k]);
-            list[7 * i + 3 + k] = static_cast<float>(normals[i][k]);
-        }
-        if (!share.empty()) list[7 * i + 6] = share[i];
-    }
-    return list;
-}
 
 double strongest(const WireFrame& frame)
 {
@@ -220,7 +192,7 @@ void Renderer::Impl::upload_wall()
     for (const Vec3& v : mesh.vertices) origin += v;
     if (!mesh.vertices.empty()) origin /= static_cast<double>(mesh.vertices.size());
     if (mesh.triangles.empty()) return;
-    const std::vector<float> interleaved = interleave(mesh.vertices, vertex_normals(mesh.vertices, mesh.triangles), {}, origin);
+    const std::vector<float> interleaved = interleaved_wall(mesh.vertices, mesh.triangles, {}, origin);
     wall_vertices = make_buffer(static_cast<GLsizeiptr>(interleaved.size() * sizeof(float)), interleaved.data());
     wall_indices = make_buffer(static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(mesh.triangles[0])), mesh.triangles.data());
     describe(wall_vao, wall_vertices, wall_stride, wall_attributes);
@@ -234,7 +206,7 @@ void Renderer::Impl::upload_moved(const MovedWall& now)
     SEL_ASSERT(now.vertices.size() == mesh.vertices.size() && now.value.size() == mesh.vertices.size());
     std::vector<float> share(now.value.size());
     for (std::size_t i = 0; i < share.size(); ++i) share[i] = static_cast<float>(now.value[i] / wall_scale.top);
-    const std::vector<float> interleaved = interleave(now.vertices, vertex_normals(now.vertices, mesh.triangles), share, origin);
+    const std::vector<float> interleaved = interleaved_wall(now.vertices, mesh.triangles, share, origin);
     moved_vertices = make_buffer(static_cast<GLsizeiptr>(interleaved.size() * sizeof(float)), interleaved.data());
     describe(moved_vao, moved_vertices, wall_stride, wall_attributes);
     glVertexArrayElementBuffer(moved_vao, wall_indices);

@@ -13,7 +13,7 @@ constexpr double corner_cosine = 0.5;  // of 60 degrees
 }  // namespace
 
 FineSurface::FineSurface(const WallMesh& mesh)
-    : mesh_(mesh), tree_(build_wall_tree(mesh)), normals_(mesh.vertices.size(), Vec3::Zero())
+    : mesh_(mesh), tree_(shared_wall_tree(mesh)), normals_(mesh.vertices.size(), Vec3::Zero())
 {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Vec3 area = double_area(triangle_of(mesh, t));
@@ -24,8 +24,8 @@ FineSurface::FineSurface(const WallMesh& mesh)
 
 FineSurface::Place FineSurface::nearest(const Vec3& p) const
 {
-    const TreeHit hit = nearest_on_wall(tree_, p);
-    const std::size_t t = tree_.original[hit.triangle];
+    const TreeHit hit = nearest_on_wall(*tree_, p);
+    const std::size_t t = tree_->original[hit.triangle];
     const auto& corner = mesh_.triangles[t];
     const Triangle3 tri = triangle_of(mesh_, t);
     const Vec3 point = closest_point(p, tri).point;  // of the wall itself, not rounded

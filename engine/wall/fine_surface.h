@@ -1,7 +1,7 @@
 #pragma once
 // The fine wall for a control mesh: a surface to lie on, and its rims as curves with an arc length.
 
-#include "vessel/tree.h"
+#include "vessel/shared_tree.h"
 #include "vessel/wall_mesh.h"
 
 #include <vector>
@@ -24,7 +24,7 @@ public:
 
 private:
     const WallMesh& mesh_;
-    WallTree tree_;
+    std::shared_ptr<const WallTree> tree_;
     std::vector<Vec3> normals_;  // [V]
 };
 

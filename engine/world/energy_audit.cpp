@@ -2,8 +2,8 @@
 
 #include "world/energy_audit.h"
 
-#include "world/merged.h"
 #include "solve/line_holds.h"
+#include "world/merged.h"
 #include "world/world.h"
 
 #include <algorithm>
@@ -177,9 +177,9 @@ double unseen_work(WorldData& world, int wire, double h)
 
 /// The wire, and those that share its centreline.
 template <class Visit>
-void for_each_of_group(WorldData& world, int wire, const Visit& visit)
+void for_each_of_group(const MergedGroups& groups, int wire, const Visit& visit)
 {
-    const MergedGroup* group = world.groups.of(wire);
+    const MergedGroup* group = groups.of(wire);
     if (!group) return visit(wire);
     for (const int w : group->wires()) visit(w);
 }
@@ -192,7 +192,7 @@ WireEnergy energy_now(const EnergyAudit& audit)
 void read_terms(WorldData& world, int wire)
 {
     TermEnergies& terms = world.audit(wire).terms = {};
-    for_each_of_group(world, wire, [&](int w) { terms += world.forces.terms.answer(w, Ask::Energies).energies; });
+    for_each_of_group(world.groups, wire, [&](int w) { terms += world.forces.terms.answer(w, Ask::Energies).energies; });
 }
 
 void read_energies(WorldData& world, int wire)
@@ -326,7 +326,7 @@ void begin_audit(WorldData& world, int wire, bool placed)
         RodFrames frames(rod.n);
         audit.kinetic = kinetic_energy(world, wire);
         MergedGroup* group = world.groups.of(wire);
-        audit.elastic = group ? elastic_now(world, *group)
+        audit.elastic = group ? elastic_now(world.state.rods, *group)
                               : seldinger::energy_now(rod, world.constraints(wire).clamps, frames);
         audit.gravitational = world.solver->potential_energy(wire);
         read_terms(world, wire);
@@ -354,7 +354,7 @@ bool energy_adds_up(WorldData& world, int wire, double h)
     take_into_ledger(world, wire, work);
     input.unseen += unseen_work(world, wire, h);
     if (world.setup.integrator.scheme == Scheme::Newton && !world.work.reports[wire].best_effort)
-        for_each_of_group(world, wire, [&](int w) { input.work += world.solver->residual_work(w); });
+        for_each_of_group(world.groups, wire, [&](int w) { input.work += world.solver->residual_work(w); });
     audit.next = audit.balance;
     if (audit.known) return audit.next.take_in(energy_now(audit), input, audit.limits);
     audit.next.begin_after(energy_now(audit), input);

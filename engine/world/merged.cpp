@@ -1,5 +1,6 @@
 // Instruments that share one centreline: placed, fed, held.
 
+#include "contact/contact_system.h"
 #include "world/merged.h"
 
 #include "contact/coaxial_friction.h"
@@ -38,16 +39,16 @@ int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec)
 
 namespace {
 
-const WireSpec& spec_of(const WorldData& world, const MergedGroup& group, int k)
+const WireSpec& spec_of(const WorldSetup& setup, const MergedGroup& group, int k)
 {
-    return world.setup.wires[group.wires()[k]].wire;
+    return setup.wires[group.wires()[k]].wire;
 }
 
-int ahead_of_all(const WorldData& world, const MergedGroup& group)
+int ahead_of_all(const WorldState& state, const MergedGroup& group)
 {
     int first = group.leader;
     for (int k = 0; k < group.shared.count(); ++k)
-        if (world.feed(group.wires()[k]).advance > world.feed(group.wires()[first]).advance) first = k;
+        if (state.feed(group.wires()[k]).advance > state.feed(group.wires()[first]).advance) first = k;
     return first;
 }
 
@@ -63,7 +64,7 @@ double offset_of(WorldData& world, const MergedGroup& group, int k)
 void set_offsets(WorldData& world, MergedGroup& group)
 {
     for (int k = 0; k < group.shared.count(); ++k)
-        group.shared.rod.instrument[k] = {&spec_of(world, group, k), offset_of(world, group, k)};
+        group.shared.rod.instrument[k] = {&spec_of(world.setup, group, k), offset_of(world, group, k)};
 }
 
 /// Angles at the clamps, or of the hands that hold the lengths behind them.
@@ -74,13 +75,13 @@ void set_angles(WorldData& world, MergedGroup& group)
         const FeedSpec& from = world.setup.wires[w].feed;
         group.shared.clamp[k] = group.shared.base.hand[k] = -world.feed(w).turn;
         const double behind = from.behind > 0 ? from.behind - (world.feed(w).advance - from.advance) : 0.0;
-        group.shared.base.behind[k] = std::max(behind, 0.0) / spec_of(world, group, k).shaft.twist_stiffness;
+        group.shared.base.behind[k] = std::max(behind, 0.0) / spec_of(world.setup, group, k).shaft.twist_stiffness;
     }
 }
 
-void set_inside(WorldData& world, const MergedGroup& group)
+void set_inside(WorldState& state, const MergedGroup& group)
 {
-    for (const int w : group.wires()) world.feed(w).inside = group.feed.inside;
+    for (const int w : group.wires()) state.feed(w).inside = group.feed.inside;
 }
 
 /// Passengers as long as the line; angles of all as the hubs are turned. @param rate  of each [rad/s]
@@ -88,7 +89,7 @@ void level(WorldData& world, MergedGroup& group, std::span<const double> angle, 
 {
     for (std::size_t k = 0; k < group.wires().size(); ++k) {
         world.state.rods.set_node_count(group.wires()[k], world.state.rods.node_count(group.line()));
-        world.state.rods.set_curvature(group.wires()[k], spec_of(world, group, 0).curvature);
+        world.state.rods.set_curvature(group.wires()[k], spec_of(world.setup, group, 0).curvature);
         const RodView own = world.rod(group.wires()[k]);
         std::ranges::fill(own.theta, angle[k]);
         std::ranges::fill(own.spin_rate, rate[k]);
@@ -98,13 +99,13 @@ void level(WorldData& world, MergedGroup& group, std::span<const double> angle, 
 }
 
 /// Angles of an instrument that is still outside follow its hub.
-void level_absent(WorldData& world, MergedGroup& group)
+void level_absent(RodArrays& rods, MergedGroup& group)
 {
-    const RodView line = world.rod(group.line());
+    const RodView line = rods.view(group.line());
     const int hub = line.n - 1;
     for (int k = 0; k < group.shared.count(); ++k) {
         if (!coaxial_idle(group.shared.rod, hub, k) || !coaxial_idle(group.shared.rod, hub - 1, k)) continue;
-        const RodView own = world.rod(group.wires()[k]);
+        const RodView own = rods.view(group.wires()[k]);
         own.theta[hub] = group.shared.clamp[k];
         own.theta[hub - 1] = own.theta[hub] + line.clamp_twist_a[hub];
         for (int j = hub - 2; j >= 0; --j) own.theta[j] = own.theta[j + 1] + line.ref_twist[j + 1];
@@ -114,11 +115,11 @@ void level_absent(WorldData& world, MergedGroup& group)
 
 }  // namespace
 
-double elastic_now(WorldData& world, MergedGroup& group)
+double elastic_now(RodArrays& rods, MergedGroup& group)
 {
-    const RodView line = world.rod(group.line());
+    const RodView line = rods.view(group.line());
     CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = world.rod(group.wires()[k]).theta;
+    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = rods.view(group.wires()[k]).theta;
     RodFrames& frames = group.frames;
     const bool usable = update_coaxial(group.shared.rod, line, now, group.shared.base, frames);
     const double energy = usable ? coaxial_energy(group.shared.rod, line, now, group.shared.base, frames) : 0.0;
@@ -155,7 +156,7 @@ void change_leader(WorldData& world, MergedGroup& group, int leader, double h)
     if (world.setup.integrator.scheme != Scheme::Static)
         slide_faster(world.rod(group.line()), hub_speed(world, next, h) - hub_speed(world, last, h), group.feed.direction);
     const RodView line = world.rod(group.line());
-    const double before = elastic_now(world, group);
+    const double before = elastic_now(world.state.rods, group);
     const double longer = world.feed(next).advance - line.material_s[line.n - 1];
     const Vec3 forwards = (line.pos(0) - line.pos(1)).normalized();
     line.set_pos(0, line.pos(0) + longer * forwards);
@@ -166,7 +167,7 @@ void change_leader(WorldData& world, MergedGroup& group, int leader, double h)
     set_offsets(world, group);
     prepare_group(world.state.rods, group.wires(), group.shared.rod);
     follow_line(world.state.rods, group.wires());
-    world.state.wires[group.line()].remesh_energy += elastic_now(world, group) - before;
+    world.state.wires[group.line()].remesh_energy += elastic_now(world.state.rods, group) - before;
 }
 
 /// Energy carried in by new material, and the hands' work to lift it.
@@ -211,11 +212,11 @@ void place_group(WorldData& world, MergedGroup& group)
         feed.edge = group.feed.edge;
         angle[k] = -from.turn;
     }
-    group.leader = ahead_of_all(world, group);
+    group.leader = ahead_of_all(world.state, group);
     FeedSpec spec = setup.wires[line].feed;
     spec.advance = world.feed(group.wires()[group.leader]).advance;
     spec.turn = 0;
-    start_feed(group.feed, spec, spec_of(world, group, group.leader), world.state.rods, line);
+    start_feed(group.feed, spec, spec_of(world.setup, group, group.leader), world.state.rods, line);
     for (const int w : group.wires()) {
         world.feed(w).point = group.feed.point;
         world.feed(w).direction = group.feed.direction;
@@ -224,7 +225,7 @@ void place_group(WorldData& world, MergedGroup& group)
     group.shared.base.tangent = -group.feed.direction;
     group.shared.base.director = group.feed.director;
     level(world, group, angle, still);
-    set_inside(world, group);
+    set_inside(world.state, group);
     refresh_group(world, group);
 }
 
@@ -257,9 +258,9 @@ void feed_group(WorldData& world, MergedGroup& group, double step, double h)
     for (int k = 0; k < count; ++k) std::ranges::copy(world.rod(group.wires()[k]).spin_inertia, group.inertia[k].begin());
     const int leader = group.wires()[group.leader];
     const bool was_inside = group.feed.inside;
-    feed_to(group.feed, {0, world.feed(leader).advance, 0}, spec_of(world, group, group.leader), world.state.rods, group.line(), h);
+    feed_to(group.feed, {0, world.feed(leader).advance, 0}, spec_of(world.setup, group, group.leader), world.state.rods, group.line(), h);
     if (!was_inside || !group.feed.inside) level(world, group, angle, rate);
-    set_inside(world, group);
+    set_inside(world.state, group);
     set_offsets(world, group);
     set_angles(world, group);
     for (int k = 0; k < count; ++k) {
@@ -267,7 +268,7 @@ void feed_group(WorldData& world, MergedGroup& group, double step, double h)
         group.shared.fed[k] = world.feed(group.wires()[k]).grown;
     }
     prepare_group(world.state.rods, group.wires(), group.shared.rod);
-    level_absent(world, group);
+    level_absent(world.state.rods, group);
     EnergyAudit& audit = world.audit(group.line());
     if (!was_inside || !group.feed.inside) {
         audit.known = false;
@@ -312,11 +313,11 @@ double lead_change_after(const WorldData& world, const MergedGroup& group, doubl
 void lead_group(WorldData& world, MergedGroup& group, double h)
 {
     if (!group.feed.inside) {  // a rigid piece in the introducer: its tip is the leader's
-        group.leader = ahead_of_all(world, group);
+        group.leader = ahead_of_all(world.state, group);
         group.feed.advance = world.feed(group.wires()[group.leader]).advance;
         return;
     }
-    const int leader = ahead_of_all(world, group);
+    const int leader = ahead_of_all(world.state, group);
     const RodView line = world.rod(group.line());
     if (leader != group.leader && world.feed(group.wires()[leader]).advance > line.material_s[line.n - 1])
         change_leader(world, group, leader, h);

@@ -90,7 +90,7 @@ void take_holds(WorldData& world, MergedGroup& group);
 /// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
 bool adapt_group(WorldData& world, MergedGroup& group, double dt, bool may_merge);
 /// Elastic energy of the accepted state [J].
-[[nodiscard]] double elastic_now(WorldData& world, MergedGroup& group);
+[[nodiscard]] double elastic_now(RodArrays& rods, MergedGroup& group);
 /// After arrays and feeds have been put back: offsets, angles and integrals.
 void refresh_group(WorldData& world, MergedGroup& group);
 /// What the nodes of the line are judged by at the accepted state: moments, torques and contact of all instruments of the group, which has to

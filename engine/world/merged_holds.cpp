@@ -1,8 +1,8 @@
 // Constraints and loads of instruments on one centreline: the hub, and the scene's points on their material.
 
 #include "core/error.h"
-#include "world/merged.h"
 #include "solve/line_holds.h"
+#include "world/merged.h"
 
 #include <fmt/format.h>
 

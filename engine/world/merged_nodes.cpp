@@ -1,8 +1,10 @@
 // Nodes of a common centreline: births at the hub, and where all of its instruments ask for adaptive nodes, anywhere along it.
 
+#include "contact/yielding_wall.h"
+#include "rod/coaxial_nodes.h"
+#include "wall/elastic_wall.h"
 #include "world/merged.h"
 #include "world/node_errors.h"
-#include "rod/coaxial_nodes.h"
 #include "world/step_stages.h"
 
 #include <algorithm>
@@ -36,10 +38,10 @@ void change_nodes(WorldData& world, MergedGroup& group, const NodeChange& what, 
 {
     const int line = group.line(), n = world.state.rods.node_count(line);
     refresh_group(world, group);
-    const double before = elastic_now(world, group);
+    const double before = elastic_now(world.state.rods, group);
     change(CoaxialNodes(world.state.rods, group.wires(), group.shared.rod, group.shared.base));
     refresh_group(world, group);
-    world.state.wires[line].remesh_energy += elastic_now(world, group) - before;
+    world.state.wires[line].remesh_energy += elastic_now(world.state.rods, group) - before;
     for (const int w : group.wires()) renumber_forces(world.output.results[w].nodal_contact, n, what);
 }
 

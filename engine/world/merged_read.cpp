@@ -1,6 +1,7 @@
 // Instruments that share one centreline: forces at their hands, and each instrument alone.
 
 #include "contact/coaxial_friction.h"
+#include "contact/contact_system.h"
 #include "world/merged.h"
 
 #include <algorithm>
@@ -19,9 +20,9 @@ double axial_contact(WorldData& world, const MergedGroup& group, int k)
 }
 
 /// Friction of the others on an instrument, + towards the tip. In a group it adds up to nothing: the line does not feel it.
-double axial_friction(const WorldData& world, int wire)
+double axial_friction(const WorldForces& forces, int wire)
 {
-    return world.forces.coaxial_friction ? world.forces.coaxial_friction->along(wire) : 0;
+    return forces.coaxial_friction ? forces.coaxial_friction->along(wire) : 0;
 }
 
 double mass_rate(const WireSection* section)
@@ -72,10 +73,10 @@ void read_hands(WorldData& world, MergedGroup& group)
         if (k == group.leader) continue;
         const double beside = weight_of(world, group, k) - axial_contact(world, group, k);
         result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(world, group, hands, k) -
-                            axial_friction(world, group.wires()[k]);
+                            axial_friction(world.forces, group.wires()[k]);
         of_leader -= beside;
     }
-    of_leader -= axial_friction(world, group.wires()[group.leader]);
+    of_leader -= axial_friction(world.forces, group.wires()[group.leader]);
     world.output.results[group.wires()[group.leader]].hand_force = of_leader;
 }
 
@@ -86,7 +87,7 @@ MergedForces merged_forces(WorldData& world, const MergedGroup& group)
     auto to = forces.value.begin();
     *to++ = hands.line_force;
     for (int k = 0; k < group.shared.count(); ++k)
-        for (const double force : {hands.offset_force[k], axial_contact(world, group, k), axial_friction(world, group.wires()[k]),
+        for (const double force : {hands.offset_force[k], axial_contact(world, group, k), axial_friction(world.forces, group.wires()[k]),
                                    twist_behind(world, group, hands, k), hands.torque[k]})
             *to++ = force;
     return forces;

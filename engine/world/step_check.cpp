@@ -1,8 +1,10 @@
 // The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
 
 #include "contact/contact_sums.h"
-#include "world/step_stages.h"
+#include "contact/yielding_wall.h"
+#include "device/device.h"
 #include "vessel/repair.h"
+#include "world/step_stages.h"
 #include "world/world.h"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // The adapt stage: splits and merges edges between steps, and births at the inlet of a fed wire.
 
+#include "contact/yielding_wall.h"
 #include "core/clock.h"
+#include "wall/elastic_wall.h"
 #include "world/merged.h"
 #include "world/step_stages.h"
 #include "world/world.h"

@@ -1,7 +1,9 @@
 // Readings of the accepted state of a sub-step: contact, hands, energies, momentum.
 
-#include "world/merged.h"
+#include "contact/contact_system.h"
+#include "contact/instrument_contact.h"
 #include "solve/line_holds.h"
+#include "world/merged.h"
 #include "world/step_stages.h"
 #include "world/world.h"
 

@@ -4,8 +4,8 @@
 #include "core/clock.h"
 #include "core/parallel.h"
 #include "core/prefetch.h"
-#include "world/merged.h"
 #include "rod/no_state.h"
+#include "world/merged.h"
 #include "world/step_stages.h"
 #include "world/world.h"
 
@@ -18,10 +18,10 @@ namespace {
 constexpr int most_energy_halvings = 3;  // energy that steps eight times as short make too is none of the step's length
 
 /// What a loop over the wires comes to next: the arrays of the wire after this one.
-void prefetch_after(WorldData& world, int w)
+void prefetch_after(RodArrays& rods, int w)
 {
-    if (w + 1 >= world.wire_count()) return;
-    for (const std::span<double>& array : world.state.rods.arrays(w + 1)) prefetch(array.data(), array.size_bytes());
+    if (w + 1 >= rods.wire_count()) return;
+    for (const std::span<double>& array : rods.arrays(w + 1)) prefetch(array.data(), array.size_bytes());
 }
 
 // Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
@@ -108,7 +108,7 @@ void begin_step(WorldData& world)
         begin_audit(world, w, true);
     }
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(world, w);
+        prefetch_after(world.state.rods, w);
         keep_wire(world, w);
     });
     world.work.terms_in_solve = 0;
@@ -135,9 +135,9 @@ StepReport put_back(WorldData& world, StepReport& report)
     return report;
 }
 
-void carry_on(WorldData& world)
+void carry_on(WorldState& state)
 {
-    for (WireState& wire : world.state.wires) std::swap(wire.carried, wire.left);
+    for (WireState& wire : state.wires) std::swap(wire.carried, wire.left);
 }
 
 void begin_sub_step(WorldData& world, const SubStep& sub)
@@ -174,7 +174,7 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
     for (int w = 0; w < world.wire_count(); ++w) done[w] = done[w] && !outcomes.failed[w] && !outcomes.ended[w];
     world.forces.terms.commit(done);
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(world, w);
+        prefetch_after(world.state.rods, w);
         if (!done[w]) return;
         world.state.wires[w].time += sub.h;
         if (world.work.active[w] && audited(world) && !world.groups.is_passenger(w)) accept_energy(world, w, sub.h);

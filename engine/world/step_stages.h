@@ -56,7 +56,7 @@ void read_hand_stiffness(WorldData& world, int wire);
 // ---- step_nodes.cpp
 
 /// Splits and merges edges where the shape asks for it, after a step of dt [s]; wires of a given node number at the hub only.
-void carry_on(WorldData& world);
+void carry_on(WorldState& state);
 void adapt_nodes(WorldData& world, double dt);
 /// The same for one wire.
 void adapt_nodes_of(WorldData& world, int wire, double dt);

@@ -3,9 +3,9 @@
 #include "world/world.h"
 
 #include "core/error.h"
-#include "world/merged.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
+#include "world/merged.h"
 #include "world/setup_check.h"
 
 #include <algorithm>

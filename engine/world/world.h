@@ -8,6 +8,8 @@
 //   work      StepWork                           of the present step, worth nothing after it
 //   output    WorldOutput                        of the accepted state
 
+#include "contact/edge_sums.h"
+#include "contact/force_per_length.h"
 #include "engine.h"
 #include "rod/adapt.h"
 #include "solve/constraints.h"
@@ -63,8 +65,10 @@ struct WorldState {
     RodArrays rods;
     std::vector<WireState> wires;
 
+    [[nodiscard]] FeedState& feed(int wire) { return wires[wire].feed; }
+    [[nodiscard]] const FeedState& feed(int wire) const { return wires[wire].feed; }
     /// Whether a wire is among those that are solved: one that is still in its introducer is not.
-    [[nodiscard]] bool is_solved(int wire) const { return !wires[wire].feed.on || wires[wire].feed.inside; }
+    [[nodiscard]] bool is_solved(int wire) const { return !feed(wire).on || feed(wire).inside; }
 };
 
 // ---- work
@@ -155,8 +159,8 @@ struct WorldData {
 
     [[nodiscard]] int wire_count() const { return state.rods.wire_count(); }
     [[nodiscard]] RodView rod(int wire) { return state.rods.view(wire); }
-    [[nodiscard]] FeedState& feed(int wire) { return state.wires[wire].feed; }
-    [[nodiscard]] const FeedState& feed(int wire) const { return state.wires[wire].feed; }
+    [[nodiscard]] FeedState& feed(int wire) { return state.feed(wire); }
+    [[nodiscard]] const FeedState& feed(int wire) const { return state.feed(wire); }
     [[nodiscard]] EnergyAudit& audit(int wire) { return state.wires[wire].audit; }
     [[nodiscard]] WireConstraints& constraints(int wire) { return work.constraints[wire]; }
     [[nodiscard]] NodeAdapter& adapter(int wire) { return work.wires[wire].adapter; }

@@ -2,11 +2,11 @@
 
 #include "contact/quadrature.h"
 #include "core/error.h"
-#include "world/merged.h"
-#include "world/setup_check.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/mesh_limits.h"
 #include "wall/wall_model.h"
+#include "world/merged.h"
+#include "world/setup_check.h"
 #include "world/world.h"
 
 #include <fmt/format.h>

@@ -2,18 +2,27 @@
 // What acts on the wires of a world, wall and device included. All of it is made once; what changes in it is the memory of its
 // force terms (ForceTerm::walk_state).
 
-#include "contact/instrument_contact.h"
-#include "contact/yielding_wall.h"
-#include "device/device.h"
+#include "contact/contact_row.h"
+#include "contact/contact_setup.h"
+#include "contact/instrument_cells.h"
 #include "model.h"
+#include "solve/force_term.h"
 
+#include <memory>
 #include <optional>
 
 namespace seldinger {
 
-class CoaxialFriction;  // contact/coaxial_friction.h
-class LineHolds;        // solve/line_holds.h
-class SystemList;       // world/systems.h
+class CoaxialFriction;    // contact/coaxial_friction.h
+class ContactMethod;      // contact/contact_system.h
+class ElasticWall;        // wall/elastic_wall.h
+class InstrumentContact;  // contact/instrument_contact.h
+class LineHolds;          // solve/line_holds.h
+class SystemList;         // world/systems.h
+class YieldingWall;       // contact/yielding_wall.h
+namespace device {
+class Context;  // device/device.h
+}
 
 /// What contact is made from.
 [[nodiscard]] ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall);

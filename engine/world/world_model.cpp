@@ -1,6 +1,9 @@
 // Choices of a world's model and why they were made, in words.
 
+#include "contact/contact_system.h"
+#include "device/device.h"
 #include "rod/place.h"
+#include "wall/elastic_wall.h"
 #include "wall/wall_compliance.h"
 #include "world/merged.h"
 #include "world/world.h"

@@ -1,9 +1,13 @@
 // Reading a world: the accepted state in its form for the user.
 
-#include "world/merged.h"
-#include "rod/adapt.h"
 #include "contact/contact_sums.h"
+#include "contact/contact_system.h"
+#include "contact/instrument_contact.h"
+#include "contact/yielding_wall.h"
+#include "rod/adapt.h"
 #include "rod/curvature.h"
+#include "wall/elastic_wall.h"
+#include "world/merged.h"
 #include "world/world.h"
 
 #include <algorithm>
@@ -261,10 +265,10 @@ void read_walls(const WorldData& world, unsigned parts, std::vector<WallOutput>&
 namespace {
 
 /// Sets a flag where a load is more than all that the wire bears.
-void check_loads(const WorldData& world, int wire, WireOutput& into)
+void check_loads(const WorldOutput& output, int wire, WireOutput& into)
 {
     const auto w = static_cast<std::size_t>(wire);
-    if (!within_sum(into.on_wall, world.output.wall_loads[w]) || !within_sum(into.on_instruments, world.output.instrument_loads[w]))
+    if (!within_sum(into.on_wall, output.wall_loads[w]) || !within_sum(into.on_instruments, output.instrument_loads[w]))
         into.report.flags |= StepContactSums;
 }
 
@@ -275,7 +279,7 @@ void read_contacts(const WorldData& world, Output& into)
         wire.contact_area = wire.contact_pressure_max = 0;
         wire.on_wall = world.output.on_wall[w];
         wire.on_instruments = world.output.on_instruments[w];
-        check_loads(world, static_cast<int>(w), wire);
+        check_loads(world.output, static_cast<int>(w), wire);
     }
     for (const ContactRow& row : into.contacts) {
         WireOutput& wire = into.wires[static_cast<std::size_t>(row.a.body)];
@@ -294,7 +298,7 @@ void World::read_loads(int wire, WireOutput& into) const
     into.on_wall = greatest_loads(data_->output.wall_loads[w].samples, spec);
     spec.spacing = 0;  // a cell says which part of it touches
     into.on_instruments = greatest_loads(data_->output.instrument_loads[w].samples, spec);
-    check_loads(*data_, wire, into);
+    check_loads(data_->output, wire, into);
 }
 
 void World::read(Output& into, unsigned parts) const

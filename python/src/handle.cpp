@@ -2,10 +2,10 @@
 #include "handle.h"
 
 #include "core/bytes.h"
-#include "scene/joint_readings.h"
+#include "run/joint_readings.h"
 #include "scene/scene_difference.h"
 #include "scene/vessel_load.h"
-#include "scene/wall_path.h"
+#include "run/wall_path.h"
 #include "study/batch.h"
 
 #include <unistd.h>

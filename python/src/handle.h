@@ -2,8 +2,8 @@
 // A World as Python holds it: with its scenes, its key frames, a copy of the last readings, and a lock, so that threads may share
 // it.
 
-#include "scene/scene_run.h"
-#include "scene/score.h"
+#include "run/scene_run.h"
+#include "run/score.h"
 
 #include <memory>
 #include <mutex>

@@ -5,7 +5,7 @@
 #include "studies.h"
 #include "views.h"
 
-#include "scene/summary.h"
+#include "run/summary.h"
 
 #include <pybind11/stl.h>
 

@@ -1,5 +1,6 @@
 // A wire and an elastic wall, solved together: known solutions, limits, conservation, bits.
 
+#include "wall/elastic_wall.h"
 #include "core/parallel.h"
 #include "support/approx.h"
 #include "support/fed_world.h"

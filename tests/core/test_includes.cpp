@@ -33,9 +33,10 @@ const std::map<std::string, std::set<std::string>> below = {
     {"io", {"vessel", "math", "core"}},
     {"scene", {"io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"view", {"io", "api", "contact", "solve", "rod", "vessel", "math", "core"}},
-    {"study", {"scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
-    {"lab", {"study", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
-    {"session", {"scene", "io", "api", "core"}},
+    {"run", {"scene", "io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
+    {"study", {"run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
+    {"lab", {"study", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
+    {"session", {"run", "scene", "io", "api", "core"}},
 };
 
 std::string folder_of(const fs::path& relative)

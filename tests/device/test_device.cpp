@@ -1,5 +1,6 @@
 // What the step loop does on the device, the bits it gives on each, and the messages when something is wrong.
 
+#include "device/device.h"
 #include "support/skip.h"
 #include "support/world_fixture.h"
 

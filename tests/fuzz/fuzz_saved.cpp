@@ -3,7 +3,7 @@
 #include "fuzz_saved.h"
 #include "fuzz_support.h"
 
-#include "scene/checkpoint.h"
+#include "run/checkpoint.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
 #include "study/errors.h"

@@ -3,7 +3,7 @@
 #include "fuzz_support.h"
 
 #include "engine.h"
-#include "scene/checkpoint.h"
+#include "run/checkpoint.h"
 #include "session/hand_packet.h"
 #include "session/session_record.h"
 #include "study/farm.h"

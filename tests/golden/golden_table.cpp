@@ -2,7 +2,7 @@
 #include "golden/golden_table.h"
 
 #include "engine.h"
-#include "scene/scene_run.h"
+#include "run/scene_run.h"
 #include "scene/vessel_load.h"
 #include "support/shared_folder.h"
 

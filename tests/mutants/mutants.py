@@ -23,9 +23,9 @@ ROOT = Path(__file__).resolve().parents[2]
 ROOMS = {"rod": ["engine/rod/*.cpp"], "solve": ["engine/solve/*.cpp"], "contact": ["engine/contact/*.cpp"], "wall": ["engine/wall/*.cpp"],
          "step": ["engine/world/step*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp"]}
 # rooms of tests in the order in which they may know; what is in no list has nothing to do with it
-TESTS = {"rod": "rod coaxial solve step scene contact failure", "solve": "solve rod step coaxial contact scene failure wall",
-         "contact": "contact coaxial step solve failure scene", "wall": "wall contact failure solve step",
-         "step": "step coaxial solve scene failure contact", "": "io scene view study"}
+TESTS = {"rod": "rod coaxial solve step scene run contact failure", "solve": "solve rod step coaxial contact scene run failure wall",
+         "contact": "contact coaxial step solve failure scene run", "wall": "wall contact failure solve step",
+         "step": "step coaxial solve scene run failure contact", "": "io scene run view study"}
 LEFT_OUT = re.compile(r"^(golden|apps|docs|package|device|bench)/|checkpoint_mutants|test_limits|test_touching_wires")
 
 # ---------------------------------------------------------------------------------------------------------------- what can break

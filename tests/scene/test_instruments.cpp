@@ -3,7 +3,7 @@
 #include "core/error.h"
 #include "engine.h"
 #include "scene/instruments.h"
-#include "scene/key_frames.h"
+#include "run/key_frames.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "support/approx.h"

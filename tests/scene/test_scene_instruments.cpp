@@ -1,7 +1,7 @@
 // [[instrument]] and [coaxial]: the scene that is read, that it is written back to the same scene, and one line for whatever is
 // wrong.
 #include "core/error.h"
-#include "scene/key_frames.h"
+#include "run/key_frames.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "support/error_text.h"

@@ -1,6 +1,6 @@
 // How many Newton iterations the steps of a wire take that lies on the ridges and in the valleys of a faceted wall.
 
-#include "scene/key_frames.h"
+#include "run/key_frames.h"
 #include "scene/scene.h"
 #include "world/world.h"
 

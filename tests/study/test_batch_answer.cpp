@@ -1,5 +1,5 @@
 // The answer of a batch: counts, ranking, resolved differences, and digits.
-#include "scene/force_text.h"
+#include "run/force_text.h"
 #include "study/batch_answer.h"
 #include "support/approx.h"
 

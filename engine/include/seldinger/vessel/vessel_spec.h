@@ -41,7 +41,7 @@ struct VesselSpec {
     bool rims_held = true;             // openings' rims do not move
     std::vector<WallLoad> loads;
     // Points of the wall where instruments are expected to touch it: the control mesh of an elastic wall is fine about them. No key of
-    // a scene; found by a trial run with a rigid wall (scene/wall_path.h) [m]
+    // a scene; found by a trial run with a rigid wall (run/wall_path.h) [m]
     std::vector<Vec3> touched;
     std::filesystem::path centreline;  // optional .vtp with MaximumInscribedSphereRadius
 };

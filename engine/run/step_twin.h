@@ -1,0 +1,251 @@
+#pragma once
+// Estimate of the error in a run's forces and tip by its step, its nodes and the facets of its wall, by the run itself.
+//
+// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Some are computed again in a separate
+// world, from the state at their beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
+// far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
+// and the band is
+//
+//     band = safety r/(r - 1) |Q(h) - Q(h/r)|,    safety = 1.5
+//
+// 3 |Q(h) - Q(h/2)| for halves: the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994,
+// doi:10.1115/1.2910291; order 1, ratio 2). The band of each reading is the largest of all windows: other windows may behave like
+// any of them. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
+// of a wire that sticks, slips and strikes differ however short the step is.
+//
+// Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their bands are the
+// largest difference of such means at any time of the last window, or of the means over any other window.
+//
+// A step that did not converge was divided, in the run as in its twin: the difference of both comes from the other steps alone. With a part p of
+// steps that were divided it is 1/(1 - p) times as large.
+//
+// For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
+// oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the
+// largest hand force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th
+// part of the step where that is longer.
+//
+// A largest force that is a release has its own band (run/release_watch.h): a twin releases where the run did.
+//
+// It cannot see a history that differed before the window began (a branch missed, an earlier slip).
+// A reference for that is `seldinger plan` or a run with a shorter step.
+//
+// Twins have the run's nodes and wall. What edges and facets do is estimated from the state at the end of each window: the tip's
+// error by the wire's shape (rod/adapt.h), that of forces by energy and contacts (run/grid_error.h), times grid_safety. A band is the
+// sum of these shares and that of the step.
+//
+// Of several instruments, the hand force is the first one's (run/joint_readings.h). The hands of the others have bands of their own, made
+// alike: from the same windows, and one more with the largest force of each.
+//
+// The largest force on a patch is that of single steps. Its share by the step is the difference of the largest values in the window that
+// has it. The work of the hand is a sum over the run: its share by the step is the mean difference of
+// the compared windows' mean forces, over the whole path of the hand. Histories of n windows add up like independent ones, to sqrt(n) times
+// that of one.
+//
+// The twin is a separate world: the run's bits are those of a run without it.
+
+#include "engine.h"
+#include "math/end_mean.h"
+#include "math/running_peak.h"
+#include "run/grid_error.h"
+#include "run/key_frames.h"
+#include "run/release_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+struct Scene;
+
+/// One reading with its band.
+struct ErrorBand {
+    double value = 0, twin = 0;  // with the run's step, with 1/parts of it
+    double band = 0;
+    bool resolved = true;  // the expected error, band/safety, is at most a fifth of the value, or below what is told apart
+    bool let_go = false;   // the band is that of a release
+    int parts = 2;
+    double step = 0, nodes = 0, facets = 0;  // shares of the band
+    bool known = true;                       // the run has seen where the value comes from
+    [[nodiscard]] const char* largest_source() const { return nodes > std::max(step, facets) ? "nodes" : facets > step ? "facets" : "step"; }
+};
+
+/// The hand of an instrument: at the end, and the largest mean over 20 ms [N].
+struct HandBands {
+    std::string name;
+    ErrorBand end, peak;
+};
+
+struct ErrorEstimate {
+    bool equilibrium = false;      // no windows: shares of nodes and facets are all there is
+    long windows = 0, failed = 0;  // compared; that found no state with shorter steps
+    long steps = 0, from_step = 0; // of the twin; of the run when it began (after --resume)
+    double seconds = 0;            // that it took
+    double dt = 0;                 // of the run [s]
+    int finest = 2;                // parts of a step of the run in the shortest of a twin
+    long window_steps = 0;
+    double end_seconds = 0;        // that the means at the end span
+    ErrorBand hand, hand_peak, friction, friction_peak;  // 20 ms means: at the end, signed; the largest [N]
+    std::vector<HandBands> others;                       // hands of the instruments but the first
+    ErrorBand patch, work;                               // largest force on a patch of wall [N]; work of the hand's push [J]
+    double wall_move = 0, wall_stress = 0;               // of the largest of an elastic wall, by the step [m], [Pa]
+    double tip = 0;                                      // by the step [m]
+    double tip_nodes = 0;                                // by the length of edges, largest at the ends of windows (World::node_error) [m]
+    double tip_facets = 0;                               // the largest distance of facets from a smooth wall [m]
+    bool adaptive = false;                               // the wire's nodes
+    /// Of the tip's position, by all of them [m].
+    [[nodiscard]] double tip_band() const { return tip + tip_nodes + tip_facets; }
+};
+
+/// What makes the share of a source smaller.
+[[nodiscard]] const char* advice_for(const ErrorEstimate& estimate, const char* source);
+
+/// One sentence for each reading that is not resolved.
+[[nodiscard]] std::vector<std::string> unresolved(const ErrorEstimate& estimate);
+
+/// How much a force falls in all, as means over a time, against its largest.
+class FallSum {
+public:
+    explicit FallSum(std::size_t steps) : mean_(steps) {}
+    void add(double value)
+    {
+        mean_.add(value);
+        if (!mean_.full()) return;
+        const double now = mean_.mean();
+        fallen_ += std::max(0.0, last_ - now);
+        last_ = now;
+        most_ = std::max(most_, now);
+    }
+    /// 1 for falls of the largest value or more.
+    [[nodiscard]] double share() const { return most_ > 0 ? std::min(1.0, fallen_ / most_) : 1; }
+
+private:
+    RunningPeak mean_;
+    double last_ = 0, most_ = 0, fallen_ = 0;
+};
+
+/// Of a static run: what nodes and facets do to the readings of its last equilibrium, which no step has made. Larger ones on its way have
+/// the relative bands of that. @param hand, friction, patch  the largest on its way [N]
+[[nodiscard]] ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand, double friction, double patch);
+
+/// Largest values of single steps: force on a patch [N], displacement [m] and stress [Pa] of an elastic wall.
+struct LargestReadings {
+    double patch = 0, wall_move = 0, wall_stress = 0;
+};
+
+class StepTwin {
+public:
+    /// Whether the largest forces are taken again with fine_step too: a run of a thousand steps of 17 ms costs two to three times as much with it.
+    enum class Finer { Never, WhereCheap, Always };
+    static constexpr long least_steps = 50;  // of a window
+    static constexpr int periodic = 20;  // a twin of a window costs two: a tenth of the run's time
+    static constexpr double safety = 1.5;           // times r/(r - 1)
+    static constexpr double fine_step = 2.5e-4;     // [s]
+    static constexpr int most_parts = 16;
+    static constexpr double most_divided = 0.9;  // part of the steps: beyond it the rest tells nothing
+    static constexpr double cheap = 0.1;            // of the run's steps
+    static constexpr double mean_time = EndMean::span;  // [s]
+    // Resolved is what is believed to be off by less than that: a band without its factor for safety
+    static constexpr double wanted = 0.2;         // of the value
+    static constexpr double least_force = 1e-3;   // forces that no hand feels [N]
+    static constexpr double grid_safety = 1.5;    // times estimates of GridErrors
+
+    /// Whether what a band says is believed to be off is at most `wanted` or `least_force`.
+    [[nodiscard]] static bool is_resolved(const ErrorBand& band) { return band.band <= safety * std::max(wanted * std::abs(band.value), least_force); }
+
+    /// @param scene, run  outlive this   @param taken  steps of the run so far
+    StepTwin(const Scene& scene, const World& run, long taken);
+
+    /// Ends its steps as World::stop_when() does: a window in which one is ended tells nothing.
+    void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
+
+    /// After each accepted step. @param readings  of all instruments as one   @param taken  steps of the run with this one
+    /// @param largest  so far
+    void stepped(const World& run, const WireReadings& readings, long taken, const LargestReadings& largest = {});
+    /// Checks the remaining windows. @return the estimate over all
+    [[nodiscard]] ErrorEstimate finish(Finer finer);
+
+private:
+    struct Window {
+        std::vector<std::uint8_t> state, earlier;  // at its beginning; at that of the window before it
+        long first = 0, steps = 0, lead = 0;       // lead: steps of the window before it
+        long divided = 0;                          // steps that were
+        std::vector<double> hand, friction;       // of each step, a pull is negative [N]
+        double hand_peak = 0, friction_peak = 0;  // largest means [N]
+        Vec3 tip = Vec3::Zero();                  // at its end [m]
+        bool has_patch = false;                   // the largest force on a patch has risen in it
+        bool has_wall = false;                    // the largest displacement or stress of the wall has
+        LargestReadings largest;                          // so far, at its end
+        GridErrors grid;                          // larger of those at its beginning and end
+        std::vector<std::vector<double>> others;  // hands of the instruments but the first, of each step [N]
+        std::vector<double> others_peak;
+    };
+    /// The hand of an instrument that is not the first.
+    struct OtherHand {
+        explicit OtherHand(double dt);
+        void add(double force);
+        ReleaseWatch release;
+        FallSum falls;
+        Window best;            // with its largest force
+        double twins_peak = 0;  // of all twins [N]
+    };
+    struct Examined {
+        double hand_peak = 0, friction_peak = 0;  // of the twin [N]
+        int parts = 2;
+        double divided = 0;  // part of the run's steps
+        LargestReadings largest;
+        bool found = false;
+        std::vector<double> hand, friction;  // of each of its steps
+        std::vector<std::vector<double>> others;
+        std::vector<double> others_peak;
+    };
+    void open(const World& run, long taken);
+    [[nodiscard]] EndMean::Mean end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction, int parts) const;
+    /// At the end: a force of the run against that of the twin. @param history  least share of it that the band is
+    void set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run, const std::vector<double>& fine,
+                      double history) const;
+    /// Hand force and friction at the end, with their bands.
+    void set_end(const Window& end, const Examined& twin);
+    void close();
+    /// Errors by nodes and facets at the end of the present window.
+    void gauge(const World& run);
+    /// The shares of nodes and facets, and the sum. @param force  that they are relative to   @param e  where that force is
+    /// @param pushing  force that pushes by normals of facets are relative to
+    /// @param more  by nodes besides [N]
+    void complete(ErrorBand& band, double force, const GridErrors& e, double pushing, double more = 0) const;
+    void set_patch(const Examined& hand, const Examined& friction);
+    void set_wall();
+    void set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer);
+    void set_work();
+    /// @param parts  of each of the run's steps; of more than two the window before is taken again too
+    Examined examine(const Window& window, int parts);
+    /// At half the step, and finer where that is wanted and the step is a long one. @return the finest that found its states
+    Examined examine_largest(const Window& window, Finer finer);
+
+    const Scene& scene_;
+    const World& run_;
+    KeyFrames key_frames_;
+    std::unique_ptr<World> world_;  // made when first needed
+    std::function<bool()> stop_asked_;
+    Window window_, last_, best_hand_, best_friction_, best_patch_, best_wall_;
+    GridErrorGauge gauge_;
+    GridErrors grid_;           // at the end of the last window
+    double axial_squares_ = 0;  // sum over ends of windows with contact of GridErrors::axial^2
+    long axial_count_ = 0;
+    LargestReadings largest_;       // so far
+    double inserted_ = 0;  // so far [m]
+    bool patch_seen_ = false;          // it has risen since the run began
+    double path_ = 0, work_ = 0, pushed_ = 0;  // of the hand: its length [m], its work, the sum of magnitudes of that [J]
+    double work_nodes_ = 0, work_facets_ = 0, window_pushed_ = 0;
+    double mean_differences_ = 0;              // sum over compared windows of margin |mean - mean of the twin| [N]
+    ReleaseWatch hand_release_, friction_release_;
+    FallSum hand_falls_, friction_falls_;
+    std::vector<OtherHand> others_;
+    long closed_ = 0, seen_ = 0;  // windows, steps
+    double other_hand_peak_ = 0, other_friction_peak_ = 0;  // largest of all twins [N]
+    ErrorEstimate estimate_;
+};
+
+}  // namespace seldinger

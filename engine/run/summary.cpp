@@ -1,0 +1,596 @@
+// Assembles summary.json (model, forces, energies, stages, vessel, warnings) and its few lines for people.
+#include "run/summary.h"
+
+#include "core/error.h"
+#include "io/json_text.h"
+#include "run/force_text.h"
+#include "run/frames.h"
+#include "scene/vessel_load.h"
+#include "vessel/inlets.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace seldinger {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& openings, const Centreline& centreline, const Scene& scene)
+{
+    Json list = Json::array();
+    for (int k = 0; k < exits.count; ++k) {
+        const ExitTally::Exit& exit = exits.exit[k];
+        const BoundaryLoop& rim = openings[static_cast<std::size_t>(exit.opening)];
+        list.push_back({{"instrument", series_of(scene, exit.wire)},
+                        {"way_in", way_in_through(openings, centreline, exit.opening)},
+                        {"centre_m", {rim.centre.x(), rim.centre.y(), rim.centre.z()}},
+                        {"radius_m", rim.radius},
+                        {"left_s", exit.left},
+                        {"back_s", exit.back > 0 ? Json(exit.back) : Json()}});
+    }
+    return list;
+}
+
+Json estimate_json(const ErrorEstimate& e)
+{
+    const auto band = [](const ErrorBand& b) -> Json {
+        // let_go: the old name of sudden_release, until 0.3.0
+        return {{"value", b.value},       {"twin", b.twin},     {"parts", b.parts},          {"band", b.known ? Json(b.band) : Json()},
+                {"step", b.step},         {"nodes", b.nodes},   {"facets", b.facets},        {"largest_source", b.largest_source()},
+                {"resolved", b.resolved}, {"let_go", b.let_go}, {"sudden_release", b.let_go}};
+    };
+    Json others = Json::array();
+    for (const HandBands& hand : e.others) others.push_back({{"name", hand.name}, {"hand_force_n", band(hand.end)}, {"hand_force_peak_n", band(hand.peak)}});
+    const char* of_tip = e.tip_nodes > std::max(e.tip, e.tip_facets) ? "nodes" : e.tip_facets > e.tip ? "facets" : "step";
+    return {{"equilibrium", e.equilibrium},
+            {"windows", e.windows},
+            {"failed_windows", e.failed},
+            {"window_steps", e.window_steps},
+            {"peak_mean_s", StepTwin::mean_time},
+            {"end_mean_s", e.end_seconds},
+            {"steps", e.steps},
+            {"shortest_step_s", e.dt / e.finest},
+            {"from_step", e.from_step},
+            {"seconds", e.seconds},
+            {"hand_force_n", band(e.hand)},
+            {"hand_force_peak_n", band(e.hand_peak)},
+            {"friction_n", band(e.friction)},
+            {"friction_peak_n", band(e.friction_peak)},
+            {"patch_force_max_n", band(e.patch)},
+            {"hand_work_j", band(e.work)},
+            {"other_hands", others},
+            {"tip_band_m", e.tip_band()},
+            {"tip_step_band_m", e.tip},
+            {"tip_nodes_band_m", e.tip_nodes},
+            {"tip_facets_band_m", e.tip_facets},
+            {"tip_largest_source", of_tip},
+            {"tip_advice", advice_for(e, of_tip)},
+            {"largest_source", e.hand_peak.largest_source()},
+            {"advice", advice_for(e, e.hand_peak.largest_source())}};
+}
+
+/// Null where the number is not finite; its key is remembered.
+class Numbers {
+public:
+    explicit Numbers(Json& out) : out_(out) {}
+    void set(const std::string& key, double value)
+    {
+        if (std::isfinite(value)) out_[key] = value;
+        else out_[key] = nullptr, lost_.emplace_back(key);
+    }
+    [[nodiscard]] const std::vector<std::string>& lost() const { return lost_; }
+
+private:
+    Json& out_;
+    std::vector<std::string> lost_;
+};
+
+Json task_of(const World& world, const Scene& scene, const ScoreNumbers& s)
+{
+    const TaskTarget target(scene.task, world.setup().centreline, scene.source);
+    const bool some = scene.task.target != TaskSpec::Target::None;
+    const Vec3 at = target.mark();
+    Json task = {{"target", some ? Json(target_name(scene.task)) : Json()},
+                 {"target_at_m", some ? Json{at.x(), at.y(), at.z()} : Json()},
+                 {"target_radius_m", some ? Json(target.mark_radius()) : Json()},
+                 {"verdict", verdict_of(scene.task, s)},
+                 {"reached", s.reached != 0},
+                 {"reached_at_m", s.reached ? Json(s.reached_at_m) : Json()},
+                 {"reached_at_s", s.reached ? Json(s.reached_at_s) : Json()},
+                 {"distance_m", s.distance >= 0 ? Json(s.distance) : Json()}};
+    task["until_patch_force_max_n"] = s.patch_force_max;
+    task["until_patch_force_max_s"] = s.patch_force_max_time;
+    task["until_wall_force_max_n"] = s.wall_force_max;
+    task["until_hand_force_max_n"] = s.hand_force_max;
+    task["time_above_limit_s"] = s.time_above;
+    return task;
+}
+
+/// One name may have several entries: they are joined.
+Json model_of(const World& world, const Scene& scene)
+{
+    Json model = Json::object();
+    auto add = [&](const std::string& name, const std::string& value) {
+        if (model.contains(name)) model[name] = model[name].get<std::string>() + "; " + value;
+        else model[name] = value;
+    };
+    for (const auto& [name, value] : world.model()) add(name, value);
+    for (const auto& [name, value] : scene.notes) add(name, value);
+    if (!scene.planned.empty()) add("planned", scene.planned);
+    return model;
+}
+
+Json stages_of(const RunTally& tally)
+{
+    const double to_ms = 1e3 / static_cast<double>(std::max<std::int64_t>(tally.steps, 1));
+    const StageTimes& s = tally.stages;
+    return {{"detect", s.detect * to_ms},    {"evaluate", s.evaluate * to_ms}, {"reduce", s.reduce * to_ms},
+            {"solve", s.solve * to_ms},      {"wall", s.wall * to_ms},         {"adapt", s.adapt * to_ms},
+            {"record", tally.record * to_ms}};
+}
+
+Json vessel_of(const RepairReport& report)
+{
+    return {{"triangles_read", report.triangles_read},
+            {"triangles", report.triangles},
+            {"vertices", report.vertices},
+            {"openings", report.loops.size()},
+            {"notes", report.notes}};
+}
+
+/// What lay on the wall, or instruments on each other.
+void set_loads(Numbers& number, Json& out, const std::string& of, const LoadTally& loads)
+{
+    number.set(of + "force_per_length_max_n_per_m", loads.per_length);
+    number.set(of + "force_per_length_max_at_m", loads.per_length_at);
+    number.set(of + "force_per_length_max_at_s", loads.per_length_time);
+    number.set(of + "force_window_m", loads.window);
+    number.set(of + "patch_force_max_n", loads.patch_force);
+    number.set(of + "patch_force_max_at_m", loads.patch_at);
+    number.set(of + "patch_force_max_at_s", loads.patch_time);
+    number.set(of + "force_patch_m", loads.patch);
+    out[of + "contact_regions_max"] = loads.regions;
+    number.set(of + "contact_extent_max_m", loads.extent);
+}
+
+void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, const WireReadings& r)
+{
+    out["contacts_max"] = tally.contacts_max;
+    number.set("friction_max_n", tally.friction_max);
+    number.set("hand_force_n", r.hand_force);
+    const EndMean::Mean end = tally.at_end(r);
+    number.set("hand_force_mean_n", end.hand);
+    number.set("friction_mean_n", end.friction);
+    number.set("end_mean_s", end.seconds);
+    number.set("hand_force_max_n", tally.hand_force_max);
+    number.set("hand_force_max_at_s", tally.hand_force_time);
+    number.set("hand_torque_nm", r.hand_torque);
+    out["base_force_n"] = {r.base_force.x(), r.base_force.y(), r.base_force.z()};  // the JSON writer makes null of NaN
+    number.set("remesh_energy_j", r.remesh_energy);
+    number.set("energy_made_j", r.energy_made);
+    number.set("overlap_max_m", tally.overlap_max);
+    number.set("overlap_share_max", tally.overlap_share);
+    number.set("outside_max_m", tally.outside_max);
+    number.set("contact_area_max_m2", tally.contact_area_max);
+    number.set("contact_pressure_max_pa", tally.contact_pressure_max);
+    set_loads(number, out, "", tally.on_wall);
+    if (tally.on_instruments.patch_force > 0) set_loads(number, out, "instruments_", tally.on_instruments);
+    out["newton_max"] = tally.newton_max;
+    for (const EnergyEntry& entry : energy_entries(r.energy)) number.set(entry.name, entry.value);
+    number.set("energy_j", r.kinetic + r.elastic + r.gravitational);
+    number.set("kinetic_j", r.kinetic);
+    number.set("elastic_j", r.elastic);
+    number.set("gravitational_j", r.gravitational);
+}
+
+/// Readings of an elastic wall; a rigid one has none of these.
+void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& world, const ErrorEstimate& steps)
+{
+    const WallMechanics made = world.wall_mechanics();
+    if (made.vertices == 0) return;
+    const WallReadings now = world.wall_readings();
+    out["wall_vertices"] = made.vertices;
+    number.set("wall_edge_m", made.edge);
+    number.set("wall_decay_m", made.decay);
+    number.set("wall_setup_s", made.made_in);
+    number.set("wall_made_s", made.made_in);  // its old name, until 0.3.0
+    number.set("wall_factor_s", made.factor);
+    out["wall_columns"] = made.columns;
+    number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
+    number.set("wall_edge_touched_m", made.edge_touched);
+    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3],
+                                  double band, double by_step) {
+        most.take_in(value, at, band, world.time());
+        most.band += by_step;
+        number.set(name + "_max_" + unit, most.value);
+        number.set(name + "_max_band_" + unit, most.band);
+        out[name + "_max_at_m"] = {most.at[0], most.at[1], most.at[2]};
+        number.set(name + "_max_at_s", most.time);
+    };
+    set_greatest("wall_move", "m", tally.wall_move, now.move_max, now.move_at, now.move_band, steps.wall_move);
+    set_greatest("wall_stress", "pa", tally.wall_stress, now.stress_max, now.stress_at, now.stress_band, steps.wall_stress);
+    number.set("wall_energy_j", now.energy);
+    number.set("wall_loss_j", now.loss);
+    out["wall_nonlinear_steps"] = tally.far_steps;
+    out["wall_far_steps"] = tally.far_steps;  // its old name, until 0.3.0
+}
+
+/// Each instrument of [[instrument]] tables alone.
+Json instruments_of(const World& world, const Scene& scene, std::vector<std::string>& lost)
+{
+    Json list = Json::array();
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        const WireReadings r = world.readings(k);
+        const Vec3 tip = world.rod(k).pos(0);
+        Json one = {{"name", scene.instrument(k).label}};
+        Numbers number(one);
+        number.set("inserted_m", r.inserted);
+        number.set("turned_rad", r.turned);
+        one["nodes"] = r.nodes;
+        number.set("hand_force_n", r.hand_force);
+        number.set("hand_torque_nm", r.hand_torque);
+        one["tip_m"] = {tip.x(), tip.y(), tip.z()};
+        for (const std::string& key : number.lost()) lost.push_back(scene.instrument(k).label + "." + key);
+        list.push_back(std::move(one));
+    }
+    return list;
+}
+
+std::vector<std::string> all_warnings(const World& world, const RunTally& tally, const SummaryNotes& notes,
+                                      const std::vector<std::string>& lost)
+{
+    std::vector<std::string> list = notes.scene->warnings;
+    list.insert(list.end(), notes.warnings.begin(), notes.warnings.end());
+    const auto share = [&](std::int64_t count) { return fmt::format("{} of {} steps", count, tally.steps); };
+    if (tally.on_wall.widened)
+        list.push_back(fmt::format("contact samples are {:.3g} mm apart: force per length is taken over {:.3g} mm, twice that; "
+                                   "more samples (contact.samples_per_edge) make it finer",
+                                   5e2 * tally.on_wall.window, 1e3 * tally.on_wall.window));
+    // Divided steps are solved as well as others. But half the step has nothing to compare in them. Bands allow for that (step_twin.h); without
+    // bands, this share of them makes a difference too small by the factor that those have for safety.
+    const bool has_windows = notes.estimate && notes.estimate->windows > 0;
+    const double frequent = has_windows ? StepTwin::most_divided : 1 - 1 / StepTwin::safety;
+    if (static_cast<double>(tally.halved_steps) > frequent * static_cast<double>(tally.steps))
+        list.push_back(share(tally.halved_steps) + " were halved to converge: a comparison with half the step says little of the error. Fix: a smaller scene.dt_s");
+    if (tally.missed_steps > 0)
+        list.push_back(share(tally.missed_steps) + " missed the tolerance even in the smallest parts: their forces are not in equilibrium. Fix: a smaller scene.dt_s");
+    constexpr double deep = 0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
+    if (tally.overlap_share > deep)
+        list.push_back(fmt::format("the wire overlapped the wall by {:.3g} of its radius at {:.4g} s near [{:.4g}, {:.4g}, {:.4g}] m: "
+                                   "what it weighs on there is not resolved; make scene.dt_s smaller, or look for a crease of the "
+                                   "mesh at that place",
+                                   tally.overlap_share, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
+                                   tally.overlap_at[2]));
+    // a wall whose stiffness the scene gives is as soft as it is meant to be
+    constexpr double felt = 0.1;  // of the forces: half of what bands call resolved
+    const double sunk = tally.normal_max > 0 ? tally.sunk_force / tally.normal_max : 0;
+    if (!notes.scene->vessel.elastic && !notes.scene->vessel.youngs_given && notes.scene->contact.stiffness_from_wall && sunk > felt && tally.overlap_share <= deep)
+        list.push_back(fmt::format("the wire sinks into the rigid wall by up to {:.2g} of its radius ({:.3g} um), at {:.4g} s near [{:.4g}, {:.4g}, "
+                                   "{:.4g}] m. That is much of the deflection that the wall gives it: forces are too small by up to {:.0f} %. Fix: vessel.youngs_pa above its "
+                                   "default of {:g}, with a smaller scene.dt_s; or the wall's own modulus, if it is meant to be soft",
+                                   tally.overlap_share, 1e6 * tally.overlap_max, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
+                                   tally.overlap_at[2], 1e2 * std::min(sunk, 1.0), notes.scene->vessel.youngs));
+    if (notes.vessel)
+        for (const std::string& sentence : exit_sentences(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene)) list.push_back(sentence);
+    if (const std::string touch = describe(tally.end_touch, *notes.scene); !touch.empty()) list.push_back(touch);
+    if (notes.estimate)
+        for (const std::string& sentence : unresolved(*notes.estimate)) list.push_back(sentence);
+    if (notes.estimate && notes.estimate->from_step > 0)
+        list.push_back(fmt::format("bands, and the largest forces as means of 20 ms, are those from step {} on, where the run was resumed; "
+                                   "hand_force_max_n and friction_max_n are of all steps", notes.estimate->from_step));
+    if (tally.outside_steps > 0)
+        list.push_back(
+            share(tally.outside_steps) +
+            fmt::format(" had a point of the wire's axis beyond the wall (through it, not out of an opening), {:.3g} mm at most",
+                        1e3 * tally.outside_max));
+    if (const std::string thick = describe_thick_wall(world.setup().vessel, world.setup().centreline); !thick.empty())
+        list.push_back(thick);
+    if (const std::string coarse = describe_coarse_wall(world.wall_mechanics(), world.setup().vessel); !coarse.empty())
+        list.push_back(coarse);
+    if (tally.unequal_steps > 0)
+        list.push_back(share(tally.unequal_steps) +
+                       " have contact samples that do not add up to the forces on the nodes: do not trust readings of contact in this "
+                       "run, and report it with the scene");
+    if (tally.far_steps > 0)
+        list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("contact")) +
+                       " moved the wall by more than 20 % of the lumen's radius: beyond its linear "
+                       "theory (docs/wall.md)");
+    if (tally.non_finite > 0)
+        list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
+    for (const std::string& key : lost) list.push_back(key + " is not finite and written as null");
+    return list;
+}
+
+}  // namespace
+
+std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
+{
+    return {{{"hand_work_j", ledger.hand},
+             {"outside_work_j", ledger.outside},
+             {"material_j", ledger.material},
+             {"remesh_j", ledger.remesh},
+             {"friction_loss_j", ledger.friction},
+             {"contact_loss_j", ledger.contact},
+             {"wall_work_j", ledger.wall},
+             {"damping_loss_j", ledger.damping},
+             {"scheme_loss_j", ledger.scheme},
+             {"energy_open_j", ledger.open()}}};
+}
+
+std::string task_json(const World& world, const Scene& scene, const ScoreNumbers& score) { return json_text(task_of(world, scene, score)); }
+
+EndMean::Mean RunTally::at_end(const WireReadings& last) const
+{
+    const EndMean::Mean mean = end.mean();
+    return mean.seconds > 0 ? mean : EndMean::Mean{last.hand_force, last.friction, 0};
+}
+
+void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_iterations, double dt)
+{
+    if (dt > 0) end.add(readings.hand_force, readings.friction, dt);
+    contacts_max = std::max<std::int64_t>(contacts_max, readings.contacts);
+    newton_max = std::max<std::int64_t>(newton_max, newton_iterations);
+    halved_steps += (flags & StepHalved) != 0;
+    far_steps += (flags & StepWallFar) != 0;
+    unequal_steps += (flags & StepContactSums) != 0;
+    outside_steps += (flags & StepWallPenetration) != 0;
+    missed_steps += (flags & StepBestEffort) != 0;
+    friction_max = std::max(friction_max, readings.friction);
+    hand_force_max = std::max(hand_force_max, std::abs(readings.hand_force));
+    overlap_max = std::max(overlap_max, readings.overlap);
+    normal_max = std::max(normal_max, readings.normal);
+    constexpr double hard = 0.025;  // of the radius, of which the default wall aims at 0.02
+    if (readings.overlap_share > hard && readings.elastic > 0)
+        sunk_force = std::max(sunk_force, readings.normal * std::min(1.0, readings.normal * readings.overlap / (2 * readings.elastic)));
+    outside_max = std::max(outside_max, readings.outside);
+}
+
+void Greatest::take_in(double now, const double (&where)[3], double band_there, double when)
+{
+    if (!(now > value)) return;
+    value = now;
+    std::copy(std::begin(where), std::end(where), at);
+    time = when;
+    band = band_there;
+}
+
+void LoadTally::take_in(const ContactAlong& now, double time)
+{
+    if (now.per_length_max > per_length) {
+        per_length = now.per_length_max;
+        per_length_at = now.per_length_at;
+        per_length_time = time;
+    }
+    if (now.patch_force > patch_force) {
+        patch_force = now.patch_force;
+        patch_at = now.patch_at;
+        patch_time = time;
+    }
+    extent = std::max(extent, now.extent);
+    regions = std::max<std::int64_t>(regions, now.regions);
+    window = std::max(window, now.window);
+    patch = now.patch;
+    widened |= now.widened ? 1 : 0;
+}
+
+void RunTally::note_read(unsigned flags)
+{
+    const unsigned fresh = flags & ~static_cast<unsigned>(row_flags);
+    far_steps += (fresh & StepWallFar) != 0;
+    unequal_steps += (fresh & StepContactSums) != 0;
+    row_flags |= fresh & (StepWallFar | StepContactSums);
+}
+
+std::string summary_json(const World& world, const RunTally& tally, const SummaryNotes& notes)
+{
+    Json out;
+    Numbers number(out);
+    const WireReadings& r = notes.readings;
+    out["name"] = notes.scene->name;
+    out["status"] = status_word(notes.status);
+    out["steps"] = tally.steps;
+    number.set("simulated_s", world.time());
+    number.set("wall_s", tally.wall);
+    const double wall = std::max(tally.wall, 1e-9);  // a run of no steps takes no time
+    number.set("steps_per_s", static_cast<double>(tally.steps) / wall);
+    number.set("realtime_factor", world.time() / wall);
+    number.set("inserted_m", r.inserted);
+    number.set("turned_rad", r.turned);
+    out["nodes"] = r.nodes;
+    if (notes.branches > 0) {
+        out["branch"] = notes.branch;
+        number.set("branch_depth_m", notes.branch_depth);
+        out["branches"] = notes.branches;
+    }
+    if (notes.scene->task.on) out["task"] = task_of(world, *notes.scene, tally.score);
+    set_forces_and_energies(number, out, tally, r);
+    set_wall(number, out, tally, world, notes.estimate.value_or(ErrorEstimate{}));
+    if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene);
+    if (notes.estimate) out["error_estimate"] = estimate_json(*notes.estimate);
+    std::vector<std::string> lost;
+    if (!notes.scene->label.empty()) out["instruments"] = instruments_of(world, *notes.scene, lost);
+    out["halved_steps"] = tally.halved_steps;
+    out["at_rest"] = world.at_rest();
+    out["stage_ms"] = stages_of(tally);
+    out["state_hash"] = world.state_hash();
+    out["model"] = model_of(world, *notes.scene);
+    if (notes.vessel && notes.vessel->triangles > 0) out["vessel"] = vessel_of(*notes.vessel);
+    out["device"] = world.device_name();
+    out["version"] = version();
+    out["resumes"] = tally.resumes;
+    lost.insert(lost.begin(), number.lost().begin(), number.lost().end());
+    out["warnings"] = all_warnings(world, tally, notes, lost);
+    // names may hold bytes that are not UTF-8: replaced, never a crash
+    return json_text(out, 2) + "\n";
+}
+
+namespace {
+
+std::string lines_of(const std::string& json, const std::filesystem::path& dir, bool verbose);
+
+/// The bands, against the same windows with shorter steps.
+std::string estimate_for_people(const Json& e)
+{
+    if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again with shorter ones\n";
+    const double shortest = e.at("shortest_step_s").get<double>();
+    const char* more = shortest > 1e-3 ? "; --error-estimate on takes the largest again with steps of 1 ms or less" : "";
+    return fmt::format("  error of the step: {} windows of {} steps taken again with steps down to {:.3g} ms; tip ± {:.2g} mm{}\n", e.at("windows").get<long>(),
+                       e.at("window_steps").get<int>(), 1e3 * shortest, 1e3 * e.at("tip_band_m").get<double>(), more);
+}
+
+/// What the forces of the closing line are means of, and what their bands come from.
+std::string means_for_people(double end_seconds, const Json* estimate)
+{
+    if (end_seconds == 0 && !estimate) return "equilibrium; error not estimated";
+    if (end_seconds == 0 && estimate->at("hand_force_peak_n").at("band").get<double>() == 0) return "equilibrium; no error by nodes or facets where nothing presses";
+    if (end_seconds == 0)
+        return fmt::format("equilibrium; ± by nodes and facets, mostly the {}: less with {}", estimate->at("largest_source").get<std::string>(),
+                           estimate->at("advice").get<std::string>());
+    const std::string at_end = fmt::format("{:.3g} ms", 1e3 * end_seconds);
+    if (!estimate) return fmt::format("at the end the mean of {}, largest of single steps; error not estimated", at_end);
+    const std::string largest = fmt::format("{:.3g} ms", 1e3 * StepTwin::mean_time);
+    return fmt::format("means of {}{}; ± mostly by the {}: less with {}", largest, at_end == largest ? "" : ", at the end of " + at_end,
+                       estimate->at("largest_source").get<std::string>(), estimate->at("advice").get<std::string>());
+}
+
+/// The tip's band, its largest source and what shrinks that.
+std::string tip_for_people(const Json& e)
+{
+    return fmt::format("; tip ± {:.2g} mm, mostly by the {} (less with {})", 1e3 * e.at("tip_band_m").get<double>(), e.at("tip_largest_source").get<std::string>(),
+                       e.at("tip_advice").get<std::string>());
+}
+
+/// Whether bands are known: from windows, or of an equilibrium.
+bool has_bands_of(const Json& s)
+{
+    return s.contains("error_estimate") && (s.at("error_estimate").at("windows").get<long>() > 0 || s.at("error_estimate").value("equilibrium", false));
+}
+
+/// Hand and friction, with their bands where the run has any.
+std::string forces_for_people(const Json& s)
+{
+    const bool has_bands = has_bands_of(s);
+    const auto force = [&](const char* banded, const char* plain) {
+        if (!has_bands) return s.at(plain).is_number() ? newtons(s.at(plain).get<double>(), std::nan("")) : std::string("not finite");
+        const Json& e = s.at("error_estimate").at(banded);
+        return newtons(e.at("value").get<double>(), e.at("band").get<double>());
+    };
+    const bool is_release = has_bands && s.at("error_estimate").at("hand_force_peak_n").value("sudden_release", false);
+    const double span = s.value("end_mean_s", 0.0);
+    return fmt::format("  hand force {} at the end, largest {}{}; friction largest {} ({}){}\n", force("hand_force_n", "hand_force_mean_n"),
+                       force("hand_force_peak_n", "hand_force_max_n"), is_release ? " as the wire springs free" : "",
+                       force("friction_peak_n", "friction_max_n"),
+                       means_for_people(span, has_bands ? &s.at("error_estimate") : nullptr), has_bands ? tip_for_people(s.at("error_estimate")) : "");
+}
+
+/// Hands of the instruments but the first, a line each.
+std::string other_hands_for_people(const Json& s)
+{
+    if (!has_bands_of(s)) return "";
+    std::string text;
+    for (const Json& hand : s.at("error_estimate").at("other_hands")) {
+        const auto force = [&](const char* key) { return newtons(hand.at(key).at("value").get<double>(), hand.at(key).at("band").get<double>()); };
+        text += fmt::format("  hand force of {}: {} at the end, largest {}\n", hand.at("name").get<std::string>(), force("hand_force_n"), force("hand_force_peak_n"));
+    }
+    return text;
+}
+
+/// The band of the largest force on a patch; NaN where it has none.
+double patch_band_of(const Json& s)
+{
+    if (!s.contains("error_estimate")) return std::nan("");
+    const Json& band = s.at("error_estimate").at("patch_force_max_n").at("band");
+    return band.is_number() && band.get<double>() > 0 ? band.get<double>() : std::nan("");
+}
+
+/// What became of the task, or where the tip is.
+std::string answer_for_people(const Json& s)
+{
+    std::string text;
+    if (s.contains("task") && s.at("task").at("target").is_string()) {
+        const Json& task = s.at("task");
+        const std::string target = task.at("target").get<std::string>();
+        if (task.at("reached").get<bool>())
+            text = fmt::format("reached {} at {:.4g} mm, {:.4g} s; until then at most {} on {:.3g} mm of wall{}", target,
+                               1e3 * task.at("reached_at_m").get<double>(), task.at("reached_at_s").get<double>(),
+                               newtons(task.at("until_patch_force_max_n").get<double>(), std::nan("")), 1e3 * s.at("force_patch_m").get<double>(),
+                               is_rising(task.at("until_patch_force_max_s").get<double>(), task.at("reached_at_s").get<double>()) ? ", still rising" : "");
+        else text = fmt::format("{} {}: {:.3g} mm away", s.at("status").get<std::string>() == status_word(RunStatus::Done) ? "did not reach" : "not finished, on the way to",
+                                target, 1e3 * task.at("distance_m").get<double>());
+        if (task.at("verdict").get<std::string>() == "failed") text += "; a limit was exceeded";
+    }
+    if (s.contains("branch") && (text.empty() || !s.at("task").at("reached").get<bool>())) {
+        const int branch = s.at("branch").get<int>(), count = s.at("branches").get<int>();
+        text += text.empty() ? "" : "; ";
+        text += branch == 0 ? fmt::format("tip before any of {} branches", count)
+                            : fmt::format("tip in branch {} of {}, {:.3g} mm beyond its mouth", branch, count, 1e3 * s.at("branch_depth_m").get<double>());
+    }
+    return text.empty() ? "" : text + "\n";
+}
+
+}  // namespace
+
+std::string summary_for_people(const std::string& json, const std::filesystem::path& dir, bool verbose)
+{
+    try {
+        return lines_of(json, dir, verbose);
+    } catch (const Json::exception&) {  // of a run that was done before, whose file somebody has changed
+        throw Error(ExitCode::BadFile, (dir / "summary.json").string() + ": is damaged; run again with --overwrite");
+    }
+}
+
+namespace {
+
+/// Displacement and stress of an elastic wall, with the bands of its mesh.
+std::string wall_for_people(const Json& s)
+{
+    const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
+    return fmt::format("  wall moves at most {:.3g} ± {:.1g} mm, von Mises stress at most {:.3g} ± {:.1g} kPa (± its control mesh, edges of {:.2g} mm where "
+                       "touched, and the wire's nodes{})\n",
+                       1e3 * number("wall_move_max_m"), 1e3 * number("wall_move_max_band_m"), 1e-3 * number("wall_stress_max_pa"),
+                       1e-3 * number("wall_stress_max_band_pa"), 1e3 * number("wall_edge_touched_m"),
+                       !has_bands_of(s) ? "; the step is not in it: --error-estimate on" : s.value("end_mean_s", 0.0) > 0 ? ", and the step" : "");
+}
+
+/// What `--verbose` adds: the model's size, the way in, the bands' origin, numerics and hash.
+std::string more_lines_of(const Json& s)
+{
+    const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
+    std::string text = fmt::format("  {} steps ({:.0f} a second); inserted {:.4g} cm, {} nodes, at most {} contacts; hand torque {:.4g} N m\n", s.at("steps").get<long>(),
+                                   number("steps_per_s"), 1e2 * number("inserted_m"), s.at("nodes").get<int>(), s.at("contacts_max").get<long>(),
+                                   number("hand_torque_nm"));
+    if (s.contains("model") && s.at("model").contains("inlet"))
+        text += "  entered at " + s.at("model").at("inlet").get<std::string>() + "\n";
+    if (s.contains("error_estimate")) text += estimate_for_people(s.at("error_estimate"));
+    const double share = s.contains("overlap_share_max") ? number("overlap_share_max") : 0.0;  // of overlaps with the wall
+    text += fmt::format("  overlap at most {:.3g} um{}, beyond the wall {:.3g} um; Newton at most {} iterations\n", 1e6 * number("overlap_max_m"),
+                        share > 0 ? fmt::format(" ({:.2g} of the radius)", share) : "", 1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
+    return text + fmt::format("  state {} on {}\n", s.at("state_hash").get<std::string>(), s.at("device").get<std::string>());
+}
+
+std::string lines_of(const std::string& json, const std::filesystem::path& dir, bool verbose)
+{
+    const Json s = Json::parse(json);
+    const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
+    std::string text = fmt::format("{}: {}, {:.4g} s simulated in {:.3g} s ({:.3g} x real time)\n", s.at("name").get<std::string>(),
+                                   s.at("status").get<std::string>(), number("simulated_s"), number("wall_s"), number("realtime_factor"));
+    if (verbose) text += more_lines_of(s);
+    text += forces_for_people(s) + other_hands_for_people(s);
+    if (number("patch_force_max_n") > 0)
+        text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {} on {:.3g} mm of wire; {:.4g} mm in contact at most\n",
+                            number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), newtons(number("patch_force_max_n"), patch_band_of(s)),
+                            1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"));
+    if (s.contains("wall_move_max_m")) text += wall_for_people(s);
+    for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
+    std::string files;
+    for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "wire.npz", "vessel.vtp", "scene.toml"})
+        if (std::filesystem::exists(dir / name)) files += fmt::format("{}{}", files.empty() ? "" : ", ", name);
+    return text + fmt::format("  {}: {}\n", dir.string(), files) + answer_for_people(s);
+}
+
+}  // namespace
+
+}  // namespace seldinger

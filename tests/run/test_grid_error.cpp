@@ -1,0 +1,136 @@
+// What edges and facets do to forces, as estimated from one state: against beam theory, and against finer nodes and meshes.
+#include "run/grid_error.h"
+
+#include "run/bent_feed.h"
+#include "run/key_frames.h"
+#include "support/approx.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace test_grid_error {
+
+using namespace seldinger;
+using test::about;
+
+namespace {
+
+struct Fed {
+    double hand, normal;  // means of the last 10 steps [N]
+    GridErrors errors;    // largest in these
+};
+
+Fed feed(int nodes, int triangles)
+{
+    const Scene scene = test::fed_round_a_bend(nodes, fmt::format("triangles = {}", triangles));
+    World world(make_setup(scene));
+    const KeyFrames keys(scene);
+    GridErrorGauge gauge;
+    Fed fed{};
+    for (long k = 0; k < scene.steps(); ++k) {
+        REQUIRE(!step(world, keys.control(), scene.step_length(k)).failed());
+        if (k < scene.steps() - 10) continue;
+        fed.hand += world.readings(0).hand_force / 10;
+        fed.normal += world.readings(0).normal / 10;
+        fed.errors.widen(gauge.of(world));
+    }
+    return fed;
+}
+
+}  // namespace
+
+TEST_SUITE("run/grid_error")
+{
+    // With an end load P the nodes of a straight cantilever have the exact moments P x, and their energy sum l M^2/(2 B) is that of
+    // the trapezoid rule: P^2 L^3/(6 B) (1 + 1/(2 n^2)). The deflection is P L^3/(3 B) (1 + 1/(2 n^2)), test_statics. With P L^2/B = 0.01 the shape
+    // differs from a straight one by 1e-5 of that.
+    TEST_CASE("analytic: n edges of a cantilever under an end load err by 1/(2 n^2) of its energy")
+    {
+        for (const int n : {8, 16}) {
+            CAPTURE(n);
+            const Scene scene = read_scene_text(fmt::format("[scene]\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\ntolerance = 1e-9\n"
+                                                            "[wire]\nlength_m = 0.1\nradius_m = 0.0002\ndensity = 6450.0\nbend_nm2 = 5.0e-5\ntwist_nm2 = 4.0e-5\n"
+                                                            "stretch_n = 7000.0\nnodes = {}\n[[hold]]\nat = \"base\"\nposition = true\ndirection = true\n"
+                                                            "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, -5e-5]\n",
+                                                            n + 1),
+                                                "cantilever.toml");
+            World world(make_setup(scene));
+            REQUIRE(!settle(world).failed());
+            const BendingError error = world.bending_error(0);
+            const double exact = 5e-5 * 5e-5 * 1e-3 / (6 * 5e-5), missed = exact / (2 * n * n);
+            CHECK(error.energy == about(exact + missed).epsilon(1e-4));
+            CHECK(error.missed == about(missed).epsilon(1e-3));
+        }
+    }
+
+    // Draw 6 of seed 2 of bench/audit.py, the end of it: edges of 10 mm bear on two places what edges of 2.5 mm bear on one patch of 5 mm. Edges shorter than
+    // the patch have no such share, and a wire that lies on the floor is one place of contact.
+    TEST_CASE("property: with edges longer than the patch, the force on it is as uncertain as what the next place bears")
+    {
+        const auto end_of = [](int nodes, double bend, double speed) {
+            const Scene scene = read_scene_text(
+                fmt::format("[scene]\nduration_s = 0.971\ndt_s = 0.004\n[wire]\npreset = \"amplatz-super-stiff-035\"\nlength_m = 0.4\nmu_sliding = 0.1\nmu_static = 0.12\n"
+                            "nodes = {}\n[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.042}}, {{t_s = 0.971, advance_m = {}}}]\n[vessel]\nshape = \"arc\"\n"
+                            "radius_m = 0.0055\nbend_radius_m = {}\nangle_deg = 116.0\nlead_in_m = 0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
+                            nodes, 0.042 + 0.971 * speed, bend),
+                "arc.toml");
+            World world(make_setup(scene));
+            const KeyFrames keys(scene);
+            for (long k = 0; k < scene.steps(); ++k) REQUIRE(!step(world, keys.control(), scene.step_length(k)).failed());
+            WireOutput loads;
+            world.read_loads(0, loads);
+            return std::pair{loads.on_wall.patch_force, GridErrorGauge().of(world)};
+        };
+        const auto [coarse, errors] = end_of(41, 0.0429, 0.0722);
+        const auto [fine, none] = end_of(161, 0.0429, 0.0722);
+        const double off = std::abs(fine / coarse - 1), by_energy = 1.5 * errors.nodes;
+        CAPTURE(off);
+        CAPTURE(by_energy);
+        CHECK(off > by_energy);
+        CHECK(off < by_energy + errors.split);
+        CHECK(errors.split < 1);
+        CHECK(none.split == 0);
+        CHECK(end_of(41, 10.0, 0.0722).second.split == 0);
+    }
+
+    // What finer nodes and facets change lies within 1.5 times the estimate, as bands have it. Where the wire's nodes lie changes the error by
+    // nodes, its sign too: the largest of three numbers of nodes is compared, and the estimate of none is ten times as large. Both estimates are of
+    // second order in the lengths of edges: four times as many have a sixteenth, by a factor of two.
+    TEST_CASE("property: what finer nodes and facets do to the normal force lies within the estimate, which is of second order")
+    {
+        const int most = 128000;
+        const Fed fine = feed(401, most), facets = feed(401, 2000);
+        double by_nodes = 0, estimated = 0;
+        for (const int nodes : {21, 26, 31}) {
+            CAPTURE(nodes);
+            const Fed coarse = feed(nodes, most);
+            const double off = std::abs(coarse.normal / fine.normal - 1);
+            CHECK(off < 1.5 * coarse.errors.nodes);
+            by_nodes = std::max(by_nodes, off);
+            estimated = std::max(estimated, coarse.errors.nodes);
+        }
+        const double by_facets = std::abs(facets.normal / fine.normal - 1);
+        CAPTURE(by_nodes);
+        CAPTURE(estimated);
+        CAPTURE(by_facets);
+        CAPTURE(facets.errors.facets);
+        CHECK(by_nodes > 0.01);
+        CHECK(estimated < 10 * by_nodes);
+        CHECK(by_facets > 1e-3);
+        CHECK(by_facets < 1.5 * facets.errors.facets);
+        CHECK(facets.errors.facets < 10 * by_facets);
+        const double nodes_ratio = feed(26, most).errors.nodes / feed(101, most).errors.nodes;
+        const double facets_ratio = facets.errors.facets / feed(401, 32000).errors.facets;
+        CAPTURE(nodes_ratio);
+        CAPTURE(facets_ratio);
+        CHECK(nodes_ratio > 8);
+        CHECK(nodes_ratio < 32);
+        CHECK(facets_ratio > 8);
+        CHECK(facets_ratio < 32);
+    }
+}
+
+}  // namespace test_grid_error

@@ -1,0 +1,172 @@
+// The estimate that a run makes of its own step: it leaves the run alone, and its bands hold what a far shorter step finds.
+#include "run/step_twin.h"
+
+#include "run/joint_readings.h"
+#include "scene/scene.h"
+#include "support/approx.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <numeric>
+#include <string>
+#include <vector>
+
+namespace test_step_twin {
+
+using namespace seldinger;
+
+namespace {
+
+/// A wire fed round a bend: contact, friction, a hand that feels both.
+Scene bend(double dt, double duration = 1.2)
+{
+    return read_scene_text(fmt::format("[scene]\nduration_s = {}\ndt_s = {}\n"
+                                       "[wire]\nlength_m = 0.12\nradius_m = 0.0004445\ndensity = 7900.0\nbend_nm2 = 2e-4\ntwist_nm2 = 1.5e-4\n"
+                                       "stretch_n = 1e4\nnodes = 41\n"
+                                       "[vessel]\nshape = \"arc\"\nradius_m = 0.004\nbend_radius_m = 0.03\nangle_deg = 90.0\nlead_in_m = 0.02\n"
+                                       "lead_out_m = 0.05\ntriangles = 6000\n"
+                                       "[contact]\nmu_static = 0.25\nmu_sliding = 0.2\n"
+                                       "[feed]\ninlet = \"auto\"\nkeys = [{{ t_s = 0.0, advance_m = 0.0 }}, {{ t_s = 1.2, advance_m = 0.07 }}]\n",
+                                       duration, dt),
+                           "bend.toml");
+}
+
+struct Told {
+    std::string hash;
+    double hand_peak = 0;
+    ErrorEstimate estimate;
+};
+
+Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Always)
+{
+    const Scene scene = bend(dt);
+    World world(make_setup(scene));
+    const KeyFrames key_frames(scene);
+    std::optional<StepTwin> twin;
+    if (with_twin) twin.emplace(scene, world, 0);
+    Told told;
+    std::vector<double> hand;
+    for (long k = 0; k < scene.steps(); ++k) {
+        REQUIRE_FALSE(step(world, key_frames.control(), scene.step_length(k)).failed());
+        const WireReadings now = joint_readings(world, 0);
+        hand.push_back(std::abs(now.hand_force));
+        if (twin) twin->stepped(world, now, k + 1);
+    }
+    if (twin) told.estimate = twin->finish(finer);
+    // means over 20 ms, whatever window they lie in
+    const auto wide = static_cast<std::size_t>(std::lround(0.02 / dt));
+    for (std::size_t k = 0; k + wide <= hand.size(); ++k)
+        told.hand_peak = std::max(told.hand_peak, std::accumulate(&hand[k], &hand[k] + wide, 0.0) / static_cast<double>(wide));
+    told.hash = world.state_hash();
+    return told;
+}
+
+}  // namespace
+
+TEST_SUITE("run/step_twin")
+{
+    TEST_CASE("property: forces at the end are means over 20 ms, so that steps of 1 and 4 ms agree within what the force changes in that time")
+    {
+        struct AtEnd {
+            ErrorEstimate estimate;
+            double change = 0, change_of_50_steps = 0;  // of the hand force over its last 20 ms and 50 steps [N]
+        };
+        const auto at_end = [](double dt) {
+            const Scene scene = bend(dt, 0.8);  // the tip is in the bend: the force rises
+            World world(make_setup(scene));
+            const KeyFrames key_frames(scene);
+            StepTwin twin(scene, world, 0);
+            std::vector<double> hand;
+            for (long k = 0; k < scene.steps(); ++k) {
+                REQUIRE_FALSE(step(world, key_frames.control(), scene.step_length(k)).failed());
+                const WireReadings now = joint_readings(world, 0);
+                hand.push_back(now.hand_force);
+                twin.stepped(world, now, k + 1);
+            }
+            const auto change = [&](double steps) {
+                const auto [low, high] = std::minmax_element(hand.end() - std::lround(steps), hand.end());
+                return *high - *low;
+            };
+            return AtEnd{twin.finish(StepTwin::Finer::Never), change(0.02 / dt), change(50)};
+        };
+        const AtEnd fine = at_end(1e-3), coarse = at_end(4e-3);
+        CHECK(fine.estimate.end_seconds == test::about(0.02).epsilon(1e-9));
+        CHECK(coarse.estimate.end_seconds == test::about(0.02).epsilon(1e-9));
+        CAPTURE(fine.estimate.hand.value);
+        CAPTURE(coarse.estimate.hand.value);
+        CAPTURE(fine.change);
+        REQUIRE(coarse.change_of_50_steps > 4 * fine.change);  // 200 ms at 4 ms: a mean of 50 steps is of another time
+        CHECK(std::abs(fine.estimate.hand.value - coarse.estimate.hand.value) <= fine.change);
+        CHECK(std::abs(fine.estimate.hand.value - coarse.estimate.hand.value) <= coarse.estimate.hand.band);
+        CHECK(std::abs(fine.estimate.friction.value - coarse.estimate.friction.value) <= coarse.estimate.friction.band);
+    }
+
+    TEST_CASE("property: a run with a twin has the bits of one without")
+    {
+        const Told with = run(2e-3, true), without = run(2e-3, false);
+        CHECK(with.hash == without.hash);
+        CHECK(with.estimate.windows >= 2);
+        CHECK(with.estimate.failed == 0);
+        CHECK(with.estimate.hand_peak.value <= with.hand_peak * (1 + 1e-12));  // which may lie across two windows
+        CHECK(with.estimate.hand_peak.value >= 0.9 * with.hand_peak);
+    }
+
+    TEST_CASE("convergence: the largest hand force of a sixteenth of the step is inside the bands, which are no wider than a tenth")
+    {
+        const Told coarse = run(8e-3, true), fine = run(2e-3, true), true_one = run(5e-4, false);
+        REQUIRE(true_one.hand_peak > 0.01);  // something is felt
+        for (const Told* told : {&coarse, &fine}) {
+            CAPTURE(told->hand_peak);
+            CAPTURE(told->estimate.hand_peak.band);
+            CHECK(std::abs(told->hand_peak - true_one.hand_peak) <= told->estimate.hand_peak.band);
+        }
+        // and it says something: a band that is as wide as the value would hold anything
+        CHECK(coarse.estimate.hand_peak.band < 0.1 * coarse.hand_peak);
+        CHECK(fine.estimate.hand_peak.band <= coarse.estimate.hand_peak.band * 1.1);
+    }
+
+    TEST_CASE("property: the largest forces have a twin of a quarter of a millisecond, at most a sixteenth of the step, where asked for or cheap")
+    {
+        // 150 steps; 16 parts of 100 steps would be ten times as many
+        CHECK(run(8e-3, true, StepTwin::Finer::Always).estimate.finest == 16);
+        CHECK(run(8e-3, true, StepTwin::Finer::WhereCheap).estimate.finest == 2);
+        CHECK(run(2e-3, true, StepTwin::Finer::Always).estimate.finest == 8);
+        CHECK(run(2e-3, true, StepTwin::Finer::Never).estimate.finest == 2);
+    }
+
+    // A band is 1.5 times what the run is believed to be off by. A warning says that this is more than a fifth and 1 mN; not that the band is.
+    TEST_CASE("property: what is believed to be off by more than a fifth is said, the force on a patch too; what only the band's safety has there is not")
+    {
+        const auto said_of = [](ErrorBand ErrorEstimate::*reading, double value, double band) {
+            ErrorEstimate estimate;
+            estimate.*reading = {value, value, band, StepTwin::is_resolved({value, value, band})};
+            (estimate.*reading).step = band;
+            return unresolved(estimate).size();
+        };
+        for (const auto reading : {&ErrorEstimate::hand, &ErrorEstimate::hand_peak, &ErrorEstimate::friction, &ErrorEstimate::friction_peak, &ErrorEstimate::patch}) {
+            CHECK(said_of(reading, 0.1, 0.029) == 0);
+            CHECK(said_of(reading, 0.1, 0.031) == 1);
+            CHECK(said_of(reading, 1e-3, 1.4e-3) == 0);
+            CHECK(said_of(reading, 1e-3, 1.6e-3) == 1);
+        }
+    }
+
+    TEST_CASE("property: what the step does not resolve is said, with both values")
+    {
+        ErrorEstimate estimate;
+        estimate.dt = 0.0167;
+        estimate.hand_peak = {17.9, 9.0, 26.7, false};
+        estimate.friction = {0.4, 0.39, 0.03, true};
+        const auto said = unresolved(estimate);
+        REQUIRE(said.size() == 1);
+        CHECK(said[0].find("17.9 N") != std::string::npos);
+        CHECK(said[0].find("16.7 ms") != std::string::npos);
+        CHECK(said[0].find("scene.dt_s") != std::string::npos);
+    }
+}
+
+}  // namespace test_step_twin

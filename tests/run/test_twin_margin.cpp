@@ -1,0 +1,87 @@
+// How wide the bands of a run's own error estimate are: Roache's factor on what a second run with a shorter step differs by.
+#include "run/step_twin.h"
+
+#include "run/joint_readings.h"
+#include "scene/scene.h"
+#include "support/approx.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+namespace test_twin_margin {
+
+using namespace seldinger;
+using test::about;
+
+namespace {
+
+/// Fed into a bend and round its beginning, in fewer steps than a window has: the twin of the only window is a whole run.
+Scene short_run(double dt)
+{
+    return read_scene_text(fmt::format("[scene]\nduration_s = 0.48\ndt_s = {}\n"
+                                       "[wire]\nlength_m = 0.12\nradius_m = 0.0004445\ndensity = 7900.0\nbend_nm2 = 2e-4\ntwist_nm2 = 1.5e-4\n"
+                                       "stretch_n = 1e4\nnodes = 41\n"
+                                       "[vessel]\nshape = \"arc\"\nradius_m = 0.004\nbend_radius_m = 0.03\nangle_deg = 90.0\nlead_in_m = 0.01\n"
+                                       "lead_out_m = 0.03\ntriangles = 3000\n"
+                                       "[contact]\nmu_static = 0.25\nmu_sliding = 0.2\n"
+                                       "[feed]\ninlet = \"auto\"\nkeys = [{{ t_s = 0.0, advance_m = 0.0 }}, {{ t_s = 0.48, advance_m = 0.04 }}]\n",
+                                       dt),
+                           "short.toml");
+}
+
+struct Ended {
+    Vec3 tip;
+    ErrorEstimate estimate;
+};
+
+Ended run(double dt, StepTwin::Finer finer)
+{
+    const Scene scene = short_run(dt);
+    World world(make_setup(scene));
+    const KeyFrames key_frames(scene);
+    StepTwin twin(scene, world, 0);
+    for (long k = 0; k < scene.steps(); ++k) {
+        REQUIRE_FALSE(step(world, key_frames.control(), scene.step_length(k)).failed());
+        twin.stepped(world, joint_readings(world, 0), k + 1);
+    }
+    return {world.rod(0).pos(0), twin.finish(finer)};
+}
+
+}  // namespace
+
+TEST_SUITE("run/step_twin")
+{
+    // Of a scheme of order 1 the error is r/(r - 1) |Q(h) - Q(h/r)|, times Roache's factor 1.5 for two steps of unproven order.
+    TEST_CASE("analytic: the tip's band is three times what half the step moves the tip by; forces have no less")
+    {
+        const double dt = 0.012;
+        const Ended whole = run(dt, StepTwin::Finer::Never), halved = run(dt / 2, StepTwin::Finer::Never);
+        const ErrorEstimate& e = whole.estimate;
+        REQUIRE(e.windows == 2);  // the only window, as the last and as that of the largest forces
+        REQUIRE(e.failed == 0);
+        const double moved = (whole.tip - halved.tip).norm();
+        REQUIRE(moved > 1e-7);
+        CHECK(e.tip == about(3 * moved).epsilon(1e-9));  // the same states, but for the rounding of two times
+        for (const ErrorBand* band : {&e.hand, &e.hand_peak, &e.friction, &e.friction_peak}) {
+            REQUIRE(band->parts == 2);
+            CHECK(band->band >= 3 * std::abs(band->value - band->twin) * (1 - 1e-12));
+        }
+        const double differs = 3 * std::abs(e.hand_peak.value - e.hand_peak.twin);
+        REQUIRE(differs > 0.04 * e.hand_peak.value);  // more than what a history leaves, 3 % of the value
+        CHECK(e.hand_peak.step == about(differs).epsilon(1e-12));
+        CHECK(e.hand_peak.band == about(e.hand_peak.step + e.hand_peak.nodes + e.hand_peak.facets).epsilon(1e-12));
+    }
+
+    TEST_CASE("analytic: a band from steps of a sixteenth has the factor 1.5 x 16/15")
+    {
+        const ErrorEstimate e = run(0.012, StepTwin::Finer::Always).estimate;
+        REQUIRE(e.finest == 16);
+        for (const ErrorBand* band : {&e.hand_peak, &e.friction_peak}) {
+            REQUIRE(band->parts == 16);
+            REQUIRE(std::abs(band->value - band->twin) > 0);
+            CHECK(band->band >= 1.6 * std::abs(band->value - band->twin) * (1 - 1e-12));
+        }
+    }
+}
+
+}  // namespace test_twin_margin

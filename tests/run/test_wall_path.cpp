@@ -1,0 +1,110 @@
+// The control mesh of an elastic wall along the path that a trial run with a rigid wall finds.
+
+#include "scene/scene.h"
+#include "run/wall_path.h"
+#include "support/approx.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace test_wall_path {
+
+using namespace seldinger;
+
+namespace {
+
+/// A wire of 5 cm that 20 mN press into a plane wall, whose dents decay over 2.67 mm.
+Scene pressed_wire(double size, double wall_edge)
+{
+    return read_scene_text(fmt::format(R"([scene]
+gravity = [0.0, 0.0, 0.0]
+[wire]
+length_m = 0.05
+radius_m = 0.0004445
+density = 7900.0
+bend_nm2 = 5.0e-4
+twist_nm2 = 3.8e-4
+stretch_n = 1.0e4
+nodes = 101
+place = {{ shape = "straight", base = [-0.025, 0.0, 0.0004445] }}
+[integrator]
+scheme = "static"
+[vessel]
+shape = "plane"
+size_m = {}
+wall = "elastic"
+youngs_pa = 0.5e6
+thickness_m = 0.0009
+support_pa_m = 3e6
+wall_edge_m = {}
+[[load]]
+at = 0.025
+force_n = [0.0, 0.0, -0.02]
+)",
+                                       size, wall_edge),
+                           "pressed.toml");
+}
+
+struct Dent {
+    WallReadings readings;
+    WallMechanics mechanics;
+};
+
+Dent dent_of(const Scene& scene, bool with_path)
+{
+    WorldSetup setup = make_setup(scene);
+    if (with_path) find_wall_path(std::span(&scene, 1), setup);
+    World world(std::move(setup));
+    REQUIRE(!settle(world).failed());
+    return {world.wall_readings(), world.wall_mechanics()};
+}
+
+}  // namespace
+
+// The reference is a small plane with even edges of a quarter of the decay length. Its own errors are 0.026/16 of the displacement, and a few
+// per cent of the stress (contact/test_yielding_wall). Along a path edges are half of the decay length: 0.026/4 and as much.
+TEST_CASE("property: on a plane of any size displacement and stress are those of a fine mesh, with less vertices than an even one")
+{
+    const Dent fine = dent_of(pressed_wire(0.06, 0.00066), true);
+    for (const double size : {0.1, 0.5}) {
+        CAPTURE(size);
+        const Dent along = dent_of(pressed_wire(size, 0), true);
+        CHECK(along.readings.move_max == test::about(fine.readings.move_max).epsilon(0.01));
+        CHECK(along.readings.stress_max == test::about(fine.readings.stress_max).epsilon(0.05));
+        CHECK(std::abs(along.readings.stress_max - fine.readings.stress_max) < along.readings.stress_band + fine.readings.stress_band);
+        CHECK(along.mechanics.edge_touched == test::about(0.5 * along.mechanics.decay));
+        CHECK(along.mechanics.vertices < 2000);
+    }
+    // without the path the mesh is even, and 4 decay lengths long
+    const Dent even = dent_of(pressed_wire(0.5, 0), false);
+    CHECK(even.readings.move_max < 0.8 * fine.readings.move_max);
+    CHECK(even.mechanics.edge_touched > 4 * even.mechanics.decay);
+}
+
+TEST_CASE("property: the path is the same each time, and none is looked for where the edge is given or the wall is rigid")
+{
+    const auto path_of = [](const Scene& scene, bool elastic) {
+        WorldSetup setup = make_setup(scene);
+        setup.vessel.elastic = elastic;
+        find_wall_path(std::span(&scene, 1), setup);
+        return setup.vessel.touched;
+    };
+    const std::vector<Vec3> once = path_of(pressed_wire(0.1, 0), true);
+    REQUIRE(once.size() > 10);
+    CHECK(path_of(pressed_wire(0.1, 0), true) == once);
+    for (const Vec3& point : once) CHECK(std::abs(point.z()) < 1e-9);
+    CHECK(path_of(pressed_wire(0.1, 0.002), true).empty());
+    CHECK(path_of(pressed_wire(0.1, 0), false).empty());
+}
+
+TEST_CASE("the trial run can be ended")
+{
+    const Scene scene = pressed_wire(0.1, 0);
+    WorldSetup setup = make_setup(scene);
+    CHECK_THROWS_WITH((void)find_wall_path(std::span(&scene, 1), setup, [] { return true; }),
+                      "interrupted in the trial run with a rigid wall, before the first step");
+}
+
+}  // namespace test_wall_path
