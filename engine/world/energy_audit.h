@@ -21,6 +21,7 @@
 // Energy of splits and merges between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged separately.
 
 #include "model.h"
+#include "output.h"
 #include "solve/energy_balance.h"
 #include "solve/force_term.h"
 

@@ -34,7 +34,7 @@ TEST_SUITE("step/state rows")
             World world = pushed_pair(model);
             WorldData& data = data_of(world);
             const std::vector<std::uint8_t> before = world.save_state();
-            const std::vector<WireState> before = data.state.wires;
+            const std::vector<WireState> wires_before = data.state.wires;
             for (int w = 0; w < world.wire_count(); ++w) keep_wire(data, w);
             for (int w = 0; w < world.wire_count(); ++w) {
                 for (const std::span<double>& array : data.state.rods.arrays(w))
@@ -53,8 +53,8 @@ TEST_SUITE("step/state rows")
             CHECK(data.solver->spin_record(0).wait == 3);
             for (int w = 0; w < world.wire_count(); ++w) {
                 data.solver->spin_record(w).wait = 0;
-                CHECK(data.feed(w).speed == before[w].feed.speed);
-                CHECK(data.feed(w).grown == before[w].feed.grown);
+                CHECK(data.feed(w).speed == wires_before[w].feed.speed);
+                CHECK(data.feed(w).grown == wires_before[w].feed.grown);
             }
             CHECK(world.save_state() == before);
         }
