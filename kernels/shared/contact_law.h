@@ -130,6 +130,23 @@ SEL_FN Footprint footprint(real depth, real per_metre, real slope, const LawCont
     return foot;
 }
 
+#define SEL_FACING ((real)0.7)  // |g| below which facets face each other: a square corner's is 0.707 between its two walls
+
+// Unit normal of the wall at a contact point: that of g, the gradient of the gap. In a lumen as narrow as the wire the facets of one
+// side face each other, and g is what they have in common: it may point along the wire, away from all of them. Then the axis of the
+// side takes the place of what has cancelled (opposite_wall.h).
+SEL_FN vec3 wall_normal(ContactPoint contact, vec3 tangent)
+{
+    const vec3 g = contact.normal;
+    const real size = sqrt(dot3(g, g));
+    if (size >= SEL_FACING) return (1 / size) * g;
+    const vec3 across = contact.side - dot3(contact.side, tangent) * tangent;
+    const real wide = sqrt(dot3(across, across));
+    const vec3 n = wide > 0 ? g + ((SEL_FACING - size) / wide) * across : g;
+    const real all = sqrt(dot3(n, n));
+    return all > 0 ? (1 / all) * n : n;
+}
+
 // The normal force of a contact point, as friction and rolling need it.
 typedef struct Pressure {
     NormalLoad held;        // what they go by
@@ -143,8 +160,7 @@ SEL_FN Pressure add_pressure(ContactPoint contact, vec3 axis, ContactState old, 
                              SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
 {
     const ContactParams par = c->par;
-    const real size = sqrt(dot3(contact.normal, contact.normal));
-    const vec3 n = size > 0 ? (1 / size) * contact.normal : contact.normal;
+    const vec3 n = wall_normal(contact, c->mv.tangent);
     const Closing closing = closing_of(contact, n, old, c);
     Pressure pressure;
     pressure.acts = 0;
@@ -161,13 +177,13 @@ SEL_FN Pressure add_pressure(ContactPoint contact, vec3 axis, ContactState old, 
     load.slope = c->m.weight * slope;
     add_normal(contact, load, out);
     out->normal_work += load.force * dot3(contact.normal, c->mv.move);
-    pressure.pushed = load.force * size;  // |fn g|: between two facets the gradient g is a little shorter than 1
+    pressure.pushed = load.force;  // of all facets together, each with its share; their resultant fn g may be smaller
     now->flags |= SEL_CONTACT_ACTIVE;
     now->normal_force = pressure.pushed;
     out->normal_sum += pressure.pushed;
     const int lagged = par.known == SEL_KNOWN_LINEAR && par.friction == SEL_FRICTION_SIGN;
-    pressure.held.force = lagged ? c->m.weight * per_metre * size : pressure.pushed;
-    pressure.held.slope = load.slope * size;
+    pressure.held.force = lagged ? c->m.weight * per_metre : pressure.pushed;
+    pressure.held.slope = load.slope;
     pressure.per_metre = per_metre;
     pressure.slope = slope;
     pressure.acts = 1;

@@ -23,7 +23,7 @@ typedef struct ContactStage {
 } ContactStage;
 
 // Room for a record, in reals. Its size differs from device to device: a vec3 of the host has three reals, of OpenCL four.
-#define SEL_STAGE_REALS 208
+#define SEL_STAGE_REALS 304
 typedef char stage_has_room[sizeof(ContactStage) <= SEL_STAGE_REALS * sizeof(real) ? 1 : -1];
 
 // A quadrature point in a stage, and what it moves by.

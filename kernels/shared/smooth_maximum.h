@@ -19,7 +19,7 @@ SEL_BEGIN
 #define SEL_COPLANAR \
     1e-5f  // normals nearer than this [rad] lie in one plane: float32 vertices of one, 1 mm apart, differ by 4e-6
 
-#define SEL_SMOOTH_PLANES 8  // round one ball; beyond, the shallowest is left out: facets of a few um on a doubly curved wall
+#define SEL_SMOOTH_PLANES 16  // round one ball: half a circle of 24 facets and a few more (F12)
 
 // A triangle in front of the ball.
 typedef struct FacingTriangle {
@@ -91,20 +91,40 @@ SEL_FN int is_joined(SEL_OUT const NeighbourPlanes* planes, SEL_OUT const Contac
     return joint_width(out->turn, none, ball) + out->depth > 0;
 }
 
-// Takes the plane into the list: in the place of the same plane or point when it is nearer, else at the end, else for the
-// shallowest.
+// Which plane is missed least when `found` comes to a full list: the shallower of the two whose directions differ least. The first
+// plane stays. @return the number of planes for `found` itself
+SEL_FN uint least_missed(SEL_OUT const NeighbourPlanes* planes, WallPlane found)
+{
+    uint at = planes->count;
+    real least = (real)1e30;
+    for (uint i = 1; i <= planes->count; ++i) {
+        const WallPlane a = i < planes->count ? planes->plane[i] : found;
+        for (uint k = 0; k < i; ++k) {
+            const vec3 turn = a.turn - planes->plane[k].turn;
+            const real d2 = dot3(turn, turn);
+            if (!(d2 < least)) continue;
+            least = d2;
+            at = k > 0 && planes->plane[k].depth < a.depth ? k : i;
+        }
+    }
+    return at;
+}
+
+// Takes the plane into the list: in the place of the same plane or point when it is nearer, else at the end, else for the one that
+// is missed least.
 SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found)
 {
     const uint count = planes->count;
-    uint at = count, shallowest = 1;
-    for (uint k = 1; k < count; ++k) {
+    uint at = count;
+    for (uint k = 1; k < count; ++k)
         if (is_same_direction(planes->plane[k].facet, found.facet) || is_same_direction(planes->plane[k].turn, found.turn)) at = k;
-        if (planes->plane[k].depth < planes->plane[shallowest].depth) shallowest = k;
+    if (at < count) {
+        if (planes->plane[at].depth < found.depth) planes->plane[at] = found;
+        return;
     }
-    const int is_new = at == count;
-    if (at == SEL_SMOOTH_PLANES) at = shallowest;
-    if (at == count || planes->plane[at].depth < found.depth) planes->plane[at] = found;
-    if (is_new && count < SEL_SMOOTH_PLANES) planes->count = count + 1;
+    if (count < SEL_SMOOTH_PLANES) planes->count = count + 1;
+    else at = least_missed(planes, found);
+    if (at < SEL_SMOOTH_PLANES) planes->plane[at] = found;
 }
 
 #ifdef SEL_FLOAT32
@@ -112,7 +132,7 @@ SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found)
 #else
     #define SEL_SHARED_OUT 1e-13
 #endif
-#define SEL_MOST_EXCHANGES 256
+#define SEL_MOST_EXCHANGES 2048
 
 // Moves share between two planes, from the one that pulls least to the one that pulls most. @return they were equal
 SEL_FN int exchange_shares(SEL_OUT NeighbourPlanes* planes, ContactBall ball)
@@ -149,47 +169,56 @@ SEL_FN void share_out(SEL_OUT NeighbourPlanes* planes, ContactBall ball)
     SEL_ROLLED for (uint round = 0; round < SEL_MOST_EXCHANGES; ++round) if (exchange_shares(planes, ball)) break;
 }
 
-// adds s (a b^T + b a^T) / 2 to a symmetric matrix, xx xy xz yy yz zz
-SEL_FN void add_symmetric(SEL_OUT real* to, real s, vec3 a, vec3 b)
+// adds a a^T to a symmetric matrix, xx xy xz yy yz zz
+SEL_FN void add_square(SEL_OUT real* to, vec3 a)
 {
-    to[0] += s * a.x * b.x;
-    to[1] += s * (real)0.5 * (a.x * b.y + a.y * b.x);
-    to[2] += s * (real)0.5 * (a.x * b.z + a.z * b.x);
-    to[3] += s * a.y * b.y;
-    to[4] += s * (real)0.5 * (a.y * b.z + a.z * b.y);
-    to[5] += s * a.z * b.z;
+    to[0] += a.x * a.x;
+    to[1] += a.x * a.y;
+    to[2] += a.x * a.z;
+    to[3] += a.y * a.y;
+    to[4] += a.y * a.z;
+    to[5] += a.z * a.z;
 }
 
-// Second derivatives of the depth: how shares move between planes, of more than three between those of the largest shares.
+// Second derivatives of the depth: how shares move between the planes that have any. With the turns u_i from one of these planes, 0,
+// to the others they are
+//     sum_ij u_i (M^-1)_ij u_j^T,   M_ij = eps_i0 + eps_j0 - eps_ij,
+// the maximum's own equations. M = L L^T is positive definite, so they are the sum of squares of the rows of L^-1 u.
 SEL_FN void add_bend(SEL_OUT ContactPoint* first, SEL_OUT const NeighbourPlanes* planes, ContactBall ball)
 {
-    uint at[3] = {0, 1, 1};
-    real most[3] = {-1, -1, -1};
-    for (uint k = 0; k < planes->count; ++k) {
-        const real share = planes->plane[k].share;
-        if (share > most[0]) {
-            most[2] = most[1], at[2] = at[1];
-            most[1] = most[0], at[1] = at[0];
-            most[0] = share, at[0] = k;
-        } else if (share > most[1]) {
-            most[2] = most[1], at[2] = at[1];
-            most[1] = share, at[1] = k;
-        } else if (share > most[2]) {
-            most[2] = share, at[2] = k;
+    real lower[SEL_SMOOTH_PLANES * (SEL_SMOOTH_PLANES - 1) / 2];  // L, row after row
+    vec3 u[SEL_SMOOTH_PLANES], row[SEL_SMOOTH_PLANES];            // row: of L^-1 u
+    const vec3 none = make_vec3(0, 0, 0);
+    vec3 base = none;
+    int any = 0;
+    uint count = 0;
+    SEL_ROLLED for (uint k = 0; k < planes->count; ++k)
+    {
+        if (!(planes->plane[k].share > 0)) continue;
+        if (!any) {
+            any = 1;
+            base = planes->plane[k].turn;
+            continue;
         }
+        const vec3 turn = planes->plane[k].turn - base;
+        const real eps = joint_width(turn, none, ball);
+        SEL_OUT real* of = lower + count * (count + 1) / 2;
+        vec3 left = turn;
+        for (uint j = 0; j < count; ++j) {
+            SEL_OUT const real* other = lower + j * (j + 1) / 2;
+            real m = eps + joint_width(u[j], none, ball) - joint_width(turn, u[j], ball);
+            for (uint l = 0; l < j; ++l) m -= of[l] * other[l];
+            of[j] = m / other[j];
+            left = left - of[j] * row[j];
+        }
+        real rest = 2 * eps;
+        for (uint j = 0; j < count; ++j) rest -= of[j] * of[j];
+        of[count] = sqrt(max_r(rest, (real)SEL_SHARED_OUT * eps));
+        u[count] = turn;
+        row[count] = (1 / of[count]) * left;
+        add_square(first->hessian, row[count]);
+        ++count;
     }
-    const vec3 base = planes->plane[at[0]].turn, u = planes->plane[at[1]].turn - base;
-    const real ab = joint_width(u, make_vec3(0, 0, 0), ball);
-    if (!(most[2] > 0)) {
-        add_symmetric(first->hessian, 1 / (2 * ab), u, u);
-        return;
-    }
-    const vec3 v = planes->plane[at[2]].turn - base;
-    const real ac = joint_width(v, make_vec3(0, 0, 0), ball), mixed = ab + ac - joint_width(u, v, ball);
-    const real scale = 1 / (4 * ab * ac - mixed * mixed);
-    add_symmetric(first->hessian, 2 * ac * scale, u, u);
-    add_symmetric(first->hessian, 2 * ab * scale, v, v);
-    add_symmetric(first->hessian, -2 * mixed * scale, u, v);
 }
 
 // Depth, gradient and second derivatives of the smooth maximum in place of those of the nearest facet.

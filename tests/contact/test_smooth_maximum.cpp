@@ -2,8 +2,11 @@
 
 #include "contact/wall_fixture.h"
 
+#include <algorithm>
 #include <array>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace test_smooth_maximum {
 
@@ -15,20 +18,20 @@ namespace {
 constexpr double r = 0.4445e-3, smoothing = 0.002, slope = 0.3, height = 0.97 * r;
 constexpr double rounding = 1e-9;  // [m] far corners at 2 mm in float
 
-/// A pit of three facets that meet at the origin, whose normals lean by `slope` from z.
+/// A pit of facets that meet at the origin, whose normals lean by `slope` from z.
 struct Pit {
     Soup soup;
-    std::array<vec3, 3> normal{};
-    Pit()
+    std::vector<vec3> normal;
+    explicit Pit(int facets = 3)
     {
-        const auto corner = [](int k) {
-            const double phi = 2 * std::numbers::pi * k / 3, far = 2e-3;
-            return v3(far * std::cos(phi), far * std::sin(phi), 2 * far * std::tan(slope));
+        const auto corner = [=](int k) {
+            const double phi = 2 * std::numbers::pi * k / facets, far = 2e-3;
+            return v3(far * std::cos(phi), far * std::sin(phi), far * std::tan(slope) * std::cos(std::numbers::pi / facets));
         };
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < facets; ++k) {
             soup.add(v3(0, 0, 0), corner(k), corner(k + 1));
             const vec3 n = cross3(corner(k), corner(k + 1));
-            normal[static_cast<std::size_t>(k)] = (1 / norm(n)) * n;
+            normal.push_back((1 / norm(n)) * n);
         }
     }
     [[nodiscard]] double width(int i, int j) const
@@ -97,12 +100,13 @@ TEST_SUITE("contact/smooth_maximum")
         }
     }
 
-    TEST_CASE("derivative: the second derivatives over three facets are those of the normal")
+    TEST_CASE("derivative: the second derivatives are those of the normal, however many facets have a share")
     {
-        const Pit pit;
-        const double eps = pit.width(0, 1), h = 1e-3 * eps;
-        for (const double x : {-0.1, 0.15}) {
-            const vec3 p = v3(x * eps, 0.1 * eps, height);
+        for (const auto& [facets, x] : {std::pair(3, -0.1), {3, 0.15}, {4, 0.05}, {6, 0.02}, {12, 0.005}}) {
+            CAPTURE(facets);
+            const Pit pit(facets);
+            const double eps = pit.width(0, 1), h = 1e-3 * eps;
+            const vec3 p = v3(x * eps, 0.7 * x * eps, height);
             const ContactPoint here = pit.at(p);
             const double* s = here.hessian;
             const double full[3][3] = {{s[0], s[1], s[2]}, {s[1], s[3], s[4]}, {s[2], s[4], s[5]}};
@@ -112,6 +116,19 @@ TEST_SUITE("contact/smooth_maximum")
                 // planes: the normal is linear in the position; what is left is rounding of 1e-16 m in depth over h
                 CHECK(std::abs(d.x - full[0][c]) + std::abs(d.y - full[1][c]) + std::abs(d.z - full[2][c]) <= 1e-4 / (smoothing * r));
             }
+        }
+    }
+
+    // over a pit of many facets, all equally deep, shares are the same all round: depth grows by half the mean distance of normals,
+    // 4/pi sin(slope) on their circle
+    TEST_CASE("analytic: of more facets than the list holds those are kept that lie all round")
+    {
+        const double mean = smoothing * r * 4 / std::numbers::pi * std::sin(slope);
+        for (const int facets : {12, 24, 40, 64}) {
+            CAPTURE(facets);
+            const double joined = Pit(facets).at(v3(0, 0, height)).depth - (r - height * std::cos(slope));
+            CHECK(joined <= mean / 2 + rounding);
+            CHECK(joined >= 0.95 * mean / 2 - rounding);
         }
     }
 
