@@ -62,6 +62,16 @@ template <class Record>
     return context.float32() ? float_size<Record>() : sizeof(Record);
 }
 
+/// A buffer of the vector's own memory, where its records are the device's own: what the host writes costs nothing there. The vector must
+/// outlive it and stay where it is.
+/// @param count  of records, where the device has its own
+template <class Record>
+[[nodiscard]] device::Buffer record_buffer(device::Context& context, std::vector<Record>& host, std::size_t count)
+{
+    if (context.float32()) return device::Buffer(context, count * device_size<Record>(context));
+    return device::Buffer(context, host.data(), count * sizeof(Record));
+}
+
 void narrow_words(std::span<const WordRun> runs, const void* from, std::size_t records, std::vector<std::uint32_t>& to);
 void widen_words(std::span<const WordRun> runs, const std::uint32_t* from, std::size_t records, void* to);
 
