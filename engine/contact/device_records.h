@@ -8,6 +8,7 @@
 #include "device/device.h"
 #include "shared/clearance.h"
 #include "shared/contact_types.h"
+#include "shared/wall_memory.h"
 
 #include <span>
 #include <vector>
@@ -37,6 +38,8 @@ template <>
 inline constexpr WordRun record_words<EdgeForce>[] = {{86, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<Clearance>[] = {{8, true}};
+template <>
+inline constexpr WordRun record_words<WallMemory>[] = {{23, true}, {14, false}};
 template <>
 inline constexpr WordRun record_words<ContactParams>[] = {{6, false}, {3, true}};
 

@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "core/parallel.h"
 #include "device/enumerate.h"
 #include "device/profile_record.h"
 #include "device/shared_context.h"
@@ -182,6 +183,10 @@ Context::Context(int index, bool float32) : float32_(float32)
     check_device_index(index);
     cl_device_id heavy = all[index < 0 ? default_device(all) : index];
     cl_device_id light = heavy;
+    if (index < 0 && device_text(heavy, CL_DEVICE_NAME).rfind("pthread", 0) == 0)
+        for (cl_device_id other : all)
+            if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0) light = other;
+    if (thread_count() == 1) heavy = light;  // a pool of one would only be handed what the caller can do
     cl_device_type type = 0;
     CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_TYPE, sizeof type, &type, nullptr));
     const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
@@ -200,9 +205,6 @@ Context::Context(int index, bool float32) : float32_(float32)
                                 "\"float64\". Fix: set contact.precision = \"float32\", or choose another device with --device "
                                 "(`seldinger devices` lists them).",
                                 name_));
-    if (index < 0)
-        for (cl_device_id other : all)
-            if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0 && name_.rfind("pthread", 0) == 0) light = other;
 
     std::vector<cl_device_id> devices = {heavy};
     if (light != heavy) devices.push_back(light);

@@ -69,7 +69,8 @@ enum class Items { Branching, Short };
 
 class Context {
 public:
-    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first suitable device
+    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, of which one thread (core/parallel.h) takes `basic` alone;
+    /// else the first suitable device
     /// @param float32  build kernels for `float` arithmetic
     explicit Context(int index = -1, bool float32 = false);
     ~Context();
