@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -19,6 +20,7 @@ using namespace seldinger::test;
 namespace {
 
 constexpr double r = 0.3e-3, reach = 0.1 * r;  // [m]
+constexpr double pi_per_mm = 3141.6;            // [1/m]
 
 struct Random {
     std::mt19937 rng{7};
@@ -47,24 +49,49 @@ struct Touched {
     [[nodiscard]] LastTouch last() const { return last_touch(0, 5, states); }
 };
 
+/// Two plates at z = -apart/2 and apart/2 that face each other, of squares of a radius.
+WallMesh plates(double apart)
+{
+    WallMesh mesh;
+    constexpr int side = 12;
+    for (const double up : {1.0, -1.0}) {
+        const int first = static_cast<int>(mesh.vertices.size());
+        for (int i = 0; i <= side; ++i)
+            for (int j = 0; j <= side; ++j) mesh.vertices.emplace_back((i - 6.3) * r, (j - 5.8) * r, -0.5 * up * apart);
+        for (int i = 0; i < side; ++i)
+            for (int j = 0; j < side; ++j) {
+                const int a = first + i * (side + 1) + j, b = a + side + 1;
+                if (up > 0) mesh.triangles.insert(mesh.triangles.end(), {{a, b, b + 1}, {a, b + 1, a + 1}});
+                else mesh.triangles.insert(mesh.triangles.end(), {{a, b + 1, b}, {a, a + 1, b + 1}});
+            }
+    }
+    return mesh;
+}
+
 }  // namespace
 
 TEST_SUITE("contact/wall_memory")
 {
-    // Points that wander along the wall as a wire does, by up to a tenth of the radius a step, in a wide tube and in one that is
-    // little wider than the wire, of facets from three radii to a tenth of one. The side turns with the wall.
+    // Points that wander along the wall as a wire does, by up to a tenth of the radius a step, in a wide tube and in one whose necks,
+    // 2 mm apart, are a fiftieth wider than the wire: there the nearer side changes, and the opposite wall comes into reach. Facets
+    // from three radii to a tenth of one. The side turns with the wall.
     TEST_CASE("property: with what it remembers a point finds the contact points that it finds without, bit by bit")
     {
         Random draw;
         int kept = 0, walked = 0, clear = 0, opposite = 0, crowded = 0;
-        for (const double tube : {0.31e-3, 0.003})
+        for (const double tube : {0.36e-3, 0.003})
             for (const int triangles : {3000, 30000, 300000}) {
                 VesselSpec spec;
                 spec.shape = VesselShape::Tube;
                 spec.radius = tube;
                 spec.length = 0.03;
                 spec.triangles = triangles;
-                const WallTree tree = build_wall_tree(make_tube(spec).mesh);
+                WallMesh mesh = make_tube(spec).mesh;
+                const double middle = 0.5 * spec.length;  // of the vessel: where the tree's centre is
+                const auto width = [&](double along) { return tube < 1e-3 ? 1 + 0.15 * std::sin(pi_per_mm * (along - middle)) : 1.0; };
+                for (Vec3& v : mesh.vertices) v = Vec3(v.x(), v.y() * width(v.x()), v.z() * width(v.x()));
+                const WallTree tree = build_wall_tree(mesh);
+                REQUIRE(tree.centre.x() == about(middle).epsilon(1e-3));
                 const std::vector<uint> boundary(tree.triangle_count(), 0);
                 const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), boundary.data());
                 std::vector<uint> near_nodes(tree.triangle_count());
@@ -75,7 +102,7 @@ TEST_SUITE("contact/wall_memory")
                     Clearance known{};
                     uint count = 0;
                     for (int step = 0; step < 60; ++step) {
-                        const double rho = tube - r - gap;
+                        const double rho = tube * width(x + middle) - r - gap;
                         const vec3 p = v3(x, rho * std::cos(angle), rho * std::sin(angle));
                         AxisPoint at{};
                         at.origin = v3(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
@@ -104,9 +131,9 @@ TEST_SUITE("contact/wall_memory")
                         clear += with.first.found && before.clear > 0 && std::memcmp(before.clear_at, memory.clear_at, sizeof before.clear_at) == 0;
                         opposite += with.second.found;
                         crowded += memory.crowded > 0;
-                        x += draw(-0.5, 1) * stride;
+                        x += draw(-0.2, 1) * stride;
                         angle += draw(-1, 1) * stride / tube;
-                        gap += draw(-0.1, 0.1) * stride;
+                        gap = std::clamp(gap + draw(-1, 1) * stride, -0.05 * r, 0.15 * r);
                     }
                 }
             }
@@ -116,6 +143,47 @@ TEST_SUITE("contact/wall_memory")
         REQUIRE(clear > 2000);
         REQUIRE(opposite > 200);
         REQUIRE(crowded > 200);
+    }
+
+    // What was noted 0.98 radii over the floor lacks the ceiling, 1.14 above: it is the nearer one after 0.09. What had room above,
+    // 0.75 over the floor, has the ceiling within its reach after 0.33.
+    TEST_CASE("property: what it remembers ends where another wall may count")
+    {
+        struct Case {
+            double apart, low, up;  // [r]
+        };
+        for (const Case& c : {Case{2.12, 0.98, 0.09}, Case{2.17, 0.75, 0.33}}) {
+            CAPTURE(c.up);
+            const WallTree tree = build_wall_tree(plates(c.apart * r));
+            const std::vector<uint> boundary(tree.triangle_count(), 0);
+            const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), boundary.data());
+            std::vector<uint> near_nodes(tree.triangle_count());
+            const Touched touched(v3(0, 0, 1));
+            WallMemory memory{};
+            Clearance known{};
+            ContactPointPair with[2], without;
+            for (const int step : {0, 1}) {
+                const vec3 p = v3(0, 0, (c.low + step * c.up - 0.5 * c.apart) * r);
+                AxisPoint at{};
+                at.origin = v3(0, 0, 0);
+                at.offset = p;
+                const double range = r + reach + 0.4 * r;
+                const uint count =
+                    find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * r, wall, static_cast<uint>(near_nodes.size()), near_nodes.data());
+                known = found_clearance(p, range, 0.4 * r, r, count);
+                const NearWallView near = near_wall_view(wall, near_nodes.data(), count);
+                const ContactBall ball = contact_ball(p, at.origin, r, reach, 0.002);
+                with[step] = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball));
+                without = contact_points_of(ball, near, touched.last(), no_recall());
+                if (step == 0) REQUIRE(memory.range > 0);
+                if (step == 0) REQUIRE((memory.clear > 0) == (c.up > 0.3));  // the first has the ceiling within 1.4 radii
+                CHECK(same(with[step].first, without.first));
+                CHECK(same(with[step].second, without.second));
+            }
+            REQUIRE(with[0].first.found);
+            REQUIRE_FALSE(with[0].second.found);
+            REQUIRE(with[1].second.found);
+        }
     }
 }
 
