@@ -402,7 +402,7 @@ void add_farm(CommandLine& app, Command& chosen)
     command->add_option("--jobs", options->local.jobs, "local: tasks at a time (default 1)")
         ->type_name("N")
         ->check(in_range(1, 1024));
-    command->add_option("--threads", options->local.threads, "local: threads of each task (default: all cores)")
+    command->add_option("--threads", options->local.threads, "local: threads of each task (default: all cores, divided by --jobs)")
         ->type_name("N")
         ->check(in_range(1, 1024));
     command->add_option("--device", options->local.device, "local: OpenCL device, as `seldinger devices` lists them")

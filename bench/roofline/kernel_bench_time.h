@@ -56,7 +56,8 @@ public:
           barys_(context, n_ * sizeof(real)),
           ratios_(context, n_ * sizeof(real)),
           found_(context, n_ * sizeof(uint)),
-          clearances_(context, n_ * sizeof(Clearance))
+          clearances_(context, n_ * sizeof(Clearance)),
+          memories_(context, n_ * sizeof(WallMemory))
     {
         context_.enter(queue);
     }
@@ -78,7 +79,8 @@ public:
         ForceKernels forces(context_, "contact/evaluation.cl", n_, true);
         time(forces, "contact_evaluate", n_, record + states + sizeof(ContactForce) + sizeof(real) + lists, [&](ForceKernels& k) {
             k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_, lo_,
-                     theta_, hi_t0_, lo_t0_, theta_t0_, states_t0_, states_, forces_, barys_, multipliers_, clearances_);
+                     theta_, hi_t0_, lo_t0_, theta_t0_, states_t0_, states_, forces_, barys_, multipliers_, clearances_,
+                     memories_);
         });
         const std::size_t edges = load_.layer_edges.size();
         const Buffer sums(context_, edges * sizeof(EdgeForce));
@@ -171,7 +173,7 @@ private:
     std::vector<KernelTiming>& out_;
     std::size_t n_;
     Buffer tree_, vertices_, boundary_, hi_, lo_, theta_, hi_t0_, lo_t0_, theta_t0_, models_, places_, list_, first_, states_t0_,
-        states_, multipliers_, next_multipliers_, candidates_, counts_, forces_, barys_, ratios_, found_, clearances_;
+        states_, multipliers_, next_multipliers_, candidates_, counts_, forces_, barys_, ratios_, found_, clearances_, memories_;
 };
 
 std::vector<KernelTiming> time_all(Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,

@@ -22,12 +22,13 @@ std::size_t bytes_of(const std::vector<T>& v)
 
 device::Queue queue_for(std::size_t points) { return points < pool_evaluate ? device::Queue::Inline : device::Queue::Pool; }
 
+// The vectors never grow beyond that: the buffers are their memory.
 ActiveList::ActiveList(device::Context& context, std::size_t point_capacity, std::size_t edge_capacity)
-    : point_buffer(context, point_capacity * sizeof(std::uint32_t)),
-      first_buffer(context, (edge_capacity + 1) * sizeof(std::uint32_t))
 {
     points.reserve(point_capacity);
     edge_first.reserve(edge_capacity + 1);
+    point_buffer = device::Buffer(context, points.data(), point_capacity * sizeof(std::uint32_t));
+    first_buffer = device::Buffer(context, edge_first.data(), (edge_capacity + 1) * sizeof(std::uint32_t));
 }
 
 void ActiveList::upload(device::Context& context, device::Queue queue) const

@@ -8,6 +8,7 @@
 #include "device/device.h"
 #include "shared/clearance.h"
 #include "shared/contact_types.h"
+#include "shared/wall_memory.h"
 
 #include <span>
 #include <vector>
@@ -38,6 +39,8 @@ inline constexpr WordRun record_words<EdgeForce>[] = {{86, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<Clearance>[] = {{8, true}};
 template <>
+inline constexpr WordRun record_words<WallMemory>[] = {{23, true}, {14, false}};
+template <>
 inline constexpr WordRun record_words<ContactParams>[] = {{6, false}, {3, true}};
 
 template <class Record>
@@ -60,6 +63,16 @@ template <class Record>
 {
     static_assert(double_size<Record>() == sizeof(Record), "record_words does not describe this record");
     return context.float32() ? float_size<Record>() : sizeof(Record);
+}
+
+/// A buffer of the vector's own memory, where its records are the device's own: what the host writes costs nothing there. The vector must
+/// outlive it and stay where it is.
+/// @param count  of records, where the device has its own
+template <class Record>
+[[nodiscard]] device::Buffer record_buffer(device::Context& context, std::vector<Record>& host, std::size_t count)
+{
+    if (context.float32()) return device::Buffer(context, count * device_size<Record>(context));
+    return device::Buffer(context, host.data(), count * sizeof(Record));
 }
 
 void narrow_words(std::span<const WordRun> runs, const void* from, std::size_t records, std::vector<std::uint32_t>& to);

@@ -50,9 +50,9 @@ DeviceNodes::DeviceNodes(device::Context& context, int total_capacity)
     : hi(3 * (total_capacity + 1), 0.0f),  // one past the end: the last node has no edge, but its edge may be read
       lo(3 * (total_capacity + 1), 0.0),
       theta(total_capacity + 1, 0.0),
-      hi_buffer(context, hi.size() * sizeof(float)),
-      lo_buffer(context, lo.size() * device_size<double>(context)),
-      theta_buffer(context, theta.size() * device_size<double>(context))
+      hi_buffer(context, hi.data(), hi.size() * sizeof(float)),
+      lo_buffer(record_buffer(context, lo, lo.size())),
+      theta_buffer(record_buffer(context, theta, theta.size()))
 {
 }
 

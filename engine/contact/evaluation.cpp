@@ -24,7 +24,9 @@ Evaluation::Evaluation(device::Context& context, std::span<const QuadratureModel
       reduce_(context, programs::quadrature, "contact_reduce", device::Items::Branching),
       forces_(context, models.size() * device_size<ContactForce>(context)),
       barys_(context, models.size() * device_size<double>(context)),
-      no_multipliers_(context, sizeof(MultiplierState))
+      no_multipliers_(context, sizeof(MultiplierState)),
+      // stages have none
+      memories_(context, (context.workgroup(device::Items::Branching) == 1 ? models.size() : 1) * device_size<WallMemory>(context))
 {
 }
 
@@ -34,7 +36,7 @@ void Evaluation::launch_forces(device::Queue queue, const ContactParams& par, co
     const auto launch = [&](const auto& params) {
         evaluate_.launch(queue, std::max(par.item_count, 1u), params, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall,
                          b.nodes, before, b.states_t0, b.states, forces_, barys_, multipliers ? *multipliers : no_multipliers_,
-                         clearances);
+                         clearances, memories_);
     };
     if (context_.float32()) launch(narrow(par));
     else launch(par);

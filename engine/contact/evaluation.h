@@ -27,6 +27,7 @@ private:
     device::Kernel reduce_;
     device::Buffer forces_, barys_;
     device::Buffer no_multipliers_;  // for the laws that have none
+    device::Buffer memories_;        // [points] kernels/shared/wall_memory.h
 };
 
 }  // namespace seldinger

@@ -43,9 +43,9 @@ InstrumentContact::Nodes::Nodes(device::Context& context, int capacity)
     : position(3 * (capacity + 2)),  // a rod of two nodes may have a third named, without weight
       material(capacity + 2),
       theta(capacity + 2),
-      position_buffer(context, position.size() * sizeof(double)),
-      material_buffer(context, material.size() * sizeof(double)),
-      theta_buffer(context, theta.size() * sizeof(double))
+      position_buffer(context, position.data(), position.size() * sizeof(double)),
+      material_buffer(context, material.data(), material.size() * sizeof(double)),
+      theta_buffer(context, theta.data(), theta.size() * sizeof(double))
 {
 }
 
@@ -84,12 +84,13 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       touching_(setup.wires.size()),
       states_t0_(context, host_t0_.data(), host_t0_.size() * sizeof(InstrumentState)),
       states_(context, host_.data(), host_.size() * sizeof(InstrumentState)),
-      list_buffer_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(std::uint32_t)),
       slots_host_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
       no_states_(slots_host_.size())
 {
     traits_.may_jump = false;
     traits_.most_move = cells_.move_limit;
+    picked_.reserve(slots_host_.size());  // and never grows: the buffer is its memory
+    list_buffer_ = device::Buffer(context, picked_.data(), slots_host_.size() * sizeof(std::uint32_t));
     const std::size_t systems = first_wire_.size() - 1;
     for (std::size_t s = 0; s < systems; ++s) sums_.emplace_back(rods, first_wire_[s], first_wire_[s + 1] - first_wire_[s]);
     found_.of.assign(systems + 1, 0);

@@ -47,9 +47,9 @@ NearWall::NearWall(device::Context& context, const QuadratureSet& points, const 
     near_nodes_ = device::Buffer(context, n * slots_ * sizeof(std::uint32_t));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     clearances_ = device::Buffer(context, n * device_size<Clearance>(context));
-    list_ = device::Buffer(context, n * sizeof(std::uint32_t));
-    found_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
-    distance_buffer_ = device::Buffer(context, n * device_size<double>(context));
+    list_ = device::Buffer(context, to_find_.data(), n * sizeof(std::uint32_t));
+    found_buffer_ = device::Buffer(context, found_.data(), n * sizeof(std::uint32_t));
+    distance_buffer_ = record_buffer(context, distances_, n);
 }
 
 void NearWall::warm_up(device::Queue at, const ContactParams& none)

@@ -15,13 +15,6 @@ namespace seldinger {
 
 namespace {
 
-/// Where the host's records are the device's own, they are read at no cost.
-device::Buffer records(device::Context& context, std::vector<ContactState>& host, std::size_t count)
-{
-    if (context.float32()) return device::Buffer(context, count * device_size<ContactState>(context));
-    return device::Buffer(context, host.data(), count * sizeof(ContactState));
-}
-
 /// Joins ranges of points, given in rising order, that lie close together: f(first, end) copies each run at once.
 template <class F>
 class Runs {
@@ -57,9 +50,9 @@ PointStates::PointStates(device::Context& context, QuadratureSet& quadrature)
       host_(context.float32() ? 0 : host_t0_.size()),
       evaluated_(quadrature.wires.size()),
       models_(context, quadrature.models.size() * device_size<QuadratureModel>(context)),
-      places_(context, quadrature.models.size() * device_size<QuadraturePlace>(context)),
-      states_t0_(records(context, host_t0_, host_t0_.size())),
-      states_(records(context, host_, host_t0_.size()))
+      places_(record_buffer(context, quadrature.places, quadrature.places.size())),
+      states_t0_(record_buffer(context, host_t0_, host_t0_.size())),
+      states_(record_buffer(context, host_, host_t0_.size()))
 {
     for (std::size_t w = 0; w < evaluated_.size(); ++w) evaluated_[w].reserve(static_cast<std::size_t>(quadrature.wires[w].capacity));
     write_records(context_, device::Queue::Inline, models_, quadrature.models, narrow_);

@@ -3,12 +3,14 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "core/parallel.h"
 #include "device/enumerate.h"
 #include "device/profile_record.h"
 #include "device/shared_context.h"
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
@@ -84,7 +86,17 @@ void check(cl_int status, const char* call)
                                                 error_name(status), status));
 }
 
-Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : bytes)
+namespace {
+
+std::uint64_t next_buffer()
+{
+    static std::atomic<std::uint64_t> last = 0;
+    return ++last;
+}
+
+}  // namespace
+
+Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : bytes), id_(next_buffer())
 {
     cl_int status = CL_SUCCESS;
     // a graphics card would go over the bus for each access to memory of the host
@@ -97,7 +109,7 @@ Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : b
     context.finish(Queue::Inline);
 }
 
-Buffer::Buffer(Context& context, void* host, std::size_t bytes)
+Buffer::Buffer(Context& context, void* host, std::size_t bytes) : id_(next_buffer())
 {
     if (!context.on_cpu() || bytes == 0) {
         *this = Buffer(context, bytes);
@@ -105,6 +117,7 @@ Buffer::Buffer(Context& context, void* host, std::size_t bytes)
         return;
     }
     bytes_ = bytes;
+    host_ = host;
     cl_int status = CL_SUCCESS;
     memory_ = clCreateBuffer(context.handle(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes_, host, &status);
     check(status, "clCreateBuffer");
@@ -118,7 +131,11 @@ Buffer::~Buffer()
 }
 
 Buffer::Buffer(Buffer&& other) noexcept
-    : memory_(std::exchange(other.memory_, nullptr)), pinned_(std::exchange(other.pinned_, nullptr)), bytes_(std::exchange(other.bytes_, 0))
+    : memory_(std::exchange(other.memory_, nullptr)),
+      pinned_(std::exchange(other.pinned_, nullptr)),
+      bytes_(std::exchange(other.bytes_, 0)),
+      host_(std::exchange(other.host_, nullptr)),
+      id_(std::exchange(other.id_, 0))
 {
 }
 
@@ -127,6 +144,8 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept
     std::swap(memory_, other.memory_);
     std::swap(pinned_, other.pinned_);
     std::swap(bytes_, other.bytes_);
+    std::swap(host_, other.host_);
+    std::swap(id_, other.id_);
     return *this;
 }
 
@@ -164,11 +183,17 @@ Context::Context(int index, bool float32) : float32_(float32)
     check_device_index(index);
     cl_device_id heavy = all[index < 0 ? default_device(all) : index];
     cl_device_id light = heavy;
+    if (index < 0 && device_text(heavy, CL_DEVICE_NAME).rfind("pthread", 0) == 0)
+        for (cl_device_id other : all)
+            if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0) light = other;
+    if (thread_count() == 1) heavy = light;  // a pool of one would only be handed what the caller can do
     cl_device_type type = 0;
     CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_TYPE, sizeof type, &type, nullptr));
     const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     cpu_ = cpu && !asked_own_memory();
-    single_items_ = cpu && platform_name(heavy) != "rusticl";
+    const std::string platform = platform_name(heavy);
+    single_items_ = cpu && platform != "rusticl";
+    sees_host_ = cpu_ && platform == "Portable Computing Language";
     // else division and square root in float may be off by a few units in the last place, and results are another device's no more
     cl_device_fp_config single = 0;
     clGetDeviceInfo(heavy, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, nullptr);
@@ -180,9 +205,6 @@ Context::Context(int index, bool float32) : float32_(float32)
                                 "\"float64\". Fix: set contact.precision = \"float32\", or choose another device with --device "
                                 "(`seldinger devices` lists them).",
                                 name_));
-    if (index < 0)
-        for (cl_device_id other : all)
-            if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0 && name_.rfind("pthread", 0) == 0) light = other;
 
     std::vector<cl_device_id> devices = {heavy};
     if (light != heavy) devices.push_back(light);
@@ -224,6 +246,7 @@ void Context::write(Queue queue, const Buffer& to, const void* source, std::size
 {
     if (bytes == 0) return;
     SEL_ASSERT(offset + bytes <= to.bytes());
+    if (sees_host_ && to.host() && static_cast<const char*>(to.host()) + offset == source) return;
     const auto start = profiling() ? Clock::now() : Clock::time_point();
     CL_CHECK(clEnqueueWriteBuffer(command_queue(queue), to.handle(), CL_FALSE, offset, bytes, source, 0, nullptr, nullptr));
     counters_.writes++;
@@ -305,7 +328,10 @@ Kernel::~Kernel()
 }
 
 Kernel::Kernel(Kernel&& other) noexcept
-    : context_(other.context_), kernel_(std::exchange(other.kernel_, nullptr)), workgroup_(other.workgroup_)
+    : context_(other.context_),
+      kernel_(std::exchange(other.kernel_, nullptr)),
+      workgroup_(other.workgroup_),
+      arguments_(std::move(other.arguments_))
 {
 }
 
@@ -314,7 +340,18 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept
     std::swap(context_, other.context_);
     std::swap(kernel_, other.kernel_);
     std::swap(workgroup_, other.workgroup_);
+    std::swap(arguments_, other.arguments_);
     return *this;
+}
+
+bool Kernel::is_new(cl_uint index, const void* value, std::size_t size)
+{
+    if (index >= arguments_.size()) arguments_.resize(index + 1);
+    Argument& last = arguments_[index];
+    if (last.size == size && std::memcmp(last.bytes, value, size) == 0) return false;
+    last.size = size;
+    std::memcpy(last.bytes, value, size);
+    return true;
 }
 
 }  // namespace seldinger::device

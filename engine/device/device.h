@@ -37,8 +37,8 @@ class Buffer {
 public:
     Buffer() = default;
     Buffer(Context& context, std::size_t bytes);
-    /// On a CPU the host's memory itself: to read() it back to where it is costs nothing. Elsewhere memory of the device's own, and
-    /// copies between the two go without a detour (5 times as fast over PCIe 5).
+    /// On a CPU the host's memory itself: to write() it from where it is, or to read() it back to there, copies nothing. Elsewhere memory
+    /// of the device's own, and copies between the two go without a detour (5 times as fast over PCIe 5).
     /// @param host  of `bytes`, which outlives the buffer
     Buffer(Context& context, void* host, std::size_t bytes);
     ~Buffer();
@@ -46,10 +46,16 @@ public:
     Buffer& operator=(Buffer&& other) noexcept;
     [[nodiscard]] cl_mem handle() const { return memory_; }
     [[nodiscard]] std::size_t bytes() const { return bytes_; }
+    /// The host's memory where the buffer is made of it; else nullptr.
+    [[nodiscard]] const void* host() const { return host_; }
+    /// No other buffer of the process has or had it: handles of OpenCL are given out again.
+    [[nodiscard]] std::uint64_t id() const { return id_; }
 
 private:
     cl_mem memory_ = nullptr, pinned_ = nullptr;  // pinned_: the host's memory, known to the driver of a device with its own
     std::size_t bytes_ = 0;
+    const void* host_ = nullptr;
+    std::uint64_t id_ = 0;
 };
 
 /// Which queue a chain of launches goes to.
@@ -63,14 +69,16 @@ enum class Items { Branching, Short };
 
 class Context {
 public:
-    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first suitable device
+    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, of which one thread (core/parallel.h) takes `basic` alone;
+    /// else the first suitable device
     /// @param float32  build kernels for `float` arithmetic
     explicit Context(int index = -1, bool float32 = false);
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
 
-    /// Copies without waiting: `source` must stay as it is until the next read() or finish() on the queue.
+    /// Copies without waiting: `source` must stay as it is until the next read() or finish() on the queue. PoCL's kernels see memory of the
+    /// host as it is: a buffer made of `source` is not written, which would take half a microsecond.
     void write(Queue queue, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset = 0);
     /// Copies and waits for everything enqueued on the queue before.
     void read(Queue queue, const Buffer& from, void* target, std::size_t bytes, std::size_t offset = 0);
@@ -106,6 +114,7 @@ private:
     std::string name_;
     std::string rounding_;  // compiler option
     bool float32_ = false, cpu_ = false;
+    bool sees_host_ = false;  // kernels see what the host writes to its memory without a copy
     // Branching items are groups of their own. Not in Mesa's rusticl on the CPU: its vectors hold eight items, and in a group of
     // one (Mesa 22.3) loops within loops end early for the only item, without an error.
     bool single_items_ = false;
@@ -113,7 +122,8 @@ private:
     Counters counters_;
 };
 
-/// One kernel with its fixed work-group size. Arguments are set at every launch, in order.
+/// One kernel with its fixed work-group size. Arguments are given at every launch, in order; those that have not changed are not set
+/// again.
 class Kernel {
 public:
     Kernel() = default;
@@ -145,16 +155,28 @@ private:
     void set(cl_uint index, const Buffer& buffer)
     {
         cl_mem memory = buffer.handle();
-        CL_CHECK(clSetKernelArg(kernel_, index, sizeof memory, &memory));  // NOLINT(bugprone-sizeof-expression): the handle
+        const std::uint64_t id = buffer.id();
+        if (is_new(index, &id, sizeof id))
+            CL_CHECK(clSetKernelArg(kernel_, index, sizeof memory, &memory));  // NOLINT(bugprone-sizeof-expression): the handle
     }
     template <class T>
     void set(cl_uint index, const T& value)
     {
-        CL_CHECK(clSetKernelArg(kernel_, index, sizeof value, &value));
+        static_assert(sizeof value <= sizeof(Argument::bytes));
+        if (is_new(index, &value, sizeof value)) CL_CHECK(clSetKernelArg(kernel_, index, sizeof value, &value));
     }
+    /// Notes what an argument is set to. @return it was something else
+    bool is_new(cl_uint index, const void* value, std::size_t size);
+
+    /// What an argument was last set to: bytes of a value, or the id of a buffer.
+    struct Argument {
+        std::size_t size = 0;
+        std::byte bytes[96];
+    };
     Context* context_ = nullptr;
     cl_kernel kernel_ = nullptr;
     std::size_t workgroup_ = 1;
+    std::vector<Argument> arguments_;
 };
 
 /// The text that the OpenCL compiler is given for a kernel file: includes replaced by their text, once each.

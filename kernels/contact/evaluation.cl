@@ -10,15 +10,16 @@
 //   item    one entry of `list` (quadrature points with near nodes, ordered by wire and edge); range rounded up to the work-group
 //           size
 //   reads   list [item_count]; models, places, counts [points]; near_nodes [points][slots]; wall; nodes, at the trial and at the
-//           start of the step; states_t0, multipliers [points][2]; clearances [points]
-//   writes  forces, barys [item_count]; states [points][2]; clearances
+//           start of the step; states_t0, multipliers [points][2]; clearances, memories [points] (stages have no memories)
+//   writes  forces, barys [item_count]; states [points][2]; clearances, memories
 #define SEL_FORCE_ARGUMENTS                                                                                              \
     const ContactParams par, __global const uint *restrict list, __global const QuadratureModel *restrict models,        \
         __global const QuadraturePlace *restrict places, __global const uint *restrict near_nodes,                       \
         __global const uint *restrict counts, SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS(node), SEL_NODE_ARGUMENTS(node_t0), \
         __global const ContactState *restrict states_t0, __global ContactState *restrict states,                         \
         __global ContactForce *restrict forces, __global real *restrict barys,                                           \
-        __global const MultiplierState *restrict multipliers, __global Clearance *restrict clearances
+        __global const MultiplierState *restrict multipliers, __global Clearance *restrict clearances,                   \
+        __global WallMemory *restrict memories
 
 #if !SEL_SUMS_IN_MEMORY
 
@@ -46,12 +47,13 @@ SEL_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
             ahead(states_t0 + 2 * then, 2 * sizeof(ContactState));
             ahead(states + 2 * then, 2 * sizeof(ContactState));
             ahead(models + then, sizeof(QuadratureModel));
+            ahead(memories + then, sizeof(WallMemory));
             ahead(forces + item + SEL_AHEAD, sizeof(ContactForce));
         }
         const NearWallView near = near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]);
         const PointView point = point_view(s, models[s], places[s], near);
         write_force(contact_force(point, par, SEL_NODES(node), SEL_NODES(node_t0), state_view(states_t0, states, multipliers),
-                                  clearances + s),
+                                  clearances + s, memories + s),
                     forces + item);
         barys[item] = places[s].bary;
     }

@@ -10,7 +10,7 @@ SEL_FN real gap_of_point(PointView point, ContactParams par, NodeView nodes, SEL
 {
     const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
     const ContactBall ball = contact_ball(at.offset, at.origin, point.model.radius, point.model.reach, par.smoothing);
-    const ContactPointPair touching = contact_points_of(ball, point.near, last_touch(point.index, point.place.epoch, states_t0));
+    const ContactPointPair touching = contact_points_of(ball, point.near, last_touch(point.index, point.place.epoch, states_t0), no_recall());
     real depth = -point.model.reach;
     if (touching.first.found) depth = max_r(depth, touching.first.depth);
     if (touching.second.found) depth = max_r(depth, touching.second.depth);

@@ -121,46 +121,58 @@ SEL_FN int take_nearer(SEL_OUT ContactPoint* contact, Nearest* nearest, uint t, 
     return 1;
 }
 
-// @param front_only  walls seen from behind are not there
+// A search for the nearest triangle.
+typedef struct NearSearch {
+    Nearest nearest;
+    real shell;   // nothing beyond counts [m]
+    uint listed;  // triangles so far that are as near as what is joined
+} NearSearch;
+
 // @param near2  squared distance of some triangle below the listed nodes, which the nearest cannot be beyond; anything larger
 // than the reach: not known
+SEL_FN NearSearch start_search(SEL_OUT ContactPoint* contact, ContactBall ball, int front_only, real near2)
+{
+    *contact = no_contact_point(ball.reach);
+    NearSearch search;
+    // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
+    search.nearest.d2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
+    search.nearest.align = 0;
+    const real known2 = front_only ? search.nearest.d2 : min_r(near2, search.nearest.d2);
+    search.shell = shell_distance(sqrt(known2), ball);
+    search.listed = 0;
+    return search;
+}
+
+// @param beyond  distances up to that beyond the shell are wanted too [m]     @return squared distance; 1e30: it is farther
+SEL_FN real look_at(SEL_OUT ContactPoint* contact, NearSearch* search, uint t, ContactBall ball, WallView wall, int front_only,
+                    SEL_OUT NearList* list, real beyond)
+{
+    const Triangle tri = load_triangle(wall.vertices, t, ball.origin);
+    const real farthest = search->shell + beyond;
+    if (triangle_box_distance2(ball.p, tri) > farthest * farthest) return (real)1e30;
+    int feature;
+    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
+    const real d2 = dot3(v, v);
+    if (d2 <= search->shell * search->shell) note_near(list, search->listed++, t, d2);
+    if (d2 > search->nearest.d2 * (1 + SEL_TIE)) return d2;
+    const int at_boundary = on_boundary(wall.boundary[t], feature);
+    if (take_nearer(contact, &search->nearest, t, ball, tri, v, feature, at_boundary, front_only))
+        search->shell = min_r(search->shell, shell_distance(sqrt(d2), ball));
+    return d2;
+}
+
+// @param front_only  walls seen from behind are not there
 SEL_FN void find_nearest(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallView near, int front_only, real near2,
                          SEL_OUT NearList* list)
 {
-    *contact = no_contact_point(ball.reach);
-    Nearest nearest;
-    // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
-    nearest.d2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
-    nearest.align = 0;
-    const real known2 = front_only ? nearest.d2 : min_r(near2, nearest.d2);
-    real shell = shell_distance(sqrt(known2), ball);
-    uint listed = 0;
+    NearSearch search = start_search(contact, ball, front_only, near2);
     Walk walk;
     start_walk(&walk);
     uint t;
-    while (next_triangle(&walk, near, ball_query(ball.p, ball.origin, shell), &t)) {
-        const Triangle tri = load_triangle(near.wall.vertices, t, ball.origin);
-        if (triangle_box_distance2(ball.p, tri) > shell * shell) continue;
-        int feature;
-        const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
-        const real d2 = dot3(v, v);
-        if (d2 <= shell * shell) note_near(list, listed++, t, d2);
-        if (d2 > nearest.d2 * (1 + SEL_TIE)) continue;
-        const int at_boundary = on_boundary(near.wall.boundary[t], feature);
-        if (!take_nearer(contact, &nearest, t, ball, tri, v, feature, at_boundary, front_only)) continue;
-        shell = min_r(shell, shell_distance(sqrt(d2), ball));
-    }
-    list->count = listed;
+    while (next_triangle(&walk, near, ball_query(ball.p, ball.origin, search.shell), &t))
+        (void)look_at(contact, &search, t, ball, near.wall, front_only, list, 0);
+    list->count = search.listed;
 }
-
-#if !SEL_SUMS_IN_MEMORY
-SEL_FN ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, real near2, NearList* list)
-{
-    ContactPoint contact;
-    find_nearest(&contact, ball, near, front_only, near2, list);
-    return contact;
-}
-#endif
 
 SEL_END
 #endif

@@ -8,6 +8,7 @@
 #include "shared/opposite_wall.h"
 #include "shared/point_motion.h"
 #include "shared/wall_crossing.h"
+#include "shared/wall_memory.h"
 
 SEL_BEGIN
 
@@ -66,19 +67,32 @@ typedef struct ContactPointPair {
     int behind;                  // see is_behind
 } ContactPointPair;
 
-SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, LastTouch was)
+// The nearest facet.
+SEL_FN void nearest_of_all(ContactPoint* side, ContactBall ball, NearWallView near, int front_only, LastTouch was, Recall* recall,
+                           NearList* list)
+{
+    real near2 = (real)1e30;
+    if (!front_only) {
+        if (recall->kept) near2 = kept_distance2(recall);
+        if (recall->kept && find_kept(side, ball, near, near2, list, recall)) return;
+        // the last touched triangles are near: nothing farther away needs a test
+        near2 = min_r(near2, touched_distance2(ball, near.wall, was));
+    }
+    if (recall->memory && !front_only) find_and_keep(side, ball, near, near2, list, recall);
+    else find_nearest(side, ball, near, front_only, near2, list);
+}
+
+SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, LastTouch was, Recall recall)
 {
     ContactPointPair out;
-    // the last touched triangles are near: nothing farther away needs a test
-    const real near2 = touched_distance2(ball, near.wall, was);
     NearList list;
     NeighbourPlanes planes;
-    ContactPoint side = no_contact_point(ball.reach);
+    ContactPoint side;
     out.behind = 0;
     SEL_ROLLED for (int front_only = 0; front_only <= out.behind; ++front_only) {
-        side = nearest_contact_point(ball, near, front_only, near2, &list);
-        if (!front_only) out.behind = is_behind(&side, was);
-        else break;
+        nearest_of_all(&side, ball, near, front_only, was, &recall, &list);
+        if (front_only) break;
+        out.behind = is_behind(&side, was);
     }
     side.side = last_side(was);
     out.first = side;
@@ -90,7 +104,7 @@ SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, L
         if (k == 0) out.first = side;
         else out.second = side;
         if (k == 1 || !joins) break;
-        walk_opposite(&out.first, &side, ball, near);
+        find_opposite(&out.first, &side, ball, near, &recall);
         if (!side.found) break;
         list.count = SEL_NEAR_MOST + 1;  // it was of the first
     }
@@ -189,7 +203,8 @@ SEL_FN void add_ridge(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallV
 
 #if !SEL_SUMS_IN_MEMORY
 // Contact of one quadrature point.
-SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view)
+SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view,
+                                   SEL_GLOBAL WallMemory* memory, SEL_GLOBAL const Clearance* clearance)
 {
     const uint s = point.index;
     LawContext c;
@@ -201,7 +216,7 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
     const LastTouch was = last_touch(s, point.place.epoch, view.states_t0);
     uint written = 0;  // bit b: the record b
     const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
-    ContactPointPair touching = contact_points_of(ball, point.near, was);
+    ContactPointPair touching = contact_points_of(ball, point.near, was, recall_wall(memory, clearance, ball));
     if (touching.behind && !par.known && gone_through(at.offset, c.mv.move, at.origin, point.near)) out.flags |= SEL_FORCE_BLOCKED;
     if (touching.first.found) {
         const uint first = record_of(touching.first.normal, was, s, par, view);
@@ -239,10 +254,10 @@ SEL_FN int is_clear(PointView point, NodeView nodes, StateView view, SEL_GLOBAL 
 #if !SEL_SUMS_IN_MEMORY
 // What contact_evaluate does for one quadrature point: see is_clear and evaluate_point.
 SEL_FN ContactForce contact_force(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view,
-                                  SEL_GLOBAL Clearance* clearance)
+                                  SEL_GLOBAL Clearance* clearance, SEL_GLOBAL WallMemory* memory)
 {
     if (is_clear(point, nodes, view, clearance)) return no_force(point.model);
-    return evaluate_point(point, par, nodes, nodes_t0, view);
+    return evaluate_point(point, par, nodes, nodes_t0, view, memory, clearance);
 }
 #endif
 

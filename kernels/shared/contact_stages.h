@@ -85,7 +85,7 @@ SEL_FN void stage_join(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
 SEL_FN void stage_oppose(StagedPoint of, SEL_OUT ContactStage* stage)
 {
     stage->list.count = SEL_NEAR_MOST + 1;  // it was of the first
-    if (has_sides(&stage->side[0], of.ball)) walk_opposite(&stage->side[0], &stage->side[1], of.ball, of.point.near);
+    if (has_sides(&stage->side[0], of.ball)) (void)walk_opposite(&stage->side[0], &stage->side[1], of.ball, of.point.near, 0);
     else stage->side[1].found = 0;
 }
 

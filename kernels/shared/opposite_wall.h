@@ -119,35 +119,45 @@ SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoi
 
 // Walks to the triangles that may be of the other side: everything beyond `surely_own` along `side`. A triangle so far on the own side,
 // all of it, is within the limit as far as it is reached.
-SEL_FN WallQuery opposite_query(SEL_OUT const ContactPoint* first, ContactBall ball, real surely_own)
+// @param room  the reach is longer by that
+SEL_FN WallQuery opposite_query(SEL_OUT const ContactPoint* first, ContactBall ball, real surely_own, real room)
 {
     const real rounding = SEL_WALK_MARGIN * ball.radius;
     WallQuery query;
     query.side = make_vec3(first->side.x, first->side.y, first->side.z);
     query.p = ball.p - (rounding + surely_own) * query.side;
     query.origin = ball.origin;
-    query.range = ball.radius + ball.reach + 2 * rounding + surely_own;
+    query.range = ball.radius + ball.reach + room + 2 * rounding + surely_own;
     query.shell = 0;
     return query;
 }
 
+SEL_FN int is_behind_axis(ContactBall ball, Triangle tri, vec3 side, real by)
+{
+    return dot3(ball.p - tri.a, side) >= by && dot3(ball.p - tri.b, side) >= by && dot3(ball.p - tri.c, side) >= by;
+}
+
 // The nearest triangle of the other side goes to `second`, whose `found` is 0 without one. `first` has sides, and knows them.
-SEL_FN void walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoint* second, ContactBall ball, NearWallView near)
+// @param room  looks so much farther, and so much farther behind the axis [m]     @return all that is there is of the own side
+SEL_FN int walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoint* second, ContactBall ball, NearWallView near, real room)
 {
     *second = no_contact_point(ball.reach);
     const real surely_own = max_r(first->limit, 0) * (1 + SEL_TIE) * (ball.radius + ball.reach);
     const real range2 = (ball.radius + ball.reach) * (ball.radius + ball.reach);
-    const WallQuery query = opposite_query(first, ball, surely_own);
+    const real wider = ball.radius + ball.reach + room, wider2 = wider * wider;
+    const WallQuery query = opposite_query(first, ball, surely_own + room, room);
     real deepest = -ball.reach;
+    int clear = 1;
     Walk walk;
     start_walk(&walk);
     uint t;
     while (next_triangle(&walk, near, query, &t)) {
-        if (t == first->triangle) continue;
+        if (!(room > 0) && t == first->triangle) continue;
         const Triangle tri = load_triangle(near.wall.vertices, t, ball.origin);
-        if (triangle_box_distance2(ball.p, tri) > range2 * (1 + SEL_TIE)) continue;
-        if (dot3(ball.p - tri.a, query.side) >= surely_own && dot3(ball.p - tri.b, query.side) >= surely_own &&
-            dot3(ball.p - tri.c, query.side) >= surely_own)
+        const real box2 = triangle_box_distance2(ball.p, tri);
+        if (box2 > wider2 * (1 + SEL_TIE) || is_behind_axis(ball, tri, query.side, surely_own + room)) continue;
+        clear = 0;
+        if (room > 0 && (t == first->triangle || box2 > range2 * (1 + SEL_TIE) || is_behind_axis(ball, tri, query.side, surely_own)))
             continue;
         FacingTriangle facing;
         if (!faces(ball, tri, near.wall.boundary[t], &facing) || dot3(facing.n, query.side) >= first->limit) continue;
@@ -156,6 +166,7 @@ SEL_FN void walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoin
         deepest = depth;
         take_opposite(second, first, t, facing, depth);
     }
+    return clear;
 }
 
 SEL_END

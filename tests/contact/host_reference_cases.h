@@ -112,6 +112,7 @@ void evaluate_case()
                 CHECK(first_difference(device.barys, host.barys) == -1);
                 CHECK(first_difference(device.states, host.states) == -1);
                 CHECK(first_difference(device.clearances, host.clearances) == -1);
+                if (device_remembers()) CHECK(first_difference(device.memories, host.memories) == -1);
                 for (const ContactForce& f : host.forces) {
                     touched += f.contacts > 0;
                     sliding += (f.flags & SEL_FORCE_SLIDING) != 0;

@@ -185,15 +185,18 @@ struct Evaluated {
     std::vector<real> barys;
     std::vector<ContactState> states;
     std::vector<Clearance> clearances;
+    std::vector<WallMemory> memories;
 };
 
 Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vector<uint>& list, const Found& found)
 {
-    Evaluated out{std::vector<ContactForce>(list.size()), std::vector<real>(list.size()), s.states_t0, found.clearances};
+    Evaluated out{std::vector<ContactForce>(list.size()), std::vector<real>(list.size()), s.states_t0, found.clearances,
+                  std::vector<WallMemory>(s.models.size())};
     for (std::size_t k = 0; k < list.size(); ++k) {
         const uint at = list[k];
         write_force(contact_force(s.point(at, found.candidates, found.counts), par, s.now(), s.before(),
-                                  state_view(s.states_t0.data(), out.states.data(), s.multiplier.data()), &out.clearances[at]),
+                                  state_view(s.states_t0.data(), out.states.data(), s.multiplier.data()), &out.clearances[at],
+                                  &out.memories[at]),
                     &out.forces[k]);
         out.barys[k] = s.places[at].bary;
     }
@@ -235,6 +238,9 @@ struct GuardedWall {
     Guarded<uint> boundary;
 };
 
+/// Whether kernels evaluate a point as a whole, and so keep its memory of the wall.
+bool device_remembers() { return sel_reference::reference_context(float32).workgroup(sel_device::Items::Branching) == 1; }
+
 Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<uint>& list, const Found& found, Queue queue)
 {
     sel_device::Context& context = sel_reference::reference_context(float32);
@@ -250,11 +256,12 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     Guarded<real> barys(context, queue, std::vector<real>(list.size()));
     Guarded<MultiplierState> multiplier(context, queue, s.multiplier);
     Guarded<Clearance> clearances(context, queue, found.clearances);
+    Guarded<WallMemory> memories(context, queue, std::vector<WallMemory>(s.models.size()));
     kernels.launch(queue, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(),
                    counts.buffer(), wall, now, before, t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(),
-                   multiplier.buffer(), clearances.buffer());
+                   multiplier.buffer(), clearances.buffer(), memories.buffer());
     (void)candidates.read();
-    return {forces.read(), barys.read(), t1.read(), clearances.read()};
+    return {forces.read(), barys.read(), t1.read(), clearances.read(), memories.read()};
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ struct OneQuadraturePoint {
         ContactState scratch[2];
         const PointView point = point_view(0, model, place, all_of(soup));
         return evaluate_point(point, par, node_view(hi.data(), lo.data(), theta), node_view(hi_t0.data(), lo_t0.data(), theta_t0),
-                              state_view(states, out ? out : scratch, multiplier));
+                              state_view(states, out ? out : scratch, multiplier), nullptr, nullptr);
     }
     /// Accepts q as the start of the next step.
     void accept(std::array<double, 4> q)

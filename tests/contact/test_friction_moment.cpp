@@ -53,7 +53,7 @@ struct FreeEdge {
         ContactForce f{};
         const PointView point = point_view(0, model, place, all_of(soup));
         write_force(evaluate_point(point, par, node_view(hi.data(), lo.data(), theta),
-                                   node_view(hi_t0.data(), lo_t0.data(), theta_t0), state_view(none, now, nullptr)),
+                                   node_view(hi_t0.data(), lo_t0.data(), theta_t0), state_view(none, now, nullptr), nullptr, nullptr),
                     &f);
         EdgeForce sum;
         reduce_edge(&f, &place.bary, 0, 1, &sum);

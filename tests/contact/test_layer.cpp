@@ -127,7 +127,7 @@ double capsule_force(const Floor& floor, vec3 a, vec3 b)
         const ContactState t0[2] = {};
         ContactState t1[2];
         force += evaluate_point(point_view(0, linear_law(length / points), place, all_of(floor.soup)), par, nodes, nodes,
-                                state_view(t0, t1, nullptr))
+                                state_view(t0, t1, nullptr), nullptr, nullptr)
                      .force[2];
     }
     return force;

@@ -112,7 +112,7 @@ TEST_SUITE("contact/walk")
                     if (!has_sides(&first, ball)) continue;
                     NeighbourPlanes planes;
                     join_neighbours(&first, &planes, ball, around, walked ? &near : &none);
-                    walk_opposite(&first, &states[walked][1], ball, around);
+                    (void)walk_opposite(&first, &states[walked][1], ball, around, 0);
                 }
                 CAPTURE(k);
                 CAPTURE(radius);

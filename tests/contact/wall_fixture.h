@@ -73,6 +73,13 @@ inline NearWallView all_of(const Soup& soup, const std::vector<std::uint32_t>& o
 }
 inline NearWallView all_of(const Soup& soup) { return all_of(soup, soup.all); }
 
+inline ContactPoint nearest_contact_point(ContactBall ball, NearWallView near, int front_only, double near2, NearList* list)
+{
+    ContactPoint contact;
+    find_nearest(&contact, ball, near, front_only, near2, list);
+    return contact;
+}
+
 /// Both contact points of an axis point, as evaluate_point finds them. `side`: last normal of a contact point that lives, or 0.
 inline ContactPointPair contacts_at(const Soup& soup, vec3 p, double radius, double reach, double smoothing,
                                     const std::vector<std::uint32_t>& order, vec3 side = make_vec3(0, 0, 0))
@@ -87,7 +94,7 @@ inline ContactPointPair contacts_at(const Soup& soup, vec3 p, double radius, dou
     t.second = no_contact_point(reach);
     if (!has_sides(&t.first, ball)) return t;
     join_neighbours(&t.first, &planes, ball, near, &list);
-    walk_opposite(&t.first, &t.second, ball, near);
+    (void)walk_opposite(&t.first, &t.second, ball, near, 0);
     list.count = SEL_NEAR_MOST + 1;  // it was of the first
     if (has_sides(&t.second, ball)) join_neighbours(&t.second, &planes, ball, near, &list);
     return t;
