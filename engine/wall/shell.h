@@ -98,6 +98,8 @@ struct ShellStrain {
     Vec3 bending;   // change of curvature: 11, 22, 2 12 [1/m]
 };
 
+class BlockPattern;
+
 class Shell {
 public:
     /// The surface must outlive it. Throws Error for a spec out of range.
@@ -122,6 +124,8 @@ public:
     [[nodiscard]] Energy energy(std::span<const double> displacement) const;
 
 private:
+    friend class LargeShell;  // wall/large_shell.h: the same points and weights
+
     /// Weight of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].
     struct Weight {
         std::int32_t vertex;
@@ -150,6 +154,8 @@ private:
     void add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const;
     /// Stresses per strain: C H and D H.
     [[nodiscard]] Mat3 law() const;
+    /// Control vertices that share a triangle's stencil.
+    [[nodiscard]] BlockPattern pattern() const;
 
     const LoopSurface& surface_;
     ShellSpec spec_;
