@@ -6,6 +6,7 @@
 #include "wall/shell_strain.h"
 #include "wall/tied_strain.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seldinger {
@@ -144,13 +145,32 @@ LargeShell::Energy LargeShell::energy(std::span<const double> displacement) cons
     return e;
 }
 
-void LargeShell::add_excess(std::span<const double> displacement, std::span<double> force) const
+bool LargeShell::is_still(std::size_t triangle, std::span<const double> displacement, double share) const
+{
+    const std::span<const ShellPoint> points(shell_.points().data() + per_triangle * triangle, per_triangle);
+    const double most = share * share * 8 * points.back().area;  // of an edge, about
+    const auto w = shell_.weights(points.back());
+    const Vec3 first(displacement.data() + 3 * w.front().vertex);
+    return std::all_of(w.begin(), w.end(), [&](const Shell::Weight& v) {
+        return (Vec3(displacement.data() + 3 * v.vertex) - first).squaredNorm() <= most;
+    });
+}
+
+Vec3 LargeShell::strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at) const
+{
+    const Moved now = move(first / per_triangle, displacement);
+    for (std::size_t k = 0; k < per_triangle; ++k) at[k] = now.at[k].strain;
+    return now.strain;
+}
+
+void LargeShell::add_excess(std::span<const double> displacement, std::span<double> force, double still) const
 {
     SEL_ASSERT(displacement.size() == 3 * shell_.surface().control().vertices.size() && force.size() == displacement.size());
     const ShellSpec& spec = shell_.spec();
     const Mat3 h = shell_.law();
     const double d = std::pow(spec.thickness, 3) / 12;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        if (is_still(t, displacement, still)) continue;
         const Moved now = move(t, displacement);
         const Triangle& rest = triangles_[t];
         const Vec3 pulled = now.area * spec.thickness * (h * now.strain), linear = now.area * spec.thickness * (h * now.linear);

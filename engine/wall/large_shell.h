@@ -37,7 +37,11 @@ public:
     /// @param displacement  [3V] [m]
     [[nodiscard]] Energy energy(std::span<const double> displacement) const;
     /// force += dE/du - K_elastic u: what linear theory leaves out [N].
-    void add_excess(std::span<const double> displacement, std::span<double> force) const;
+    /// @param still  triangles count whose control vertices have moved against each other by more than this share of an edge
+    void add_excess(std::span<const double> displacement, std::span<double> force, double still = 0) const;
+    /// Strains at the four points of a triangle, of which `first` is the first of Shell::points().
+    /// @return the triangle's membrane strain, in the frame of the last one
+    Vec3 strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at) const;
     /// d2E/du2, symmetric, in the pattern of ShellMatrices::elastic; not positive definite beyond a limit of load.
     [[nodiscard]] SparseMatrix tangent(std::span<const double> displacement) const;
 
@@ -69,6 +73,7 @@ private:
     };
     struct Curvature;
 
+    [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, double share) const;
     [[nodiscard]] Moved move(std::size_t triangle, std::span<const double> displacement) const;
     [[nodiscard]] Point move_point(std::size_t triangle, std::size_t k, std::span<const double> displacement) const;
     template <class Add>

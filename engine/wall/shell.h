@@ -99,6 +99,7 @@ struct ShellStrain {
 };
 
 class BlockPattern;
+class LargeShell;
 
 class Shell {
 public:
@@ -112,11 +113,12 @@ public:
     /// All matrices at once. @param prestress  may be empty when the spec's pressure is zero
     [[nodiscard]] ShellMatrices assemble(const PrestressAt& prestress = {}) const;
 
-    /// @param displacement  [3V] [m]
-    [[nodiscard]] ShellStress stress(std::span<const double> displacement) const;
+    /// @param displacement  [3V] [m]  @param large  of this shell: under large displacements; null: linear theory
+    [[nodiscard]] ShellStress stress(std::span<const double> displacement, const LargeShell* large = nullptr) const;
     /// Largest von Mises stress of a triangle, of its points and both surfaces [Pa]; its control vertices' displacements are enough.
     /// @param highest  out: the point
-    [[nodiscard]] double stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest) const;
+    [[nodiscard]] double stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest,
+                                   const LargeShell* large = nullptr) const;
     /// Membrane and bending energy of a displacement, summed over quadrature points [J].
     struct Energy {
         double membrane = 0, bending = 0;
