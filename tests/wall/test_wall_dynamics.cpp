@@ -69,12 +69,13 @@ double largest(const std::vector<double>& w)
     return most;
 }
 
-/// Largest difference over 100 steps of 1 ms, pushed for the first 60, as a share of the largest displacement.
+/// Largest difference over 100 steps of 1 ms, pushed for the first 60, as a share of the largest displacement; so small a one (0.07 mm)
+/// that the wall is linear.
 double largest_miss(const Plate& plate)
 {
     WallDynamics dynamics(*plate.wall);
     std::vector<double> full(static_cast<std::size_t>(plate.wall->unknowns()));
-    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0.01, 0, -0.05)}};
+    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0.001, 0, -0.005)}};
     double miss = 0, most = 0;
     for (int k = 0; k < 100; ++k) {
         const auto pushed = k < 60 ? std::span<const WallDynamics::Push>(push) : std::span<const WallDynamics::Push>();
@@ -137,7 +138,7 @@ TEST_CASE("analytic: a wall that is pushed far rests where the shell under large
 
 TEST_CASE("a scene's load on the wall acts in every step, beside what pushes on it")
 {
-    const std::vector<WallLoad> loads = {{0, Vec3(0.004, -0.003, 0), Vec3(0.01, 0, 0.04)}};
+    const std::vector<WallLoad> loads = {{0, Vec3(0.004, -0.003, 0), Vec3(0.001, 0, 0.004)}};
     const Plate plate(1e4, 0, loads);
     REQUIRE(plate.wall->load().size() == static_cast<std::size_t>(plate.wall->unknowns()));
     CHECK(largest_miss(plate) < 1e-9);
@@ -181,7 +182,7 @@ TEST_CASE("a node's foot on a moved wall is that of the place which the wall has
 TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, and an equilibrium is there at once")
 {
     const Plate plate;
-    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0, 0, -0.05)}};
+    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0, 0, -0.005)}};
     WallDynamics slow(*plate.wall), at_once(*plate.wall);
     at_once.begin_step(0);
     at_once.end_step(push);
@@ -193,7 +194,7 @@ TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, an
     const std::vector<double> late = slow.displacement();
     for (std::size_t i = 0; i < rest.size(); ++i) CHECK(std::abs(late[i] - rest[i]) <= 1e-5 * largest(rest));
     std::vector<double> expected(rest.size());
-    expected[3 * static_cast<std::size_t>(plate.middle()) + 2] = -0.05;
+    expected[3 * static_cast<std::size_t>(plate.middle()) + 2] = -0.005;
     WallSolveWork scratch;
     plate.wall->compliance().factor(0)->solve(expected, scratch);
     for (std::size_t i = 0; i < rest.size(); ++i) CHECK(std::abs(expected[i] - rest[i]) <= 1e-12 * largest(rest));
