@@ -51,7 +51,7 @@ std::string advice(const StepReport& report, bool settling, const IntegratorSpec
 }
 
 /// Where a wall was beyond its theory no setting of the step is to blame.
-constexpr const char* wall_advice = "the wall moved beyond its linear theory (more than 20 % of the lumen's radius): give it its true "
+constexpr const char* wall_advice = "the wall moved by more than 20 % of the lumen's radius, where contact with it is inexact: give it its true "
                                     "vessel.youngs_pa and vessel.thickness_m, a wire that bends more easily, or wall = \"rigid\"";
 
 class Run : RunHooks {

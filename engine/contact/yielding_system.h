@@ -73,7 +73,9 @@ struct YieldingWall::System {
 
     // of the step
     bool begun = false;
-    int refinements = 0;
+    double h = 0;  // [s]; 0: an equilibrium
+    int refinements = 0, relaxations = 0;
+    bool relaxed = true;             // the last equilibrium's wall, as far as its large displacements go
     std::vector<int> rows;           // nodes that touch or may, in order
     std::vector<int> wire_of_row;    // [rows]
     std::vector<double> compliance;  // W [3 rows][3 rows]

@@ -18,6 +18,7 @@ constexpr double foreseen_force = 0.1;  // of the largest: what may be missed at
 constexpr double foreseen_move = 0.02;  // of the wire's radius, likewise
 constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
 constexpr int most_refinements = 8;                                 // that ask for more than Newton's convergence
+constexpr int most_relaxations = 100;                               // of an equilibrium of a wall that moves far
 
 Mat3 block_of(const BandMatrix& t, int row, int column)
 {
@@ -360,6 +361,20 @@ void YieldingWall::take(int wire, Base base, std::span<double> /*kinks*/)
     else of(wire).forget_base();
 }
 
+/// The wall's large displacements under contact's forces, in an equilibrium. @return whether it would go elsewhere
+bool YieldingWall::relax(System& system) const
+{
+    if (system.h > 0) return false;
+    list_pushes(system);
+    system.relaxed = system.dynamics.relax(system.pushed) <= balanced_move * system.least_radius;
+    if (system.relaxed || ++system.relaxations > most_relaxations) return false;
+    WallTrial& now = system.trial();
+    for (std::size_t k = 0; k < now.rho.size(); ++k) now.rho[k] += system.u_free[k];
+    list_rows(system);
+    for (std::size_t k = 0; k < now.rho.size(); ++k) now.rho[k] -= system.u_free[k];
+    return true;
+}
+
 bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
 {
     bool any = contact_.refine(solved, again);
@@ -368,8 +383,8 @@ bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::u
         const bool all =
             std::all_of(system->wires.begin(), system->wires.end(), [&](int w) { return solved[w] || !system->begun; });
         if (!all || !system->begun || system->refinements >= most_refinements) continue;
-        if (system->misses(balanced_force, balanced_move) <= 1) continue;
-        ++system->refinements;
+        if (system->misses(balanced_force, balanced_move) <= 1 && !relax(*system)) continue;
+        if (!system->relaxations) ++system->refinements;
         system->take();
         for (const int w : system->wires)
             if (solved[w]) again[w] = 1, any = true;

@@ -77,6 +77,8 @@ private:
     bool take_forces(System& system) const;
     void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
+    void list_pushes(System& system) const;
+    [[nodiscard]] bool relax(System& system) const;
     void read_under(System& system) const;
     [[nodiscard]] double bearing_length(const System& system, std::size_t row) const;
 

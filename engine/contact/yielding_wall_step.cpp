@@ -171,7 +171,9 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 void YieldingWall::start_step(System& system, double h) const
 {
     system.begun = true;
-    system.refinements = 0;
+    system.h = h;
+    system.refinements = system.relaxations = 0;
+    system.relaxed = true;
     system.forget_base();
     system.dynamics.begin_step(h);
     system.rows.clear();
@@ -265,15 +267,13 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         std::vector<double>& given = system.scratch_m;
         given.resize(now.force.size());
         now.linear.times_w(now.force, given);
-        system.pushed.clear();
+        list_pushes(system);
         double farthest = 0;
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
             const Vec3 f = -Vec3(&now.force[3 * k]);
             farthest = std::max(farthest, Vec3(&now.u[3 * k]).norm());
             if (f.isZero()) continue;
             const WallStation& station = system.stations[system.rows[k]];
-            for (int a = 0; a < station.weights.size; ++a)
-                system.pushed.push_back({station.weights.vertex[a], station.weights.n[a] * f});
             const Vec3 end = Vec3(&system.u_free[3 * k]) - Vec3(&given[3 * k]);
             system.dynamics.work += f.dot(end - station.start);
         }
@@ -282,6 +282,18 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
     take_times(seconds_since(start));
+}
+
+/// What the wires exert on the wall's control vertices.
+void YieldingWall::list_pushes(System& system) const
+{
+    system.pushed.clear();
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        const Vec3 f = -Vec3(&system.trial().force[3 * k]);
+        if (f.isZero()) continue;
+        const LoopStencil& s = system.stations[system.rows[k]].weights;
+        for (int a = 0; a < s.size; ++a) system.pushed.push_back({s.vertex[a], s.n[a] * f});
+    }
 }
 
 void YieldingWall::read_under(System& system) const
@@ -318,7 +330,7 @@ void YieldingWall::read_under(System& system) const
             now.move_band = now.move_max * wall_.band_of(triangle).move;
         }
         std::size_t point = 0;
-        const double stress = wall_.shell().stress_of(triangle, system.moves, point);
+        const double stress = wall_.shell().stress_of(triangle, system.moves, point, system.dynamics.large());
         const LostPeak lost = wall_.lost_peak(triangle, force_on(k).norm() / bearing_length(system, k));
         if (!(stress + lost.stress > now.stress_max)) continue;
         now.stress_max = stress + lost.stress;
@@ -355,6 +367,7 @@ double YieldingWall::move_share(int system) const
 {
     double most = 0;
     const System& s = *systems_[system];
+    if (!s.relaxed || s.dynamics.is_limited()) return INFINITY;
     for (std::size_t k = 0; 3 * k < s.trial().u.size() && k < s.rows.size(); ++k)
         most = std::max(most,
                         Vec3(&s.trial().u[3 * k]).norm() / wall_.largest_move(s.stations[s.rows[k]].weights));

@@ -296,8 +296,8 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                        "run, and report it with the scene");
     if (tally.far_steps > 0)
         list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("contact")) +
-                       " moved the wall by more than 20 % of the lumen's radius: beyond its linear "
-                       "theory (docs/wall.md)");
+                       " moved the wall by more than 20 % of the lumen's radius, or its large displacements did not "
+                       "settle (docs/wall.md, Large displacements and Limits)");
     if (tally.non_finite > 0)
         list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
     for (const std::string& key : lost) list.push_back(key + " is not finite and written as null");

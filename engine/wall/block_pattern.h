@@ -27,4 +27,36 @@ private:
     std::vector<std::int32_t> row_;    // of the blocks of a column, increasing, from the diagonal on
 };
 
+/// Sums of one triangle's blocks, in the order of its stencil; those with the greater vertex first count.
+class StencilBlocks {
+public:
+    template <class Weights>
+    StencilBlocks(const BlockPattern& pattern, const Weights& w) : place_(w.size() * w.size(), 0), counts_(w.size() * w.size(), 0)
+    {
+        for (std::size_t i = 0; i < w.size(); ++i)
+            for (std::size_t j = 0; j < w.size(); ++j)
+                if (w[i].vertex >= w[j].vertex) {
+                    place_[i * w.size() + j] = pattern.find(w[i].vertex, w[j].vertex);
+                    counts_[i * w.size() + j] = 1;
+                }
+    }
+    /// values[its place] += block(i, j)
+    template <int size, class Block>
+    void add(std::vector<double>& values, std::size_t count, const Block& block) const
+    {
+        for (std::size_t i = 0, k = 0; i < count; ++i)
+            for (std::size_t j = 0; j < count; ++j, ++k)
+                if (counts_[k]) {
+                    const auto sum = block(i, j);
+                    double* to = values.data() + size * size * place_[k];
+                    if constexpr (size == 1) *to += sum;
+                    else for (int e = 0; e < size * size; ++e) to[e] += sum.data()[e];
+                }
+    }
+
+private:
+    std::vector<std::size_t> place_;  // [M][M] in the pattern
+    std::vector<unsigned char> counts_;
+};
+
 }  // namespace seldinger

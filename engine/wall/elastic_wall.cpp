@@ -2,6 +2,7 @@
 
 #include "wall/elastic_wall.h"
 #include "core/clock.h"
+#include "wall/large_shell.h"
 #include "wall/wall_compliance.h"
 
 #include "vessel/triangle_geometry.h"
@@ -15,6 +16,10 @@
 namespace seldinger {
 
 namespace {
+
+// Shares of the lumen's radius and of the wall's thickness up to which linear theory does: displacements are then within 2 % of
+// those under large displacements (docs/wall.md). What a triangle leaves out below `still` of slope are strains of 5e-5.
+constexpr double linear_radius = 0.01, linear_thickness = 0.1, still = 0.01;
 
 ShellSpec shell_spec(const VesselSpec& vessel)
 {
@@ -170,6 +175,25 @@ void ElasticWall::add_memory_force(double h, std::span<const double> w, std::spa
     Eigen::Map<Eigen::VectorXd>(y.data(), size) -= s * (pressure * Eigen::Map<const Eigen::VectorXd>(w.data(), size));
 }
 
+const LargeShell* ElasticWall::large_for(std::span<const double> w) const
+{
+    bool large = false;
+    for (std::size_t v = 0; v < largest_move_.size() && !large; ++v) {
+        const double radius = 5 * largest_move_[v];
+        large = Vec3(&w[3 * v]).norm() > std::min(linear_radius * radius, linear_thickness * shell_->spec().thickness);
+    }
+    if (!large) return nullptr;
+    std::call_once(large_made_, [&] { large_ = std::make_unique<LargeShell>(*shell_); });
+    return large_.get();
+}
+
+void ElasticWall::take_excess_force(const LargeShell& large, std::span<const double> w, std::span<double> y) const
+{
+    std::vector<double> excess(y.size(), 0.0);
+    large.add_excess(w, excess, still);
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] -= excess[i];
+}
+
 double ElasticWall::memory_share(double h) const
 {
     const ShellSpec& spec = shell_->spec();
@@ -236,9 +260,14 @@ WallReadings read_wall(const ElasticWall& wall, std::span<const double> displace
     read_move(wall, displaced, now);
     const Eigen::Map<const Eigen::VectorXd> w(displaced.data(), static_cast<Eigen::Index>(displaced.size()));
     now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
+    const LargeShell* large = wall.large_for(displaced);
+    if (large) {
+        const Shell::Energy linear = wall.shell().energy(displaced);
+        now.energy += large->energy(displaced).sum() - linear.membrane - linear.bending;
+    }
     for (std::size_t i = 0; i < wall.load().size(); ++i) work += wall.load()[i] * displaced[i];
     now.loss = work - now.energy;
-    const ShellStress at = wall.shell().stress(displaced);
+    const ShellStress at = wall.shell().stress(displaced, large);
     if (stress) stress->resize(at.mises_inner.size());
     for (std::size_t v = 0; stress && v < at.mises_inner.size(); ++v) (*stress)[v] = std::max(at.mises_inner[v], at.mises_outer[v]);
     now.stress_max = at.mises_max;

@@ -2,9 +2,11 @@
 // An elastic wall as a body: a thin shell on its own control mesh in the surrounding tissue (D11; wall/shell.h), and its position.
 // Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
 //
-//     C w' + K w = f          w: displacement of the control vertices [3V] [m], f: force on them [N]
+//     C w' + K w + r(w) = f    w: displacement of the control vertices [3V] [m], f: force on them [N]
 //
-// by backward Euler (wall/wall_dynamics.h). Inertia of the wall is small beside the tissue's damping, and left out.
+// by backward Euler (wall/wall_dynamics.h). r is what linear theory leaves out of the shell's forces (wall/large_shell.h). It is 0
+// while no control vertex has moved by more than 1/100 of the lumen's radius or 1/10 of the wall's thickness. Inertia of the wall
+// is small beside the tissue's damping, and left out.
 
 #include "wall/control_mesh.h"
 #include "wall/loop_surface.h"
@@ -13,12 +15,14 @@
 #include "wall/wall_resolution.h"
 
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace seldinger {
 
+class LargeShell;
 class Shell;
 class WallCompliance;
 
@@ -56,6 +60,10 @@ public:
     [[nodiscard]] double largest_move(const LoopStencil& place) const;
     /// Limit of the surface at a control vertex.
     [[nodiscard]] const LoopStencil& limit(std::int32_t vertex) const { return limits_[static_cast<std::size_t>(vertex)]; }
+    /// The shell under large displacements, where linear theory does not do for w [3V]; null: it does.
+    [[nodiscard]] const LargeShell* large_for(std::span<const double> w) const;
+    /// y -= r(w) of that shell.
+    void take_excess_force(const LargeShell& large, std::span<const double> w, std::span<double> y) const;
     [[nodiscard]] WallMechanics mechanics() const;
     /// C/h = kept M + B, B = left A - kept K_p, of a step of h > 0 (wall/wall_dynamics.h).
     struct MemorySplit {
@@ -78,6 +86,8 @@ private:
     double edge_ = 0, edge_touched_ = 0, decay_ = 0, off_ = 0, made_in_ = 0;
     std::string edge_reason_;
     bool plane_ = false;
+    mutable std::once_flag large_made_;
+    mutable std::unique_ptr<LargeShell> large_;  // made when it is first asked for
 };
 
 /// @param w  displacement of the control vertices [3V] [m]  @param work  done by contact since the beginning [J]

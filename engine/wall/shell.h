@@ -98,6 +98,9 @@ struct ShellStrain {
     Vec3 bending;   // change of curvature: 11, 22, 2 12 [1/m]
 };
 
+class BlockPattern;
+class LargeShell;
+
 class Shell {
 public:
     /// The surface must outlive it. Throws Error for a spec out of range.
@@ -110,11 +113,12 @@ public:
     /// All matrices at once. @param prestress  may be empty when the spec's pressure is zero
     [[nodiscard]] ShellMatrices assemble(const PrestressAt& prestress = {}) const;
 
-    /// @param displacement  [3V] [m]
-    [[nodiscard]] ShellStress stress(std::span<const double> displacement) const;
+    /// @param displacement  [3V] [m]  @param large  of this shell: under large displacements; null: linear theory
+    [[nodiscard]] ShellStress stress(std::span<const double> displacement, const LargeShell* large = nullptr) const;
     /// Largest von Mises stress of a triangle, of its points and both surfaces [Pa]; its control vertices' displacements are enough.
     /// @param highest  out: the point
-    [[nodiscard]] double stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest) const;
+    [[nodiscard]] double stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest,
+                                   const LargeShell* large = nullptr) const;
     /// Membrane and bending energy of a displacement, summed over quadrature points [J].
     struct Energy {
         double membrane = 0, bending = 0;
@@ -122,6 +126,8 @@ public:
     [[nodiscard]] Energy energy(std::span<const double> displacement) const;
 
 private:
+    friend class LargeShell;  // wall/large_shell.h: the same points and weights
+
     /// Weight of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].
     struct Weight {
         std::int32_t vertex;
@@ -150,6 +156,8 @@ private:
     void add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const;
     /// Stresses per strain: C H and D H.
     [[nodiscard]] Mat3 law() const;
+    /// Control vertices that share a triangle's stencil.
+    [[nodiscard]] BlockPattern pattern() const;
 
     const LoopSurface& surface_;
     ShellSpec spec_;

@@ -25,36 +25,6 @@ Vec3 prestress_in_frame(const ShellPoint& q, const Prestress& prestress, double 
             hoop * t.x() * t.y() + axial * z.x() * z.y()};
 }
 
-/// Sums of one triangle's blocks, in the order of its stencil; those with the greater vertex first count.
-struct TriangleBlocks {
-    std::vector<std::size_t> place;  // [M][M] in the pattern
-    std::vector<unsigned char> counts;
-
-    template <class Weights>
-    TriangleBlocks(const BlockPattern& pattern, const Weights& w) : place(w.size() * w.size(), 0), counts(w.size() * w.size(), 0)
-    {
-        for (std::size_t i = 0; i < w.size(); ++i)
-            for (std::size_t j = 0; j < w.size(); ++j)
-                if (w[i].vertex >= w[j].vertex) {
-                    place[i * w.size() + j] = pattern.find(w[i].vertex, w[j].vertex);
-                    counts[i * w.size() + j] = 1;
-                }
-    }
-    /// values[place] += block(i, j)
-    template <int size, class Block>
-    void add(std::vector<double>& values, std::size_t count, const Block& block) const
-    {
-        for (std::size_t i = 0, k = 0; i < count; ++i)
-            for (std::size_t j = 0; j < count; ++j, ++k)
-                if (counts[k]) {
-                    const auto sum = block(i, j);
-                    double* to = values.data() + size * size * place[k];
-                    if constexpr (size == 1) *to += sum;
-                    else for (int e = 0; e < size * size; ++e) to[e] += sum.data()[e];
-                }
-    }
-};
-
 }  // namespace
 
 /// int C H eps eps + D H rho rho over a triangle: bending point by point, the membrane of the triangle's strain.
@@ -101,6 +71,16 @@ void Shell::add_pressure(const ShellPoint& q, const Prestress& prestress, const 
     });
 }
 
+BlockPattern Shell::pattern() const
+{
+    std::vector<std::vector<std::int32_t>> stencils;
+    for (std::size_t q = 0; q < points_.size(); q += per_triangle) {
+        stencils.emplace_back();
+        for (const Weight& w : weights(points_[q])) stencils.back().push_back(w.vertex);
+    }
+    return {static_cast<std::int32_t>(surface_.control().vertices.size()), stencils};
+}
+
 ShellMatrices Shell::assemble(const PrestressAt& prestress) const
 {
     const std::size_t vertices = surface_.control().vertices.size();
@@ -108,18 +88,13 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
         throw Error(ExitCode::BadScene,
                     "vessel.pressure_pa: expected 0 where the vessel has no axis (a plane, or no centreline was found); give "
                     "vessel.centreline");
-    std::vector<std::vector<std::int32_t>> stencils;
-    for (std::size_t q = 0; q < points_.size(); q += per_triangle) {
-        stencils.emplace_back();
-        for (const Weight& w : weights(points_[q])) stencils.back().push_back(w.vertex);
-    }
-    const BlockPattern pattern(static_cast<std::int32_t>(vertices), stencils);
+    const BlockPattern pattern = this->pattern();
     std::vector<double> elastic(9 * pattern.block_count(), 0), pressure(spec_.pressure != 0 ? elastic.size() : 0, 0),
         area(pattern.block_count(), 0);
     for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
         const std::span<const ShellPoint> points(points_.data() + first, per_triangle);
         const auto w = weights(points[0]);
-        const TriangleBlocks blocks(pattern, w);
+        const StencilBlocks blocks(pattern, w);
         add_elastic(first, [&](const auto& block) { blocks.add<3>(elastic, w.size(), block); });
         for (const ShellPoint& q : points) {
             const auto n = weights(q);

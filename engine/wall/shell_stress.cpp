@@ -1,5 +1,6 @@
 // Energy and stresses of a displacement of the shell.
 #include "core/check.h"
+#include "wall/large_shell.h"
 #include "wall/shell.h"
 #include "wall/shell_strain.h"
 
@@ -38,7 +39,7 @@ Shell::Energy Shell::energy(std::span<const double> displacement) const
     return e;
 }
 
-ShellStress Shell::stress(std::span<const double> displacement) const
+ShellStress Shell::stress(std::span<const double> displacement, const LargeShell* large) const
 {
     const std::size_t vertices = surface_.control().vertices.size();
     SEL_ASSERT(displacement.size() == 3 * vertices);
@@ -49,7 +50,7 @@ ShellStress Shell::stress(std::span<const double> displacement) const
     std::vector<double> area(vertices, 0);
     for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
         std::array<ShellStrain, per_triangle> at;
-        const Vec3 stretch = strains_of(first, displacement, at);
+        const Vec3 stretch = large ? large->strains_of(first, displacement, at) : strains_of(first, displacement, at);
         const ShellPoint& last = points_[first + per_triangle - 1];
         const auto& corners = surface_.control().triangles[static_cast<std::size_t>(last.triangle)];
         for (std::size_t k = 0; k < per_triangle; ++k) {
@@ -71,12 +72,13 @@ ShellStress Shell::stress(std::span<const double> displacement) const
     return out;
 }
 
-double Shell::stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest) const
+double Shell::stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest,
+                        const LargeShell* large) const
 {
     const Mat3 h = law();
     const std::size_t first = per_triangle * static_cast<std::size_t>(triangle);  // points are made in the order of triangles
     std::array<ShellStrain, per_triangle> at;
-    const Vec3 stretch = strains_of(first, displacement, at);
+    const Vec3 stretch = large ? large->strains_of(first, displacement, at) : strains_of(first, displacement, at);
     const ShellPoint& last = points_[first + per_triangle - 1];
     double most = 0;
     for (std::size_t k = 0; k < per_triangle; ++k) {

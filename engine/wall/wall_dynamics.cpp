@@ -14,6 +14,7 @@ namespace seldinger {
 namespace {
 
 constexpr double small_memory = 0.1;  // of the displacement: what may be taken on through a block
+constexpr double small_excess = 0.03, most_excess = 0.5;  // of large displacements' forces, likewise, and at all
 
 double largest(const std::vector<double>& list)
 {
@@ -85,18 +86,22 @@ void WallDynamics::next_block()
     std::vector<double>& y = scratch_;
     y.assign(start_.size(), 0.0);
     farthest_ = std::sqrt(3.0) * largest(start_);
+    large_ = wall_.large_for(start_);
+    limited_ = false;
+    unmet_.clear();
     const bool moved = h_ > 0 && largest(start_) > 0;
     if (moved) {
         wall_.add_memory_force(h_, start_, y);
         WallSolveWork scratch;
         factor_->solve(y, scratch);
     }
+    const bool slow = !large_ || add_excess(y);
     // at a constant step the memory's change over the block that is done is taken on; the first one knows none
     for (std::size_t i = 0; i < y.size(); ++i) {
         change_[i] = done == block_steps ? (y[i] - memory_[i]) / block_steps : 0.0;
         memory_[i] = y[i];
     }
-    steps_ = h_ > 0 && largest(memory_) <= small_memory * largest(start_) ? block_steps : 1;
+    steps_ = h_ > 0 && slow && largest(memory_) <= small_memory * largest(start_) ? block_steps : 1;
     if (h_ > 0 && !moved) steps_ = std::abs(wall_.memory_share(h_)) <= small_memory ? block_steps : 1;
     step_ = 0;
     keep_ = 1;
@@ -104,6 +109,20 @@ void WallDynamics::next_block()
     for (const std::int32_t v : touched_) std::fill_n(&pushed_[3 * static_cast<std::size_t>(v)], 3, 0.0);
     touched_.clear();
     forget();
+}
+
+/// y -= M^-1 r(w0). @return whether it is so small that a block of steps may take it on
+bool WallDynamics::add_excess(std::vector<double>& y)
+{
+    std::vector<double> excess(y.size(), 0.0);
+    wall_.take_excess_force(*large_, start_, excess);
+    WallSolveWork scratch;
+    factor_->solve(excess, scratch);
+    const double most = largest(excess), limit = most_excess * largest(start_);
+    limited_ = !(most <= limit);
+    const double part = limited_ ? limit / most : 1;
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] += part * excess[i];
+    return most <= small_excess * largest(start_);
 }
 
 Vec3 WallDynamics::now(std::int32_t vertex) const
@@ -151,6 +170,38 @@ void WallDynamics::end_step(std::span<const Push> pushed, double farthest)
     forget();
 }
 
+/// Aitken's share of each change [Kuettler08, doi:10.1007/s00466-008-0255-5]: a wall that stiffens a lot would swing.
+double WallDynamics::relax(std::span<const Push> pushed)
+{
+    std::vector<double> w(start_.size(), 0.0), y(w.size(), 0.0);
+    for (const Push& push : pushed) add_to(&w[3 * static_cast<std::size_t>(push.vertex)], push.force);
+    WallSolveWork scratch;
+    factor_->solve(w, scratch);
+    for (std::size_t i = 0; i < w.size(); ++i) w[i] += memory_[i] + (load_.empty() ? 0.0 : load_[i]);
+    large_ = wall_.large_for(w);
+    if (large_) {
+        wall_.take_excess_force(*large_, w, y);
+        factor_->solve(y, scratch);
+    }
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] -= memory_[i];
+    if (!unmet_.empty()) {
+        double product = 0, square = 0;
+        for (std::size_t i = 0; i < y.size(); ++i) {
+            const double change = y[i] - unmet_[i];
+            product += unmet_[i] * change, square += change * change;
+        }
+        part_ = square > 0 ? std::clamp(-part_ * product / square, 0.01, 1.0) : 1.0;
+    } else {
+        part_ = 1;
+    }
+    if (const double change = largest(y); change > 0) part_ = std::min(part_, 0.3 * largest(w) / change);  // far from its end
+    for (std::size_t i = 0; i < y.size(); ++i) memory_[i] += part_ * y[i];
+    const double most = std::sqrt(3.0) * largest(y);
+    unmet_ = std::move(y);
+    forget();
+    return most;
+}
+
 void WallDynamics::walk_state(StateWalk& walk)
 {
     const char* name = "the wall's motion";
@@ -175,6 +226,7 @@ void WallDynamics::walk_state(StateWalk& walk)
     for (auto* list : {&start_, &memory_, &change_, &pushed_}) walk({name, "m, N", "accept"}, std::span(*list));
     if (!walk.reads()) return;
     farthest_ = std::sqrt(3.0) * largest(start_);
+    large_ = wall_.large_for(start_);
     keep_ = numbers[1], ahead_ = numbers[2], slope_ = numbers[3];
     step_ = counts[0], steps_ = counts[1];
     forget();
@@ -187,6 +239,8 @@ void WallDynamics::forget_motion()
     touched_.clear();
     h_ = -1;
     factor_.reset();
+    large_ = nullptr;
+    limited_ = false;
     step_ = 0, steps_ = 1, keep_ = 1, ahead_ = slope_ = 0;
     forget();
 }

@@ -6,6 +6,12 @@
 //     M w1 = C/h w0 + f,    C/h = s M + B,    s = tau/(h + tau),    B = (c_s - tau k_s)/(h + tau) A - s K_p
 //     w1 = s w0 + M^-1 B w0 + M^-1 f
 //
+// Under large displacements the right side has -r(w) too, what linear theory leaves out of the shell's forces (wall/large_shell.h),
+// at the start of a block: B w0 becomes B w0 - r(w0), y below. It takes part as slowly as the wall gives way, and where the wall
+// rests it is exact. M is 1 + tau/h as stiff as K, 21 times at the usual 1 ms: a wall may stiffen by that much before this explicit
+// part makes it swing. If M^-1 r exceeds 3 % of w0, it is solved for in every step; it is limited to half of w0, and steps in which
+// that happens are told of (is_limited). An equilibrium (h = 0) is found by relax(), again and again with r of its last answer.
+//
 // What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that
 // change slowly. It is solved for once in a block of `block_steps` steps, and extrapolated linearly in between from the last two
 // blocks (an error of the order of the scheme's own). If it exceeds 10 % of w0, it is solved for in every step. Forces of a block
@@ -49,6 +55,14 @@ public:
     };
     void end_step(std::span<const Push> pushed, double farthest = 0);
 
+    /// In an equilibrium, r of where the wall would be under these forces. @return how far that moves free() at most [m]; a
+    /// small number ends it
+    double relax(std::span<const Push> pushed);
+    /// Whether a step is too long for the forces of large displacements.
+    [[nodiscard]] bool is_limited() const { return limited_; }
+    /// The shell that takes part in this block; null: the linear one alone.
+    [[nodiscard]] const LargeShell* large() const { return large_; }
+
     /// All control vertices [3V] [m]; one solve.
     [[nodiscard]] std::vector<double> displacement() const;
     /// Whether it has never been moved.
@@ -62,6 +76,7 @@ public:
 private:
     void start_block(double h);
     void next_block();
+    bool add_excess(std::vector<double>& y);
     [[nodiscard]] Vec3 at(const std::vector<double>& list, std::int32_t vertex) const
     {
         return list.empty() ? Vec3(Vec3::Zero()) : Vec3(&list[3 * static_cast<std::size_t>(vertex)]);
@@ -82,6 +97,10 @@ private:
     std::vector<std::int32_t> touched_;        // vertices of F, in order
     // made from these
     std::shared_ptr<const WallFactor> factor_;
+    const LargeShell* large_ = nullptr;
+    bool limited_ = false;       // of blocks of one step
+    std::vector<double> unmet_;  // of relax(): what its last round changed [3V]
+    double part_ = 1;            // and how much of that was taken
     std::vector<double> load_;  // M^-1 times the scene's loads [3V]; empty: none
     mutable WallPatch patch_;
     mutable std::vector<double> known_;            // now() of vertices that were asked for [3V]

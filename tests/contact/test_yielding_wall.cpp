@@ -144,7 +144,7 @@ TEST_CASE("the same bits from a saved state, on one thread and on two, alone and
         if (k == 30) saved = whole.save_state();
         REQUIRE(!step(whole, 1e-3).failed());
     }
-    REQUIRE(whole.wall_readings().move_max > 1e-5);
+    REQUIRE(whole.wall_readings().move_max > 3e-4);  // a fifth of the thickness: its displacements are large
     World resumed{WorldSetup(setup)};
     resumed.restore_state(saved);
     for (int k = 30; k < 60; ++k) REQUIRE(!step(resumed, 1e-3).failed());

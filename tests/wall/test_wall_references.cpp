@@ -181,10 +181,11 @@ TEST_SUITE("wall/wall_references")
     {
         // Edges of 1.8 mm are 0.54 of the decay length of 3.3 mm: 3 x 0.026 x 0.54^2 (docs/wall.md), and the 44 facets round the tube add
         // 0.7 %. Under pressure the tension p R makes the tip of the dent narrower, sqrt(D/(p R)) = 1.5 mm, which such edges do not resolve.
-        for (const auto& [pressure, w0, tolerance] : {std::tuple{0.0, 0.00019223050822222146, 0.03}, std::tuple{13332.0, 9.35607120655068e-05, 0.06}}) {
+        // Twice the force moves the wall by 1/60 of the radius: linear theory, which the closed form is of, is 5 % off then.
+        for (const auto& [pressure, w0, tolerance] : {std::tuple{0.0, 9.611525411111073e-05, 0.03}, std::tuple{13332.0, 4.67803560327534e-05, 0.06}}) {
             const double mean_pressure = pressure;
             CAPTURE(mean_pressure);
-            const World world = settled(parked(-0.005) + tube(0.1, 0.0018, 6000, pressure) + push({0, 0, R}, {0, 0, 0.05}));
+            const World world = settled(parked(-0.005) + tube(0.1, 0.0018, 6000, pressure) + push({0, 0, R}, {0, 0, 0.025}));
             CHECK(world.wall_readings().move_max == about(w0).epsilon(tolerance));
             // the band has the edges' share; 0.7 % are the facets'
             CHECK(std::abs(world.wall_readings().move_max - w0) < world.wall_readings().move_band + 0.007 * w0);

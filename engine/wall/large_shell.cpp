@@ -1,0 +1,314 @@
+// Energy, forces and tangent of the shell under large displacements, triangle by triangle.
+#include "wall/large_shell.h"
+
+#include "core/check.h"
+#include "wall/block_pattern.h"
+#include "wall/shell_strain.h"
+#include "wall/tied_strain.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+using namespace shell_detail;
+
+namespace {
+
+constexpr std::size_t capacity = LoopStencil::capacity;
+
+/// (11, 22, 2 12) of tangents' products: strain per change of the tangents x_,1, x_,2.
+Vec3 green(const Vec3& e1, const Vec3& e2, const Vec3& u1, const Vec3& u2)
+{
+    return {e1.dot(u1) + u1.dot(u1) / 2, e2.dot(u2) + u2.dot(u2) / 2, e1.dot(u2) + e2.dot(u1) + u1.dot(u2)};
+}
+
+/// Work conjugate of join(): what moments m do on the strain (11, 22, 2 12).
+Vec3 join_transposed(const ShellPoint& q, const Vec3& m)
+{
+    return {-q.b11 * m[0] - q.b12 * m[2], -q.b22 * m[1] - q.b12 * m[2],
+            -(q.b12 * (m[0] + m[1]) + (q.b11 + q.b22) * m[2]) / 2};
+}
+
+/// What pulls at the tangents: n (11, 22, 12) with strain (11, 22, 2 12).
+struct Pull {
+    Vec3 on_1, on_2;
+    Pull(const Vec3& n, const Vec3& x_1, const Vec3& x_2) : on_1(n[0] * x_1 + n[2] * x_2), on_2(n[1] * x_2 + n[2] * x_1) {}
+};
+
+}  // namespace
+
+LargeShell::LargeShell(const Shell& shell) : shell_(shell), triangles_(shell.points().size() / per_triangle)
+{
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        Triangle& to = triangles_[t];
+        const std::span<const ShellPoint> points(shell.points().data() + per_triangle * t, per_triangle);
+        const ShellPoint& last = points.back();
+        double area = 0;
+        for (const ShellPoint& q : points) area += q.area;
+        const TiedStrain tied(shell.surface(), last);
+        const double share = tied.share_of_mean(shell.spec().thickness);
+        for (std::size_t p = 0; p < per_triangle; ++p) {
+            to.of_point[p] = share * points[p].area / area * turn_strain(points[p], last);
+            to.second[p].fill(Vec3::Zero());
+            for (const Shell::Weight& w : shell.weights(points[p])) {
+                const Vec3& x = shell.surface().control().vertices[static_cast<std::size_t>(w.vertex)];
+                to.second[p][0] += w.n_11 * x, to.second[p][1] += w.n_22 * x, to.second[p][2] += w.n_12 * x;
+            }
+        }
+        for (std::size_t e = 0; e < edge_points; ++e) {
+            const EdgePoint& at = tied.points[e / 2][e % 2];
+            to.edge[e] = at.tangent;
+            to.of_edge[e] = (1 - share) / at.tangent.norm() * tied.of_stretch.col(e / 2);
+            edge_weights_.insert(edge_weights_.end(), at.n_s.begin(), at.n_s.begin() + last.vertex_count);
+        }
+    }
+}
+
+std::span<const double> LargeShell::edge_weights(std::size_t triangle, std::size_t point) const
+{
+    const ShellPoint& q = shell_.points()[per_triangle * triangle];
+    const auto count = static_cast<std::size_t>(q.vertex_count);
+    // a triangle's four points have one stencil
+    return {edge_weights_.data() + edge_points * static_cast<std::size_t>(q.first_vertex) / per_triangle + point * count, count};
+}
+
+LargeShell::Point LargeShell::move_point(std::size_t triangle, std::size_t k, std::span<const double> displacement) const
+{
+    const ShellPoint& q = shell_.points()[per_triangle * triangle + k];
+    Point p;
+    p.u = p.u_1 = p.u_2 = Vec3::Zero();
+    std::array<Vec3, 3> u_s = {p.u, p.u, p.u};
+    for (const Shell::Weight& w : shell_.weights(q)) {
+        const Vec3 d(displacement.data() + 3 * w.vertex);
+        p.u += w.n * d, p.u_1 += w.n_1 * d, p.u_2 += w.n_2 * d;
+        u_s[0] += w.n_11 * d, u_s[1] += w.n_22 * d, u_s[2] += w.n_12 * d;
+    }
+    p.x_1 = q.e1 + p.u_1, p.x_2 = q.e2 + p.u_2;
+    const Vec3 across = p.x_1.cross(p.x_2);
+    p.stretch = across.norm();
+    p.normal = across / p.stretch;
+    Vec3 bent;
+    const std::array<Vec3, 3>& rest = triangles_[triangle].second[k];
+    for (std::size_t c = 0; c < 3; ++c) {
+        p.x_s[c] = rest[c] + u_s[c];
+        bent[c] = p.normal.dot(p.x_s[c]) - q.normal.dot(rest[c]);
+    }
+    bent[2] *= 2;
+    p.strain = join(q, green(q.e1, q.e2, p.u_1, p.u_2), bent);
+    p.linear = join(q, {q.e1.dot(p.u_1), q.e2.dot(p.u_2), q.e1.dot(p.u_2) + q.e2.dot(p.u_1)},
+                    {q.normal.dot(u_s[0]), q.normal.dot(u_s[1]), 2 * q.normal.dot(u_s[2])});
+    return p;
+}
+
+LargeShell::Moved LargeShell::move(std::size_t triangle, std::span<const double> displacement) const
+{
+    const Triangle& rest = triangles_[triangle];
+    Moved now;
+    now.strain = now.linear = Vec3::Zero();
+    now.area = 0;
+    for (std::size_t k = 0; k < per_triangle; ++k) {
+        now.at[k] = move_point(triangle, k, displacement);
+        now.strain += rest.of_point[k] * now.at[k].strain.membrane;
+        now.linear += rest.of_point[k] * now.at[k].linear.membrane;
+        now.area += shell_.points()[per_triangle * triangle + k].area;
+    }
+    const auto w = shell_.weights(shell_.points()[per_triangle * triangle]);
+    for (std::size_t e = 0; e < edge_points; ++e) {
+        const auto n_s = edge_weights(triangle, e);
+        Vec3& u_s = now.u_s[e];
+        u_s = Vec3::Zero();
+        for (std::size_t k = 0; k < w.size(); ++k) u_s += n_s[k] * Vec3(displacement.data() + 3 * w[k].vertex);
+        now.linear += rest.edge[e].dot(u_s) * rest.of_edge[e];
+        now.strain += (rest.edge[e].dot(u_s) + u_s.dot(u_s) / 2) * rest.of_edge[e];
+    }
+    return now;
+}
+
+LargeShell::Energy LargeShell::energy(std::span<const double> displacement) const
+{
+    SEL_ASSERT(displacement.size() == 3 * shell_.surface().control().vertices.size());
+    const ShellSpec& spec = shell_.spec();
+    const Mat3 h = shell_.law();
+    const double d = std::pow(spec.thickness, 3) / 12;
+    Energy e;
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        const Moved now = move(t, displacement);
+        e.membrane += 0.5 * now.area * spec.thickness * now.strain.dot(h * now.strain);
+        for (std::size_t k = 0; k < per_triangle; ++k) {
+            const Point& p = now.at[k];
+            const double area = shell_.points()[per_triangle * t + k].area;
+            e.bending += 0.5 * area * d * p.strain.bending.dot(h * p.strain.bending);
+            e.pressure += spec.pressure * area / 3 * p.u.dot(p.u_1.cross(p.u_2));
+        }
+    }
+    return e;
+}
+
+bool LargeShell::is_still(std::size_t triangle, std::span<const double> displacement, double share) const
+{
+    const std::span<const ShellPoint> points(shell_.points().data() + per_triangle * triangle, per_triangle);
+    const double most = share * share * 8 * points.back().area;  // of an edge, about
+    const auto w = shell_.weights(points.back());
+    const Vec3 first(displacement.data() + 3 * w.front().vertex);
+    return std::all_of(w.begin(), w.end(), [&](const Shell::Weight& v) {
+        return (Vec3(displacement.data() + 3 * v.vertex) - first).squaredNorm() <= most;
+    });
+}
+
+Vec3 LargeShell::strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at) const
+{
+    const Moved now = move(first / per_triangle, displacement);
+    for (std::size_t k = 0; k < per_triangle; ++k) at[k] = now.at[k].strain;
+    return now.strain;
+}
+
+void LargeShell::add_excess(std::span<const double> displacement, std::span<double> force, double still) const
+{
+    SEL_ASSERT(displacement.size() == 3 * shell_.surface().control().vertices.size() && force.size() == displacement.size());
+    const ShellSpec& spec = shell_.spec();
+    const Mat3 h = shell_.law();
+    const double d = std::pow(spec.thickness, 3) / 12;
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        if (is_still(t, displacement, still)) continue;
+        const Moved now = move(t, displacement);
+        const Triangle& rest = triangles_[t];
+        const Vec3 pulled = now.area * spec.thickness * (h * now.strain), linear = now.area * spec.thickness * (h * now.linear);
+        std::array<Vec3, capacity> sum;
+        sum.fill(Vec3::Zero());
+        for (std::size_t k = 0; k < per_triangle; ++k) {
+            const ShellPoint& q = shell_.points()[per_triangle * t + k];
+            const Point& p = now.at[k];
+            const Vec3 m = q.area * d * (h * p.strain.bending), m_linear = q.area * d * (h * p.linear.bending);
+            const Mat3 to_point = rest.of_point[k].transpose();
+            const Pull by(to_point * pulled + join_transposed(q, m), p.x_1, p.x_2);
+            const Pull by_linear(to_point * linear + join_transposed(q, m_linear), q.e1, q.e2);
+            const Vec3 tilt = m[0] * p.tilt(p.x_s[0]) + m[1] * p.tilt(p.x_s[1]) + 2 * m[2] * p.tilt(p.x_s[2]);
+            const double third = spec.pressure * q.area / 3;
+            const Vec3 on = third * p.u_1.cross(p.u_2);
+            const Vec3 on_1 = by.on_1 - by_linear.on_1 + p.x_2.cross(tilt) + third * p.u_2.cross(p.u);
+            const Vec3 on_2 = by.on_2 - by_linear.on_2 + tilt.cross(p.x_1) + third * p.u.cross(p.u_1);
+            const auto w = shell_.weights(q);
+            for (std::size_t i = 0; i < w.size(); ++i) {
+                const Shell::Weight& v = w[i];
+                const double bent = m[0] * v.n_11 + m[1] * v.n_22 + 2 * m[2] * v.n_12;
+                const double bent_linear = m_linear[0] * v.n_11 + m_linear[1] * v.n_22 + 2 * m_linear[2] * v.n_12;
+                sum[i] += v.n * on + v.n_1 * on_1 + v.n_2 * on_2 + bent * p.normal - bent_linear * q.normal;
+            }
+        }
+        const auto w = shell_.weights(shell_.points()[per_triangle * t]);
+        for (std::size_t e = 0; e < edge_points; ++e) {
+            const auto n_s = edge_weights(t, e);
+            const Vec3 on = rest.of_edge[e].dot(pulled) * (rest.edge[e] + now.u_s[e]) - rest.of_edge[e].dot(linear) * rest.edge[e];
+            for (std::size_t i = 0; i < w.size(); ++i) sum[i] += n_s[i] * on;
+        }
+        for (std::size_t i = 0; i < w.size(); ++i) add_to(&force[3 * static_cast<std::size_t>(w[i].vertex)], sum[i]);
+    }
+}
+
+/// Second derivatives of g = z . x_3 by the tangents and z = s^ab x_|ab: with c = x_,1 x x_,2 and t the part of z along the surface,
+/// d2g/dc2 = -(t x_3^T + x_3 t^T + g (1 - x_3 x_3^T)) / |c|^2, d2g/dz dc = (1 - x_3 x_3^T) / |c|.
+struct LargeShell::Curvature {
+    Mat3 h11, h12, h22, hz1, hz2;
+
+    Curvature(const Point& p, const Vec3& z)
+    {
+        const Mat3 along = Mat3::Identity() - outer(p.normal, p.normal);
+        const Vec3 t = z - p.normal.dot(z) * p.normal;
+        const Mat3 of_area =
+            (outer(t, p.normal) + outer(p.normal, t) + p.normal.dot(z) * along) * (-1 / (p.stretch * p.stretch));
+        const Mat3 by_1 = -skew(p.x_2), by_2 = skew(p.x_1);  // dc
+        h11 = by_1.transpose() * of_area * by_1;
+        h12 = by_1.transpose() * of_area * by_2 - skew(t / p.stretch);
+        h22 = by_2.transpose() * of_area * by_2;
+        hz1 = along * by_1 * (1 / p.stretch), hz2 = along * by_2 * (1 / p.stretch);
+    }
+};
+
+/// Bending, membrane stress on the tangents and pressure at a point. @param membrane  stress on its strain (11, 22, 12) [N m]
+template <class Add>
+void LargeShell::add_point_tangent(const ShellPoint& q, const Point& p, const Vec3& membrane, const Add& add) const
+{
+    const ShellSpec& spec = shell_.spec();
+    const Mat3 law = q.area * std::pow(spec.thickness, 3) / 12 * shell_.law();
+    const Vec3 m = law * p.strain.bending, n = membrane + join_transposed(q, m);
+    Curvature of(p, m[0] * p.x_s[0] + m[1] * p.x_s[1] + 2 * m[2] * p.x_s[2]);
+    const double third = spec.pressure * q.area / 3;
+    of.h11 += n[0] * Mat3::Identity(), of.h22 += n[1] * Mat3::Identity();
+    of.h12 += n[2] * Mat3::Identity() - third * skew(p.u);
+    const Mat3 on_1 = -third * skew(p.u_2), on_2 = third * skew(p.u_1);
+    const auto w = shell_.weights(q);
+    std::array<Mat3, capacity> bending, moment, by_1, by_2, by_z, by_u;
+    std::array<double, capacity> bent;
+    Vec3 across_1[3], across_2[3];
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Vec3 tilt = p.tilt(p.x_s[c]);
+        across_1[c] = p.x_2.cross(tilt), across_2[c] = tilt.cross(p.x_1);
+    }
+    for (std::size_t k = 0; k < w.size(); ++k) {
+        const Shell::Weight& v = w[k];
+        const double second[3] = {v.n_11, v.n_22, v.n_12};
+        const Mat3 stretched = Mat3::rows(v.n_1 * p.x_1, v.n_2 * p.x_2, v.n_2 * p.x_1 + v.n_1 * p.x_2);
+        Vec3 db[3];
+        for (std::size_t c = 0; c < 3; ++c)
+            db[c] = (c == 2 ? 2.0 : 1.0) * (second[c] * p.normal + v.n_1 * across_1[c] + v.n_2 * across_2[c]);
+        const Mat3 turned = Mat3::rows(db[0], db[1], db[2]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            bending[k].col(axis) = join(q, stretched.col(axis), turned.col(axis)).bending;
+        moment[k] = law * bending[k];
+        bent[k] = m[0] * v.n_11 + m[1] * v.n_22 + 2 * m[2] * v.n_12;
+        by_1[k] = v.n_1 * of.h11 + v.n_2 * of.h12.transpose() + bent[k] * of.hz1 + v.n * on_1;
+        by_2[k] = v.n_1 * of.h12 + v.n_2 * of.h22 + bent[k] * of.hz2 + v.n * on_2;
+        by_z[k] = v.n_1 * of.hz1.transpose() + v.n_2 * of.hz2.transpose();
+        by_u[k] = v.n_1 * on_1.transpose() + v.n_2 * on_2.transpose();
+    }
+    add([&](std::size_t i, std::size_t j) {
+        return bending[i].transpose() * moment[j] + w[j].n_1 * by_1[i] + w[j].n_2 * by_2[i] + bent[j] * by_z[i] + w[j].n * by_u[i];
+    });
+}
+
+template <class Add>
+void LargeShell::add_tangent(std::size_t triangle, const Moved& now, const Add& add) const
+{
+    const Triangle& rest = triangles_[triangle];
+    const Mat3 law = now.area * shell_.spec().thickness * shell_.law();
+    const Vec3 pulled = law * now.strain;
+    std::array<Mat3, capacity> strain, stress;  // per displacement of a control vertex
+    strain.fill(Mat3::Zero());
+    for (std::size_t k = 0; k < per_triangle; ++k) {
+        const ShellPoint& q = shell_.points()[per_triangle * triangle + k];
+        const Point& p = now.at[k];
+        add_point_tangent(q, p, rest.of_point[k].transpose() * pulled, add);
+        const auto w = shell_.weights(q);
+        for (std::size_t i = 0; i < w.size(); ++i)
+            strain[i] += rest.of_point[k] * Mat3::rows(w[i].n_1 * p.x_1, w[i].n_2 * p.x_2, w[i].n_2 * p.x_1 + w[i].n_1 * p.x_2);
+    }
+    std::array<std::span<const double>, edge_points> n_s;
+    std::array<double, edge_points> tension;
+    for (std::size_t e = 0; e < edge_points; ++e) {
+        n_s[e] = edge_weights(triangle, e);
+        tension[e] = rest.of_edge[e].dot(pulled);
+        for (std::size_t i = 0; i < n_s[e].size(); ++i) strain[i] += outer(rest.of_edge[e], n_s[e][i] * (rest.edge[e] + now.u_s[e]));
+    }
+    for (std::size_t i = 0; i < n_s[0].size(); ++i) stress[i] = law * strain[i];
+    add([&](std::size_t i, std::size_t j) {
+        double tied = 0;
+        for (std::size_t e = 0; e < edge_points; ++e) tied += tension[e] * n_s[e][i] * n_s[e][j];
+        return strain[i].transpose() * stress[j] + tied * Mat3::Identity();
+    });
+}
+
+SparseMatrix LargeShell::tangent(std::span<const double> displacement) const
+{
+    SEL_ASSERT(displacement.size() == 3 * shell_.surface().control().vertices.size());
+    const BlockPattern pattern = shell_.pattern();
+    std::vector<double> values(9 * pattern.block_count(), 0);
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        const auto w = shell_.weights(shell_.points()[per_triangle * t]);
+        const StencilBlocks blocks(pattern, w);
+        add_tangent(t, move(t, displacement), [&](const auto& block) { blocks.add<3>(values, w.size(), block); });
+    }
+    return pattern.matrix(values, 3);
+}
+
+}  // namespace seldinger
