@@ -100,7 +100,7 @@ def scene_of(s, finer):
     return text
 
 
-def run(app, text, *more):
+def run(app, text, is_default, *more):
     """What one run says, or why there is nothing."""
     with tempfile.TemporaryDirectory() as folder:
         scene, out = pathlib.Path(folder) / "scene.toml", pathlib.Path(folder) / "out"
@@ -117,20 +117,21 @@ def run(app, text, *more):
         summary = json.loads((out / "summary.json").read_text())
         with open(out / "trace.csv", newline="") as stream:
             rows = list(csv.DictReader(stream))
-        return said | readings_of(summary, rows)
+        return said | readings_of(summary, rows, is_default)
 
 
-def largest_mean(values, step):
-    wide = max(1, round(MEAN / step))
-    return max(sum(values[k:k + wide]) / wide for k in range(max(1, len(values) - wide + 1)))
+def largest_mean(values, times):
+    """Over MEAN, weighted by the lengths of steps: the last one of a run may be shorter."""
+    lengths = [times[0]] + [after - before for before, after in zip(times, times[1:])]
+    wide = max(1, round(MEAN / lengths[1]))
+    return max(sum(v * h for v, h in zip(values[k:k + wide], lengths[k:])) / sum(lengths[k:k + wide]) for k in range(max(1, len(values) - wide + 1)))
 
 
-def readings_of(summary, rows):
+def readings_of(summary, rows, is_default):
     times = [float(row["time_s"]) for row in rows]
-    step = times[-1] - times[-2]
     hand, friction = ([float(row[key]) for row in rows] for key in ("hand_force_n", "friction_n"))
     values = {"hand_force_n": summary["hand_force_mean_n"], "friction_n": summary["friction_mean_n"],
-              "hand_force_peak_n": largest_mean([abs(value) for value in hand], step), "friction_peak_n": largest_mean(friction, step)}
+              "hand_force_peak_n": largest_mean([abs(value) for value in hand], times), "friction_peak_n": largest_mean(friction, times)}
     for key in READINGS[4:]:
         if key in summary:
             values[key] = summary[key]
@@ -141,9 +142,12 @@ def readings_of(summary, rows):
     estimate = summary.get("error_estimate", {})
     if estimate.get("windows", 0) > 0:
         bands["tip_m"] = estimate["tip_band_m"]
+        shares["tip_m"] = {source: estimate[f"tip_{source}_band_m"] for source in ("step", "nodes", "facets")}
         for key in READINGS[:6]:
             if key in estimate:
-                bands[key], values[key] = estimate[key]["band"], estimate[key]["value"]
+                bands[key] = estimate[key]["band"]
+                if is_default:  # as a user reads it; refined runs are read off their rows
+                    values[key] = estimate[key]["value"]
                 shares[key] = {source: estimate[key].get(source) for source in ("step", "nodes", "facets")}
         for hand in estimate.get("other_hands", []):
             for key, name in OTHER.items():
@@ -169,7 +173,7 @@ def measure(options, number):
             said = json.loads(file.read_text())
         else:
             old = json.loads(file.read_text()) if file.exists() else {}
-            said = run(options.app, scene_of(setup, finer), *(["--error-estimate", "off"] if name == "off" else []))
+            said = run(options.app, scene_of(setup, finer), name == "default", *(["--error-estimate", "off"] if name == "off" else []))
             if old and old.get("state") != said.get("state"):
                 print(f"audit.py: draw {number} of seed {options.seed}: the default run's state differs; remove its files to refine it anew", file=sys.stderr)
             new = file.with_suffix(".new")

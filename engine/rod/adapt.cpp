@@ -89,7 +89,7 @@ void NodePlanner::measure(const RodView& rod, const NodeDemands& demands)
 }
 
 /// Of an edge in the place of the material between nodes `from` and `to`, jumps of shear inside moved to its ends.
-NodePlanner::EdgeErrors NodePlanner::errors_between(const RodView& rod, int from, int to) const
+NodePlanner::EdgeErrors NodePlanner::errors_between(const RodView& rod, int from, int to, double lever) const
 {
     double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
     double turning = 0.5 * (turning_[from] + turning_[to]);
@@ -98,7 +98,6 @@ NodePlanner::EdgeErrors NodePlanner::errors_between(const RodView& rod, int from
         stiffness = std::min(stiffness, rod.bend_stiffness[i]);
     }
     for (int i = from + 1; i < to; ++i) jump += shear_jump_[i], turning += turning_[i];
-    const double lever = std::min(rod.material_s[to], longest_lever);
     return {kappa * kappa * (1.0 / 24 + lever * kappa * (1.0 / 12 - curvature_q(rod.curvature) / 8)),
             lever * jump / (12 * stiffness) + turning / 12};
 }
@@ -106,7 +105,7 @@ NodePlanner::EdgeErrors NodePlanner::errors_between(const RodView& rod, int from
 /// Longest edge [m] that errors allow in that place.
 double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
 {
-    const auto [cubic, square] = errors_between(rod, from, to);
+    const auto [cubic, square] = errors_between(rod, from, to, std::min(rod.material_s[to], longest_lever));
     double longest = spec.max_edge / merge_share;  // an edge of max_edge is no error: it may be merged from two
     if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);
     if (square * longest * longest > spec.edge_error) longest = std::sqrt(spec.edge_error / square);
@@ -114,14 +113,46 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     return std::max(longest, spec.min_edge);
 }
 
+/// By how much the wire's own natural curvature differs between the nodes of an edge [1/m]; a common centreline has none of its own.
+double NodePlanner::natural_jump(const RodView& rod, const NodeDemands& demands, int edge) const
+{
+    if (!demands.moment.empty() || edge == 0 || edge == rod.n - 2) return 0;  // ends have none
+    const auto natural = [&](int i) { return Vec2(Vec2(rod.rest_kappa1[i], rod.rest_kappa2[i]) / rod.voronoi_length(i)); };
+    return (natural(edge + 1) - natural(edge)).norm();
+}
+
+/// Of each edge, the distance over which an error of its angle moves the tip [m].
+std::vector<double> NodePlanner::levers(const RodView& rod, std::span<const Vec3> contact) const
+{
+    std::vector<double> list(static_cast<std::size_t>(rod.n - 1));
+    double held = 0;
+    for (int from = 0, span = 0; from < rod.n - 1; ++span) {
+        int to = from + (span > 0);
+        while (to < rod.n && (contact.empty() || contact[to].isZero())) ++to;
+        const int last = std::min(to, rod.n - 1);
+        const double begin = rod.material_s[from], end = rod.material_s[last];
+        held = span > 1 ? held / 4 : begin;  // the first span behind the first contact has all of it
+        double turned = 0;
+        for (int j = from; j < last; ++j) turned += rod.rest_length[j] * 0.5 * (curvature_[j] + curvature_[j + 1]);
+        for (int j = from; j < last; ++j) {
+            const double middle = 0.5 * (rod.material_s[j] + rod.material_s[j + 1]);
+            list[j] = span == 0 ? middle : held * (end - middle) / (end - begin) + turned * (end - begin) / 8;
+        }
+        from = last;
+    }
+    return list;
+}
+
 double NodePlanner::tip_error(const RodView& rod, const NodeDemands& demands)
 {
     measure(rod, demands);
+    const std::vector<double> lever = levers(rod, demands.contact);
     double sum = 0;
     for (int j = 0; j < rod.n - 1; ++j) {
-        const auto [cubic, square] = errors_between(rod, j, j + 1);
+        const auto [cubic, square] = errors_between(rod, j, j + 1, lever[j]);
         const double h = rod.rest_length[j];
-        sum += (cubic * h + square) * h * h;
+        const double kappa = std::max(curvature_[j], curvature_[j + 1]), tangents = kappa * kappa / 24;
+        sum += ((cubic + tangents) * h + square + natural_jump(rod, demands, j) / 8) * h * h;
     }
     return sum;
 }
@@ -137,8 +168,8 @@ BendingError NodePlanner::bending_error(const RodView& rod, const NodeDemands& d
         sum.energy += l * moment_[i].squaredNorm() / (2 * b);
         sum.missed += touch * curvature_[i] * h * h / 12;
         if (i == 0) continue;
-        const double mean_b = 0.5 * (rod.bend_stiffness[i - 1] + b);
-        sum.missed += rod.rest_length[i - 1] * (moment_[i] - moment_[i - 1]).squaredNorm() / (12 * mean_b);
+        const double mean_b = 0.5 * (rod.bend_stiffness[i - 1] + b), rise = (moment_[i] - moment_[i - 1]).norm();
+        sum.missed += rod.rest_length[i - 1] * rise * (rise / (12 * mean_b) + natural_jump(rod, demands, i - 1) / 8);
     }
     return sum;
 }

@@ -65,14 +65,21 @@ public:
     /// Length to which a fed wire's base edge grows before a node is born behind it [m]: by the shape there, or up to a section's
     /// boundary in it, which gets that node. Contacts there are left out.
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
-    /// How far the finite length of all edges has the tip from its position, as judged by e(h) above: the sum over them, as if all
-    /// erred alike [m]. Needs no adaptive nodes.
+    /// How far the finite length of all edges has the tip from its position: e(h) above with the distance to the tip that an error of angle
+    /// in each edge acts over [m]. Up to the contact nearest to the tip, at s_1, that is the edge's own distance from the tip. Beyond, the wire
+    /// turns over its contacts as a beam over supports: an angle between the first two, at s, turns the wire at s_1 by (s_2 - s)/(s_2 - s_1) of itself; one
+    /// in a further span by 1/4 of that per span (half passes a support, and half of that the span before it). Besides, an angle in a span of length S
+    /// lifts it by up to S/4 of itself. On a wire that turns by an angle P there, that area S^2/8 makes the tip come P S/8 farther. A preformed bend that begins within a
+    /// node's cell turns at the node: with a jump J of natural curvature at x from it, J (h/2 - x) of angle acts (h/2 + x)/2 from its place, which
+    /// displaces the wire beyond by up to J h^2/8. On the inside of a bend edges are tangents, not
+    /// chords: h (kappa h)^2/12 in length instead of /24. The sum over all edges and jumps, as if all erred alike. Needs no adaptive nodes.
     [[nodiscard]] double tip_error(const RodView& rod, const NodeDemands& demands);
     /// How much energy the finite length of edges is wrong by. With the moments M at nodes [N m] and the contact forces F [N], the
     /// nodes' energy sum l M^2/(2 B) differs from that of a smooth wire under the same loads by at most
     ///
     ///     sum over edges  h (M_j+1 - M_j)^2/(12 B)      a moment that is linear along an edge, of which nodes see the ends
     ///     sum over nodes  F kappa h^2/12                the mean distance of arc and chord, on which the wall works
+    ///     sum over edges  |M_j+1 - M_j| J h/8           the displacement J h^2/8 by a jump J of natural curvature, against the shear there
     ///
     /// The first is exact for loads at nodes: a cantilever of n edges under an end load has 1/(2 n^2) of its energy too much, which
     /// is how much too far its end goes. Loads between nodes have sum M M'' h^3/(12 B) beside it, which for an even load is the
@@ -88,7 +95,9 @@ private:
     struct EdgeErrors {
         double cubic, square;  // [1/m^2], [1/m]
     };
-    [[nodiscard]] EdgeErrors errors_between(const RodView& rod, int from, int to) const;
+    [[nodiscard]] EdgeErrors errors_between(const RodView& rod, int from, int to, double lever) const;
+    [[nodiscard]] double natural_jump(const RodView& rod, const NodeDemands& demands, int edge) const;
+    [[nodiscard]] std::vector<double> levers(const RodView& rod, std::span<const Vec3> contact) const;
     [[nodiscard]] double longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const;
     void note_touching(const RodView& rod, const NodeDemands& demands);
     void plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);

@@ -30,20 +30,58 @@ Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x)
     return at / at.sum();
 }
 
-/// Part of the normal forces that is not the wire's own weight.
-double elastic_part(const World& run, double normal, int first, int end)
+/// The wires' weight [N].
+double weight_of(const World& run, int first, int end)
 {
     double mass = 0;
     for (int w = first; w < end; ++w)
         for (const double m : run.rod(w).mass) mass += m;
-    return normal > 0 ? std::max(0.0, 1 - mass * run.setup().gravity.norm() / normal) : 0;
+    return mass * run.setup().gravity.norm();
 }
 
-/// Half of the longest edge over the length of a wire.
-double hub_share(const ConstRodView& rod)
+double longest_edge(const ConstRodView& rod)
 {
     const auto edges = rod.rest_length.first(static_cast<std::size_t>(rod.n - 1));
-    return *std::max_element(edges.begin(), edges.end()) / (2 * rod.material_s[rod.n - 1]);
+    return *std::max_element(edges.begin(), edges.end());
+}
+
+/// Length of a wire from the hub to the contact nearest to it [m].
+double free_span(const World& run, int wire)
+{
+    const ConstRodView rod = run.rod(wire);
+    double place = 0;
+    for (const ContactRow& row : run.contacts())
+        if (row.b.kind == BodyKind::Wall && row.a.body == wire && row.normal_force > 0) place = std::max(place, row.along_a);
+    return std::max(0.0, rod.material_s[rod.n - 1] - place);
+}
+
+/// What the facets of a region of contact move its place by: sums over its samples, weighted by normal forces.
+struct Moved {
+    double load = 0, along = 0, inwards = 0, sideways = 0;  // [N], [N m]
+    [[nodiscard]] double at() const { return along / load; }
+    [[nodiscard]] double by() const { return std::hypot(inwards, sideways) / load; }
+};
+
+/// The angle that a wire turns by [rad].
+double turning_of(const ConstRodView& rod)
+{
+    double sum = 0;
+    for (int j = 1; j < rod.n - 1; ++j) sum += std::atan2(rod.tangent(j - 1).cross(rod.tangent(j)).norm(), rod.tangent(j - 1).dot(rod.tangent(j)));
+    return sum;
+}
+
+/// GridErrors::tip of a wire on these regions. @param rise  mean distance of facets and smooth wall [m]
+double tip_on(const ConstRodView& rod, const std::map<int, Moved>& regions, double rise)
+{
+    const Moved *first = nullptr, *next = nullptr;  // from the tip
+    for (const auto& [number, region] : regions) {
+        if (!first || region.at() < first->at()) next = std::exchange(first, &region);
+        else if (!next || region.at() < next->at()) next = &region;
+    }
+    if (!first) return 0;
+    const double span = (next ? next->at() : rod.material_s[rod.n - 1]) - first->at();
+    const double turned = span > 0 ? 1.5 * first->at() / span : 0;
+    return std::hypot((1 + turned) * first->by(), next ? turned * next->by() : 0, rise * turning_of(rod));
 }
 
 /// GridErrors::split of the system's wires.
@@ -78,7 +116,7 @@ double split_load(const World& run, int first, int end)
 
 void GridErrors::widen(const GridErrors& other)
 {
-    for (double GridErrors::*entry : {&GridErrors::nodes, &GridErrors::facets, &GridErrors::axial, &GridErrors::normal, &GridErrors::offset, &GridErrors::split})
+    for (double GridErrors::*entry : {&GridErrors::nodes, &GridErrors::facets, &GridErrors::axial, &GridErrors::normal, &GridErrors::rise, &GridErrors::tip, &GridErrors::split})
         this->*entry = std::max(this->*entry, other.*entry);
     hands.resize(std::max(hands.size(), other.hands.size()));
     for (std::size_t k = 0; k < other.hands.size(); ++k) hands[k] = std::max(hands[k], other.hands[k]);
@@ -110,33 +148,68 @@ GridErrors GridErrorGauge::of(const World& run)
         const WireReadings r = run.readings(w);
         errors.normal += r.normal - r.normal_between;
     }
-    if (!(energy > 0) || !(errors.normal > 0)) return errors;  // nothing is bent, or nothing touches
-    const double part = elastic_part(run, errors.normal, first, end);
-    errors.nodes = part * std::min(1.0, missed / energy) + (1 - part) * hub_share(run.rod(first));
-    const WorldSetup& setup = run.setup();
-    if (setup.vessel.elastic || setup.mesh.triangles.empty()) return errors;
-    find_normals(setup.mesh);
+    if (!(energy > 0)) return errors;  // nothing is bent
+    const ConstRodView rod = run.rod(first);
+    const double weight = weight_of(run, first, end), h = longest_edge(rod), length = rod.material_s[rod.n - 1], bent = std::min(1.0, missed / energy);
+    if (!(errors.normal > 0)) {  // nothing touches
+        errors.nodes = std::min(1.0, bent + h / (2 * length));
+        return errors;
+    }
+    const double part = std::max(0.0, 1 - weight / errors.normal);  // of the normal forces that is not the wires' own weight
+    const double shared = weight / length * h * std::min(1.0, h / free_span(run, first)) / 2;
+    errors.nodes = std::min(1.0, part * bent + shared / errors.normal);
+    if (!run.setup().vessel.elastic && !run.setup().mesh.triangles.empty()) add_facets(run, first, end, part, energy, errors);
+    return errors;
+}
+
+void GridErrorGauge::add_facets(const World& run, int first, int end, double part, double energy, GridErrors& errors)
+{
+    const WallMesh& mesh = run.setup().mesh;
+    find_normals(mesh);
+    std::map<int, Moved> regions;  // of the first wire
     double work = 0, axial = 0;
     for (const ContactRow& row : run.contacts()) {
         if (row.b.kind != BodyKind::Wall || row.a.body < first || row.a.body >= end || !(row.normal_force > 0)) continue;
-        const auto& triangle = setup.mesh.triangles[static_cast<std::size_t>(row.b.element)];
-        const Vec3 at = barycentric(setup.mesh.vertices[triangle[0]], setup.mesh.vertices[triangle[1]], setup.mesh.vertices[triangle[2]], row.point);
+        const auto& triangle = mesh.triangles[static_cast<std::size_t>(row.b.element)];
+        const Vec3 at = barycentric(mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]], row.point);
         Vec3 smooth = Vec3::Zero();
         double offset = 0;
         for (int k = 0; k < 3; ++k) {
             smooth += at[k] * normals_[triangle[k]];
-            offset += at[k] * (row.point - setup.mesh.vertices[triangle[k]]).dot(normals_[triangle[k]]) / 2;
+            offset += at[k] * (row.point - mesh.vertices[triangle[k]]).dot(normals_[triangle[k]]) / 2;
         }
         if (!(smooth.norm() > 0)) continue;
+        smooth.normalize();
         const ConstRodView rod = run.rod(row.a.body);
         const Vec3 tangent = rod.tangent(std::clamp(row.a.element, 0, rod.n - 2));
-        axial += row.normal_force * (row.normal - smooth.normalized()).dot(tangent);
+        axial += row.normal_force * (row.normal - smooth).dot(tangent);
         work += row.normal_force * std::abs(offset);
-        errors.offset = std::max(errors.offset, std::abs(offset));
+        if (row.a.body != first) continue;
+        Moved& region = regions[row.region];
+        region.load += row.normal_force;
+        region.along += row.normal_force * row.along_a;
+        region.inwards += row.normal_force * std::abs(offset);
+        region.sideways += row.normal_force * sideways(mesh, triangle, row.normal - smooth, tangent.cross(smooth));
     }
     errors.facets = part * std::min(1.0, work / (2 * energy));
     errors.axial = std::abs(axial) / errors.normal;
-    return errors;
+    errors.rise = work / errors.normal;
+    errors.tip = tip_on(run.rod(first), regions, errors.rise);
+}
+
+double GridErrorGauge::sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const
+{
+    double turns = 0, spans = 0, widest = 0;  // curvature across, by least squares over the edges
+    for (int k = 0; k < 3; ++k) {
+        const auto a = triangle[k], b = triangle[(k + 1) % 3];
+        const double span = (mesh.vertices[b] - mesh.vertices[a]).dot(across);
+        turns += span * (normals_[b] - normals_[a]).dot(across);
+        spans += span * span;
+        widest = std::max(widest, std::abs(span));
+    }
+    const double wrong = off.dot(across) * spans;
+    if (std::abs(wrong) >= widest * std::abs(turns)) return std::copysign(turns != 0 ? widest : 0.0, wrong);
+    return wrong / std::abs(turns);
 }
 
 }  // namespace seldinger

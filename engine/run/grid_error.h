@@ -19,12 +19,26 @@
 //               places of contact beside each other may be one patch's: the larger one, F_1, may be F_1 + F_2.
 //
 // Weight on the floor of a lumen is borne whatever the wire's stiffness: the errors by energy are those of the part of the normal forces
-// beyond the weight. The rest is off by the weight of half an edge, which the hub's node bears: h/(2 L) of a wire of length L.
+// beyond the weight. The rest is off by what the nodes of the span l between hub and nearest contact share out wrongly: 1/(2 n^2) of the weight w l of its n = l/h
+// edges, as of a cantilever, and w h/2 where an edge is longer than the span. Of the sum N of normal forces that is w h^2/(2 l N).
+// A wire that touches nothing is bent by its weight alone. Its moment at the hub, which is read off half an edge, errs by h/(2 L) besides.
+//
+// The tip stands on the regions of contact nearest to it, at s_1 and s_2 from it. Facets move their places by d_1, d_2:
+//
+//     inwards   o, as above
+//     sideways  in a lumen of radius R across the wire, a load rests where the wall's normal opposes it. A normal that is off by
+//               (n - m).(t x m) moves that place by R times as much, as a pendulum's
+//
+// A beam over two supports has a slope of up to 3/2 (d_1 + d_2)/(s_2 - s_1) at the first (the next span held; 1 where it turns freely), so that the tip moves by
+// a_1 = 1 + 3/2 s_1/(s_2 - s_1) times d_1, and a_1 - 1 times d_2. Along the wall it moves by the mean of o times the angle that the wire turns by,
+// the difference in length of two parallel curves. The three are independent: root of the sum of squares.
 //
 // Elastic walls: their facets move, and the mesh has bands of its own (wall/wall_resolution.h); none here.
 
 #include "engine.h"
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace seldinger {
@@ -34,7 +48,8 @@ struct GridErrors {
     double nodes = 0, facets = 0;  // relative to forces
     double axial = 0;              // by normals of facets, along the wire, relative to the sum of normal forces
     double normal = 0;             // that sum [N]
-    double offset = 0;             // largest distance of facet and smooth wall where the wire touches [m]
+    double rise = 0;               // mean distance of facet and smooth wall, weighted by normal forces [m]
+    double tip = 0;                // by facets, of the tip's position [m]
     double split = 0;              // of the force on a patch: F_2/F_1 beside the place with the largest load
     std::vector<double> hands;     // by nodes, at the hand of each instrument besides (node_errors.h); bounds [N]
     /// The larger of each.
@@ -48,6 +63,10 @@ public:
 
 private:
     void find_normals(const WallMesh& mesh);
+    void add_facets(const World& run, int first, int end, double part, double energy, GridErrors& errors);
+    /// How far a normal that is off by `off` moves the place of a load across the wire: over the wall's curvature there, and no farther than the
+    /// triangle is wide [m].
+    [[nodiscard]] double sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const;
     std::vector<Vec3> normals_;  // of the mesh's vertices; made when first needed
 };
 

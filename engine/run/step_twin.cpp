@@ -25,20 +25,28 @@ double mean(const std::vector<double>& values)
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-/// The largest mean magnitude over mean_time, or over all where they are shorter.
-double largest_mean(const std::vector<double>& values, double dt)
+/// The largest mean magnitude over mean_time, or over all where they are shorter. @param parts, last  the last so many steps are shorter than dt by that
+/// factor: a run ends at its time
+double largest_mean(const std::vector<double>& values, double dt, int parts, double last)
 {
-    RunningPeak peak(static_cast<std::size_t>(mean_steps(dt)));
-    for (const double value : values) peak.add(std::abs(value));
-    return peak.value();
+    const std::size_t wide = std::min(static_cast<std::size_t>(mean_steps(dt)), values.size()), whole = values.size() - std::min<std::size_t>(parts, values.size());
+    const auto weight = [&](std::size_t k) { return k < whole ? 1.0 : last; };
+    double sum = 0, weights = 0, most = 0;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        sum += weight(k) * std::abs(values[k]), weights += weight(k);
+        if (k >= wide) sum -= weight(k - wide) * std::abs(values[k - wide]), weights -= weight(k - wide);
+        if (k + 1 >= wide) most = std::max(most, sum / weights);
+    }
+    return most;
 }
 
-/// The largest difference between means over mean_time of a run and of a twin with steps of 1/parts as long.
-double largest_difference(const std::vector<double>& run, const std::vector<double>& twin, double dt, int parts)
+/// Root mean square of differences between means over mean_time of a run and of a twin with steps of 1/parts as long.
+double usual_difference(const std::vector<double>& run, const std::vector<double>& twin, double dt, int parts)
 {
     const std::size_t wide = std::min(static_cast<std::size_t>(mean_steps(dt)), run.size());
     const auto p = static_cast<std::size_t>(parts);
-    double sum = 0, most = 0;  // of run - twin over the last `wide` steps
+    double sum = 0;  // of run - twin over the last `wide` steps
+    MeanSquare all;
     const auto difference = [&](std::size_t k) {
         double of_step = run[k];
         for (std::size_t j = 0; j < p; ++j) of_step -= twin[p * k + j] / parts;
@@ -47,9 +55,9 @@ double largest_difference(const std::vector<double>& run, const std::vector<doub
     for (std::size_t k = 0; k < run.size(); ++k) {
         sum += difference(k);
         if (k >= wide) sum -= difference(k - wide);
-        if (k + 1 >= wide) most = std::max(most, std::abs(sum) / static_cast<double>(wide));
+        if (k + 1 >= wide) all.add(sum / static_cast<double>(wide));
     }
-    return most;
+    return all.root();
 }
 
 // No band is narrower than this share of its value. Windows begin at the state of the run. They see neither the effect of its
@@ -59,17 +67,12 @@ double largest_difference(const std::vector<double>& run, const std::vector<doub
 // Where forces only rise there is no history to differ: with less falling than the largest value itself, the shares are in proportion.
 constexpr double hand_history = 0.03, friction_history = 0.07;
 
-// Part of the push by normals of facets that a mean over 20 ms keeps, since the wire gives way and crosses them. Calibrated, not derived: with 16 x as
-// many triangles, hand forces on the generated arch and on five arcs of bench/audit.py moved by 0.07 to 0.6 of it; in each, the whole band held it.
-constexpr double push_in_mean = 0.25;
+/// What a difference from steps that are shorter by a ratio is multiplied by.
+double margin(double ratio) { return StepTwin::safety * std::max(ratio, StepTwin::least_ratio) / (std::max(ratio, StepTwin::least_ratio) - 1); }
 
-/// What a difference from steps of 1/parts as long is multiplied by. @param divided  part of the run's steps that were, in which a twin has nothing
-/// to compare: the difference is that of the rest
-double margin(int parts, double divided) { return StepTwin::safety * parts / (parts - 1.0) / (1 - std::min(divided, StepTwin::most_divided)); }
-
-ErrorBand band_of(double value, double twin, int parts, double divided, double least, double history)
+ErrorBand band_of(double value, double twin, int parts, double ratio, double least, double history)
 {
-    ErrorBand made{value, twin, margin(parts, divided) * std::abs(value - twin), true, false, parts};
+    ErrorBand made{value, twin, margin(ratio) * std::abs(value - twin), true, false, parts};
     made.band = std::max({made.band, least, history * std::abs(value)});
     made.resolved = StepTwin::is_resolved(made);
     return made;
@@ -85,16 +88,16 @@ void widen(ErrorBand& band, const ReleaseWatch& release)
 }
 
 /// @param more  the largest of a twin elsewhere: where that is more, the largest is not known better
-ErrorBand peak_band(const ErrorBand& so_far, bool found, int parts, double divided, double value, double twin, double more, double history)
+ErrorBand peak_band(const MeanSquare& windows, bool found, int parts, double ratio, double value, double twin, double more, double history)
 {
-    return found ? band_of(value, twin, parts, divided, std::max(so_far.band, more - value), history) : ErrorBand{value, 0, 0, false};
+    return found ? band_of(value, twin, parts, ratio, std::max(windows.root(), more - value), history) : ErrorBand{value, 0, 0, false};
 }
 
 /// The load of the next node may lie on the same patch, or not: the band holds both. It is no expected error, and so no reason for a warning.
 void add_split(ErrorBand& band, const GridErrors& e)
 {
     band.nodes += e.split * band.value;
-    band.band += e.split * band.value;
+    band.sum_up();
 }
 
 /// What nodes do to the hand of an instrument besides.
@@ -155,7 +158,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     work_ = readings.energy.hand;
     ++window_.steps;
     ++seen_;
-    window_.divided += (joint_report(run, 0).flags & StepHalved) != 0;
+    window_.lengths += 1.0 / joint_report(run, 0).sub_steps;
     window_.hand.push_back(readings.hand_force);
     window_.friction.push_back(readings.friction);
     hand_falls_.add(std::abs(readings.hand_force));
@@ -179,9 +182,8 @@ void StepTwin::gauge(const World& run)
 {
     const GridErrors now = gauge_.of(run);
     estimate_.tip_nodes = std::max(estimate_.tip_nodes, run.node_error(0));
-    estimate_.tip_facets = std::max(estimate_.tip_facets, now.offset);
-    axial_squares_ += now.axial * now.axial;
-    axial_count_ += now.normal > 0;
+    estimate_.tip_facets = std::max(estimate_.tip_facets, now.tip);
+    if (now.normal > 0) axial_.add(now.axial), rise_.add(now.rise);
     window_.grid = grid_;
     window_.grid.widen(now);
     grid_ = now;
@@ -191,14 +193,22 @@ void StepTwin::gauge(const World& run)
     window_pushed_ = 0;
 }
 
+double StepTwin::last_length(const Window& window) const { return scene_.step_length(window.first + window.steps - 1) / scene_.dt; }
+
+void StepTwin::set_peaks(Window& window) const
+{
+    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) { return largest_mean(values, scene_.dt, 1, last); };
+    window.hand_peak = peak_of(window.hand);
+    window.friction_peak = peak_of(window.friction);
+    for (std::size_t k = 0; k < window.others.size(); ++k) window.others_peak[k] = peak_of(window.others[k]);
+}
+
 /// The window is over: compared now, or kept for the end if it may be among the compared ones.
 void StepTwin::close()
 {
     if (window_.steps == 0) return;
-    window_.hand_peak = largest_mean(window_.hand, scene_.dt);
-    window_.friction_peak = largest_mean(window_.friction, scene_.dt);
-    for (std::size_t k = 0; k < others_.size(); ++k) window_.others_peak[k] = largest_mean(window_.others[k], scene_.dt);
-    if (++closed_ % periodic == 0) (void)examine(window_, 2);
+    set_peaks(window_);
+    if (++closed_ % periodic == 0) (void)examine_halved(window_);
     if (window_.hand_peak > best_hand_.hand_peak) best_hand_ = window_;
     if (window_.friction_peak > best_friction_.friction_peak) best_friction_ = window_;
     if (window_.has_patch) best_patch_ = window_;
@@ -208,12 +218,27 @@ void StepTwin::close()
     last_ = std::move(window_);
 }
 
-StepTwin::Examined StepTwin::examine(const Window& window, int parts)
+const StepTwin::Examined& StepTwin::examine(const Window& window, int parts, long lead)
+{
+    for (const std::unique_ptr<Examined>& known : examined_)
+        if (known->first == window.first && known->steps == window.steps && known->parts == parts && known->lead == lead) return *known;
+    examined_.push_back(std::make_unique<Examined>(take_again(window, parts, lead)));
+    return *examined_.back();
+}
+
+const StepTwin::Examined& StepTwin::examine_halved(const Window& window)
+{
+    return examine(window, window.lengths < much_divided * static_cast<double>(window.steps) ? 4 : 2, 0);
+}
+
+StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long lead)
 {
     // no window: the run has none, or was never above zero, which a twin of nothing says too
     Examined twin;
+    twin.first = window.first;
+    twin.steps = window.steps;
+    twin.lead = lead;
     twin.parts = parts;
-    twin.divided = window.steps > 0 ? static_cast<double>(window.divided) / static_cast<double>(window.steps) : 0;
     twin.found = window.steps == 0 && closed_ > 0;
     if (window.steps == 0) return twin;
     if (!world_) {
@@ -221,7 +246,7 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
         world_->stop_when(stop_asked_);
     }
     twin.others.resize(others_.size());
-    const long lead = parts > 2 ? window.lead : 0;
+    double lengths = 0;
     world_->restore_state(lead > 0 ? window.earlier : window.state);
     for (long k = -lead * parts; k < parts * window.steps; ++k) {
         const long of_run = window.first + (k + lead * parts) / parts - lead;
@@ -232,6 +257,7 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
             return twin;
         }
         if (k < 0) continue;
+        lengths += 1.0 / joint_report(*world_, 0).sub_steps;
         const WireReadings now = joint_readings(*world_, 0);
         twin.hand.push_back(now.hand_force);
         twin.friction.push_back(now.friction);
@@ -248,39 +274,41 @@ StepTwin::Examined StepTwin::examine(const Window& window, int parts)
             twin.largest.patch = std::max(twin.largest.patch, loads.on_wall.patch_force);
         }
     }
-    twin.hand_peak = largest_mean(twin.hand, scene_.dt / parts);
-    twin.friction_peak = largest_mean(twin.friction, scene_.dt / parts);
+    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) { return largest_mean(values, scene_.dt / parts, parts, last); };
+    twin.hand_peak = peak_of(twin.hand);
+    twin.friction_peak = peak_of(twin.friction);
+    twin.ratio = window.lengths * parts * parts / lengths;
+    twin.tip = (world_->rod(0).pos(0) - window.tip).norm();
     twin.found = true;
     ++estimate_.windows;
-    const auto worst = [&](ErrorBand& so_far, double value, double other) {
-        so_far.band = std::max(so_far.band, margin(parts, twin.divided) * std::abs(value - other));
-    };
+    const double times = margin(twin.ratio);
     // a history that differs is seen in other windows, too: the last one alone gives bands that do not hold
-    worst(estimate_.hand, mean(window.hand), mean(twin.hand));
-    worst(estimate_.friction, mean(window.friction), mean(twin.friction));
-    worst(estimate_.hand_peak, window.hand_peak, twin.hand_peak);
-    worst(estimate_.friction_peak, window.friction_peak, twin.friction_peak);
+    const double of_mean = times * (mean(window.hand) - mean(twin.hand));
+    hand_.add(of_mean);
+    friction_.add(times * (mean(window.friction) - mean(twin.friction)));
+    hand_peaks_.add(times * (window.hand_peak - twin.hand_peak));
+    friction_peaks_.add(times * (window.friction_peak - twin.friction_peak));
     for (std::size_t k = 0; k < others_.size(); ++k) {
-        twin.others_peak.push_back(largest_mean(twin.others[k], scene_.dt / parts));
-        worst(estimate_.others[k].end, mean(window.others[k]), mean(twin.others[k]));
-        worst(estimate_.others[k].peak, window.others_peak[k], twin.others_peak[k]);
+        twin.others_peak.push_back(peak_of(twin.others[k]));
+        others_[k].means.add(times * (mean(window.others[k]) - mean(twin.others[k])));
+        others_[k].peaks.add(times * (window.others_peak[k] - twin.others_peak[k]));
         others_[k].twins_peak = std::max(others_[k].twins_peak, twin.others_peak[k]);
     }
-    mean_differences_ += margin(parts, twin.divided) * std::abs(mean(window.hand) - mean(twin.hand));
+    mean_differences_ += std::abs(of_mean);
     other_hand_peak_ = std::max(other_hand_peak_, twin.hand_peak);
     other_friction_peak_ = std::max(other_friction_peak_, twin.friction_peak);
-    estimate_.tip = std::max(estimate_.tip, margin(parts, twin.divided) * (world_->rod(0).pos(0) - window.tip).norm());
+    tips_.add(times * twin.tip);
     return twin;
 }
 
-StepTwin::Examined StepTwin::examine_largest(const Window& window, Finer finer)
+const StepTwin::Examined& StepTwin::examine_largest(const Window& window, Finer finer)
 {
-    const Examined halved = examine(window, 2);
+    const Examined& halved = examine_halved(window);
     const int parts = static_cast<int>(std::clamp(std::lround(scene_.dt / fine_step), 2L, static_cast<long>(most_parts)));
     const double cost = static_cast<double>(parts * (window.lead + window.steps));
     const bool affordable = finer == Finer::Always || (finer == Finer::WhereCheap && cost <= cheap * static_cast<double>(seen_));
     if (parts == 2 || !affordable) return halved;
-    const Examined fine = examine(window, parts);
+    const Examined& fine = examine(window, parts, window.lead);
     if (!fine.found) return halved;
     estimate_.finest = parts;
     return fine;
@@ -299,15 +327,15 @@ void StepTwin::set_end(const Window& end, const Examined& twin)
     const EndMean::Mean value = end_of(end, end.hand, end.friction, 1);
     estimate_.end_seconds = value.seconds;
     const EndMean::Mean other = end_of(end, twin.hand, twin.friction, twin.parts);
-    set_end_band(estimate_.hand, value.hand, other.hand, twin, end.hand, twin.hand, hand_history * hand_falls_.share());
-    set_end_band(estimate_.friction, value.friction, other.friction, twin, end.friction, twin.friction, friction_history * friction_falls_.share());
+    set_end_band(estimate_.hand, value.hand, other.hand, twin, end.hand, twin.hand, hand_, hand_history * hand_falls_.share());
+    set_end_band(estimate_.friction, value.friction, other.friction, twin, end.friction, twin.friction, friction_, friction_history * friction_falls_.share());
 }
 
 void StepTwin::set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run,
-                            const std::vector<double>& fine, double history) const
+                            const std::vector<double>& fine, const MeanSquare& others, double history) const
 {
-    const double least = twin.found ? margin(twin.parts, twin.divided) * largest_difference(run, fine, scene_.dt, twin.parts) : 0;
-    band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.divided, std::max(band.band, least), history) : ErrorBand{of_run, 0, 0, false};
+    const double usual = twin.found ? margin(twin.ratio) * usual_difference(run, fine, scene_.dt, twin.parts) : 0;
+    band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.ratio, std::max(others.root(), usual), history) : ErrorBand{of_run, 0, 0, false};
 }
 
 void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer)
@@ -318,11 +346,11 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
     const double history = hand_history * other.falls.share();
     const auto at_end = [&](const std::vector<double>& force, int parts) { return end_of(end, force, force, parts).hand; };
     set_end_band(bands.end, at_end(end.others[k], 1), of_end.found ? at_end(of_end.others[k], of_end.parts) : 0, of_end, end.others[k],
-                 of_end.found ? of_end.others[k] : end.others[k], history);
+                 of_end.found ? of_end.others[k] : end.others[k], other.means, history);
     const bool same = best_hand_.steps > 0 && other.best.first == best_hand_.first;
-    const Examined of_peak = same ? of_hand : examine_largest(other.best, finer);
+    const Examined& of_peak = same ? of_hand : examine_largest(other.best, finer);
     const double peak = other.best.others_peak[k];
-    bands.peak = peak_band(bands.peak, of_peak.found, of_peak.parts, of_peak.divided, peak, of_peak.found ? of_peak.others_peak[k] : 0, other.twins_peak, history);
+    bands.peak = peak_band(other.peaks, of_peak.found, of_peak.parts, of_peak.ratio, peak, of_peak.found ? of_peak.others_peak[k] : 0, other.twins_peak, history);
     if (of_peak.found) widen(bands.peak, other.release);
     complete(bands.end, bands.end.value, end.grid, end.grid.normal, of_hand_at(end.grid, k + 1));
     complete(bands.peak, peak, other.best.grid, other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
@@ -331,12 +359,12 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
 void StepTwin::complete(ErrorBand& band, double force, const GridErrors& e, double pushing, double more) const
 {
     const bool step_known = band.resolved || band.band > 0;
-    // normals of facets turn as the wire goes on: their push is that of all windows
-    const double push = axial_count_ > 0 ? std::sqrt(axial_squares_ / static_cast<double>(axial_count_)) : 0;
+    const double distance = seen_ > 0 ? path_ * mean_time / (static_cast<double>(seen_) * scene_.dt) : 0;
+    const double push = distance > 0 ? std::min(axial_.root(), rise_.root() / distance) : axial_.root();
     band.step = band.band;
     band.nodes = grid_safety * e.nodes * std::abs(force) + more;
-    band.facets = grid_safety * e.facets * std::abs(force) + push_in_mean * push * std::abs(pushing);
-    band.band = band.step + band.nodes + band.facets;
+    band.facets = grid_safety * e.facets * std::abs(force) + push * std::abs(pushing);
+    band.sum_up();
     band.resolved = step_known && is_resolved(band);
 }
 
@@ -348,9 +376,9 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
         band.known = largest_.patch == 0;
         return;
     }
-    const Examined twin = best_patch_.first == best_hand_.first ? hand : best_patch_.first == best_friction_.first ? friction : examine(best_patch_, 2);
+    const Examined& twin = best_patch_.first == best_hand_.first ? hand : best_patch_.first == best_friction_.first ? friction : examine_halved(best_patch_);
     const double patch = largest_.patch;
-    band = twin.found ? band_of(patch, twin.largest.patch, twin.parts, twin.divided, 0, friction_history * friction_falls_.share()) : ErrorBand{patch, 0, 0, false};
+    band = twin.found ? band_of(patch, twin.largest.patch, twin.parts, twin.ratio, 0, hand_history * hand_falls_.share()) : ErrorBand{patch, 0, 0, false};
     complete(band, patch, best_patch_.grid, patch);
     add_split(band, best_patch_.grid);
 }
@@ -358,10 +386,10 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
 void StepTwin::set_wall()
 {
     if (best_wall_.steps == 0) return;
-    const Examined twin = examine(best_wall_, 2);
+    const Examined& twin = examine_halved(best_wall_);
     if (!twin.found) return;
     const double history = friction_history * friction_falls_.share();
-    const auto share = [&](double run, double of_twin) { return std::max(margin(twin.parts, twin.divided) * std::abs(run - of_twin), history * run); };
+    const auto share = [&](double run, double of_twin) { return std::max(margin(twin.ratio) * std::abs(run - of_twin), history * run); };
     estimate_.wall_move = share(largest_.wall_move, twin.largest.wall_move);
     estimate_.wall_stress = share(largest_.wall_stress, twin.largest.wall_stress);
 }
@@ -376,7 +404,7 @@ void StepTwin::set_work()
     band.step = std::max(path_ * mean_differences_ / static_cast<double>(estimate_.windows), history);
     band.nodes = grid_safety * work_nodes_;
     band.facets = grid_safety * work_facets_;
-    band.band = band.step + band.nodes + band.facets;
+    band.sum_up();
     band.resolved = band.band <= wanted * std::abs(work_) || band.band <= least_force * path_;
 }
 
@@ -393,25 +421,27 @@ ErrorEstimate StepTwin::finish(Finer finer)
         end.friction.insert(end.friction.end(), window_.friction.begin(), window_.friction.end());
         for (std::size_t k = 0; k < others_.size(); ++k)
             end.others[k].insert(end.others[k].end(), window_.others[k].begin(), window_.others[k].end());
-        end.divided += window_.divided;
+        end.lengths += window_.lengths;
         end.tip = window_.tip;
         end.has_patch |= window_.has_patch;
         end.has_wall |= window_.has_wall;
         end.largest = window_.largest;
         end.grid.widen(window_.grid);
     }
-    end.hand_peak = largest_mean(end.hand, scene_.dt);
-    end.friction_peak = largest_mean(end.friction, scene_.dt);
-    for (std::size_t k = 0; k < end.others.size(); ++k) end.others_peak[k] = largest_mean(end.others[k], scene_.dt);
-    close();
-    const Examined of_end = examine(end, 2), of_hand = examine_largest(best_hand_, finer);
+    set_peaks(end);
+    if (window_.steps > 0) {  // alone it may be shorter than a mean
+        window_ = end;
+        close();
+    }
+    const Examined& of_end = examine_halved(end);
+    const Examined& of_hand = examine_largest(best_hand_, finer);
     const bool same = best_friction_.first == best_hand_.first && best_friction_.steps == best_hand_.steps;
-    const Examined of_friction = same ? of_hand : examine_largest(best_friction_, finer);
-    // until here each band is the largest that any window has shown
+    const Examined& of_friction = same ? of_hand : examine_largest(best_friction_, finer);
+    estimate_.tip = std::max(tips_.root(), of_end.found ? margin(of_end.ratio) * of_end.tip : 0.0);
     set_end(end, of_end);
-    estimate_.hand_peak = peak_band(estimate_.hand_peak, of_hand.found, of_hand.parts, of_hand.divided, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_,
+    estimate_.hand_peak = peak_band(hand_peaks_, of_hand.found, of_hand.parts, of_hand.ratio, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_,
                                     hand_history * hand_falls_.share());
-    estimate_.friction_peak = peak_band(estimate_.friction_peak, of_friction.found, of_friction.parts, of_friction.divided, best_friction_.friction_peak, of_friction.friction_peak,
+    estimate_.friction_peak = peak_band(friction_peaks_, of_friction.found, of_friction.parts, of_friction.ratio, best_friction_.friction_peak, of_friction.friction_peak,
                                         other_friction_peak_, friction_history * friction_falls_.share());
     if (of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
@@ -439,7 +469,7 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
         band.value = band.twin = value;
         band.nodes = StepTwin::grid_safety * e.nodes * std::abs(value) + more;
         band.facets = StepTwin::grid_safety * e.facets * std::abs(value) + e.axial * pushing;
-        band.band = band.nodes + band.facets;
+        band.sum_up();
         band.resolved = StepTwin::is_resolved(band);
         return band;
     };
@@ -456,7 +486,7 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
         estimate.others.push_back({scene.instrument(w - first).label, band, band});
     }
     estimate.tip_nodes = run.node_error(first);
-    estimate.tip_facets = e.offset;
+    estimate.tip_facets = e.tip;
     return estimate;
 }
 

@@ -9,15 +9,17 @@
 //     band = safety r/(r - 1) |Q(h) - Q(h/r)|,    safety = 1.5
 //
 // 3 |Q(h) - Q(h/2)| for halves: the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994,
-// doi:10.1115/1.2910291; order 1, ratio 2). The band of each reading is the largest of all windows: other windows may behave like
-// any of them. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
+// doi:10.1115/1.2910291; order 1, ratio 2). Newmark's order 2 does not show where contacts come and go, so that all schemes have order 1. The
+// difference of a reading is that of its own window, or the root mean square of all windows compared where that is more: other windows say
+// what this one might have shown. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
 // of a wire that sticks, slips and strikes differ however short the step is.
 //
-// Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their bands are the
-// largest difference of such means at any time of the last window, or of the means over any other window.
+// Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their difference is that of
+// these means, or the root mean square of such differences at all times of the last window, or that of the means over all windows.
 //
-// A step that did not converge was divided, in the run as in its twin: the difference of both comes from the other steps alone. With a part p of
-// steps that were divided it is 1/(1 - p) times as large.
+// A step that did not converge, or that fed much, was divided, in the run as in its twin. The error of order 1 of a step in n parts is 1/n of
+// that of a whole one. With the mean m of 1/n over a window's steps, the ratio r is m of the run over m/parts of the twin. Where m is small
+// the twin takes quarters, so that r stays above 2.
 //
 // For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
 // oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the
@@ -30,8 +32,12 @@
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
 // Twins have the run's nodes and wall. What edges and facets do is estimated from the state at the end of each window: the tip's
-// error by the wire's shape (rod/adapt.h), that of forces by energy and contacts (run/grid_error.h), times grid_safety. A band is the
-// sum of these shares and that of the step.
+// error by the wire's shape (rod/adapt.h), that of forces by energy and contacts (run/grid_error.h). Those of forces have the factor 1.25, Roache's for a known order.
+// These shares and that of the step are independent: a band is the root of the sum of their squares.
+//
+// Facets push along the wire by the slope that a wire which goes on meets, up on one half of a facet and down on the other. The mean of a
+// push over a distance d is the change of the work of the normal forces N on the facets over d: no more than N o/d for facets that are o from a smooth
+// wall (GridErrors::rise). It is that, with the distance d of the hand in mean_time, or the root mean square of the push itself where that is less.
 //
 // Of several instruments, the hand force is the first one's (run/joint_readings.h). The hands of the others have bands of their own, made
 // alike: from the same windows, and one more with the largest force of each.
@@ -69,6 +75,7 @@ struct ErrorBand {
     int parts = 2;
     double step = 0, nodes = 0, facets = 0;  // shares of the band
     bool known = true;                       // the run has seen where the value comes from
+    void sum_up() { band = std::hypot(step, nodes, facets); }
     [[nodiscard]] const char* largest_source() const { return nodes > std::max(step, facets) ? "nodes" : facets > step ? "facets" : "step"; }
 };
 
@@ -93,10 +100,10 @@ struct ErrorEstimate {
     double wall_move = 0, wall_stress = 0;               // of the largest of an elastic wall, by the step [m], [Pa]
     double tip = 0;                                      // by the step [m]
     double tip_nodes = 0;                                // by the length of edges, largest at the ends of windows (World::node_error) [m]
-    double tip_facets = 0;                               // the largest distance of facets from a smooth wall [m]
+    double tip_facets = 0;                               // by the facets of the wall, largest at the ends of windows (GridErrors::tip) [m]
     bool adaptive = false;                               // the wire's nodes
     /// Of the tip's position, by all of them [m].
-    [[nodiscard]] double tip_band() const { return tip + tip_nodes + tip_facets; }
+    [[nodiscard]] double tip_band() const { return std::hypot(tip, tip_nodes, tip_facets); }
 };
 
 /// What makes the share of a source smaller.
@@ -130,6 +137,16 @@ private:
 /// the relative bands of that. @param hand, friction, patch  the largest on its way [N]
 [[nodiscard]] ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand, double friction, double patch);
 
+class MeanSquare {
+public:
+    void add(double value) { sum_ += value * value, ++count_; }
+    [[nodiscard]] double root() const { return count_ > 0 ? std::sqrt(sum_ / static_cast<double>(count_)) : 0; }
+
+private:
+    double sum_ = 0;
+    long count_ = 0;
+};
+
 /// Largest values of single steps: force on a patch [N], displacement [m] and stress [Pa] of an elastic wall.
 struct LargestReadings {
     double patch = 0, wall_move = 0, wall_stress = 0;
@@ -144,13 +161,15 @@ public:
     static constexpr double safety = 1.5;           // times r/(r - 1)
     static constexpr double fine_step = 2.5e-4;     // [s]
     static constexpr int most_parts = 16;
-    static constexpr double most_divided = 0.9;  // part of the steps: beyond it the rest tells nothing
+    static constexpr double most_divided = 0.9;  // part of the run's steps: beyond it a warning says so
+    static constexpr double least_ratio = 1.1;   // of steps that differ: closer ones tell nothing
+    static constexpr double much_divided = 0.8;  // mean length of steps over dt: below it a twin takes quarters
     static constexpr double cheap = 0.1;            // of the run's steps
     static constexpr double mean_time = EndMean::span;  // [s]
     // Resolved is what is believed to be off by less than that: a band without its factor for safety
     static constexpr double wanted = 0.2;         // of the value
     static constexpr double least_force = 1e-3;   // forces that no hand feels [N]
-    static constexpr double grid_safety = 1.5;    // times estimates of GridErrors
+    static constexpr double grid_safety = 1.25;   // times estimates of GridErrors: Roache's factor where the order is known, two
 
     /// Whether what a band says is believed to be off is at most `wanted` or `least_force`.
     [[nodiscard]] static bool is_resolved(const ErrorBand& band) { return band.band <= safety * std::max(wanted * std::abs(band.value), least_force); }
@@ -171,7 +190,7 @@ private:
     struct Window {
         std::vector<std::uint8_t> state, earlier;  // at its beginning; at that of the window before it
         long first = 0, steps = 0, lead = 0;       // lead: steps of the window before it
-        long divided = 0;                          // steps that were
+        double lengths = 0;                        // sum over its steps of the length of the parts they were taken in, over dt
         std::vector<double> hand, friction;       // of each step, a pull is negative [N]
         double hand_peak = 0, friction_peak = 0;  // largest means [N]
         Vec3 tip = Vec3::Zero();                  // at its end [m]
@@ -189,12 +208,15 @@ private:
         ReleaseWatch release;
         FallSum falls;
         Window best;            // with its largest force
+        MeanSquare means, peaks;
         double twins_peak = 0;  // of all twins [N]
     };
     struct Examined {
         double hand_peak = 0, friction_peak = 0;  // of the twin [N]
+        long first = -1, steps = 0, lead = 0;  // of its window
         int parts = 2;
-        double divided = 0;  // part of the run's steps
+        double ratio = 2;  // of the lengths of steps
+        double tip = 0;    // from that of the run [m]
         LargestReadings largest;
         bool found = false;
         std::vector<double> hand, friction;  // of each of its steps
@@ -202,10 +224,13 @@ private:
         std::vector<double> others_peak;
     };
     void open(const World& run, long taken);
+    void set_peaks(Window& window) const;
+    /// Of a window's last step, over dt: less than 1 where the run ends in it.
+    [[nodiscard]] double last_length(const Window& window) const;
     [[nodiscard]] EndMean::Mean end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction, int parts) const;
     /// At the end: a force of the run against that of the twin. @param history  least share of it that the band is
     void set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run, const std::vector<double>& fine,
-                      double history) const;
+                      const MeanSquare& others, double history) const;
     /// Hand force and friction at the end, with their bands.
     void set_end(const Window& end, const Examined& twin);
     void close();
@@ -219,10 +244,14 @@ private:
     void set_wall();
     void set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer);
     void set_work();
-    /// @param parts  of each of the run's steps; of more than two the window before is taken again too
-    Examined examine(const Window& window, int parts);
+    /// Once for each window, number of parts and lead. @param parts  of each of the run's steps   @param lead  steps of the window before that are taken
+    /// again too
+    const Examined& examine(const Window& window, int parts, long lead);
+    [[nodiscard]] Examined take_again(const Window& window, int parts, long lead);
+    /// Half the step, or a quarter where many were divided.
+    const Examined& examine_halved(const Window& window);
     /// At half the step, and finer where that is wanted and the step is a long one. @return the finest that found its states
-    Examined examine_largest(const Window& window, Finer finer);
+    const Examined& examine_largest(const Window& window, Finer finer);
 
     const Scene& scene_;
     const World& run_;
@@ -232,14 +261,16 @@ private:
     Window window_, last_, best_hand_, best_friction_, best_patch_, best_wall_;
     GridErrorGauge gauge_;
     GridErrors grid_;           // at the end of the last window
-    double axial_squares_ = 0;  // sum over ends of windows with contact of GridErrors::axial^2
-    long axial_count_ = 0;
+    MeanSquare axial_, rise_;  // at the ends of windows with contact, GridErrors
     LargestReadings largest_;       // so far
     double inserted_ = 0;  // so far [m]
     bool patch_seen_ = false;          // it has risen since the run began
     double path_ = 0, work_ = 0, pushed_ = 0;  // of the hand: its length [m], its work, the sum of magnitudes of that [J]
     double work_nodes_ = 0, work_facets_ = 0, window_pushed_ = 0;
     double mean_differences_ = 0;              // sum over compared windows of margin |mean - mean of the twin| [N]
+    std::vector<std::unique_ptr<Examined>> examined_;
+    // over compared windows, of margin times the difference
+    MeanSquare hand_, friction_, hand_peaks_, friction_peaks_, tips_;
     ReleaseWatch hand_release_, friction_release_;
     FallSum hand_falls_, friction_falls_;
     std::vector<OtherHand> others_;

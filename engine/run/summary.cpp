@@ -204,7 +204,7 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3],
                                   double band, double by_step) {
         most.take_in(value, at, band, world.time());
-        most.band += by_step;
+        most.band = std::hypot(most.band, by_step);
         number.set(name + "_max_" + unit, most.value);
         number.set(name + "_max_band_" + unit, most.band);
         out[name + "_max_at_m"] = {most.at[0], most.at[1], most.at[2]};

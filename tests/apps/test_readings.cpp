@@ -35,13 +35,13 @@ TEST_SUITE("apps/readings")
         CHECK_FALSE(b.contains("error_estimate"));
         CHECK(a["error_estimate"]["windows"].get<int>() >= 1);
         CHECK(with.out.find("± mostly by the ") != std::string::npos);
-        // a band is the sum of its shares, and names the largest
+        // a band is the root of the sum of squares of its shares, and names the largest
         for (const char* reading : {"hand_force_n", "hand_force_peak_n", "friction_n", "friction_peak_n", "patch_force_max_n", "hand_work_j"}) {
             CAPTURE(reading);
             const auto& band = a["error_estimate"][reading];
             const double step = band["step"].get<double>(), nodes = band["nodes"].get<double>(), facets = band["facets"].get<double>();
             REQUIRE(band["band"].get<double>() > 0);
-            CHECK(band["band"].get<double>() == about(step + nodes + facets).epsilon(1e-9));
+            CHECK(band["band"].get<double>() == about(std::hypot(step, nodes, facets)).epsilon(1e-9));
             CHECK(nodes > 0);
             CHECK(facets > 0);
             CHECK(band[band["largest_source"].get<std::string>()].get<double>() == std::max({step, nodes, facets}));
