@@ -347,7 +347,7 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
     const auto at_end = [&](const std::vector<double>& force, int parts) { return end_of(end, force, force, parts).hand; };
     set_end_band(bands.end, at_end(end.others[k], 1), of_end.found ? at_end(of_end.others[k], of_end.parts) : 0, of_end, end.others[k],
                  of_end.found ? of_end.others[k] : end.others[k], other.means, history);
-    const bool same = best_hand_.steps > 0 && other.best.first == best_hand_.first;
+    const bool same = best_hand_.steps > 0 && other.best.is(best_hand_);
     const Examined& of_peak = same ? of_hand : examine_largest(other.best, finer);
     const double peak = other.best.others_peak[k];
     bands.peak = peak_band(other.peaks, of_peak.found, of_peak.parts, of_peak.ratio, peak, of_peak.found ? of_peak.others_peak[k] : 0, other.twins_peak, history);
@@ -376,7 +376,7 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
         band.known = largest_.patch == 0;
         return;
     }
-    const Examined& twin = best_patch_.first == best_hand_.first ? hand : best_patch_.first == best_friction_.first ? friction : examine_halved(best_patch_);
+    const Examined& twin = best_patch_.is(best_hand_) ? hand : best_patch_.is(best_friction_) ? friction : examine_halved(best_patch_);
     const double patch = largest_.patch;
     band = twin.found ? band_of(patch, twin.largest.patch, twin.parts, twin.ratio, 0, hand_history * hand_falls_.share()) : ErrorBand{patch, 0, 0, false};
     complete(band, patch, best_patch_.grid, patch);
@@ -435,7 +435,7 @@ ErrorEstimate StepTwin::finish(Finer finer)
     }
     const Examined& of_end = examine_halved(end);
     const Examined& of_hand = examine_largest(best_hand_, finer);
-    const bool same = best_friction_.first == best_hand_.first && best_friction_.steps == best_hand_.steps;
+    const bool same = best_friction_.is(best_hand_);
     const Examined& of_friction = same ? of_hand : examine_largest(best_friction_, finer);
     estimate_.tip = std::max(tips_.root(), of_end.found ? margin(of_end.ratio) * of_end.tip : 0.0);
     set_end(end, of_end);

@@ -190,6 +190,7 @@ private:
     struct Window {
         std::vector<std::uint8_t> state, earlier;  // at its beginning; at that of the window before it
         long first = 0, steps = 0, lead = 0;       // lead: steps of the window before it
+        [[nodiscard]] bool is(const Window& other) const { return first == other.first && steps == other.steps; }
         double lengths = 0;                        // sum over its steps of the length of the parts they were taken in, over dt
         std::vector<double> hand, friction;       // of each step, a pull is negative [N]
         double hand_peak = 0, friction_peak = 0;  // largest means [N]
