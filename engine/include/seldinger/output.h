@@ -17,7 +17,7 @@ enum StepFlag : unsigned {
     StepHalved = 1u << 0,        // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
     StepNotConverged = 1u << 1,  // no state could be found even for the smallest sub-step; the state before it was kept
     StepWallFar =
-        1u << 2,  // the wall has moved by more than a fifth of the lumen's radius: beyond what linear theory is good for
+        1u << 2,  // the wall has moved by more than a fifth of the lumen's radius, or its large displacements did not settle
     StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
     StepNonFinite = 1u << 4,        // not finite: the state (that before the step was kept), or a reading of it
     StepBestEffort = 1u << 5,  // smallest sub-step missed the tolerance, its last accepted iterate was taken: scene.dt_s, friction

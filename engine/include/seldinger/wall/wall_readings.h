@@ -19,7 +19,7 @@ struct WallMechanics {
 
 struct WallReadings {
     double move_max = 0;    // largest displacement [m]
-    double move_share = 0;  // largest, as a share of the limit of linear theory there, a fifth of the lumen's radius [-]
+    double move_share = 0;  // largest, as a share of a fifth of the lumen's radius there [-]
     double energy = 0;      // stored in shell, tissue and against pressure [J]
     double loss = 0;        // dissipated by damping since the start, numerical damping included [J]
     double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces, at a quadrature point of the shell; under
