@@ -132,7 +132,7 @@ def main():
     legend = [Patch(facecolor=colour, edgecolor="#888888", label=f"{letter}  {words}")
               for outcome, (colour, letter, words) in OUTCOMES.items() if outcome in seen]
     if any(key[0] in maps and key[1] in methods for key in far):
-        legend.append(Patch(facecolor="white", edgecolor="#888888", label="~  wall beyond its linear theory"))
+        legend.append(Patch(facecolor="white", edgecolor="#888888", label="~  wall moved by over 20 % of the lumen radius"))
     figure.legend(handles=legend, loc="upper center", ncols=len(legend), fontsize=7, frameon=False)
     said = meaning(methods)
     figure.text(0.01, 0.05 / figure.get_figheight(), said, fontsize=SMALL, color="0.3", va="bottom")

@@ -62,7 +62,7 @@ struct CellResult {
     double simulated = 0;      // [s]; less than asked when the run broke off
     bool over_limit = false;   // took longer than the limit and was ended
     bool stopped = false;      // by `stop`: says nothing
-    long wall_far_steps = 0;   // in which an elastic wall was beyond what its linear theory is good for
+    long wall_far_steps = 0;   // StepWallFar, of an elastic wall
     /// The observed failure; "unfinished" if nothing had failed when the limit ended the run: only a run that ends can hold.
     [[nodiscard]] const char* outcome() const { return over_limit && verdict.held() ? "unfinished" : name(verdict.outcome); }
 };

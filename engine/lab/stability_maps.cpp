@@ -213,7 +213,7 @@ Texts yielding(double youngs, Texts more)
     return more;
 }
 
-// A wire as soft as a tip: a stiffer one pushes the softer of these walls beyond what linear theory is good for
+// A wire as soft as a tip: a stiffer one pushes the softer of these walls away by more than 20 % of the lumen's radius
 StabilityMap soft_wall()
 {
     constexpr double nominal = 0.4e6;  // of a thoracic aorta [Pa]

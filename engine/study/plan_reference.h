@@ -28,7 +28,7 @@ struct PlanReference {
     double force_scale = 0;            // rms of the hand force, 1 mN at least [N]
     int contacts = 0;                  // at most
     double wall_move = 0;              // of the finest level: farthest that the wall goes [m]; 0 of a rigid one
-    bool wall_far = false;             // and that is beyond what its linear theory is good for
+    bool wall_far = false;             // and that is more than 20 % of the lumen's radius
     bool jitters = false;              // the finest level's hand force does
     bool converges = false;            // the movements fall
     bool out_of_budget = false, stopped = false;

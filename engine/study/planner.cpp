@@ -254,7 +254,7 @@ private:
     {
         if (result_.reference.wall_far)
             result_.notes.push_back(fmt::format(
-                "the wall moves by {}, more than 20 % of the lumen's radius: beyond its linear theory, in every model",
+                "the wall moves by {}, more than 20 % of the lumen's radius, where contact with it is inexact, in every model",
                 as_length(result_.reference.wall_move)));
         for (const PlanChoice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;

@@ -62,7 +62,7 @@ struct WallChoice {
     bool elastic = true;
     double edge = 0;                                         // of the control mesh, of the elastic one of the two [m]
     double move = 0;                                         // farthest that the wall goes in the reference [m]
-    bool far = false;                                        // beyond its linear theory
+    bool far = false;                                        // by more than 20 % of the lumen's radius
     bool other_known = false;                                // the other choice came to its end
     double cost_ratio = 1;                                   // of the other over the chosen
     double other_tip = 0, other_error = 0, other_force = 0;  // rms [m], [m], [N]

@@ -45,7 +45,7 @@ struct ModelRun {
     double simulated = 0;         // [s]
     int nodes = 0, contacts = 0;  // at most
     double wall_move = 0;         // farthest that an elastic wall has gone, of the samples [m]
-    long wall_far_steps = 0;      // in which it was beyond its linear theory (StepWallFar)
+    long wall_far_steps = 0;      // StepWallFar
     bool complete = false;        // reached the end
     bool over_limit = false;      // stopped by wall_limit
     bool stopped = false;         // by plan.stop or plan.stop_now

@@ -55,8 +55,7 @@ public:
     [[nodiscard]] double off() const { return off_; }
     /// Why it is that long, in words.
     [[nodiscard]] const std::string& edge_reason() const { return edge_reason_; }
-    /// Limit of displacement at a place of the wall, by control vertices: linear theory is good to 20 % of the lumen's radius there
-    /// [m].
+    /// Limit of displacement at a place of the wall, by control vertices: 20 % of the lumen's radius there [m].
     [[nodiscard]] double largest_move(const LoopStencil& place) const;
     /// Limit of the surface at a control vertex.
     [[nodiscard]] const LoopStencil& limit(std::int32_t vertex) const { return limits_[static_cast<std::size_t>(vertex)]; }
