@@ -163,7 +163,9 @@ bool CoaxialNodes::pull_at_base(SplitScratch& scratch, Vec3& pull, Vec3& tangent
     const int m = line.n - 2;
     CoaxialTrial now{line.x, line.y, line.z, {}};
     for (int k = 0; k < instruments(); ++k) now.theta[k] = instrument(k).theta;
-    if (!update_coaxial(rod_, line, now, base_, scratch.frames)) return false;
+    const bool there_is = update_coaxial(rod_, line, now, base_, scratch.frames);
+    scratch.frames.material = true;  // the next rod may be a wire, which has directors of its own
+    if (!there_is) return false;
     const std::span<double> gradient = std::span(scratch.gradient).first(static_cast<std::size_t>(rod_.dofs().count(line.n)));
     std::fill(gradient.begin(), gradient.end(), 0.0);
     add_coaxial(rod_, line, now, base_, scratch.frames, gradient, nullptr, HessianMode::None);

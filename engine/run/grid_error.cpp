@@ -167,7 +167,7 @@ void GridErrorGauge::add_facets(const World& run, int first, int end, double par
     const WallMesh& mesh = run.setup().mesh;
     find_normals(mesh);
     std::map<int, Moved> regions;  // of the first wire
-    double work = 0, axial = 0;
+    double work = 0, axial = 0, creases = 0;
     for (const ContactRow& row : run.contacts()) {
         if (row.b.kind != BodyKind::Wall || row.a.body < first || row.a.body >= end || !(row.normal_force > 0)) continue;
         const auto& triangle = mesh.triangles[static_cast<std::size_t>(row.b.element)];
@@ -184,6 +184,8 @@ void GridErrorGauge::add_facets(const World& run, int first, int end, double par
         const Vec3 tangent = rod.tangent(std::clamp(row.a.element, 0, rod.n - 2));
         axial += row.normal_force * (row.normal - smooth).dot(tangent);
         work += row.normal_force * std::abs(offset);
+        const Vec3 own = (mesh.vertices[triangle[1]] - mesh.vertices[triangle[0]]).cross(mesh.vertices[triangle[2]] - mesh.vertices[triangle[0]]);
+        creases += row.normal_force * std::min(1.0, 1 / std::max(0.5, own.normalized().dot(row.normal)) - 1);
         if (row.a.body != first) continue;
         Moved& region = regions[row.region];
         region.load += row.normal_force;
@@ -191,7 +193,7 @@ void GridErrorGauge::add_facets(const World& run, int first, int end, double par
         region.inwards += row.normal_force * std::abs(offset);
         region.sideways += row.normal_force * sideways(mesh, triangle, row.normal - smooth, tangent.cross(smooth));
     }
-    errors.facets = part * std::min(1.0, work / (2 * energy));
+    errors.facets = part * std::min(1.0, work / (2 * energy)) + creases / errors.normal;
     errors.axial = std::abs(axial) / errors.normal;
     errors.rise = work / errors.normal;
     errors.tip = tip_on(run.rod(first), regions, errors.rise);

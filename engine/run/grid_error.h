@@ -9,6 +9,9 @@
 //               dU = sum F_i o_i, of a deflection that is wrong by dd/d = dU/(2 U), so  dF/F = sum F_i o_i/(2 U)
 //     facets    a normal n_i that differs from the smooth wall's m_i pushes along the wire's tangent t_i:  dF = sum F_i (n_i - m_i).t_i
 //
+//     creases   a wire in the crease of two facets is borne by both. With the angle a between each facet's normal and the direction in which
+//               they push together, the sum of their forces is 1/cos a of the force of a smooth wall (contact_law.h reports the sum)
+//
 // The smooth wall goes through the mesh's vertices with the normals there (means over their triangles by angle). At a point x
 // with barycentric coordinates b_k it has the normal sum b_k m_k, and lies at o = sum b_k (x - v_k).m_k/2, the sagitta L^2/(8 R) in the middle
 // of a facet of length L across a radius R: tangent planes at the vertices are twice as far away as the surface that touches them.
