@@ -87,8 +87,9 @@ public:
     /// LDL^T of the symmetric matrix (reads the upper half), into its own storage: the matrix stays as assembled. A pivot is
     /// raised, at least to a_kk, if no positive definite matrix could have it. It is then below pivot_floor times its diagonal
     /// a_kk, or below c_kj^2 / a_jj for some entry c_kj of the reduced row. The result is always positive definite, its entries
-    /// stay bounded, and the step along a raised pivot is as small as the diagonal alone would make it. [Gill81, sec. 4.4.2.2]
-    /// with the bound taken per entry, so that it does not depend on units. @return pivots raised
+    /// stay bounded, and the step along one raised pivot is as small as the diagonal alone would make it. [Gill81, sec. 4.4.2.2]
+    /// with the bound taken per entry, so that it does not depend on units. Several of them behind each other may leave tiny pivots
+    /// between them and directions of 1e59 m: no use, and nothing here says so. @return pivots raised
     int factor_ldlt() { return fourth_ ? factor_ldlt_of<4>() : factor_ldlt_of<3>(); }
     void solve_ldlt(std::span<double> rhs_to_x) { fourth_ ? solve_ldlt_of<4>(rhs_to_x) : solve_ldlt_of<3>(rhs_to_x); }
     /// LU with the full, unsymmetric matrix without pivoting (diagonally strong by inertia or stiffness). Takes the place
