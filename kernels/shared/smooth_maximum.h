@@ -202,10 +202,10 @@ SEL_FN void add_bend(SEL_OUT ContactPoint* first, SEL_OUT const NeighbourPlanes*
         }
         const vec3 turn = planes->plane[k].turn - base;
         const real eps = joint_width(turn, none, ball);
-        SEL_OUT real* of = lower + count * (count + 1) / 2;
+        real* of = lower + count * (count + 1) / 2;
         vec3 left = turn;
         for (uint j = 0; j < count; ++j) {
-            SEL_OUT const real* other = lower + j * (j + 1) / 2;
+            const real* other = lower + j * (j + 1) / 2;
             real m = eps + joint_width(u[j], none, ball) - joint_width(turn, u[j], ball);
             for (uint l = 0; l < j; ++l) m -= of[l] * other[l];
             of[j] = m / other[j];
