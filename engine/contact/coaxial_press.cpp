@@ -2,6 +2,8 @@
 
 #include "contact/coaxial_friction.h"
 
+#include "rod/coaxial_nodes.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -40,8 +42,7 @@ void CoaxialFriction::find_pressing(Group& group)
             std::ranges::fill(pair.off, Complex(0));
         }
     if (std::ranges::all_of(group.pairs, [](const Pair& pair) { return pair.parts.empty(); })) return;
-    CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (int k = 0; k < group.shared->count(); ++k) now.theta[k] = rods_.view(group.shared->wires[k]).theta;
+    const CoaxialTrial now = accepted_trial(rods_, group.shared->wires);
     if (!update_coaxial(group.shared->rod, line, now, group.shared->base, group.frames)) return;  // what pressed goes on to
     measure_moments(group.shared->rod, line, now, group.shared->base, group.frames, group.moments);
     for (Pair& pair : group.pairs)

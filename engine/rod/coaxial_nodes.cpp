@@ -95,6 +95,14 @@ void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod)
     }
 }
 
+CoaxialTrial accepted_trial(RodArrays& rods, std::span<const int> wires)
+{
+    const RodView line = rods.view(wires[0]);
+    CoaxialTrial now{line.x, line.y, line.z, {}};
+    for (std::size_t k = 0; k < wires.size(); ++k) now.theta[k] = rods.view(wires[k]).theta;
+    return now;
+}
+
 void follow_line(RodArrays& rods, std::span<const int> wires)
 {
     const RodView line = rods.view(wires[0]);
@@ -161,8 +169,7 @@ bool CoaxialNodes::pull_at_base(SplitScratch& scratch, Vec3& pull, Vec3& tangent
 {
     const RodView line = RodNodes::line();
     const int m = line.n - 2;
-    CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (int k = 0; k < instruments(); ++k) now.theta[k] = instrument(k).theta;
+    const CoaxialTrial now = accepted_trial(rods_, wires());
     const bool there_is = update_coaxial(rod_, line, now, base_, scratch.frames);
     scratch.frames.material = true;  // the next rod may be a wire, which has directors of its own
     if (!there_is) return false;

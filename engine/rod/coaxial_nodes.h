@@ -30,6 +30,9 @@ void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod)
 /// The line's places and frames into the passengers' arrays.
 void follow_line(RodArrays& rods, std::span<const int> wires);
 
+/// The accepted configuration.
+[[nodiscard]] CoaxialTrial accepted_trial(RodArrays& rods, std::span<const int> wires);
+
 /// The nodes of instruments on one centreline, to be split and merged. prepare_coaxial() has been called for their offsets.
 class CoaxialNodes : public RodNodes {
 public:

@@ -19,6 +19,13 @@ double angle_at(const Vec3& a, const Vec3& b, const Vec3& c)
     return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
+/// Unit normal.
+Vec3 normal_of(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle)
+{
+    const Vec3& a = mesh.vertices[triangle[0]];
+    return (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).normalized();
+}
+
 /// Barycentric coordinates of the point of a triangle's plane nearest to x, drawn into the triangle.
 Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x)
 {
@@ -128,7 +135,7 @@ void GridErrorGauge::find_normals(const WallMesh& mesh)
     normals_.assign(mesh.vertices.size(), Vec3::Zero());
     for (const auto& triangle : mesh.triangles) {
         const Vec3 corner[] = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]]};
-        const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+        const Vec3 normal = normal_of(mesh, triangle);
         for (int k = 0; k < 3; ++k) normals_[triangle[k]] += angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * normal;
     }
     for (Vec3& normal : normals_) normal.normalize();
@@ -184,8 +191,7 @@ void GridErrorGauge::add_facets(const World& run, int first, int end, double par
         const Vec3 tangent = rod.tangent(std::clamp(row.a.element, 0, rod.n - 2));
         axial += row.normal_force * (row.normal - smooth).dot(tangent);
         work += row.normal_force * std::abs(offset);
-        const Vec3 own = (mesh.vertices[triangle[1]] - mesh.vertices[triangle[0]]).cross(mesh.vertices[triangle[2]] - mesh.vertices[triangle[0]]);
-        creases += row.normal_force * std::min(1.0, 1 / std::max(0.5, own.normalized().dot(row.normal)) - 1);
+        creases += row.normal_force * std::min(1.0, 1 / std::max(0.5, normal_of(mesh, triangle).dot(row.normal)) - 1);
         if (row.a.body != first) continue;
         Moved& region = regions[row.region];
         region.load += row.normal_force;

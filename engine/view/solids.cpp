@@ -2,6 +2,7 @@
 #include "view/solids.h"
 
 #include "core/check.h"
+#include "rod/transport.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,8 +69,8 @@ void add_cap(std::vector<Ring>& rings, const Ring& edge, int side)
 /// Moves a director from one tangent to the next without twist (the smallest rotation).
 Vec3 transport(const Vec3& director, const Vec3& from, const Vec3& to)
 {
-    const double chi = 1 + from.dot(to);  // 0: folded, where the director is normal to both
-    const Vec3 moved = chi > 0 ? Vec3(director - director.dot(to) / chi * (from + to)) : director;
+    const double chi = one_plus_cos(from, to);  // 0: folded, where the director is normal to both
+    const Vec3 moved = chi > 0 ? parallel_transport(director, from, to, chi) : director;
     return (moved - moved.dot(to) * to).normalized();
 }
 

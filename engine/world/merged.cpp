@@ -118,8 +118,7 @@ void level_absent(RodArrays& rods, MergedGroup& group)
 double elastic_now(RodArrays& rods, MergedGroup& group)
 {
     const RodView line = rods.view(group.line());
-    CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = rods.view(group.wires()[k]).theta;
+    const CoaxialTrial now = accepted_trial(rods, group.wires());
     RodFrames& frames = group.frames;
     const bool usable = update_coaxial(group.shared.rod, line, now, group.shared.base, frames);
     const double energy = usable ? coaxial_energy(group.shared.rod, line, now, group.shared.base, frames) : 0.0;

@@ -102,8 +102,7 @@ void measure(WorldData& world, MergedGroup& group, NodeDemands& demands)
 {
     refresh_group(world, group);
     const RodView line = world.rod(group.line());
-    CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = world.rod(group.wires()[k]).theta;
+    const CoaxialTrial now = accepted_trial(world.state.rods, group.wires());
     const auto n = static_cast<std::size_t>(line.n);
     const std::span<Vec3> moment = std::span(group.moment).first(n);
     const std::span<double> turning = std::span(group.turning).first(n);

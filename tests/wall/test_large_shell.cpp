@@ -402,13 +402,7 @@ TEST_SUITE("wall/large_shell")
     TEST_CASE("analytic: hemisphere with a hole, pulled and pushed by four forces [Sze 2004, doi:10.1016/j.finel.2003.11.001, table 4]")
     {
         const int n = 12;
-        WallMesh mesh = grid(
-            4 * n, n,
-            [](double u, double v) {
-                const double a = 2 * pi * u, b = v * 72 * pi / 180;
-                return Vec3(10 * std::cos(a) * std::cos(b), 10 * std::sin(a) * std::cos(b), 10 * std::sin(b));
-            },
-            true);
+        WallMesh mesh = hemisphere_mesh(n);
         WallProblem wall(mesh, unsupported(6.825e7, 0.3, 0.04));
         int at[4];
         for (int k = 0; k < 4; ++k) {

@@ -59,13 +59,7 @@ double scordelis_lo(int n, double flips)
 /// Radius 10, hole of 18 degrees, four forces of 2 on the equator. @return over 0.0935217
 double hemisphere(int n, double flips)
 {
-    WallMesh mesh = grid(
-        4 * n, n,
-        [](double u, double v) {
-            const double a = 2 * pi * u, b = v * 72 * pi / 180;
-            return Vec3(10 * std::cos(a) * std::cos(b), 10 * std::sin(a) * std::cos(b), 10 * std::sin(b));
-        },
-        true);
+    WallMesh mesh = hemisphere_mesh(n);
     flip_edges(mesh, flips, 3);
     WallProblem wall(mesh, elastic(6.825e7, 0.3, 0.04));
     int at[4];

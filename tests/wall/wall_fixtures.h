@@ -37,6 +37,18 @@ inline WallMesh grid(int nu, int nv, const std::function<Vec3(double, double)>& 
     return mesh;
 }
 
+/// Radius 10, with a hole of 18 degrees at its pole.
+inline WallMesh hemisphere_mesh(int n)
+{
+    return grid(
+        4 * n, n,
+        [](double u, double v) {
+            const double a = 2 * pi * u, b = v * 72 * pi / 180;
+            return Vec3(10 * std::cos(a) * std::cos(b), 10 * std::sin(a) * std::cos(b), 10 * std::sin(b));
+        },
+        true);
+}
+
 /// Tube of radius R about z from -length/2 to length/2, normals inwards, `around` vertices in each of along + 1 rings, every
 /// second ring turned by half a facet so that triangles are nearly equilateral.
 inline WallMesh tube(double radius, double length, int around, int along)
