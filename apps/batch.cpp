@@ -71,7 +71,7 @@ void add_batch(CommandLine& app, Command& chosen)
     command->add_option("--keep", options->keep, "files of each run in DIR/runs: traces, last-frame or traces,last-frame (default: none)")->type_name("WHAT");
     auto* resume =
         command->add_flag("--resume", options->resume, "continue the batch in DIR (without one: from the start)");
-    command->add_flag("--overwrite", options->overwrite, "replace what is in DIR")->excludes(resume);
+    command->add_flag("--overwrite", options->overwrite, "replace the contents of DIR")->excludes(resume);
     add_limits(*command, options->run.time_limit, options->run.device);
     command->add_option("--threads", options->threads, "of the host's part (default: all cores); the results do not depend on it")
         ->type_name("N")

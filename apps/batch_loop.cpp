@@ -352,7 +352,7 @@ void add_answer(Json& summary, const BatchSource& source, const std::vector<Batc
     summary["stopped"] = stopped;
     Json branches = Json::object(), left = Json::object();
     for (const auto& [branch, count] : answer.ends.branches) branches[std::to_string(branch)] = count;
-    for (const auto& [way_in, count] : answer.ends.left) left[std::to_string(way_in)] = count;
+    for (const auto& [inlet, count] : answer.ends.left) left[std::to_string(inlet)] = count;
     summary["branches"] = std::move(branches);
     summary["left_through"] = std::move(left);
     if (layout.task) {

@@ -32,7 +32,7 @@ std::string describe_entry(const Scene& scene, const RepairReport& vessel, const
         const auto distance = [&](const Inlet& i) { return (i.point - feed.point).norm(); };
         const auto nearest = std::min_element(inlets.begin(), inlets.end(), [&](const Inlet& a, const Inlet& b) { return distance(a) < distance(b); });
         if (distance(*nearest) <= 3 * nearest->radius) continue;
-        text += fmt::format("  note: feed.point lies {:.3g} mm from the nearest way in, number {}; a wire enters a vessel at an opening or an end. Fix: "
+        text += fmt::format("  note: feed.point lies {:.3g} mm from the nearest inlet, number {}; a wire enters a vessel at an opening or an end. Fix: "
                             "inlet = {}, unless it is meant to start there\n",
                             1e3 * distance(*nearest), nearest - inlets.begin() + 1, nearest - inlets.begin() + 1);
         break;  // instruments inside each other enter at one place
@@ -40,7 +40,7 @@ std::string describe_entry(const Scene& scene, const RepairReport& vessel, const
     return text;
 }
 
-/// What an elastic wall's control mesh will be, and what it leaves in displacement and stress.
+/// The control mesh that an elastic wall will have, and its errors in displacement and stress.
 std::string describe_wall_mesh(const WorldSetup& setup, const WallMechanics& made)
 {
     if (made.vertices == 0 || !std::isfinite(made.decay)) return {};

@@ -43,7 +43,7 @@ public:
         : dir_(dir), plan_(plan), shows_(!backend.quiet && isatty(STDERR_FILENO)), quiet_(backend.quiet)
     {
         words_ = {this_program().string(), "farm", "task", dir.path().string(), "--all", "--parent", std::to_string(getpid())};
-        // tasks at a time share the cores: what one hands to another it waits for
+        // tasks that run at a time share the cores: threads of one task would wait for those of another
         const int shared = backend.jobs > 1 ? std::max(1, thread_count() / backend.jobs) : 0, threads = backend.threads > 0 ? backend.threads : shared;
         if (threads > 0) words_.insert(words_.end(), {"--threads", std::to_string(threads)});
         if (backend.device >= 0) words_.insert(words_.end(), {"--device", std::to_string(backend.device)});

@@ -19,7 +19,7 @@
 #include <optional>
 
 #ifdef SEL_WITH_VIEW
-    #include "view/ways_in.h"
+    #include "view/inlet_picture.h"
 #endif
 
 namespace seldinger::apps {
@@ -51,14 +51,14 @@ std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline
         const Branches numbered(line);
         std::vector<Vec3> branches;
         for (int k = 1; k <= numbered.count(); ++k) branches.push_back(line.points[static_cast<std::size_t>(numbered.points(k).back())]);
-        draw_ways_in(picture, mesh, first.inlets, branches, first.inlet);
-        return fmt::format("  {}: the ways in and the branches, numbered\n", picture.string());
+        draw_inlets(picture, mesh, first.inlets, branches, first.inlet);
+        return fmt::format("  {}: the inlets and the branches, numbered\n", picture.string());
     } catch (const Error& error) {  // a scene is what was asked for: no display is no failure
-        return fmt::format("  note: no picture of the ways in: {}\n", error.what());
+        return fmt::format("  note: no picture of the inlets: {}\n", error.what());
     }
 #else
     (void)picture, (void)mesh, (void)line, (void)first;
-    return "  note: no picture of the ways in: this build has no renderer (-DSELDINGER_VIEW=ON)\n";
+    return "  note: no picture of the inlets: this build has no renderer (-DSELDINGER_VIEW=ON)\n";
 #endif
 }
 
@@ -100,14 +100,14 @@ void find_axes(const InitArguments& options, FirstScene& first)
                                                 : "The file says nothing of its axes; LPS is taken, as in DICOM: x to the left, y to the back, z to the head";
 }
 
-/// @return why each way in was taken or left, and what part of the surface it leads into
-std::vector<std::string> choose_way_in(const InitArguments& options, const LoadedVessel& vessel, FirstScene& first)
+/// @return why each inlet was taken or left, and what part of the surface it leads into
+std::vector<std::string> choose_inlet(const InitArguments& options, const LoadedVessel& vessel, FirstScene& first)
 {
     first.inlets = find_inlets(vessel.report.loops, vessel.centreline);
     if (first.inlets.empty())
         throw Error(ExitCode::BadFile, fmt::format("{}: got a surface without an opening and without a lumen that has an axis; expected the wall of a vessel. Fix: cut the vessel's ends, or give the surface of its lumen", options.mesh.string()));
     if (static_cast<std::size_t>(std::max(0, options.inlet)) > first.inlets.size())
-        throw Error(ExitCode::BadScene, fmt::format("--inlet {}: the vessel has {} way{} in", options.inlet, first.inlets.size(),
+        throw Error(ExitCode::BadScene, fmt::format("--inlet {}: the vessel has {} inlet{}", options.inlet, first.inlets.size(),
                                                     first.inlets.size() == 1 ? "" : "s"));
     std::vector<int> part(first.inlets.size(), 0);
     std::optional<VesselParts> parts;
@@ -121,7 +121,7 @@ std::vector<std::string> choose_way_in(const InitArguments& options, const Loade
     std::vector<std::string> lines;
     for (std::size_t k = 0; k < first.inlets.size(); ++k) {
         const bool taken = static_cast<int>(k) + 1 == first.inlet;
-        lines.push_back(fmt::format("way in {}: {}{}{}", k + 1, describe(first.inlets[k]), taken ? "  <- taken, " : "; ",
+        lines.push_back(fmt::format("inlet {}: {}{}{}", k + 1, describe(first.inlets[k]), taken ? "  <- taken, " : "; ",
                                     taken ? first.inlet_why : access.reason[k]));
     }
     if (parts)
@@ -155,7 +155,7 @@ ExitCode init(InitArguments& options)
     first.file = options.scene;
     const LoadedVessel vessel = load_in_its_unit(options, first);
     find_axes(options, first);
-    const std::vector<std::string> ways = choose_way_in(options, vessel, first);
+    const std::vector<std::string> ways = choose_inlet(options, vessel, first);
     const Inlet& inlet = first.inlets[static_cast<std::size_t>(first.inlet) - 1];
     first.way = way_through(vessel.centreline, inlet);
     first.wire = choose_wire(first.way, options.instrument);
@@ -176,12 +176,12 @@ ExitCode init(InitArguments& options)
 void add_init(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<InitArguments>();
-    CommandLine* command = app.add_subcommand("init", "write a first scene for a mesh: its unit, way in and a wire that fits");
+    CommandLine* command = app.add_subcommand("init", "write a first scene for a mesh: its unit, inlet and a wire that fits");
     command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP, VTK)")->required();
     command->add_option("-o", options->scene, "the scene to write (default: <mesh>.toml here)")->type_name("SCENE.toml");
     command->add_option("--units", options->units, "of the mesh: m, cm, mm, um, in (default: guessed from its size)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
-    command->add_option("--inlet", options->inlet, "a way in, as they are listed (default: chosen, and said why)")
+    command->add_option("--inlet", options->inlet, "number of an inlet of the list (default: chosen, with the reason)")
         ->type_name("N")
         ->check(in_range(1, 1000));
     command->add_option("--instrument", options->instrument, "of the catalogue (default: a guidewire that fits)")->type_name("NAME");

@@ -128,7 +128,7 @@ std::string for_people(const Json& report, const std::string& name)
             line["radius"]["max"].get<double>());
     int number = 0;
     for (const Json& inlet : report["inlets"])
-        text += fmt::format("  way in {}: {} along [{:.3f}, {:.3f}, {:.3f}], radius {:.5f} m{}\n", ++number, place(inlet["point"]),
+        text += fmt::format("  inlet {}: {} along [{:.3f}, {:.3f}, {:.3f}], radius {:.5f} m{}\n", ++number, place(inlet["point"]),
                             inlet["direction"][0].get<double>(), inlet["direction"][1].get<double>(),
                             inlet["direction"][2].get<double>(), inlet["radius"].get<double>(),
                             inlet["opening"].is_null() ? " (a closed end)" : "");

@@ -45,7 +45,7 @@ private:
     void begin(RodArrays& rods) override;
     void evaluate_forces(const TermTrial& trial) override;
     void set_limits();
-    /// A barrier's path ends at no valley; a device with memory of its own would be asked for its records at every trial.
+    /// A barrier's path ends at no valley. A device with separate memory would have to copy its records at every trial.
     [[nodiscard]] bool valleys_known() const { return !barrier_ && !states_.at_trial().empty(); }
     void warm_up();
     void find_near(std::span<const std::uint8_t> active);

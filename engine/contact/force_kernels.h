@@ -11,7 +11,7 @@ namespace seldinger {
 
 class ForceKernels {
 public:
-    /// @param program  with contact/evaluation.cl     points  listed at most     rolling  whether some model rolls: has a stage of its own
+    /// @param program  with contact/evaluation.cl     points  listed at most     rolling  some model rolls, which is a separate stage
     ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling);
 
     /// @param arguments  SEL_FORCE_ARGUMENTS of evaluation.cl

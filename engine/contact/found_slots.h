@@ -1,5 +1,5 @@
 #pragma once
-// Slots of contact between instruments that something is near in, and what the last search and the trials since tell of each.
+// Slots of contact between instruments with something near, and their results of the last search and of the trials after it.
 
 #include <cstdint>
 #include <vector>

@@ -113,7 +113,7 @@ void InstrumentCells::add_pair(const InstrumentSetup& setup, int a, int b, uint 
 }
 
 /// A wire inside others: it touches the lumen of the innermost one that is round it. Seen from outside, it touches an outer one
-/// only after it has left that one's mouth by more than the distance back to it.
+/// only beyond the outer one's mouth, by more than the distance back to the mouth.
 void InstrumentCells::add_nested_pairs(const InstrumentSetup& setup, int wire, const NestedInstruments& nest)
 {
     const auto place = std::find(nest.order.begin(), nest.order.end(), wire) - nest.order.begin();

@@ -189,7 +189,7 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) measure_moves(w);
         for (std::size_t k = found_.of[s]; k < found_.of[s + 1]; ++k) {
             if (cleared_[s] && found_.clear[k] > 0 && moved_together(k) < found_.clear[k]) {
-                // a trial before this one may have touched here: its record must not pass for the last one's, and follow() writes another
+                // an earlier trial may have touched here: its record must not pass for the last one's, and follow() writes another
                 if (found_.touch[k] == FoundSlots::Touching) found_.touch[k] = FoundSlots::Touched;
                 continue;
             }

@@ -56,7 +56,7 @@ void InstrumentContact::walk_state(StateWalk& walk, int wire)
     if (walk.reads()) take_states(wire, states);
 }
 
-/// Of a contact that was read, its pair counted from the rod's first. @throws Error BadFile
+/// Checks a contact that was read; its pair is counted from the rod's first. @throws Error BadFile
 void InstrumentContact::check_state(const InstrumentState& state, const InstrumentRod& rod) const
 {
     StateWalk::need(state.pair < rod.pairs, "which instruments touch");
@@ -65,7 +65,7 @@ void InstrumentContact::check_state(const InstrumentState& state, const Instrume
     StateWalk::need(std::abs(state.along_a) <= farthest && std::abs(state.along_b) <= farthest, "where instruments touch");
 }
 
-/// Of all slots of a wire's cells, as they were read.
+/// Takes the states of all slots of a wire's cells, as they were read.
 void InstrumentContact::take_states(int wire, std::span<const InstrumentState> states)
 {
     const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire]);

@@ -148,8 +148,8 @@ NodeRange InstrumentContact::nodes_between(const InstrumentRod& rod, double from
     return {begin + std::max(first - 1, 0), begin + std::min(end + 1, last) + 1};
 }
 
-/// Nodes of b within two cells and a skin of the slot's last point. A cell is no longer, and no trial moves it farther along b
-/// without another search. Of the same rod: those of the slot's cells. @param near  a node of all that is before a's
+/// Nodes of b within two cells and a skin of the slot's last point. A cell is not longer than two cells, and no trial moves it farther along b
+/// without another search. On the same rod: the nodes of the slot's cells. @param near  a node of all that is before a's
 NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
 {
     const InstrumentSlot& found = slots_host_[slot];

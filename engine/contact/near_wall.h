@@ -22,7 +22,7 @@ public:
     NearWall(device::Context& context, const QuadratureSet& points, const DeviceWall& wall, DeviceNodes& nodes,
              const PointStates& states, const Lengths& lengths);
 
-    /// Finds anew what no longer holds, for live quadrature points at their places on the nodes. @return whether anything was
+    /// Renews the lists of live quadrature points that have moved too far for them. @return whether any was renewed
     bool renew(const ContactParams& par);
     /// All of it.
     void forget();

@@ -52,7 +52,7 @@ public:
     void bring_trial(device::Queue queue, std::span<const std::uint32_t> points);
     /// What evaluations since the last commit wrote, two records for each point; others are older. Empty in float32.
     [[nodiscard]] std::span<const ContactState> at_trial() const { return host_; }
-    /// @param triangles  of the wall. @throws Error BadFile: what is read holds a state that is none of its contacts
+    /// @param triangles  of the wall. @throws Error BadFile: a state that was read is none of a contact
     void walk_state(StateWalk& walk, int wire, std::size_t triangles);
 
     [[nodiscard]] const device::Buffer& models() const { return models_; }        // [points]

@@ -45,7 +45,7 @@ public:
     /// Whether contacts at the trial have gone over a valley since the base, or into one. Share: of the way there at which the one
     /// with the largest turn of its force has.
     KinksPassed crossed(int wire, std::span<const ContactState> states, const ActiveList& list, double smoothing);
-    /// Of those that crossed() found: what is missing to the residual, tangents to the sums.
+    /// Adds the valleys that crossed() found: the missing forces to the residual, tangents to the sums.
     void admit(int wire, int first_node, std::span<double> residual);
 
 private:

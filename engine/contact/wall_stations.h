@@ -60,7 +60,7 @@ public:
     void take_from(WallStations&& copy);
     /// Finds the foot of a node at x anew, unless it is there already.   @param before  y of the accepted state, null: not known
     void place(int node, const Vec3& x, const Vec3* before, const WallDynamics& wall, double radius);
-    /// Nodes from `first` to `last` are no longer there.
+    /// Forgets nodes `first` to `last`, which have been removed.
     void forget(int first, int last);
     [[nodiscard]] WallFoot& foot(int node) { return feet_[node]; }
     [[nodiscard]] const WallStation& operator[](int node) const { return stations_[node]; }

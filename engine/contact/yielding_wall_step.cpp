@@ -339,7 +339,7 @@ void YieldingWall::read_under(System& system) const
     }
 }
 
-/// Of the wire that a node's force on the wall stands for [m]; a point load bears over a decay length.
+/// Length of wire over which a node's force on the wall is spread [m]; a point load bears over a decay length.
 double YieldingWall::bearing_length(const System& system, std::size_t row) const
 {
     const int wire = system.wire_of_row[row], node = system.rows[row] - (rods_.node_begin(wire) - system.first_node);

@@ -1,6 +1,6 @@
 #pragma once
-// The table of what must survive a step. Whoever owns such data lists it in one function, row by row, and a walk does the same with
-// every row: saves, hashes, restores with a check, keeps for an attempt, puts back.
+// The table of the state: all data that must survive a step. The owner of such data lists it in one function, row by row, and a walk
+// does the same with every row: saves, hashes, restores with a check, keeps for an attempt, puts back.
 
 #include "core/bytes.h"
 #include "core/fnv1a.h"
@@ -13,7 +13,7 @@
 
 namespace seldinger {
 
-/// A row: what it holds is given beside it, as a span of numbers.
+/// A row of the table. Its contents are given beside it, as a span of numbers.
 struct StateRow {
     const char* name;    // of one of its numbers, as an error says it
     const char* unit;    // "": none, or several
@@ -38,7 +38,7 @@ public:
     explicit StateWalk(std::uint64_t& hash) : hash_(&hash) {}
 
     [[nodiscard]] bool reads() const { return !to_ && !hash_; }
-    /// Whether what is read may be anything: others may have made it.
+    /// Whether rows that are read must be checked: others may have written them.
     [[nodiscard]] bool checks() const { return reads() && !trusted_; }
     [[nodiscard]] bool of_attempt() const { return of_ == Of::Attempt; }
     /// Bytes that no row has taken.

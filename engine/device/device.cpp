@@ -58,7 +58,7 @@ const char* error_name(cl_int status)
 
 namespace {
 
-/// SEL_OWN_MEMORY in the environment: a CPU is taken for a device with memory of its own, for tests of what is copied then.
+/// SEL_OWN_MEMORY in the environment: a CPU is taken for a device with separate memory, so that tests see its copies.
 bool asked_own_memory()
 {
     static const bool asked = std::getenv("SEL_OWN_MEMORY") != nullptr;

@@ -84,7 +84,7 @@ public:
     void read(Queue queue, const Buffer& from, void* target, std::size_t bytes, std::size_t offset = 0);
     void copy(Queue queue, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset = 0);
     void finish(Queue queue);
-    /// Memory of the host that the driver may copy from and to directly; it must outlive what is returned.
+    /// Memory of the host that the driver may copy from and to directly; it must outlive the returned object.
     [[nodiscard]] cl_mem pin(void* host, std::size_t bytes);
     /// Waits for the other queue when the queue changes, so that buffers written there are seen here.
     void enter(Queue queue);

@@ -206,7 +206,7 @@ StabilityMap triangles()
     return map;
 }
 
-/// An aorta's wall, as soft as said, on a control mesh of 1.5 mm; the wire's edges are no longer than that.
+/// An aorta's wall of modulus `youngs`, on a control mesh of 1.5 mm; the wire's edges are at most as long.
 Texts yielding(double youngs, Texts more)
 {
     more.insert(more.end(), {"vessel.wall=elastic", fmt::format("vessel.youngs_pa={}", youngs)});

@@ -88,7 +88,7 @@ void NodePlanner::measure(const RodView& rod, const NodeDemands& demands)
     shear_jump_[hub] = shear_jump_[hub - 1];  // weight and wall go on as beside it
 }
 
-/// Of an edge in the place of the material between nodes `from` and `to`, jumps of shear inside moved to its ends.
+/// Errors of one edge in place of the material between nodes `from` and `to`, with the jumps of shear inside moved to its ends.
 NodePlanner::EdgeErrors NodePlanner::errors_between(const RodView& rod, int from, int to, double lever) const
 {
     double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
@@ -113,7 +113,7 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     return std::max(longest, spec.min_edge);
 }
 
-/// By how much the wire's own natural curvature differs between the nodes of an edge [1/m]; a common centreline has none of its own.
+/// By how much the wire's own natural curvature differs between the nodes of an edge [1/m]; 0 for a common centreline.
 double NodePlanner::natural_jump(const RodView& rod, const NodeDemands& demands, int edge) const
 {
     if (!demands.moment.empty() || edge == 0 || edge == rod.n - 2) return 0;  // ends have none
@@ -121,7 +121,7 @@ double NodePlanner::natural_jump(const RodView& rod, const NodeDemands& demands,
     return (natural(edge + 1) - natural(edge)).norm();
 }
 
-/// Of each edge, the distance over which an error of its angle moves the tip [m].
+/// Lever of each edge: the distance over which an error of its angle moves the tip [m].
 std::vector<double> NodePlanner::levers(const RodView& rod, std::span<const Vec3> contact) const
 {
     std::vector<double> list(static_cast<std::size_t>(rod.n - 1));

@@ -43,7 +43,7 @@ struct NodeDemands {
     Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
     bool may_merge = true;
     bool may_refine = true;  // else only what the ratio of neighbours asks for
-    // edges beside nodes with contact are no longer than that [m]: their contacts bend with them
+    // longest edge beside nodes with contact [m]: their contacts bend with them
     std::span<const Vec3> contact = {};  // [n] [N]
     double touching_edge = std::numeric_limits<double>::infinity();
     std::span<const std::uint8_t> bowed = {};  // [n] nodes that stay for what lies under them

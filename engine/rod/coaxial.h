@@ -132,7 +132,7 @@ private:
 /// together: stretch_stiffness, bend_stiffness, mass, radius (of the widest). O(n + changes), no allocation after the first call.
 void prepare_coaxial(CoaxialRod& rod, const RodView& line);
 
-/// Of all instruments together in [begin, end] of the centreline, as an edge [N]; prepare_coaxial() has been called for their offsets.
+/// Stretch stiffness of all instruments together in [begin, end] of the centreline, as one edge [N]; prepare_coaxial() has been called for their offsets.
 [[nodiscard]] double coaxial_stretch_stiffness(const CoaxialRod& rod, double begin, double end);
 
 /// Frames at `trial`: those of the centreline, of which the first instrument's angles and twist, and the sleeve as the only

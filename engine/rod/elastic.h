@@ -74,7 +74,7 @@ struct RodFrames {
     int clamp_count = 0;
 };
 
-/// Of edge j, against its length at rest [-].
+/// Strain of edge j against its rest length [-].
 [[nodiscard]] inline double stretch_strain(const RodView& rod, const RodFrames& frames, int j)
 {
     return (frames.edge_length[j] - rod.rest_length[j]) / rod.rest_length[j];

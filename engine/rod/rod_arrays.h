@@ -34,7 +34,7 @@ public:
     /// All of a wire's arrays, in a fixed order.
     static constexpr int array_count = 32;  // members of RodView that are spans (checked in the source file)
     [[nodiscard]] std::array<std::span<double>, array_count> arrays(int wire);
-    /// Their rows (core/state_walk.h). @param own  the wire is a rod of its own: its numbers are looked at as such
+    /// Rows of the state (core/state_walk.h). @param own  the wire is a rod by itself, and its numbers are checked as a rod's
     void walk_state(StateWalk& walk, int wire, bool own);
 
 private:

@@ -130,7 +130,7 @@ Vec3 parabola_tangent(const RodView& rod, int i)
     return ((lf / le) * e + (le / lf) * f).normalized();
 }
 
-/// Of nodes 0 to `last`.
+/// Momentum of nodes 0 to `last` [N s].
 Vec3 momentum(const RodView& rod, int last)
 {
     Vec3 sum = Vec3::Zero();

@@ -52,7 +52,7 @@ public:
     void insert_node(int index) const;
     void erase_node(int index) const;
 
-    /// Of the material in [begin, end], as an edge [N].
+    /// Stretch stiffness of the material in [begin, end], as one edge [N].
     [[nodiscard]] virtual double stretch_stiffness(double begin, double end) const = 0;
     /// Rest quantities from node `first` to the hub, after material_s has changed.
     virtual void refresh_rest(int first) const = 0;

@@ -16,12 +16,12 @@ bool is_near(const Vec3& p, const Inlet& way, double radii) { return (p - way.po
 
 }  // namespace
 
-ClosedEnds::ClosedEnds(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, const std::vector<Vec3>& ways_in)
+ClosedEnds::ClosedEnds(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, const std::vector<Vec3>& inlets)
 {
     if (centreline.points.size() < 2) return;
     const auto is_way = [&](const Inlet& end) {
         return std::any_of(openings.begin(), openings.end(), [&](const BoundaryLoop& o) { return is_near(o.centre, end, 2); }) ||
-               std::any_of(ways_in.begin(), ways_in.end(), [&](const Vec3& p) { return is_near(p, end, 2); });
+               std::any_of(inlets.begin(), inlets.end(), [&](const Vec3& p) { return is_near(p, end, 2); });
     };
     for (const Inlet& end : find_inlets({}, centreline))
         if (!is_way(end)) ends_.push_back(end);

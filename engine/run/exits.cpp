@@ -76,9 +76,9 @@ std::vector<std::string> exit_sentences(const ExitTally& tally, const std::vecto
         const ExitTally::Exit& exit = tally.exit[k];
         const BoundaryLoop& rim = openings[static_cast<std::size_t>(exit.opening)];
         const std::string& label = scene.instrument(exit.wire).label;
-        const int way_in = way_in_through(openings, centreline, exit.opening);
+        const int inlet = inlet_through(openings, centreline, exit.opening);
         std::string text = fmt::format("the tip{} left through {} ([{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm) at {:.4g} s",
-                                       label.empty() ? "" : " of " + label, way_in > 0 ? fmt::format("way in {}", way_in) : "an opening",
+                                       label.empty() ? "" : " of " + label, inlet > 0 ? fmt::format("inlet {}", inlet) : "an opening",
                                        rim.centre.x(), rim.centre.y(), rim.centre.z(), 1e3 * rim.radius, exit.left);
         if (exit.back > 0) text += fmt::format(" and came back at {:.4g} s", exit.back);
         else text += ": the part beyond the opening touches nothing";

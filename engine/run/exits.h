@@ -38,7 +38,7 @@ void watch_exits(ExitTally& tally, std::span<const Vec3> tips, std::span<const B
 /// Opening beyond which a wire's tip is, -1: none.
 [[nodiscard]] int outside_through(const ExitTally& tally, int wire);
 
-/// One sentence for each, with the way in that it left through, place and time.
+/// One sentence for each, with the inlet that it left through, place and time.
 [[nodiscard]] std::vector<std::string> exit_sentences(const ExitTally& tally, const std::vector<BoundaryLoop>& openings,
                                                       const Centreline& centreline, const Scene& scene);
 

@@ -61,7 +61,7 @@ struct GridErrors {
 
 class GridErrorGauge {
 public:
-    /// Of the instruments of system 0, at the accepted state.
+    /// Errors of the instruments of system 0, at the accepted state.
     [[nodiscard]] GridErrors of(const World& run);
 
 private:

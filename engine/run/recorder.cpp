@@ -68,10 +68,10 @@ bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; 
 
 ClosedEnds closed_ends_of(const World& world, const RepairReport& vessel)
 {
-    std::vector<Vec3> ways_in;
+    std::vector<Vec3> inlets;
     for (const WireSetup& wire : world.setup().wires)
-        if (wire.feed.on) ways_in.push_back(wire.feed.point);
-    return {vessel.loops, world.setup().centreline, ways_in};
+        if (wire.feed.on) inlets.push_back(wire.feed.point);
+    return {vessel.loops, world.setup().centreline, inlets};
 }
 
 }  // namespace

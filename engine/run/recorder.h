@@ -41,7 +41,7 @@ public:
 
     /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes.
     void gauge(const World& world);
-    /// At an equilibrium on the way of a static run: takes its readings in, and writes a row. @param now  Output::Everything
+    /// At an intermediate equilibrium of a static run: takes its readings in, and writes a row. @param now  Output::Everything
     void passed(const Output& now);
     /// After settle(): takes its readings in, and writes row 0. @param now  Output::Everything
     void settled(const Output& now, const StepReport& report);

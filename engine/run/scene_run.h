@@ -1,6 +1,6 @@
 #pragma once
 // The one loop over the steps of scenes: where a run begins, what is stepped, how each system fares and when it is over. The command, a
-// batch, Python and the golden tests take it; what they record beside they do in RunHooks.
+// batch, Python and the golden tests use it, and record through RunHooks.
 
 #include "run/key_frames.h"
 #include "scene/scene.h"
@@ -19,7 +19,7 @@ enum class RunStatus : std::int32_t { Running, Done, TimeLimit, Interrupted, Sto
 /// Whether a run begins with a static equilibrium.
 [[nodiscard]] inline bool settles_first(const Scene& scene) { return scene.start_settled || scene.integrator.scheme == Scheme::Static; }
 
-/// What is asked and told on the way.
+/// Questions and reports of a run, for those who record it.
 class RunHooks {
 public:
     virtual ~RunHooks() = default;
@@ -27,7 +27,7 @@ public:
     virtual const Control* control() { return nullptr; }
     /// Before every step: Running, or why the run ends here.
     virtual RunStatus asked() { return RunStatus::Running; }
-    /// An equilibrium on the way of a static run, at a time of its keys [s].
+    /// An intermediate equilibrium of a static run, at a time of its keys [s].
     virtual void passed(double /*time*/) {}
     /// The equilibrium that a system begins with.
     virtual void settled(int /*system*/, const WireReport& /*report*/) {}
@@ -62,7 +62,7 @@ public:
     /// Done, Stopped or Running, of all systems.
     [[nodiscard]] RunStatus status() const;
     [[nodiscard]] long rest_steps(int system) const { return systems_[static_cast<std::size_t>(system)].rest_steps; }
-    /// Of the last step, or of settling.
+    /// Report of the last step, or of settling.
     [[nodiscard]] const StepReport& report() const { return report_; }
 
 private:

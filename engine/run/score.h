@@ -23,7 +23,7 @@ public:
     [[nodiscard]] double distance(const Vec3& tip) const;
     /// Where to mark it in a picture.
     [[nodiscard]] Vec3 mark() const { return mark_; }
-    /// Of the ball, or of the lumen where the branch's target begins [m].
+    /// Radius of the ball, or of the lumen where the branch's target begins [m].
     [[nodiscard]] double mark_radius() const { return radius_; }
 
 private:

@@ -25,7 +25,7 @@ Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& opening
         const ExitTally::Exit& exit = exits.exit[k];
         const BoundaryLoop& rim = openings[static_cast<std::size_t>(exit.opening)];
         list.push_back({{"instrument", series_of(scene, exit.wire)},
-                        {"way_in", way_in_through(openings, centreline, exit.opening)},
+                        {"inlet", inlet_through(openings, centreline, exit.opening)},
                         {"centre_m", {rim.centre.x(), rim.centre.y(), rim.centre.z()}},
                         {"radius_m", rim.radius},
                         {"left_s", exit.left},
@@ -555,7 +555,7 @@ std::string wall_for_people(const Json& s)
                        !has_bands_of(s) ? "; the step is not in it: --error-estimate on" : s.value("end_mean_s", 0.0) > 0 ? ", and the step" : "");
 }
 
-/// What `--verbose` adds: the model's size, the way in, the bands' origin, numerics and hash.
+/// What `--verbose` adds: the model's size, the inlet, the bands' origin, numerics and hash.
 std::string more_lines_of(const Json& s)
 {
     const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };

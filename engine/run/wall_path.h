@@ -13,7 +13,7 @@ namespace seldinger {
 struct Scene;
 
 /// Runs the scenes of the setup's systems with a rigid wall, in steps of at least 4 ms, and sets setup.vessel.touched. It changes nothing if the
-/// wall is rigid, if vessel.wall_edge_m is given, or without a wall. A trial run that ends early leaves what it has seen. The same
+/// wall is rigid, if vessel.wall_edge_m is given, or without a wall. A trial run that ends early leaves the points found so far. The same
 /// scenes give the same points.
 /// @param asked  ends the trial run; may be empty
 /// @throws Error Interrupted, if asked

@@ -180,7 +180,7 @@ WayThrough way_through(const Centreline& line, const Inlet& inlet)
         for (const std::size_t next : links[order[k]]) {
             if (length[next] >= 0) continue;
             const Vec3 step = line.points[next] - line.points[order[k]];
-            // not back out of the end that lies behind the way in
+            // not back out of the end that lies behind the inlet
             if (order[k] == order[0] && step.dot(inlet.direction) < 0 && links[order[0]].size() > 1) continue;
             length[next] = length[order[k]] + step.norm();
             before[next] = order[k];
@@ -269,7 +269,7 @@ WireChoice choose_wire(const WayThrough& way, const std::string& asked)
 
 namespace {
 
-std::string ways_in_comment(const FirstScene& first)
+std::string inlets_comment(const FirstScene& first)
 {
     std::string text;
     for (std::size_t i = 0; i < first.inlets.size() && i < 20; ++i) {
@@ -307,11 +307,11 @@ std::string first_scene_text(const FirstScene& first)
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
                         first.wire.why, first.wire.name, length);
-    text += fmt::format("# Ways in, numbered as `seldinger vessel` lists them:\n{}# {}: {}.\n[feed]\ninlet = {}\n"
+    text += fmt::format("# Inlets, numbered as `seldinger vessel` lists them:\n{}# {}: {}.\n[feed]\ninlet = {}\n"
                         "# Pushed at {:.0f} mm/s without turning; the longest way from here is {:.0f} mm.\n"
                         "keys = [\n    {{ t_s = 0.0, advance_m = 0.0, turn_rad = 0.0 }},\n"
                         "    {{ t_s = {:.2f}, advance_m = {:.3f}, turn_rad = 0.0 }},\n]\n",
-                        ways_in_comment(first), first.inlet, first.inlet_why, first.inlet, 1e3 * feed_speed, 1e3 * first.way.length, duration, advance);
+                        inlets_comment(first), first.inlet, first.inlet_why, first.inlet, 1e3 * feed_speed, 1e3 * first.way.length, duration, advance);
     text += fmt::format("\n# {}.\n[carm]\nhead = {}\nback = {}\n", first.axes_why, list(first.head), list(first.back));
     return text;
 }

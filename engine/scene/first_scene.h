@@ -1,5 +1,5 @@
 #pragma once
-// A first scene for a mesh without further information: its unit by its sizes, a way in, a wire of the catalogue that fits.
+// A first scene for a mesh without further information: its unit by its sizes, an inlet, a wire of the catalogue that fits.
 
 #include "scene/vessel_load.h"
 #include "vessel/inlets.h"
@@ -32,13 +32,13 @@ struct UnitGuess {
 /// Empty: it may be one. A check of shape, without units.
 [[nodiscard]] std::string describe_no_vessel(const LoadedVessel& vessel);
 
-/// The longest way through the tree from a way in.
+/// The longest way through the tree from an inlet.
 struct WayThrough {
-    std::vector<double> at;      // [P] from the way in [m]
+    std::vector<double> at;      // [P] from the inlet [m]
     std::vector<double> radius;  // [P] of the lumen [m]
     double length = 0;           // [m]
     double narrowest = 0;        // but for the last diameter before its end [m]
-    double narrowest_at = 0;     // from the way in [m]
+    double narrowest_at = 0;     // from the inlet [m]
     Vec3 narrowest_place = Vec3::Zero();
     /// How far something of this diameter gets before the lumen is too narrow for it [m].
     [[nodiscard]] double reach(double diameter) const;
@@ -51,7 +51,7 @@ struct WireChoice {
     double diameter = 0, reach = 0;  // [m]
 };
 /// @param asked  of the catalogue; empty: the thickest of the usual guidewires that passes the way, else the thinnest.
-/// @throws Error BadScene: no such instrument; too thick for the way in
+/// @throws Error BadScene: no such instrument; too thick for the inlet
 [[nodiscard]] WireChoice choose_wire(const WayThrough& way, const std::string& asked);
 
 /// What the scene is written from.

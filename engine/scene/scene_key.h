@@ -73,7 +73,7 @@ struct Tables {
     std::vector<std::vector<Key>> tables;
     bool list;
 };
-/// Read by code of its own. @see range  as docs/scene-file.md says it
+/// Read by separate code. @see range  as docs/scene-file.md says it
 struct Special {
     const char* range;
     std::string text = {};  // as it is written; empty: not at all

@@ -13,7 +13,7 @@ namespace seldinger::keys {
 
 inline constexpr int most_steps = 1'000'000'000, most_nodes = 200'000;
 
-// Keys bound to the members of what is given, in the order in which they are written. What is written and which keys are allowed can
+// Keys bound to the members of the argument, in the order in which they are written. Which keys are written and allowed can
 // depend on other members (Use), so lists are made anew after a change.
 [[nodiscard]] std::vector<Key> scene(Scene& s);
 [[nodiscard]] std::vector<Key> wire(SceneInstrument& i);  // with a label: of [[instrument]]

@@ -139,8 +139,8 @@ std::vector<Key> feed(SceneFeed& f, bool inside)
     return {
         {"inlet", "",
          count(f.inlet_number, 1, 1000, {{"auto"}, [&f] { return f.inlet_number == 0 ? 0 : -1; }, [&f](int) { f.inlet_auto = true; }},
-               "the number of a way in, as `seldinger vessel` lists them from 1"),
-         "one of the vessel's [inlets](#ways-in); otherwise give `point` and `direction`", none, inside ? Use::Unused : quiet_if(!f.inlet_auto)},
+               "the number of an inlet, as `seldinger vessel` lists them from 1"),
+         "one of the vessel's [inlets](#inlets); otherwise give `point` and `direction`", none, inside ? Use::Unused : quiet_if(!f.inlet_auto)},
         {"point", "m", vector(f.point),
          "point of entry, inside the lumen or on an opening", "*needed* without `inlet`", inside ? Use::Unused : quiet_if(f.inlet_auto)},
         {"direction", "", direction(f.direction), "direction of entry", "*needed* without `inlet`", inside ? Use::Unused : quiet_if(f.inlet_auto)},

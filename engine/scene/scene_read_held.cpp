@@ -60,7 +60,7 @@ void read_held_position(const TableReader& t, HoldSpec& hold)
     if (node->as_array()->empty()) t.fail("position", "holds no coordinate; name x, y or z, or set it to false");
 }
 
-/// What is prescribed along a coordinate that is free would have no effect.
+/// A prescribed move along a free coordinate would have no effect.
 void refuse_free_moves(const TableReader& t, const HoldSpec& hold)
 {
     for (std::size_t c = 0; c < 3; ++c) {

@@ -107,7 +107,7 @@ std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, Fe
     if (number > inlets.size())
         fail(scene, key,
              fmt::format("got {}; the vessel has {} (`seldinger vessel` lists them)", number,
-                         inlets.size() == 1 ? "one way in" : fmt::format("{} ways in", inlets.size())));
+                         inlets.size() == 1 ? "one inlet" : fmt::format("{} inlets", inlets.size())));
     const Inlet& inlet = inlets[number - 1];
     feed.point = inlet.point;
     feed.direction = inlet.direction;
@@ -156,8 +156,8 @@ public:
         const LumenPlace place = lumen().locate(feed.point);
         if (place.inside()) return check_inside_at_start(scene, k, feed, radius);
         const Vec3& p = feed.point;
-        const std::string where = place.opening >= 0 ? fmt::format("beyond way in {} of the vessel, {:.4g} mm from its rim",
-                                                                   way_in_through(vessel_.report.loops, vessel_.centreline, place.opening),
+        const std::string where = place.opening >= 0 ? fmt::format("beyond inlet {} of the vessel, {:.4g} mm from its rim",
+                                                                   inlet_through(vessel_.report.loops, vessel_.centreline, place.opening),
                                                                    1e3 * (place.nearest - p).norm())
                                                      : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
         fail(scene, key_of(scene, k, scene.instrument(k).feed.inlet_auto ? "feed.inlet" : "feed.point"),
@@ -174,8 +174,8 @@ public:
     }
 
 private:
-    /// What is inside at t = 0 lies along feed.path, or straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back what lies
-    /// behind a wall.
+    /// The inserted length at t = 0 lies along feed.path, or straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back a
+    /// wire from behind a wall.
     void check_inside_at_start(const Scene& scene, int k, const FeedSpec& feed, double radius)
     {
         const bool bent = !feed.path.empty();

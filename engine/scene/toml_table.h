@@ -46,8 +46,8 @@ public:
     [[nodiscard]] const toml::table& table() const { return table_; }
     [[nodiscard]] const toml::node* node(std::string_view key) const { return table_.get(key); }
 
-    /// Reads all keys but those with Tables and Special. What is absent stays as it is, what is needed must be there.
-    /// @param scene_file  where relative paths start, unless they are from a file of their own
+    /// Reads all keys but those with Tables and Special. An absent key leaves its member as it is; a required one is an error.
+    /// @param scene_file  where relative paths start, unless they come from an included file
     void read(const std::vector<Key>& keys, const std::filesystem::path& scene_file = {}) const;
     /// Error when a key is there that is not used; `why` names the contradiction.
     void refuse_unused(const std::vector<Key>& keys, std::string_view why) const;

@@ -106,7 +106,7 @@ void feed_to(FeedState& state, const FeedKey& end, const WireSpec& wire, RodArra
         place_in_introducer(state, wire, rods, index, fed / h, turned / h);
         return;
     }
-    // the surplus of a wire that flies apart may have any length: the base edge keeps half of its own, and gains no more
+    // the surplus of a wire that flies apart may have any length: the base edge keeps half of its length, and gains no more
     const double faded = fade_surplus(state, h), most = 0.5 * std::abs(rod.rest_length[hub - 1] + fed);
     const double taken = std::clamp(faded, -most, most);
     state.surplus += taken - faded;

@@ -56,7 +56,7 @@ struct TermTraits {
     std::vector<double> most_move;  // [wires] of any node in one Newton update, for which no wall can be jumped [m]; empty: no limit
 };
 
-/// What is evaluated.
+/// A trial to be evaluated.
 struct TermTrial {
     const TrialState& at;
     double h = 0;                          // step [s]; 0: static (no damping, friction anchored at the accepted positions)
@@ -72,7 +72,7 @@ struct ContactWork {
     ContactWork& operator+=(const ContactWork& other);
 };
 
-/// Of the step that was evaluated last.
+/// Energies of the step that was evaluated last.
 struct TermEnergies {
     ContactWork work;
     double from_outside = 0;  // work done on the wire by moving contact partners, such as a wall; not in stored [J]
@@ -91,7 +91,7 @@ struct KinksPassed {
 /// What a term is asked of a wire; what costs more is asked for alone.
 enum class Ask { Trial, Kinks, Energies };
 
-/// What it answers about the trial that was evaluated last.
+/// A term's answer about the trial that was evaluated last.
 struct TermAnswer {
     // Ask::Trial
     bool admissible = true;    // false where the force would be infinite or is not known: too deep, moved farther than was searched
@@ -102,7 +102,7 @@ struct TermAnswer {
     double rounding = 0;       // of the force on a node at most [N]: no residual is smaller. 0: nothing that counts
     KinksPassed kinks;      // Ask::Kinks
     TermEnergies energies;  // Ask::Energies
-    /// Of two terms together.
+    /// Answer of two terms together.
     TermAnswer& operator+=(const TermAnswer& other);
 };
 
@@ -141,7 +141,7 @@ public:
     // ---- the accepted state ----
     /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
     virtual void commit(std::span<const std::uint8_t> /*active*/) {}
-    /// Its rows of what must survive a step, of one wire (core/state_walk.h): the same whatever else is in the world.
+    /// Its rows of the state, for one wire (core/state_walk.h): the same whatever else is in the world.
     virtual void walk_state(StateWalk& /*walk*/, int /*wire*/) {}
 
     StageTimes times;  // where the time has gone, for whoever reads and clears it
@@ -158,7 +158,7 @@ public:
     void add(ForceTerm& term);
     /// Whether there is nothing to evaluate or to add.
     [[nodiscard]] bool empty() const { return list_.empty(); }
-    /// Of all together.
+    /// Traits of all terms together.
     [[nodiscard]] const TermTraits& traits() const { return traits_; }
     /// TermTraits::most_move; infinity: no limit.
     [[nodiscard]] double most_move(int wire) const;

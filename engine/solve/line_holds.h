@@ -28,7 +28,7 @@
 // position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is
 // let go, and held again where it comes back.
 //
-// Each acts on the arrays of its own instrument; forces on a passenger's positions go to the line's (solve/coaxial_problem.h).
+// Each acts on the arrays of its instrument; forces on a passenger's positions go to the line's (solve/coaxial_problem.h).
 
 #include "solve/coaxial_group.h"
 #include "solve/force_term.h"

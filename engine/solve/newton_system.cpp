@@ -107,7 +107,7 @@ bool NewtonSystem::keeps_factors() const
     return trials(std::max(contraction, 1e-6)) <= trials(new_factors);
 }
 
-/// Whether the equations leave so little at the trial that it may stand for a state; contact has admitted it.
+/// Whether the residual of a trial that contact has admitted is small enough for a state.
 bool NewtonSystem::can_be_state() const
 {
     if (phase_ != Phase::Search || !problem.at_prescribed()) return false;

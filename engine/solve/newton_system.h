@@ -62,7 +62,7 @@ public:
     /// Whether the solve was ended so.
     [[nodiscard]] bool cut_short() const { return cut_short_; }
 
-    /// `seen` is told of each trial when its decision has been taken. @param seen  outlives this; empty: nobody is
+    /// Calls `seen` for each trial after its decision. @param seen  outlives this; may be empty
     void watch(const std::function<void(const NewtonTrial&)>& seen) { seen_ = &seen; }
 
     /// After convergence, the terms' multipliers having changed: Newton continues from here.

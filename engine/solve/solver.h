@@ -56,13 +56,13 @@ public:
     [[nodiscard]] bool stopped() const { return stopped_; }
 
     /// `due` is called between trials. Once it returns true, a step ends at the next trial that can be a state: contact admits it, its
-    /// holds are met, and what is left of its equations moves no node by more than its radius. Not of instruments that share a
-    /// centreline.
+    /// holds are met, and its residual moves no node by more than its radius. Instruments that share a centreline are always
+    /// solved to the end.
     void cut_when(std::function<bool()> due) { due_ = std::move(due); }
     /// Residual at the end of the last step on a node of a wire [N]; 0 on one that is held.
     [[nodiscard]] Vec3 force_left(int wire, int node) const;
 
-    /// From now on `seen` is told of each trial of each system, in no order of the systems, by whatever thread. Changes no result.
+    /// Calls `seen` for each trial of each system, in no order of the systems, from any thread. Changes no result.
     void watch(std::function<void(const NewtonTrial&)> seen) { seen_ = std::move(seen); }
 
     /// Stable static equilibrium: Newton with an adaptive shift, falling back to pseudo-transient continuation; an unstable

@@ -67,7 +67,7 @@ public:
     [[nodiscard]] bool update();
     /// What terms say of each wire at the trial that they were evaluated at: WireProblem::terms.
     void ask(const ForceTerms& terms);
-    /// Of all wires together, see TermAnswer.
+    /// Answer for all wires together, see TermAnswer.
     [[nodiscard]] bool admissible() const;
     [[nodiscard]] double open() const;
     [[nodiscard]] double largest_force() const;

@@ -103,7 +103,7 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
             throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
                                                         "results.csv; leave `name` out of what is varied",
                                                         source.sweep.source.string(), run));
-        // a wall's mesh follows the path of its own run (run/wall_path.h): nothing else goes with it
+        // a wall's mesh follows the path of its run (run/wall_path.h): such a run shares no world
         const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
         const std::string key = own_wall ? fmt::format("{}", run) : shared_part(std::move(scene), first);
         const auto [at, is_new] = open.try_emplace(key, worlds.size());

@@ -15,7 +15,7 @@ constexpr std::size_t most_named = 2;  // runs that the best is not told apart f
 
 double number(const BatchRow& row, std::string_view column) { return row.numbers[column_index(column)]; }
 
-/// "ended in branch 3 (1 run), left the vessel through way in 2 (1 run)"; empty where no centreline tells them apart.
+/// "ended in branch 3 (1 run), left the vessel through inlet 2 (1 run)"; empty where no centreline tells them apart.
 std::string ends_line(const BatchAnswer::Ends& ends)
 {
     std::string text;
@@ -24,8 +24,8 @@ std::string ends_line(const BatchAnswer::Ends& ends)
     if (!known) return text;
     for (const auto& [branch, count] : ends.branches)
         text += fmt::format("{}{} {}", text.empty() ? "ended " : ", ", branch == 0 ? "before any branch" : fmt::format("in branch {}", branch), runs(count));
-    for (const auto& [way_in, count] : ends.left)
-        text += fmt::format("{}left the vessel through way in {} {}", text.empty() ? "" : ", ", way_in, runs(count));
+    for (const auto& [inlet, count] : ends.left)
+        text += fmt::format("{}left the vessel through inlet {} {}", text.empty() ? "" : ", ", inlet, runs(count));
     return text;
 }
 
@@ -61,8 +61,8 @@ std::string best_line(const Sweep& sweep, const BatchLayout& layout, const Batch
 
 void BatchAnswer::Ends::take_in(const BatchRow& row)
 {
-    const int way_in = static_cast<int>(number(row, "left_through"));
-    if (way_in > 0) ++left[way_in];
+    const int inlet = static_cast<int>(number(row, "left_through"));
+    if (inlet > 0) ++left[inlet];
     else ++branches[static_cast<int>(number(row, "branch"))];
 }
 

@@ -20,7 +20,7 @@ struct BatchAnswer {
     std::vector<std::size_t> rising;                // of those, whose force still rose when the target was reached
     struct Ends {
         std::map<int, std::size_t> branches;        // runs whose tip ended in a branch, 0: before any
-        std::map<int, std::size_t> left;            // runs whose tip is outside, by the way in that it left through
+        std::map<int, std::size_t> left;            // runs whose tip is outside, by the inlet that it left through
         void take_in(const BatchRow& row);
     };
     Ends ends, missed;                              // of all; without the ones that reached the target

@@ -120,7 +120,7 @@ const char* column_kind_word(ColumnKind kind)
 
 VesselPlaces::VesselPlaces(const Centreline& centreline, std::vector<BoundaryLoop> loops) : branches(centreline), openings(std::move(loops))
 {
-    for (std::size_t k = 0; k < openings.size(); ++k) way_in.push_back(way_in_through(openings, centreline, static_cast<int>(k)));
+    for (std::size_t k = 0; k < openings.size(); ++k) inlet.push_back(inlet_through(openings, centreline, static_cast<int>(k)));
 }
 
 BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally, const VesselPlaces& places)
@@ -140,7 +140,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     const auto whole = [](std::int64_t count) { return static_cast<double>(count); };
     row.numbers = {whole(place.branch),
                    place.depth,
-                   whole(opening < 0 ? 0 : places.way_in[static_cast<std::size_t>(opening)]),
+                   whole(opening < 0 ? 0 : places.inlet[static_cast<std::size_t>(opening)]),
                    whole(score.reached),
                    whole(score.reached && !score.failed),
                    score.reached ? score.reached_at_m : never,

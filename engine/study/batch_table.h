@@ -129,7 +129,7 @@ struct BatchLayout {
 struct VesselPlaces {
     Branches branches;
     std::vector<BoundaryLoop> openings;
-    std::vector<int> way_in;  // [openings] number, from 1, of the way in through each
+    std::vector<int> inlet;  // [openings] number, from 1, of the inlet through each
     VesselPlaces() = default;
     VesselPlaces(const Centreline& centreline, std::vector<BoundaryLoop> loops);
 };

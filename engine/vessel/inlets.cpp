@@ -58,7 +58,7 @@ void bring_forward(std::vector<Inlet>& inlets, const Inlet& first)
     if (at != inlets.end()) std::rotate(inlets.begin(), at, at + 1);
 }
 
-/// Short tips beside each other lead to one place of the lumen: one way in.
+/// Short tips beside each other lead to one place of the lumen: one inlet.
 std::vector<Inlet> without_copies(const std::vector<Inlet>& all)
 {
     std::vector<Inlet> kept;
@@ -97,7 +97,7 @@ std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const 
     return without_copies(inlets);
 }
 
-int way_in_through(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, int opening)
+int inlet_through(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, int opening)
 {
     const std::vector<Inlet> inlets = find_inlets(openings, centreline);
     const auto at = std::ranges::find(inlets, opening, &Inlet::opening);

@@ -1,5 +1,5 @@
 #pragma once
-// Ways into the vessel: its openings, or the ends of a closed one.
+// Inlets of the vessel: its openings, or the ends of a closed one.
 
 #include "vessel/centreline.h"
 #include "vessel/inside.h"
@@ -24,13 +24,13 @@ struct Inlet {
 /// once. Empty without centreline and openings.
 [[nodiscard]] std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
-/// Number, from 1, of the way in through an opening; 0: it is none.
-[[nodiscard]] int way_in_through(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, int opening);
+/// Number, from 1, of the inlet through an opening; 0: it is none.
+[[nodiscard]] int inlet_through(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, int opening);
 
 /// Its place in metres and millimetres, its radius and its kind, in words.
 [[nodiscard]] std::string describe(const Inlet& inlet);
 
-/// The first of them. @throws Error BadFile when the vessel has no way in
+/// The first of them. @throws Error BadFile when the vessel has no inlet
 [[nodiscard]] Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
 }  // namespace seldinger

@@ -65,7 +65,7 @@ std::vector<std::string> VesselParts::describe_choice(int part) const
     if (parts_.size() > 5) others += fmt::format(" and {} smaller ones", parts_.size() - 5 - (entered >= 5 ? 1 : 0));
     lines.push_back("the others: " + others);
     if (entered > 0 && !parts_[0].obstacle)
-        lines.push_back(fmt::format("part 1 is larger than the part that is entered. Fix: take a way in that leads into it, or join the parts in the segmentation"));
+        lines.push_back(fmt::format("part 1 is larger than the part that is entered. Fix: take an inlet that leads into it, or join the parts in the segmentation"));
     return lines;
 }
 

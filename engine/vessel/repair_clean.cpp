@@ -216,7 +216,7 @@ private:
     std::size_t used_ = 0;
 };
 
-/// Of each vertex the earlier one that it is welded to, or itself.
+/// For each vertex, the earlier vertex that it is welded to, or itself.
 std::vector<std::int32_t> weld_targets(const std::vector<Vec3>& vertices, double tolerance, const Vec3& low)
 {
     constexpr std::size_t ahead = 32;

@@ -1,4 +1,4 @@
-// Vessels with a wall of a thickness: an outer and an inner shell, each a part of its own or joined by rims. The wire is in the inner.
+// Vessels with a wall of a thickness: an outer and an inner shell, as separate parts or joined by rims. The wire is in the inner.
 #include "vessel/mesh_components.h"
 #include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"

@@ -71,7 +71,7 @@ struct TreeDivision {
 /// The same tree again. Nothing where the division is not one of this mesh. O(T)
 [[nodiscard]] std::optional<WallTree> divided_wall_tree(const WallMesh& mesh, TreeDivision division);
 
-/// Bounds for many queries from afar, the root's first: a third of the time on fine meshes, with the same answers.
+/// Bounds for many queries from afar, the root's first: 33 % of the time on fine meshes, with the same answers.
 [[nodiscard]] std::vector<TreeQuad> make_quads(const WallTree& tree);
 
 struct TreeHit {

@@ -53,7 +53,7 @@ double ray_triangle(const Vec3& origin, const Vec3& direction, const Triangle3& 
     return ac.dot(q) / det;
 }
 
-/// Goes down the tree from the root, nearer parts first, and leaves out what is farther than the best so far.
+/// Descends the tree from the root, nearer parts first, and skips parts farther away than the best so far.
 struct NearestSearch {
     using Four = Eigen::Array4f;
 
@@ -108,7 +108,7 @@ struct NearestSearch {
         }
     }
 
-    /// Bounds in float, lowered by their rounding (tree_quads.cpp): what they exclude is farther in double, too.
+    /// Bounds in float, lowered by their rounding (tree_quads.cpp): parts that they exclude are farther away in double, too.
     void by_quads(std::span<const TreeQuad> quads)
     {
         struct Entry {
@@ -161,7 +161,7 @@ private:
 
     static Four four(const float (&values)[4]) { return Eigen::Map<const Four, Eigen::Aligned16>(values); }
 
-    /// Of the point from the quad's descendants, never more than in truth.
+    /// Squared distances of the point from the quad's descendants, never more than the true ones.
     static Four quad_distance2(const TreeQuad& quad, const float (&p)[3])
     {
         const Four x = p[0] - four(quad.centre[0]), y = p[1] - four(quad.centre[1]), z = p[2] - four(quad.centre[2]);

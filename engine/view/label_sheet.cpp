@@ -23,7 +23,7 @@ std::uint32_t colour_of(std::size_t instrument) { return colours[instrument % st
 
 LabelSheet::Pick LabelSheet::pick(std::size_t i, std::size_t count, std::size_t frames, std::size_t views)
 {
-    // first and last where there are enough; else blocks of the same one, within which the other goes on
+    // first and last where there are enough; else blocks of the same one, within which the other advances
     const auto spread = [&](std::size_t all) {
         return all >= count && count > 1 ? i * (all - 1) / (count - 1) : i * all / count;
     };

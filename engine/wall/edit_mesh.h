@@ -69,7 +69,7 @@ public:
     [[nodiscard]] bool can_flip(std::int32_t h) const;
     void flip(std::int32_t h);
 
-    /// Closes the holes. @return where each vertex has gone, -1: it was no longer there
+    /// Closes the holes. @return new index of each vertex, -1: it had been removed
     std::vector<std::int32_t> compact();
     [[nodiscard]] std::vector<std::array<std::int32_t, 3>> triangles() const;  // after compact()
     /// Vertex of the mesh that each vertex stood for at the start.

@@ -56,7 +56,7 @@ std::string millimetres(double length) { return fmt::format("{:.2g} mm", 1e3 * l
 
 namespace {
 
-/// Of the same size everywhere, but for narrow branches, with at most so many vertices.
+/// One edge length everywhere but in narrow branches, for at most `most` vertices.
 WallEdge even_edge(const WallModel& wall, const WallSamples& samples, double most)
 {
     const double radius = wall.typical_lumen_radius, third = radius / 3;

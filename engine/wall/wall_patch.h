@@ -17,7 +17,7 @@ public:
     /// Uses this factor from now on and forgets the columns of another one.
     void use(std::shared_ptr<const WallFactor> factor);
     [[nodiscard]] const WallFactor& factor() const { return *factor_; }
-    /// Between steps: forgets all of them if there are many, most of which are no longer touched.
+    /// Between steps: forgets all of them if there are many and most are not touched.
     void trim();
     /// Place of a vertex among those that have been asked for.
     [[nodiscard]] int slot(std::int32_t vertex)

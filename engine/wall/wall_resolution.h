@@ -25,7 +25,7 @@ struct WallMeshBand {
 [[nodiscard]] WallMeshBand wall_mesh_band(double edge, double decay, bool plane);
 
 /// Under a line load q [N/m] the moment has a peak with a corner, q lambda/4 of a plate on its bed [Hetenyi46]. Elements of edge l
-/// cut off about q l/18 of it: that is what is left to the closed form on planes with l of 0.25 to 0.9 lambda, within 3 % of the whole
+/// cut off about q l/18 of it: that is the rest against the closed form on planes with l of 0.25 to 0.9 lambda, within 3 % of the whole
 /// (contact/test_yielding_wall). With it the von Mises stress at the surface is larger by 6/t^2 sqrt(1 - nu + nu^2) q l/18.
 struct LostPeak {
     double stress = 0, band = 0;  // [Pa]; ± of the sum: 3/4 of it, of edges beyond the decay length more

@@ -1,4 +1,4 @@
-// Of the watch over a wire's energy, what a run resumes from.
+// State of the watch over a wire's energy, from which a run resumes.
 
 #include "core/state_walk.h"
 #include "world/energy_audit.h"

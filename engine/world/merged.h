@@ -14,8 +14,8 @@
 // line's material is the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of
 // material and remeshing.
 //
-// Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Slip is that
-// of its own material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
+// Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Its slip is that
+// of the instrument's material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
 // Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed
 // offsets. The term a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand

@@ -36,7 +36,7 @@ void read_overlap(WireResult& result, const RodView& rod)
     result.overlap_at = (rod.pos(edge) + rod.pos(edge + 1)) / 2;
 }
 
-/// Without readings; what it holds of memory stays.
+/// Removes the readings and keeps the memory.
 void clear(WireResult& result)
 {
     std::vector<Vec3> forces = std::move(result.nodal_contact);

@@ -10,7 +10,7 @@ namespace seldinger {
 
 class SystemList {
 public:
-    /// @param sizes  instruments of each system; empty: each instrument is a system of its own
+    /// @param sizes  instruments of each system; empty: each instrument is a separate system
     SystemList(int wires, std::span<const int> sizes) : wires_(wires), of_(wires), retired_(wires, 0)
     {
         std::iota(wires_.begin(), wires_.end(), 0);

@@ -86,7 +86,7 @@ MergedGroups::~MergedGroups() = default;
 
 namespace {
 
-/// Each wire where its scene puts it, with its holds; of a group only that it has none of its own.
+/// Places each wire as its scene says, with its holds. Instruments of a group get no rods here.
 void place_wires(WorldData& world)
 {
     const int count = world.wire_count();

@@ -176,7 +176,7 @@ void check_request(const WorldData& world, const Control& control, double dt);
 /// Whether nodes of a wire come and go by themselves (nodes = "adaptive").
 [[nodiscard]] bool nodes_adapt(const WireSetup& setup);
 
-// ---- world_state.cpp: what must survive a step, row by row (core/state_walk.h)
+// ---- world_state.cpp: the state, row by row (core/state_walk.h)
 
 /// What a failed attempt returns to.
 void keep_wire(WorldData& world, int wire);

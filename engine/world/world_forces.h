@@ -1,6 +1,6 @@
 #pragma once
-// What acts on the wires of a world, wall and device included. All of it is made once; what changes in it is the memory of its
-// force terms (ForceTerm::walk_state).
+// All that acts on the wires of a world, wall and device included. It is made once; only the memory of its force terms changes
+// (ForceTerm::walk_state).
 
 #include "contact/contact_row.h"
 #include "contact/contact_setup.h"

@@ -133,8 +133,8 @@ SEL_FN Footprint footprint(real depth, real per_metre, real slope, const LawCont
 #define SEL_FACING ((real)0.7)  // |g| below which facets face each other: a square corner's is 0.707 between its two walls
 
 // Unit normal of the wall at a contact point: that of g, the gradient of the gap. In a lumen as narrow as the wire the facets of one
-// side face each other, and g is what they have in common: it may point along the wire, away from all of them. Then the axis of the
-// side takes the place of what has cancelled (opposite_wall.h).
+// side face each other, and g is their common part: it may point along the wire, away from all of them. Then the axis of the
+// side takes the place of the parts that have cancelled (opposite_wall.h).
 SEL_FN vec3 wall_normal(ContactPoint contact, vec3 tangent)
 {
     const vec3 g = contact.normal;

@@ -26,7 +26,7 @@ typedef struct ContactStage {
 #define SEL_STAGE_REALS 304
 typedef char stage_has_room[sizeof(ContactStage) <= SEL_STAGE_REALS * sizeof(real) ? 1 : -1];
 
-// A quadrature point in a stage, and what it moves by.
+// A quadrature point in a stage, and its movement.
 typedef struct StagedPoint {
     PointView point;
     ContactParams par;
@@ -94,7 +94,7 @@ SEL_FN void stage_ridge(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
     if (stage->side[side].found && of.point.model.ridges > 0) add_ridge(&stage->side[side], of.ball, of.point.near);
 }
 
-// Of the records and the force, before either side adds to them.
+// Clears the records and the force before either side adds to them.
 SEL_FN void start_force(StagedPoint of, SEL_OUT ContactStage* stage, SEL_GLOBAL ContactState* states, SEL_OUT ContactForce* out)
 {
     const int found = stage->side[0].found;

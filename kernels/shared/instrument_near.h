@@ -146,8 +146,8 @@ SEL_FN real cells_apart(CellAxes axes, uint a, uint b)
 }
 
 // Whether the axis advances along the chord of a stretch everywhere by `share` of its material at least. A point of the curve moves by a
-// mean of two neighbouring edges, and its material coordinate by the same mean of their lengths. So each edge that acts on the
-// stretch is looked at.
+// mean of two neighbouring edges, and its material coordinate by the same mean of their lengths. So every edge that acts on the
+// stretch is checked.
 SEL_FN int is_straight(SplineView rod, real from, real until, real share)
 {
     uint first = edge_of_material(rod, from), end = first;

@@ -361,7 +361,7 @@ SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, r
 
 // ---- quadrature ------------------------------------------------------------------------------------------------------------------
 //
-// A quarter of a cell that touches all along has three points of Gauss-Legendre, fixed in the material: what they exert is smooth in the nodes, with an
+// A quarter of a cell that touches all along has three points of Gauss-Legendre, fixed in the material: their forces are smooth in the nodes, with an
 // exact tangent. Where the gap is none at an end of it they take depth^(3/2) to 5e-4 of the little that such a quarter bears.
 //
 // Elsewhere the slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. If that is whole,

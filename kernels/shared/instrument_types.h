@@ -2,7 +2,7 @@
 //
 // A rod is divided into cells of about two radii, fixed in its material, so that what a contact carries from step to step
 // (elastic slip, approach speed) lives on material. Contact is searched for from the cells of one rod, a, to the curve of another,
-// b, or to a distant part of its own. One cell may touch several stretches of b, each in a slot.
+// b, or to a distant part of the same rod. One cell may touch several stretches of b, each in a slot.
 #ifndef SEL_SHARED_INSTRUMENT_TYPES_H
 #define SEL_SHARED_INSTRUMENT_TYPES_H
 #include "shared/contact_types.h"

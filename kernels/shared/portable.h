@@ -2,7 +2,7 @@
 //
 // `real` is the arithmetic of the kernels: double where the device has fp64 (default), float with SEL_FLOAT32.
 // Gaps must be right to 0.01 um in vessels of 0.3 m. So wire points come as hi (float) + lo (real), and everything is computed
-// relative to a float origin near the segment. A difference of two floats is rounded once, to 6e-8 of its own (millimetre) size.
+// relative to a float origin near the segment. A difference of two floats is rounded once, to 6e-8 of its (millimetre) size.
 #ifndef SEL_SHARED_PORTABLE_H
 #define SEL_SHARED_PORTABLE_H
 
@@ -62,7 +62,7 @@ typedef double3 vec3;
 
 SEL_BEGIN
 
-// Where laws add up their records. On a CPU, where an item is a work-group, a kernel has them in variables of its own. On a graphics
+// Where laws add up their records. On a CPU, where an item is a work-group, a kernel has them in private variables. On a graphics
 // card they would take 150 registers, so they are added up in memory. A file of kernels may set it before this header.
 #ifndef SEL_SUMS_IN_MEMORY
     #if defined(__cplusplus) || SEL_WORKGROUP == 1

@@ -11,7 +11,7 @@
 
 SEL_BEGIN
 
-// A listed node is a leaf, or no longer than this many radii in any direction.
+// A listed node is a leaf, or at most this many radii long in any direction.
 #define SEL_NEAR_NODE_SIZE 2
 
 // Leaves out boxes by rounded distances: by this fraction too few, so that none is left out that a triangle's own rounded
@@ -165,7 +165,7 @@ SEL_FN int is_longer(TreeNode node, real size)
     return x > size || y > size || z > size;
 }
 
-// Nodes no longer than `size` that hold every triangle within `range` of p (relative to `origin`), in the tree's own order.
+// Nodes of at most `size` that hold every triangle within `range` of p (relative to `origin`), in the tree's own order.
 // Writes at most `slots` of them; @return how many there are; 0 where no triangle is within range, however near the boxes are
 SEL_FN uint find_near_nodes(AxisPoint at, real range, real size, WallView wall, uint slots, SEL_GLOBAL uint* found)
 {

@@ -1,4 +1,4 @@
-// What a quadrature point remembers of the wall from one evaluation to the next, on devices that evaluate a point as a whole. Between
+// Memory of the wall that a quadrature point keeps from one evaluation to the next, on devices that evaluate a point in one item. Between
 // two trials, and from step to step, a point moves by a small part of the radius. Meanwhile the same few triangles can be the nearest,
 // and there is the same room beyond the axis. A walk through the tree notes them, with their distances:
 //   * every triangle within `range` of `at`. At p, moved by m, a triangle at the distance d is between d - m and d + m away, and
@@ -7,7 +7,7 @@
 //   * `clear`: within radius + reach + clear of `clear_at` the wall keeps, along clear_side, that distance behind the axis:
 //     (clear_at - x) . clear_side >= clear for all its points x. At p, with another side, a point within the reach that counts has
 //     (p - x) . side >= clear - m - |side - clear_side| (radius + reach + m). While that is not below 0 there is no opposite wall.
-// Triangles are noted in the tree's order, in which they are looked at again. Holds knowledge of the wall only: results have the same
+// Triangles are noted in the tree's order, and tested again in that order. Holds knowledge of the wall only: results have the same
 // bits with it and without (tests/contact/test_wall_memory.cpp).
 #ifndef SEL_SHARED_WALL_MEMORY_H
 #define SEL_SHARED_WALL_MEMORY_H
@@ -46,7 +46,7 @@ SEL_FN real listed_range(vec3 p, real radius, SEL_GLOBAL const Clearance* known)
     return known->range - distance_of(p, known->list_at) - SEL_CLEARANCE_MARGIN * radius;
 }
 
-// A point at an evaluation, and what it remembers.
+// A point at an evaluation, and its memory.
 typedef struct Recall {
     SEL_GLOBAL WallMemory* memory;  // 0: none
     SEL_GLOBAL const Clearance* known;

@@ -164,7 +164,7 @@ StepReport Handle::settle()
     return report;
 }
 
-/// The state is about to change; who holds its output keeps it.
+/// The state is about to change; holders of its output keep it.
 void Handle::forget_output()
 {
     if (output_) spare_ = std::move(output_);

@@ -142,7 +142,7 @@ TEST_SUITE("apps/bad_input")
         refused(folder, "run outside.toml -o D", 2, "feed.point: [0.02, 0.007, 0] is 2 mm outside the lumen");
         folder.write("before.toml", mesh_scene("tube.obj", "mm", "point = [-0.004, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
         refused(folder, "check before.toml", 2, "feed.point");
-        // a plane has no way in
+        // a plane has no inlet
         std::string plane = mesh_scene("tube.obj");
         const std::size_t at = plane.find("mesh ="), end = plane.find("[feed]");
         folder.write("plane.toml", plane.replace(at, end - at, "shape = \"plane\"\nsize_m = 1.0\n"));

@@ -57,7 +57,7 @@ TEST_SUITE("apps/init_command")
             CAPTURE(made.err);
             REQUIRE(made.code == 0);
             CHECK(has(made.out, fmt::format("units \"{}\"", unit)));
-            CHECK(has(made.out, "way in 1: "));
+            CHECK(has(made.out, "inlet 1: "));
             CHECK(has(made.out, "terumo-angled-035"));  // 0.89 mm in a lumen of 5 mm radius: the thickest of the usual passes
             const std::string scene = slurp(folder.path / fmt::format("s-{}.toml", unit));
             CHECK(has(scene, fmt::format("units = \"{}\"", unit)));
@@ -109,7 +109,7 @@ TEST_SUITE("apps/init_command")
         CHECK(run_app(folder, "check asked.toml").code == 0);
     }
 
-    TEST_CASE("property: axes in the header set the patient, gravity lies along the back, and every way in has its reason")
+    TEST_CASE("property: axes in the header set the patient, gravity lies along the back, and every inlet has its reason")
     {
         const ScratchFolder folder;
         std::string bytes = slurp(made_mesh(folder));
@@ -122,7 +122,7 @@ TEST_SUITE("apps/init_command")
         REQUIRE(made.code == 0);
         CHECK(has(made.out, "axes: The file says SPACE=RAS"));
         CHECK(has(made.out, "<- taken, the widest end"));
-        CHECK(has(made.out, "way in 2: "));
+        CHECK(has(made.out, "inlet 2: "));
         CHECK(has(made.out, "; about as wide"));
         const std::string scene = slurp(folder.path / "ras.toml");
         CHECK(has(scene, "gravity = [0, -9.81, 0]"));
@@ -154,7 +154,7 @@ TEST_SUITE("apps/init_command")
         refused("init mm.stl -o mine.toml", 2, "--overwrite");
         CHECK(slurp(folder.path / "mine.toml") == "precious");
         refused("init mm.stl -o x.toml --instrument terumo-angled-35", 2, "terumo-angled-035");
-        refused("init mm.stl -o x.toml --inlet 3", 2, "2 ways in");
+        refused("init mm.stl -o x.toml --inlet 3", 2, "2 inlets");
         refused("init mm.stl -o x.toml --units furlong", 2, "furlong");
         refused("init huge.stl -o x.toml", 2, "--units");
         refused("init gone.stl -o x.toml", 3, "gone.stl");
@@ -177,7 +177,7 @@ TEST_SUITE("apps/init_command")
         CHECK(has(thick.err, "the wire's 6 mm"));
         const AppResult none = run_app(folder, "check s.toml --set feed.inlet=7");
         CHECK(none.code == 2);
-        CHECK(has(none.err, "2 ways in"));
+        CHECK(has(none.err, "2 inlets"));
         // the fault is named by its meaning
         const AppResult diameter = run_app(folder, "check s.toml --set wire.diameter_in=0.035");
         CHECK(diameter.code == 2);

@@ -62,13 +62,13 @@ TEST_SUITE("apps/readings")
         REQUIRE(a["left_through"].size() == 1);
         CHECK(a["left_through"][0]["centre_m"][0].get<double>() == about(0.04).epsilon(1e-6));
         CHECK(a["left_through"][0]["left_s"].get<double>() == about(0.33).epsilon(0.02));
-        CHECK(with.out.find("left through way in") != std::string::npos);
+        CHECK(with.out.find("left through inlet") != std::string::npos);
         CHECK(a["outside_max_m"].get<double>() == 0);
         CHECK(a["contact_regions_max"].get<int>() >= 1);
         CHECK(a["force_per_length_max_n_per_m"].get<double>() > 0);
     }
 
-    TEST_CASE("property: of a batch, the table and the last line say which tip left through which way in")
+    TEST_CASE("property: of a batch, the table and the last line say which tip left through which inlet")
     {
         const ScratchFolder folder;
         folder.write("t.toml", through);
@@ -76,11 +76,11 @@ TEST_SUITE("apps/readings")
         const AppResult result = run_app(folder, "batch t.toml --vary v.toml -o out");
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
-        CHECK(result.out.ends_with("tips ended in branch 1 (1 run), left the vessel through way in 2 (1 run)\n"));
+        CHECK(result.out.ends_with("tips ended in branch 1 (1 run), left the vessel through inlet 2 (1 run)\n"));
         const auto summary = nlohmann::json::parse(slurp(folder.path / "out/summary.json"));
         CHECK(summary["branches"] == nlohmann::json{{"1", 1}});
         CHECK(summary["left_through"] == nlohmann::json{{"2", 1}});
-        CHECK(run_app(folder, "vessel t.toml").out.find("way in 2: [0.04") != std::string::npos);
+        CHECK(run_app(folder, "vessel t.toml").out.find("inlet 2: [0.04") != std::string::npos);
     }
 
     TEST_CASE("property: a tip on the closed end of a mesh is a warning with place and time; one that stops before it is none")

@@ -47,16 +47,16 @@ TEST_SUITE("run/exits")
         CHECK(tally.exit[0].back == 0);
         CHECK(outside_through(tally, 0) == tube.at(0.1));
         CHECK(outside_through(tally, 1) == -1);
-        // as people count them: the way in at the centreline's root, x = 0, is the first, whatever the order of the mesh's loops
-        CHECK(way_in_through(tube.openings, tube.vessel.centreline, tube.at(0)) == 1);
-        CHECK(way_in_through(tube.openings, tube.vessel.centreline, tube.at(0.1)) == 2);
-        CHECK(way_in_through(tube.openings, tube.vessel.centreline, -1) == 0);
+        // as people count them: the inlet at the centreline's root, x = 0, is the first, whatever the order of the mesh's loops
+        CHECK(inlet_through(tube.openings, tube.vessel.centreline, tube.at(0)) == 1);
+        CHECK(inlet_through(tube.openings, tube.vessel.centreline, tube.at(0.1)) == 2);
+        CHECK(inlet_through(tube.openings, tube.vessel.centreline, -1) == 0);
         Scene scene;
         const auto sentences = exit_sentences(tally, tube.openings, tube.vessel.centreline, scene);
         REQUIRE(sentences.size() == 1);
         CHECK(sentences[0].find("2.2 s") != std::string::npos);
         CHECK(sentences[0].find("radius 5 mm") != std::string::npos);
-        CHECK(sentences[0].find("left through way in 2 ([0.1,") != std::string::npos);
+        CHECK(sentences[0].find("left through inlet 2 ([0.1,") != std::string::npos);
         watch_exits(tally, tip_at({0.09, 0.001, 0}), tube.openings, tube.vessel.mesh, 3.0);
         CHECK(tally.count == 1);
         CHECK(tally.exit[0].back == 3.0);

@@ -1,4 +1,4 @@
-// Which way in `seldinger init` takes, in which unit, and its message for a mesh that is no vessel.
+// Which inlet `seldinger init` takes, in which unit, and its message for a mesh that is no vessel.
 #include "core/error.h"
 #include "io/mesh_file.h"
 #include "scene/access.h"

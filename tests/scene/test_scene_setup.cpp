@@ -109,7 +109,7 @@ TEST_SUITE("scene/scene_setup")
         CHECK(message.find("feed.point") != std::string::npos);
         CHECK(message.find("2.5 mm outside the lumen") != std::string::npos);
         const std::string before = message_of(scene_text(arc, "point = [-0.01, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
-        CHECK_MESSAGE(before.find("beyond way in 1 of the vessel") != std::string::npos, before);
+        CHECK_MESSAGE(before.find("beyond inlet 1 of the vessel") != std::string::npos, before);
     }
 
     TEST_CASE("property: a point inside, on an opening, or beside a plane is accepted")

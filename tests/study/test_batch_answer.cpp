@@ -104,15 +104,15 @@ TEST_SUITE("study/batch_answer")
         CHECK(line(free, {row(0, false, false, 0, 0)}).empty());
     }
 
-    TEST_CASE("property: a tip that left the vessel ended in no branch, and the line says by which way in")
+    TEST_CASE("property: a tip that left the vessel ended in no branch, and the line says by which inlet")
     {
         std::vector<BatchRow> rows = {row(0, true, true, 0.10), row(1, false, false, 0.1, 3), row(2, false, false, 0.1, 3)};
         rows[2].numbers[column_index("left_through")] = 2;
         CHECK(line(layout(false), rows).starts_with("1 of 3 reached left subclavian, the others ended in branch 3 (1 run), "
-                                                    "left the vessel through way in 2 (1 run); least peak"));
+                                                    "left the vessel through inlet 2 (1 run); least peak"));
         BatchLayout free = layout(false);
         free.task = false;
-        CHECK(line(free, {rows[2]}) == "tips left the vessel through way in 2 (1 run)");
+        CHECK(line(free, {rows[2]}) == "tips left the vessel through inlet 2 (1 run)");
     }
 
     TEST_CASE("analytic: as many digits as the band leaves")

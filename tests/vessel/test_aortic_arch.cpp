@@ -78,7 +78,7 @@ TEST_SUITE("vessel/aortic_arch")
         CHECK(mesh.triangles == again.triangles);
     }
 
-    TEST_CASE("property: a scene's axis, normal and origin carry it along; the way in is the descending aorta")
+    TEST_CASE("property: a scene's axis, normal and origin carry it along; the inlet is the descending aorta")
     {
         VesselSpec spec;
         spec.shape = VesselShape::Arch;

@@ -62,7 +62,7 @@ public:
     /// state is that before the step, bit for bit. A step that is divided many times can take minutes. Not part of the saved state.
     void stop_when(std::function<bool()> asked);
     /// `due` is called between the trials of Newton's method. Once it returns true, the step ends with StepCutShort at the next trial that
-    /// can be a state: contact admits it, holds are met, and what is left of the equations moves no node by more than its radius.
+    /// can be a state: contact admits it, holds are met, and the residual moves no node by more than its radius.
     /// The next step takes the forces that were left back, so momentum is late by a step and not lost. Part of the saved state where
     /// there are such forces; `due` is not. Instruments that share a centreline are always solved to the end.
     void cut_when(std::function<bool()> due);
@@ -72,8 +72,8 @@ public:
     [[nodiscard]] WallMechanics wall_mechanics() const;
     /// How far the finite length of a wire's edges has its tip from its position, estimated from its shape (rod/adapt.h) [m].
     [[nodiscard]] double node_error(int wire) const;
-    /// Bending energy of a wire, and how far the finite length of its edges has it from that of a smooth one (rod/adapt.h). Zeros of an
-    /// instrument that has no nodes of its own, because it shares another's centreline.
+    /// Bending energy of a wire, and how far the finite length of its edges has it from that of a smooth one (rod/adapt.h). Zeros for an
+    /// instrument without nodes, because it shares another's centreline.
     [[nodiscard]] BendingError bending_error(int wire) const;
     /// How the last step() or settle() went.
     [[nodiscard]] const WireReport& report(int wire) const;

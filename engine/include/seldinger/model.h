@@ -22,7 +22,7 @@ struct WireSetup {
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;
     std::string start;  // what was done to have it start inside the lumen, for World::model(); empty: nothing
-    std::string inlet;  // which way in was taken, likewise
+    std::string inlet;  // the inlet and why it was taken, for World::model(); empty: none
     std::string name;   // in messages and files; empty: the only one, or told apart by its number
 };
 

@@ -1,5 +1,5 @@
 // Draws the wall, then arrows, numbers and a list over it.
-#include "view/ways_in.h"
+#include "view/inlet_picture.h"
 
 #include "io/png_write.h"
 #include "view/canvas.h"
@@ -35,7 +35,7 @@ void draw_number(Canvas& canvas, const Font& font, double x, double y, int numbe
 
 }  // namespace
 
-void draw_ways_in(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets, const std::vector<Vec3>& branches,
+void draw_inlets(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets, const std::vector<Vec3>& branches,
                   int chosen)
 {
     Look look;

@@ -1,5 +1,5 @@
 #pragma once
-// A picture of a vessel with its ways in and its branches, numbered: which one a scene enters by, which one a task is to reach.
+// A picture of a vessel with its inlets and its branches, numbered: which one a scene enters by, which one a task is to reach.
 
 #include "vessel/inlets.h"
 #include "vessel/wall_mesh.h"
@@ -12,7 +12,7 @@ namespace seldinger {
 /// @param branches  ends of the branches, in the order of their numbers (vessel/branches.h); the trunk's own end is the last
 /// @param chosen    of `inlets`, counted from 1: drawn in another colour
 /// @throws Error NoDevice (no off-screen OpenGL), BadFile (no font; cannot be written)
-void draw_ways_in(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets, const std::vector<Vec3>& branches,
+void draw_inlets(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets, const std::vector<Vec3>& branches,
                   int chosen);
 
 }  // namespace seldinger
