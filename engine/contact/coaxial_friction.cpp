@@ -25,7 +25,7 @@ void CoaxialFriction::add(CoaxialGroup& group, const CoaxialFrictionSpec& spec, 
     Group made;
     made.shared = &group;
     made.spec = spec;
-    if (spec.pressed()) made.frames = RodFrames(rods_.capacity(group.line()));
+    if (spec.pressed()) made.frames = coaxial_frames(rods_.capacity(group.line()));
     for (int inner = 1; inner < group.count(); ++inner)
         for (int outer = 0; outer < inner; ++outer) {  // next to each other where those between them do not reach
             Pair pair;

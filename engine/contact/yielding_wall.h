@@ -57,8 +57,8 @@ public:
     /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.
     void carry_back(RodArrays& rods, int wire);
     /// Nodes of the accepted state between whose neighbours the wall's move is not linear: without them the wire would be carried
-    /// elsewhere at once, to places deeper in the wall than its law bears.     @param bowed  [n] flags, set anew
-    void note_bowed(RodArrays& rods, int wire, std::vector<std::uint8_t>& bowed) const;
+    /// elsewhere at once, to places deeper in the wall than its law bears.     @param bowed  [n] flags, set there
+    void note_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const;
     /// Farthest that the wall has moved under a wire of this system, of 20 % of the lumen's radius there [-].
     [[nodiscard]] double move_share(int system) const;
 

@@ -98,7 +98,7 @@ void YieldingWall::System::note_ends(int first, int count)
     }
 }
 
-void YieldingWall::note_bowed(RodArrays& rods, int wire, std::vector<std::uint8_t>& bowed) const
+void YieldingWall::note_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const
 {
     const System& system = of(wire);
     const RodView rod = rods.view(wire);
@@ -107,11 +107,10 @@ void YieldingWall::note_bowed(RodArrays& rods, int wire, std::vector<std::uint8_
         const Vec3 x(end.x), y(end.y);
         return x == rod.pos(i) ? Vec3(x - y) : Vec3::Zero();
     };
-    bowed.assign(static_cast<std::size_t>(rod.n), 0);
     for (int i = 1; i + 1 < rod.n; ++i) {
         const double t = rod.rest_length[i - 1] / (rod.rest_length[i - 1] + rod.rest_length[i]);
         const Vec3 bow = moved(i) - (1 - t) * moved(i - 1) - t * moved(i + 1);
-        bowed[i] = bow.norm() > most_made_good * rod.radius[i];
+        if (bow.norm() > most_made_good * rod.radius[i]) bowed[i] = 1;
     }
 }
 

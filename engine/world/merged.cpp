@@ -28,6 +28,23 @@ double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec)
     return edge;
 }
 
+WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec)
+{
+    WireSpec line;
+    line.nodes = 0;
+    line.length = 0;
+    line.min_edge = line.max_edge = line.edge_error = INFINITY;
+    for (const int w : spec.order) {
+        const WireSpec& wire = setup.wires[w].wire;
+        if (!nodes_adapt(setup.wires[w])) line.nodes = 1;
+        line.length = std::max(line.length, wire.length);
+        line.min_edge = std::min(line.min_edge, wire.min_edge);
+        line.max_edge = std::min(line.max_edge, wire.max_edge);
+        line.edge_error = std::min(line.edge_error, wire.edge_error);
+    }
+    return line;
+}
+
 int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec)
 {
     double longest = 0;
@@ -197,7 +214,7 @@ void place_group(WorldData& world, MergedGroup& group)
     const int line = group.line(), count = group.shared.count(), capacity = world.state.rods.capacity(line);
     group.shared.rod = CoaxialRod(capacity, count);
     group.mass.resize(capacity);
-    group.frames = RodFrames(capacity);
+    group.frames = coaxial_frames(capacity);
     group.moment.resize(capacity);
     group.turning.resize(capacity);
     for (auto& of_one : group.inertia) of_one.resize(capacity);

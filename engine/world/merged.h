@@ -49,7 +49,6 @@ struct MergedGroup {
     std::vector<Vec3> moment;         // NodeDemands::moment, and so on
     std::vector<double> turning;
     std::vector<Vec3> contact;
-    std::vector<std::uint8_t> bowed;
 
     [[nodiscard]] std::span<const int> wires() const { return shared.wires; }
     [[nodiscard]] int line() const { return shared.line(); }
@@ -87,15 +86,10 @@ void constrain_member(WorldData& world, const MergedGroup& group, int wire, doub
 void take_holds(WorldData& world, MergedGroup& group);
 /// Force of loads, links and holds on an instrument along the line, + towards the tip [N].
 [[nodiscard]] double axial_load(WorldData& world, const MergedGroup& group, int k);
-/// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
-bool adapt_group(WorldData& world, MergedGroup& group, double dt, bool may_merge);
 /// Elastic energy of the accepted state [J].
 [[nodiscard]] double elastic_now(RodArrays& rods, MergedGroup& group);
 /// After arrays and feeds have been put back: offsets, angles and integrals.
 void refresh_group(WorldData& world, MergedGroup& group);
-/// What the nodes of the line are judged by at the accepted state: moments, torques and contact of all instruments of the group, which has to
-/// be inside. Valid until the next call.
-[[nodiscard]] NodeDemands group_demands(WorldData& world, MergedGroup& group);
 /// Where the instruments lie in the line now, for contact.
 void set_exposures(WorldData& world);
 
