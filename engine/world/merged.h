@@ -42,9 +42,7 @@ struct MergedGroup {
     WireSpec nodes;  // bounds of the line's edges: those of the instrument that asks for most
     // of the present sub-step
     std::array<double, most_coaxial> slid{}, turned{};  // change of the offsets [m], of the angles that hands hold [rad]
-    double weight_work = 0, carried = 0;                // that hands do on what is moved; energy that fed material brings in [J]
-    std::vector<double> mass;                           // [nodes] scratch
-    std::array<std::vector<double>, most_coaxial> inertia;
+    double weight_work = 0;                             // that hands do on what is moved [J]
     RodFrames frames;                 // scratch, as all that follow
     std::vector<Vec3> moment;         // NodeDemands::moment, and so on
     std::vector<double> turning;

@@ -95,6 +95,7 @@ struct WireWork {
     MomentumStart start;             // of the present sub-step
     std::vector<std::uint8_t> kept;  // what of the wire a failed attempt returns to
     std::vector<Vec3> nodal_backup;  // of WireResult::nodal_contact, while nodes are tried
+    std::vector<double> mass, inertia;  // of a fed wire's nodes and edges before it is fed [capacity] [kg], [kg m^2]
 };
 
 struct StepWork {

@@ -18,6 +18,8 @@ public:
 
     [[nodiscard]] WorldData& world() const { return world_; }
     [[nodiscard]] int line() const { return line_; }
+    /// What K > 1 instruments have besides; null: one wire.
+    [[nodiscard]] MergedGroup* group() const { return group_; }
     [[nodiscard]] std::span<const int> wires() const { return group_ ? group_->wires() : world_.systems.all().subspan(line_, 1); }
     [[nodiscard]] RodView view() const { return world_.rod(line_); }
     [[nodiscard]] FeedState& feed() const { return group_ ? group_->feed : world_.feed(line_); }
