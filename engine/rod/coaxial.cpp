@@ -13,17 +13,6 @@ using namespace coaxial;
 
 namespace {
 
-/// The sleeve, as a clamp of a wire: reference twist between it and the base edge is kept as that is.
-RodClamp sleeve(const RodView& line, const CoaxialBase& base)
-{
-    RodClamp clamp;
-    clamp.node = line.n - 1;
-    clamp.spin = true;
-    clamp.tangent = base.tangent;
-    clamp.director = base.director;
-    return clamp;
-}
-
 // ---- where stencils go --------------------------------------------------------------------------------------------------------
 
 void put_gradient(const CoaxialDofs& dofs, const StencilTerms& t, int i, bool hub, std::span<double> gradient)
@@ -155,8 +144,8 @@ bool update_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTri
     for (int k = 0; k < rod.instruments; ++k)
         for (int j = 0; j < line.n; ++j)
             if (!std::isfinite(trial.theta[k][j])) return false;
-    frames.material = false;  // each instrument has directors of its own
-    const RodClamp clamp = sleeve(line, base);
+    SEL_ASSERT(!frames.material);
+    const RodClamp clamp = base.clamp(line.n);  // reference twist between it and the base edge is kept as a wire's is
     return update_frames(line, {trial.x, trial.y, trial.z, trial.theta[0]}, {&clamp, 1}, frames);
 }
 

@@ -104,7 +104,26 @@ struct CoaxialBase {
     // node's angle is prescribed.
     std::array<double, most_coaxial> behind{};
     std::array<double, most_coaxial> hand{};  // angle that the hand holds, where `behind` > 0 [rad]
+
+    /// The sleeve as a clamp of a wire with `nodes` nodes; each instrument is turned by itself.
+    [[nodiscard]] RodClamp clamp(int nodes) const
+    {
+        RodClamp sleeve;
+        sleeve.node = nodes - 1;
+        sleeve.spin = true;
+        sleeve.tangent = tangent;
+        sleeve.director = director;
+        return sleeve;
+    }
 };
+
+/// Scratch for update_coaxial(): without material directors, as each instrument has its own.
+[[nodiscard]] inline RodFrames coaxial_frames(int nodes)
+{
+    RodFrames frames(nodes, 1);
+    frames.material = false;
+    return frames;
+}
 
 /// Positions and angles being tried: spans of length n; theta[k][n - 1] is the clamp's.
 struct CoaxialTrial {
@@ -136,7 +155,7 @@ void prepare_coaxial(CoaxialRod& rod, const RodView& line);
 [[nodiscard]] double coaxial_stretch_stiffness(const CoaxialRod& rod, double begin, double end);
 
 /// Frames at `trial`: those of the centreline, of which the first instrument's angles and twist, and the sleeve as the only
-/// clamp. @return false where there is no such configuration, see update_frames()
+/// clamp. @param frames  of coaxial_frames()     @return false where there is no such configuration, see update_frames()
 [[nodiscard]] bool update_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
                                   RodFrames& frames);
 /// Makes the trial configuration of `frames` the accepted one.

@@ -121,22 +121,8 @@ void follow_line(RodArrays& rods, std::span<const int> wires)
     }
 }
 
-namespace {
-
-RodClamp sleeve_of(int hub, const CoaxialBase& base)
-{
-    RodClamp clamp;
-    clamp.node = hub;
-    clamp.direction = clamp.spin = true;
-    clamp.tangent = base.tangent;
-    clamp.director = base.director;
-    return clamp;
-}
-
-}  // namespace
-
-CoaxialNodes::CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base)
-    : RodNodes(rods, wires, {&sleeve_, 1}, false), rod_(rod), base_(base), sleeve_(sleeve_of(line().n - 1, base))
+CoaxialNodes::CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, RodFrames& frames)
+    : RodNodes(rods, wires, {&sleeve_, 1}, false), rod_(rod), base_(base), frames_(frames), sleeve_(base.clamp(line().n))
 {
 }
 
@@ -170,14 +156,12 @@ bool CoaxialNodes::pull_at_base(SplitScratch& scratch, Vec3& pull, Vec3& tangent
     const RodView line = RodNodes::line();
     const int m = line.n - 2;
     const CoaxialTrial now = accepted_trial(rods_, wires());
-    const bool there_is = update_coaxial(rod_, line, now, base_, scratch.frames);
-    scratch.frames.material = true;  // the next rod may be a wire, which has directors of its own
-    if (!there_is) return false;
+    if (!update_coaxial(rod_, line, now, base_, frames_)) return false;
     const std::span<double> gradient = std::span(scratch.gradient).first(static_cast<std::size_t>(rod_.dofs().count(line.n)));
     std::fill(gradient.begin(), gradient.end(), 0.0);
-    add_coaxial(rod_, line, now, base_, scratch.frames, gradient, nullptr, HessianMode::None);
+    add_coaxial(rod_, line, now, base_, frames_, gradient, nullptr, HessianMode::None);
     for (int c = 0; c < 3; ++c) pull[c] = gradient[rod_.dofs().position(m, c)];
-    tangent = scratch.frames.tangent[m];
+    tangent = frames_.tangent[m];
     return true;
 }
 

@@ -36,7 +36,8 @@ void follow_line(RodArrays& rods, std::span<const int> wires);
 /// The nodes of instruments on one centreline, to be split and merged. prepare_coaxial() has been called for their offsets.
 class CoaxialNodes : public RodNodes {
 public:
-    CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base);
+    /// @param frames  scratch, coaxial_frames()
+    CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, RodFrames& frames);
     CoaxialNodes(const CoaxialNodes&) = delete;
     CoaxialNodes& operator=(const CoaxialNodes&) = delete;
     [[nodiscard]] double stretch_stiffness(double begin, double end) const override;
@@ -51,6 +52,7 @@ private:
     [[nodiscard]] std::span<const int> wires() const { return {wires_.data(), static_cast<std::size_t>(count_)}; }
     CoaxialRod& rod_;
     const CoaxialBase& base_;
+    RodFrames& frames_;
     RodClamp sleeve_;
 };
 

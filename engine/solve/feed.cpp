@@ -179,23 +179,4 @@ void change_base(FeedState& state, const RodNodes& rod, BaseChange change, const
     state.surplus_rate = std::clamp(result.base_rate - state.speed, -std::abs(state.speed), std::abs(state.speed));
 }
 
-HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits,
-                    HubScratch& scratch)
-{
-    const BaseChange change = base_change(rods.view(index), limits, rods.capacity(index));
-    if (change == BaseChange::None) return {};
-    WireConstraints& inlet = scratch.inlet;
-    scratch.split.provide(rods.capacity(index));
-    const auto energy = [&] {
-        const RodView rod = rods.view(index);
-        inlet.prescribed.clear();
-        inlet.clamps.clear();
-        add_feed_constraints(state, rod, inlet);
-        return energy_now(rod, inlet.clamps, scratch.split.frames);
-    };
-    const double before = energy();
-    change_base(state, WireNodes(rods, index, wire, inlet.clamps), change, limits, scratch.split);
-    return {true, energy() - before};
-}
-
 }  // namespace seldinger

@@ -66,12 +66,6 @@ void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstr
 /// Elastic energy of the accepted state [J]. `frames` is scratch.
 [[nodiscard]] double energy_now(const RodView& rod, std::span<const RodClamp> clamps, RodFrames& frames);
 
-/// What a split or a merge did.
-struct HubChange {
-    bool changed = false;
-    double energy = 0;  // made by it [J]
-};
-
 /// When the base edge changes [m].
 struct BaseEdge {
     double whole = 0;  // what a split leaves tipwards of the new node
@@ -85,20 +79,10 @@ struct BaseEdge {
 /// Lets the surplus fade over h [s], without a jump of force or speed. @return rest length to add [m]
 [[nodiscard]] double fade_surplus(FeedState& state, double h);
 
-/// What adapt_hub works with; kept, so that a split allocates nothing.
-struct HubScratch {
-    WireConstraints inlet;
-    SplitScratch split;  // of any capacity: grows
-};
-
 /// What a base edge that has left its limits asks for.
 enum class BaseChange { None, Split, Merge };
 [[nodiscard]] BaseChange base_change(const RodView& rod, const BaseEdge& limits, int capacity);
 /// Carries it out. What rest length a rod gains by it goes into the feed's surplus.
 void change_base(FeedState& state, const RodNodes& rod, BaseChange change, const BaseEdge& limits, SplitScratch& scratch);
-
-/// Splits or merges the base edge of a wire where it left its limits.
-HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits,
-                    HubScratch& scratch);
 
 }  // namespace seldinger

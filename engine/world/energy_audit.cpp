@@ -2,13 +2,12 @@
 
 #include "world/energy_audit.h"
 
-#include "solve/line_holds.h"
-#include "world/merged.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace seldinger {
 
@@ -19,27 +18,16 @@ constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see 
 /// Forces at the end of a step are those that its equations hold at; else means over the step are.
 bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit; }
 
-double spin_energy(const RodView& rod)
+double kinetic_energy(const WorldRod& rod)
 {
-    double twice = 0;
-    for (int j = 0; j < rod.n - 1; ++j) twice += rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
-    return 0.5 * twice;
-}
-
-double kinetic_energy(const RodView& rod)
-{
-    double twice = 0;
-    for (int i = 0; i < rod.n; ++i) twice += rod.mass[i] * rod.vel(i).squaredNorm();
-    for (int j = 0; j < rod.n - 1; ++j) twice += rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
-    return 0.5 * twice;
-}
-
-/// Kinetic energy of a line, with the spins of its passengers.
-double kinetic_energy(WorldData& world, int wire)
-{
-    double energy = kinetic_energy(world.rod(wire));
-    if (const MergedGroup* group = world.groups.of(wire))
-        for (const int w : group->wires().subspan(1)) energy += spin_energy(world.rod(w));
+    const RodView line = rod.view();
+    double twice = 0, energy = 0;
+    for (int i = 0; i < line.n; ++i) twice += line.mass[i] * line.vel(i).squaredNorm();
+    for (const int w : rod.wires()) {
+        const RodView own = rod.world().rod(w);
+        for (int j = 0; j < line.n - 1; ++j) twice += own.spin_inertia[j] * own.spin_rate[j] * own.spin_rate[j];
+        energy += 0.5 * std::exchange(twice, 0);
+    }
     return energy;
 }
 
@@ -130,20 +118,20 @@ Vec3 move_of(const Solver& solver, int wire, int edge, double bary)
     return (1 - bary) * move_of(solver, wire, edge) + bary * move_of(solver, wire, edge + 1);
 }
 
-double load_work(WorldData& world, int wire)
+double load_work(const WorldRod& one)
 {
+    WorldData& world = one.world();
+    const int wire = one.line();
     const Solver& solver = *world.solver;
-    const RodView rod = world.rod(wire);
+    const RodView rod = one.view();
     double work = 0;
     for (const auto& load : world.constraints(wire).loads) {
         work += load.force.dot(move_of(solver, wire, load.edge, load.bary));
         if (load.moment.isZero()) continue;
         const Vec3 edge = rod.pos(load.edge + 1) - rod.pos(load.edge), t = edge.normalized();
         const Vec3 change = move_of(solver, wire, load.edge + 1) - move_of(solver, wire, load.edge);
-        const MergedGroup* group = world.groups.of(wire);
-        const int spun = group ? group->wires()[load.member] : wire;
         work += load.moment.cross(t).dot(change) / edge.norm() +
-                load.moment.dot(t) * solver.displacement(spun, RodDofs::spin(load.edge));
+                load.moment.dot(t) * solver.displacement(one.wires()[load.member], RodDofs::spin(load.edge));
     }
     for (const auto& load : world.constraints(wire).carried) work += load.force.dot(move_of(solver, wire, load.edge, load.bary));
     for (const auto& spring : world.constraints(wire).springs) {
@@ -152,8 +140,7 @@ double load_work(WorldData& world, int wire)
         if (!end_forces(world.setup.integrator)) at -= 0.5 * move;
         work += spring.stiffness * (spring.anchor - at).dot(move);
     }
-    if (const MergedGroup* group = world.groups.of(wire)) {
-        for (const int w : group->wires()) work += world.forces.line_holds ? world.forces.line_holds->work(w) : 0.0;
+    if (const MergedGroup* group = one.group()) {
         for (int k = 0; k < group->shared.count(); ++k)
             if (group->slid[k] != 0)
                 work += axial_load(world, *group, k) * group->slid[k];  // what slides along the line goes on by that beside
@@ -175,33 +162,21 @@ double unseen_work(WorldData& world, int wire, double h)
     return change == 0 ? 0 : mass_of(world.rod(wire)) * change;
 }
 
-/// The wire, and those that share its centreline.
-template <class Visit>
-void for_each_of_group(const MergedGroups& groups, int wire, const Visit& visit)
-{
-    const MergedGroup* group = groups.of(wire);
-    if (!group) return visit(wire);
-    for (const int w : group->wires()) visit(w);
-}
-
 WireEnergy energy_now(const EnergyAudit& audit)
 {
     return {audit.kinetic, audit.elastic + audit.gravitational, audit.terms.stored};
 }
 
-void read_terms(WorldData& world, int wire)
+/// @param elastic  energy [J]
+void read_energies(const WorldRod& rod, double elastic)
 {
-    TermEnergies& terms = world.audit(wire).terms = {};
-    for_each_of_group(world.groups, wire, [&](int w) { terms += world.forces.terms.answer(w, Ask::Energies).energies; });
-}
-
-void read_energies(WorldData& world, int wire)
-{
-    EnergyAudit& audit = world.audit(wire);
-    audit.kinetic = kinetic_energy(world, wire);
-    audit.elastic = world.solver->elastic_energy(wire);
-    audit.gravitational = world.solver->potential_energy(wire);
-    read_terms(world, wire);
+    WorldData& world = rod.world();
+    EnergyAudit& audit = world.audit(rod.line());
+    audit.kinetic = kinetic_energy(rod);
+    audit.elastic = elastic;
+    audit.gravitational = world.solver->potential_energy(rod.line());
+    audit.terms = {};
+    for (const int w : rod.wires()) audit.terms += world.forces.terms.answer(w, Ask::Energies).energies;
 }
 
 /// Work of a sub-step on a wire, by its sources [J].
@@ -213,10 +188,12 @@ struct WorkDone {
     [[nodiscard]] double sum() const { return hand + turning + outside + wall; }
 };
 
-WorkDone work_done(WorldData& world, int wire)
+WorkDone work_done(const WorldRod& rod)
 {
+    WorldData& world = rod.world();
+    const int wire = rod.line();
     WorkDone work;
-    if (const MergedGroup* group = world.groups.of(wire)) {
+    if (const MergedGroup* group = rod.group()) {
         const MergedWork hands = work_of(world, *group);
         work.hand = hands.hand;
         work.turning = hands.turning;
@@ -225,7 +202,7 @@ WorkDone work_done(WorldData& world, int wire)
         work.hand = hand_work(world, wire);
         work.turning = turning_work(world, wire);
     }
-    work.outside = held_work(world, wire) + load_work(world, wire);
+    work.outside = held_work(world, wire) + load_work(rod) + world.audit(wire).terms.applied;
     work.wall = world.audit(wire).terms.from_outside;
     return work;
 }
@@ -284,55 +261,58 @@ void audit_remeshing(WorldData& world, int wire)
     audit.fed = {};
     audit.remeshed_now = 0;
     if (!audit.known) return;
-    const double moving = kinetic_energy(world, wire) + world.solver->potential_energy(wire);
+    const double moving = kinetic_energy(WorldRod(world, wire)) + world.solver->potential_energy(wire);
     audit.remeshed_now = (moving - audit.moving) + (world.state.wires[wire].remesh_energy - audit.remeshed);
     audit.fed.carried = audit.remeshed_now;
 }
 
-FeedingAudit::FeedingAudit(WorldData& world, int wire) : wire_(wire), inside_(world.feed(wire).inside)
+FeedingAudit::FeedingAudit(const WorldRod& rod) : rod_(rod), inside_(rod.feed().inside)
 {
-    const RodView rod = world.rod(wire);
-    for (int k = 0; k < 2; ++k) mass_[k] = rod.mass[rod.n - 1 - k];
-    inertia_ = rod.spin_inertia[rod.n - 2];
+    const RodView line = rod.view();
+    first_ = rod.group() ? 0 : line.n - 2;
+    std::copy(line.mass.begin() + first_, line.mass.begin() + line.n, rod.world().work.wires[rod.line()].mass.begin() + first_);
+    for (const int w : rod.wires()) {
+        const RodView own = rod.world().rod(w);
+        std::copy(own.spin_inertia.begin() + first_, own.spin_inertia.begin() + line.n - 1, rod.world().work.wires[w].inertia.begin() + first_);
+    }
 }
 
-void FeedingAudit::after(WorldData& world)
+void FeedingAudit::after() const
 {
-    EnergyAudit& audit = world.audit(wire_);
-    const FeedState& feed = world.feed(wire_);
+    WorldData& world = rod_.world();
+    EnergyAudit& audit = world.audit(rod_.line());
+    const FeedState& feed = rod_.feed();
+    MergedGroup* group = rod_.group();
+    if (group) group->weight_work = 0;
     if (!inside_ || !feed.inside) {
         audit.known = false;
         return;
     }
-    const RodView rod = world.rod(wire_);
-    const int hub = rod.n - 1;
+    const RodView line = rod_.view();
+    const int hub = line.n - 1;
     EnergyInput& fed = audit.fed;
-    const double spin = rod.spin_rate[hub - 1];
-    fed.carried += 0.5 * (rod.spin_inertia[hub - 1] - inertia_) * spin * spin;
-    for (int k = 0; k < 2; ++k) {
-        const double more = rod.mass[hub - k] - mass_[k];
-        fed.carried += more * (0.5 * rod.vel(hub - k).squaredNorm() - world.setup.gravity.dot(feed.point));
+    for (const int w : rod_.wires()) {
+        const RodView own = world.rod(w);
+        for (int j = hub - 1; j >= first_; --j) {
+            const double spin = own.spin_rate[j];
+            fed.carried += 0.5 * (own.spin_inertia[j] - world.work.wires[w].inertia[j]) * spin * spin;
+        }
+    }
+    for (int i = hub; i >= first_; --i) {
+        const double more = line.mass[i] - world.work.wires[rod_.line()].mass[i];
+        fed.carried += more * (0.5 * line.vel(i).squaredNorm() - world.setup.gravity.dot(feed.point));
+        if (group) group->weight_work -= more * world.setup.gravity.dot(line.pos(i) - feed.point);
     }
     // the hub's half cell takes the feed's speed within the step; the cells before it show it only at the step's ends
-    const double mass = end_forces(world.setup.integrator) ? 0.5 * rod.mass[hub] : mass_of(rod);
+    const double mass = end_forces(world.setup.integrator) ? 0.5 * line.mass[hub] : mass_of(line);
     fed.unseen = feed.speed == audit.speed ? 0 : mass * std::abs(feed.speed * feed.speed - audit.speed * audit.speed);
 }
 
 void begin_audit(WorldData& world, int wire, bool placed)
 {
     EnergyAudit& audit = world.audit(wire);
-    if (placed) {
-        const RodView rod = world.rod(wire);
-        RodFrames frames(rod.n);
-        audit.kinetic = kinetic_energy(world, wire);
-        MergedGroup* group = world.groups.of(wire);
-        audit.elastic = group ? elastic_now(world.state.rods, *group)
-                              : seldinger::energy_now(rod, world.constraints(wire).clamps, frames);
-        audit.gravitational = world.solver->potential_energy(wire);
-        read_terms(world, wire);
-    } else {
-        read_energies(world, wire);
-    }
+    const WorldRod rod(world, wire);
+    read_energies(rod, placed ? rod.elastic_energy() : world.solver->elastic_energy(wire));
     audit.balance.begin(energy_now(audit));
     audit.ledger = {};
     audit.wire_then = audit.kinetic + audit.elastic + audit.gravitational;
@@ -347,14 +327,15 @@ void begin_audit(WorldData& world, int wire, bool placed)
 bool energy_adds_up(WorldData& world, int wire, double h)
 {
     EnergyAudit& audit = world.audit(wire);
-    read_energies(world, wire);
+    const WorldRod rod(world, wire);
+    read_energies(rod, world.solver->elastic_energy(wire));
     EnergyInput input = audit.fed;
-    const WorkDone work = work_done(world, wire);
+    const WorkDone work = work_done(rod);
     input.work += work.sum();
     take_into_ledger(world, wire, work);
     input.unseen += unseen_work(world, wire, h);
     if (world.setup.integrator.scheme == Scheme::Newton && !world.work.reports[wire].best_effort)
-        for_each_of_group(world.groups, wire, [&](int w) { input.work += world.solver->residual_work(w); });
+        for (const int w : rod.wires()) input.work += world.solver->residual_work(w);
     audit.next = audit.balance;
     if (audit.known) return audit.next.take_in(energy_now(audit), input, audit.limits);
     audit.next.begin_after(energy_now(audit), input);
@@ -373,7 +354,7 @@ void accept_energy(WorldData& world, int wire, double h)
     const auto& prescribed = world.constraints(wire).prescribed;
     const std::vector<RodClamp>& clamps = world.constraints(wire).clamps;
     note_turns(world, wire);
-    audit.speed = world.feed(wire).speed;
+    audit.speed = WorldRod(world, wire).feed().speed;
     if (end_forces(world.setup.integrator)) return;
     audit.held.resize(prescribed.size());
     audit.held_speed.resize(prescribed.size());

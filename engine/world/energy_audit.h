@@ -32,6 +32,7 @@ namespace seldinger {
 
 class StateWalk;   // core/state_walk.h
 struct WorldData;  // world/world.h
+class WorldRod;    // world/world_rod.h
 
 struct EnergyAudit {
     EnergyBalance balance;
@@ -66,13 +67,13 @@ void audit_remeshing(WorldData& world, int wire);
 /// Before and after the feed has moved on by a sub-step.
 class FeedingAudit {
 public:
-    FeedingAudit(WorldData& world, int wire);
-    void after(WorldData& world);
+    explicit FeedingAudit(const WorldRod& rod);
+    void after() const;
 
 private:
-    int wire_;
+    const WorldRod& rod_;
     bool inside_;
-    double mass_[2] = {}, inertia_ = 0;
+    int first_;  // node from which material changes: of one wire that before the hub
 };
 
 /// The wire as it has been placed, touching nothing, or at rest in an equilibrium that was just found: its energies are counted

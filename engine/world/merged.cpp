@@ -3,14 +3,13 @@
 #include "contact/contact_system.h"
 #include "world/merged.h"
 
-#include "contact/coaxial_friction.h"
+#include "contact/rods/coaxial_friction.h"
 #include "rod/coaxial_nodes.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace seldinger {
 
@@ -26,6 +25,23 @@ double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec)
     double edge = INFINITY;
     for (const int w : spec.order) edge = std::min(edge, uniform_edge(setup.wires[w].wire));
     return edge;
+}
+
+WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec)
+{
+    WireSpec line;
+    line.nodes = 0;
+    line.length = 0;
+    line.min_edge = line.max_edge = line.edge_error = INFINITY;
+    for (const int w : spec.order) {
+        const WireSpec& wire = setup.wires[w].wire;
+        if (!nodes_adapt(setup.wires[w])) line.nodes = 1;
+        line.length = std::max(line.length, wire.length);
+        line.min_edge = std::min(line.min_edge, wire.min_edge);
+        line.max_edge = std::min(line.max_edge, wire.max_edge);
+        line.edge_error = std::min(line.edge_error, wire.edge_error);
+    }
+    return line;
 }
 
 int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec)
@@ -169,26 +185,6 @@ void change_leader(WorldData& world, MergedGroup& group, int leader, double h)
     world.state.wires[group.line()].remesh_energy += elastic_now(world.state.rods, group) - before;
 }
 
-/// Energy carried in by new material, and the hands' work to lift it.
-void count_material(WorldData& world, MergedGroup& group)
-{
-    const RodView line = world.rod(group.line());
-    const Vec3 g = world.setup.gravity, hub = group.feed.point;
-    group.carried = group.weight_work = 0;
-    for (int i = 0; i < line.n; ++i) {
-        const double more = line.mass[i] - group.mass[i];
-        group.carried += more * (0.5 * line.vel(i).squaredNorm() - g.dot(hub));
-        group.weight_work -= more * g.dot(line.pos(i) - hub);
-    }
-    for (int k = 0; k < group.shared.count(); ++k) {
-        const RodView own = world.rod(group.wires()[k]);
-        for (int j = 0; j < line.n - 1; ++j) {
-            const double rate = own.spin_rate[j];
-            group.carried += 0.5 * (own.spin_inertia[j] - group.inertia[k][j]) * rate * rate;
-        }
-    }
-}
-
 }  // namespace
 
 void place_group(WorldData& world, MergedGroup& group)
@@ -196,11 +192,9 @@ void place_group(WorldData& world, MergedGroup& group)
     const WorldSetup& setup = world.setup;
     const int line = group.line(), count = group.shared.count(), capacity = world.state.rods.capacity(line);
     group.shared.rod = CoaxialRod(capacity, count);
-    group.mass.resize(capacity);
-    group.frames = RodFrames(capacity);
+    group.frames = coaxial_frames(capacity);
     group.moment.resize(capacity);
     group.turning.resize(capacity);
-    for (auto& of_one : group.inertia) of_one.resize(capacity);
     std::array<double, most_coaxial> angle{}, still{};
     for (int k = 0; k < count; ++k) {
         const FeedSpec& from = setup.wires[group.wires()[k]].feed;
@@ -252,9 +246,6 @@ void feed_group(WorldData& world, MergedGroup& group, double step, double h)
         feed.advance = end.advance;
         feed.turn = end.turn;
     }
-    const RodView before = world.rod(group.line());
-    std::ranges::copy(before.mass, group.mass.begin());
-    for (int k = 0; k < count; ++k) std::ranges::copy(world.rod(group.wires()[k]).spin_inertia, group.inertia[k].begin());
     const int leader = group.wires()[group.leader];
     const bool was_inside = group.feed.inside;
     feed_to(group.feed, {0, world.feed(leader).advance, 0}, spec_of(world.setup, group, group.leader), world.state.rods, group.line(), h);
@@ -268,20 +259,6 @@ void feed_group(WorldData& world, MergedGroup& group, double step, double h)
     }
     prepare_group(world.state.rods, group.wires(), group.shared.rod);
     level_absent(world.state.rods, group);
-    EnergyAudit& audit = world.audit(group.line());
-    if (!was_inside || !group.feed.inside) {
-        audit.known = false;
-        return;
-    }
-    count_material(world, group);
-    audit.fed.carried += group.carried;
-    const RodView line = world.rod(group.line());
-    // as FeedingAudit::after() has it for a wire
-    const bool at_ends = world.setup.integrator.newmark;
-    const double moved =
-        at_ends ? std::accumulate(line.mass.begin(), line.mass.begin() + line.n, 0.0) : 0.5 * line.mass[line.n - 1];
-    const double speed = group.feed.speed;
-    audit.fed.unseen = speed == audit.speed ? 0 : moved * std::abs(speed * speed - audit.speed * audit.speed);
 }
 
 double lead_change_after(const WorldData& world, const MergedGroup& group, double dt)

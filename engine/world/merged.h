@@ -22,7 +22,7 @@
 // is
 //     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
 //     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
-// Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on
+// Friction between the instruments follows the laws per length of CoaxialSpec (contact/rods/coaxial_friction.h). It pushes back on
 // each hand as much as it pulls at another one, and does not act on the line. The force a_k is along the edges that the
 // material lies on (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface
 // slides by 1 + kappa r, in a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by
@@ -42,14 +42,11 @@ struct MergedGroup {
     WireSpec nodes;  // bounds of the line's edges: those of the instrument that asks for most
     // of the present sub-step
     std::array<double, most_coaxial> slid{}, turned{};  // change of the offsets [m], of the angles that hands hold [rad]
-    double weight_work = 0, carried = 0;                // that hands do on what is moved; energy that fed material brings in [J]
-    std::vector<double> mass;                           // [nodes] scratch
-    std::array<std::vector<double>, most_coaxial> inertia;
+    double weight_work = 0;                             // that hands do on what is moved [J]
     RodFrames frames;                 // scratch, as all that follow
     std::vector<Vec3> moment;         // NodeDemands::moment, and so on
     std::vector<double> turning;
     std::vector<Vec3> contact;
-    std::vector<std::uint8_t> bowed;
 
     [[nodiscard]] std::span<const int> wires() const { return shared.wires; }
     [[nodiscard]] int line() const { return shared.line(); }
@@ -87,15 +84,10 @@ void constrain_member(WorldData& world, const MergedGroup& group, int wire, doub
 void take_holds(WorldData& world, MergedGroup& group);
 /// Force of loads, links and holds on an instrument along the line, + towards the tip [N].
 [[nodiscard]] double axial_load(WorldData& world, const MergedGroup& group, int k);
-/// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
-bool adapt_group(WorldData& world, MergedGroup& group, double dt, bool may_merge);
 /// Elastic energy of the accepted state [J].
 [[nodiscard]] double elastic_now(RodArrays& rods, MergedGroup& group);
 /// After arrays and feeds have been put back: offsets, angles and integrals.
 void refresh_group(WorldData& world, MergedGroup& group);
-/// What the nodes of the line are judged by at the accepted state: moments, torques and contact of all instruments of the group, which has to
-/// be inside. Valid until the next call.
-[[nodiscard]] NodeDemands group_demands(WorldData& world, MergedGroup& group);
 /// Where the instruments lie in the line now, for contact.
 void set_exposures(WorldData& world);
 

@@ -10,20 +10,6 @@ namespace seldinger {
 
 namespace {
 
-void hold_at_hub(const MergedGroup& group, const RodView& line, WireConstraints& out)
-{
-    const int hub = line.n - 1;
-    for (int c = 0; c < RodDofs::coordinates; ++c) out.prescribed.emplace_back(RodDofs::position(hub, c), group.feed.point[c]);
-    out.hub_flow = group.feed.speed * group.feed.direction;
-    out.base_grown = group.feed.grown;
-    RodClamp clamp;
-    clamp.node = hub;
-    clamp.direction = clamp.spin = true;
-    clamp.tangent = group.shared.base.tangent;
-    clamp.director = group.shared.base.director;  // each instrument is turned by itself
-    out.clamps.push_back(clamp);
-}
-
 int nearest_line_node(const RodView& line, double s)
 {
     int node = 0;
@@ -83,7 +69,7 @@ void constrain_member(WorldData& world, const MergedGroup& group, int wire, doub
         if (group.wires()[k] == wire && group.feed.inside)
             world.holds[wire].add_line_holds(t, line, group.shared.rod.instrument[k].offset, out);
     if (wire != group.line()) return;
-    hold_at_hub(group, line, out);
+    add_feed_constraints(group.feed, line, out);
     for (int k = 0; k < group.shared.count(); ++k)
         world.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
 }

@@ -1,9 +1,8 @@
 // The feed stage: the control's input for the hubs, and holds, loads and links for the rest of the wire.
 
 #include "core/parallel.h"
-#include "world/merged.h"
 #include "world/step_stages.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,13 +52,18 @@ void constrain(WorldData& world, int w, double t)
     if (world.feed(w).on) add_feed_constraints(world.feed(w), rod, world.constraints(w));
 }
 
-/// All that is done to instruments that share a centreline is done when their line's turn comes.
-void feed_merged(WorldData& world, int line, double step, double h)
+/// All instruments of a rod, when its line's turn comes.
+void feed_rod(const WorldRod& rod, double step, double h)
 {
-    MergedGroup& group = *world.groups.of(line);
-    lead_group(world, group, h);
-    audit_remeshing(world, line);
-    feed_group(world, group, step, h);
+    WorldData& world = rod.world();
+    const int w = rod.line();
+    if (rod.group()) lead_group(world, *rod.group(), h);
+    audit_remeshing(world, w);
+    if (!rod.feed().on) return;
+    const FeedingAudit feeding(rod);
+    if (rod.group()) feed_group(world, *rod.group(), step, h);
+    else feed_to(rod.feed(), rod.hub().at(world.state.wires[w].time + step), rod.bounds(), world.state.rods, w, h);
+    feeding.after();
 }
 
 }  // namespace
@@ -111,13 +115,7 @@ void feed_hubs(WorldData& world, const SubStep& sub)
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
         if (!sub.wires[w] || world.groups.is_passenger(w)) return;
         world.work.wires[w].start = {momentum(world.rod(w)), Vec3::Zero()};
-        if (world.groups.has(w)) return feed_merged(world, w, sub.h, h);
-        audit_remeshing(world, w);
-        if (!world.feed(w).on) return;
-        FeedingAudit feeding(world, w);
-        const FeedKey end = world.work.wires[w].hub.path().at(world.state.wires[w].time + sub.h);
-        feed_to(world.feed(w), end, world.setup.wires[w].wire, world.state.rods, w, h);
-        feeding.after(world);
+        feed_rod(WorldRod(world, w), sub.h, h);
     });
 }
 

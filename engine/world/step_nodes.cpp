@@ -1,12 +1,12 @@
-// The adapt stage: splits and merges edges between steps, and births at the inlet of a fed wire.
+// The adapt stage: splits and merges edges of rods between steps, and births at the inlet of a fed rod.
 
-#include "contact/yielding_wall.h"
+#include "contact/elastic/yielding_wall.h"
 #include "core/clock.h"
 #include "wall/elastic_wall.h"
-#include "world/merged.h"
 #include "world/step_stages.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seldinger {
@@ -16,59 +16,7 @@ namespace {
 // Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
 constexpr int merge_period = 16;  // steps
 
-// @return whether it did anything
-bool adapt_base(WorldData& world, int w, const BaseEdge& limits)
-{
-    const int n = world.state.rods.node_count(w);
-    const HubChange change = adapt_hub(world.feed(w), world.setup.wires[w].wire, world.state.rods, w, limits, world.work.hub_scratch);
-    if (!change.changed) return false;
-    world.state.wires[w].remesh_energy += change.energy;
-    renumber_forces(world.output.results[w].nodal_contact, n, {world.state.rods.node_count(w) > n, n - 2, 0});
-    return true;
-}
-
-// When a fed wire's base edge changes: a node is born when `whole` is inside, and goes when it is pulled back to the inlet.
-BaseEdge base_limits(const WorldData& world, int w, double whole, double dt)
-{
-    const HubPath hub = world.work.wires[w].hub.path();
-    const double t = world.state.wires[w].time, next = std::isfinite(dt) ? t + dt : t;
-    // symplectic Euler follows no axial wave along an edge that is much shorter than the others, and one linearised step no turn of it
-    const Scheme scheme = world.setup.integrator.scheme;
-    if (scheme == Scheme::Explicit || scheme == Scheme::Linearised) return {whole, 0.5 * whole, 0.5 * whole};
-    return base_edge_limits(whole, hub.travel(t, next, +1), hub.travel(t, next, -1));
-}
-
-void change_nodes(WorldData& world, int w, std::span<const NodeChange> changes)
-{
-    const WireSpec& spec = world.setup.wires[w].wire;
-    NodeAdapter& adapter = world.adapter(w);
-    constrain_now(world, w);
-    const double before = energy_now(world.rod(w), world.constraints(w).clamps, adapter.frames);
-    const WireNodes nodes(world.state.rods, w, spec, world.constraints(w).clamps, spec.place.rest_is_placed && !world.feed(w).on);
-    world.feed(w).surplus += apply_changes(nodes, changes);
-    constrain_now(world, w);
-    int n = world.state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
-    for (const NodeChange& change : changes) renumber_forces(world.output.results[w].nodal_contact, change.split ? n++ : n--, change);
-    world.state.wires[w].remesh_energy += energy_now(world.rod(w), world.constraints(w).clamps, adapter.frames) - before;
-}
-
-// A law that never overlaps takes no change of nodes that would put the wire into the wall: it waits until the wire has moved on.
-// @param change  returns whether it did anything     @return whether something was done, and stands
-template <class Change>
-bool where_clear(WorldData& world, int w, Change change)
-{
-    if (!world.forces.terms.traits().never_overlaps) return change();
-    keep_wire(world, w);
-    world.work.nodal_backup = world.output.results[w].nodal_contact;
-    if (!change()) return false;
-    if (world.forces.is_clear(world.state.rods, w)) return true;
-    put_back_wire(world, w);
-    world.output.results[w].nodal_contact = world.work.nodal_backup;
-    return false;
-}
-
-}  // namespace
-
+/// Readings of the nodes follow them, sums kept, until the next step reads them anew. @param n  nodes before
 void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
 {
     const auto at = force.begin() + change.at;
@@ -82,6 +30,101 @@ void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
     }
 }
 
+/// Carries a change of the nodes out. @param change  calls for the nodes what `what` says
+template <class Change>
+void change_nodes(const WorldRod& rod, std::span<const NodeChange> what, Change change)
+{
+    WorldData& world = rod.world();
+    double& energy = world.state.wires[rod.line()].remesh_energy;
+    const int before = rod.view().n;
+    rod.refresh();
+    const double elastic = rod.elastic_energy();
+    rod.with_nodes(change);
+    rod.refresh();
+    energy += rod.elastic_energy() - elastic;
+    for (const int w : rod.wires()) {
+        int n = before;
+        for (const NodeChange& one : what) renumber_forces(world.output.results[w].nodal_contact, one.split ? n++ : n--, one);
+    }
+}
+
+// A law that never overlaps takes no change of nodes that would put the rod into the wall: it waits until the rod has moved on.
+// @return whether the change stands
+template <class Change>
+bool where_clear(const WorldRod& rod, Change change)
+{
+    WorldData& world = rod.world();
+    if (!world.forces.terms.traits().never_overlaps) return change(), true;
+    for (const int w : rod.wires()) {
+        keep_wire(world, w);
+        world.work.wires[w].nodal_backup = world.output.results[w].nodal_contact;
+    }
+    change();
+    set_exposures(world);
+    if (std::ranges::all_of(rod.wires(), [&](int w) { return world.forces.is_clear(world.state.rods, w); })) return true;
+    for (const int w : rod.wires()) {
+        put_back_wire(world, w);
+        world.output.results[w].nodal_contact = world.work.wires[w].nodal_backup;
+    }
+    rod.refresh();
+    return false;
+}
+
+// When a fed rod's base edge changes: a node is born when `whole` is inside, and goes when it is pulled back to the inlet.
+BaseEdge base_limits(const WorldRod& rod, double whole, double dt)
+{
+    const double t = rod.world().state.wires[rod.line()].time, next = std::isfinite(dt) ? t + dt : t;
+    // symplectic Euler follows no axial wave along an edge that is much shorter than the others, and one linearised step no turn of it
+    const Scheme scheme = rod.world().setup.integrator.scheme;
+    if (scheme == Scheme::Explicit || scheme == Scheme::Linearised) return {whole, 0.5 * whole, 0.5 * whole};
+    return base_edge_limits(whole, rod.hub().travel(t, next, +1), rod.hub().travel(t, next, -1));
+}
+
+/// A birth or a merge at the hub, where the base edge has left its limits for edges that become `whole` [m].
+bool adapt_base(const WorldRod& rod, double whole, double dt)
+{
+    const BaseEdge limits = base_limits(rod, whole, dt);
+    const RodView line = rod.view();
+    const BaseChange change = base_change(line, limits, rod.world().state.rods.capacity(rod.line()));
+    if (change == BaseChange::None) return false;
+    const NodeChange what{change == BaseChange::Split, line.n - 2, 0};
+    return where_clear(rod, [&] {
+        change_nodes(rod, {&what, 1}, [&](const RodNodes& nodes) {
+            change_base(rod.feed(), nodes, change, limits, rod.world().work.split);
+        });
+    });
+}
+
+void apply(const WorldRod& rod, std::span<const NodeChange> changes)
+{
+    change_nodes(rod, changes, [&](const RodNodes& nodes) { rod.feed().surplus += apply_changes(nodes, changes); });
+}
+
+/// Even nodes: births at the hub, and at the tip where another instrument has got ahead time after time.
+bool adapt_ends(const WorldRod& rod, double dt)
+{
+    const RodView line = rod.view();
+    const double edge = rod.feed().edge;
+    const bool long_tip = line.n > 2 && line.rest_length[0] > 1.75 * edge && line.n < rod.world().state.rods.capacity(rod.line());
+    const NodeChange halves{true, 0, 0.5};
+    const bool changed = long_tip && where_clear(rod, [&] { apply(rod, {&halves, 1}); });
+    return adapt_base(rod, edge, dt) || changed;
+}
+
+/// Between two nodes the displacement of an elastic wall is linear (contact/elastic/wall_stations.h).
+void note_elastic_wall(const WorldRod& rod, NodeDemands& demands)
+{
+    WorldData& world = rod.world();
+    demands.contact = rod.contact();
+    demands.touching_edge = std::max(rod.bounds().min_edge, world.forces.elastic_wall->edge_touched());
+    if (!demands.may_merge) return;
+    world.work.bowed.assign(static_cast<std::size_t>(rod.view().n), 0);
+    for (const int w : rod.wires()) world.forces.yielding->note_bowed(world.state.rods, w, world.work.bowed);
+    demands.bowed = world.work.bowed;
+}
+
+}  // namespace
+
 void fade_surplus_of(WorldData& world, int w, double dt)
 {
     const WireSpec& spec = world.setup.wires[w].wire;
@@ -89,48 +132,36 @@ void fade_surplus_of(WorldData& world, int w, double dt)
     if (added != 0) shorten_evenly(world.rod(w), spec, -added, spec.place.rest_is_placed);
 }
 
-bool adapt_wire(WorldData& world, int w, double dt, bool may_merge)
+bool adapt_rod(const WorldRod& rod, double dt, bool may_merge)
 {
-    if (MergedGroup* group = world.groups.of(w)) return adapt_group(world, *group, dt, may_merge);
-    const WireSpec& spec = world.setup.wires[w].wire;
-    const bool fed = world.feed(w).on;
-    NodeAdapter& adapter = world.adapter(w);
-    if (!fed) fade_surplus_of(world, w, dt);
-    NodeDemands demands;
-    demands.kept = adapter.kept;
-    demands.fed = fed;
-    demands.may_merge = may_merge;
-    for (const RodClamp& clamp : world.constraints(w).clamps)
-        if (clamp.direction && clamp.node == world.state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
-    // the moments beside a new node settle within the next step; until then only lengths are judged
-    bool changed = fed && where_clear(world, w, [&] {
-                       const double whole = adapter.planner.base_edge(world.rod(w), spec, demands);
-                       return adapt_base(world, w, base_limits(world, w, whole, dt));
-                   });
-    if (changed) demands.may_refine = demands.may_merge = false;
-    if (world.forces.elastic_wall) {  // between two nodes its displacement is linear (contact/wall_stations.h)
-        demands.contact = std::span(world.output.results[w].nodal_contact).first(static_cast<std::size_t>(world.state.rods.node_count(w)));
-        demands.touching_edge = std::max(spec.min_edge, world.forces.elastic_wall->edge_touched());
-        if (may_merge && !changed) {
-            world.forces.yielding->note_bowed(world.state.rods, w, world.work.bowed);
-            demands.bowed = world.work.bowed;
-        }
-    }
-    const auto changes = adapter.planner.plan(world.rod(w), spec, demands, world.state.rods.capacity(w));
-    if (changes.empty()) return changed;
-    if (!world.forces.terms.traits().never_overlaps) return change_nodes(world, w, changes), true;
-    for (std::size_t k = 0; k < changes.size(); ++k)
-        changed = where_clear(world, w, [&] { return change_nodes(world, w, changes.subspan(k, 1)), true; }) || changed;
-    return changed;
+    WorldData& world = rod.world();
+    NodePlanner& planner = world.adapter(rod.line()).planner;
+    const int capacity = world.state.rods.capacity(rod.line());
+    const bool fed = rod.feed().on;
+    if (!fed) fade_surplus_of(world, rod.line(), dt);
+    NodeDemands demands = rod.demands();
+    const bool changed = fed && adapt_base(rod, planner.base_edge(rod.view(), rod.bounds(), demands), dt);
+    if (changed) demands = rod.demands();
+    demands.may_merge = may_merge && !changed;
+    demands.may_refine = !changed;  // the moments beside a new node settle within the next step; until then only lengths are judged
+    if (world.forces.elastic_wall) note_elastic_wall(rod, demands);
+    const std::span<const NodeChange> changes = planner.plan(rod.view(), rod.bounds(), demands, capacity);
+    // each by itself where it may be refused, or moves offsets
+    const std::size_t at_once = world.forces.terms.traits().never_overlaps || rod.wires().size() > 1 ? 1 : changes.size();
+    bool stands = changed;
+    for (std::size_t k = 0; k < changes.size(); k += at_once)
+        stands = where_clear(rod, [&] { apply(rod, changes.subspan(k, at_once)); }) || stands;
+    return stands;
 }
 
 void adapt_nodes_of(WorldData& world, int w, double dt)
 {
-    FeedState& feed = world.feed(w);
-    if (feed.on && !feed.inside) return;
     if (world.groups.is_passenger(w)) return;
-    if (world.adapter(w).on || world.groups.of(w)) (void)adapt_wire(world, w, dt, world.state.steps % merge_period == 0);
-    else if (feed.on) (void)where_clear(world, w, [&] { return adapt_base(world, w, base_limits(world, w, feed.edge, dt)); });
+    const FeedState& feed = world.feed(w);
+    if (feed.on && !feed.inside) return;
+    const WorldRod rod(world, w);
+    if (world.adapter(w).on) (void)adapt_rod(rod, dt, world.state.steps % merge_period == 0);
+    else if (feed.on) (void)adapt_ends(rod, dt);
 }
 
 void adapt_nodes(WorldData& world, double dt)

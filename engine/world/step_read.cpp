@@ -1,11 +1,9 @@
 // Readings of the accepted state of a sub-step: contact, hands, energies, momentum.
 
 #include "contact/contact_system.h"
-#include "contact/instrument_contact.h"
-#include "solve/line_holds.h"
-#include "world/merged.h"
+#include "contact/rods/instrument_contact.h"
 #include "world/step_stages.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
 #include <algorithm>
 
@@ -42,16 +40,24 @@ void clear(WireResult& result)
     std::vector<Vec3> forces = std::move(result.nodal_contact);
     result = {};
     result.nodal_contact = std::move(forces);
+    std::ranges::fill(result.nodal_contact, Vec3::Zero());
 }
 
-/// Contact with the wall. @param rod  whose nodes the wire's forces are on
-void read_wall(WorldData& world, int wire, const RodView& rod)
+/// Contact of an instrument. @param line  whose nodes its forces are on
+void read_contact(WorldData& world, int wire, const RodView& line)
 {
     WireResult& result = world.output.results[wire];
-    if (!world.forces.contact) return;
-    result.contact = world.forces.contact->totals(wire);
-    read_overlap(result, rod);
-    world.forces.add_wall_forces(wire, std::span(result.nodal_contact).first(rod.n));
+    const std::span<Vec3> forces = std::span(result.nodal_contact).first(static_cast<std::size_t>(line.n));
+    if (world.forces.contact) {
+        result.contact = world.forces.contact->totals(wire);
+        read_overlap(result, line);
+        world.forces.add_wall_forces(wire, forces);
+    }
+    if (!world.forces.instruments) return;
+    const ContactTotals between = world.forces.instruments->totals(wire);
+    result.contact += between;
+    result.normal_between = between.normal;
+    world.forces.instruments->add_nodal_forces(wire, forces);
 }
 
 /// Energies and momentum. @param contact_force  on the nodes [N]
@@ -75,29 +81,6 @@ Vec3 force_at_hub(WorldData& world, int wire)
     return force;
 }
 
-/// All of a group when its line's turn comes: energies and momentum are the line's, contacts and hands each instrument's own.
-void read_merged(WorldData& world, MergedGroup& group, double h)
-{
-    const RodView line = world.rod(group.line());
-    std::vector<Vec3> contact_force(static_cast<std::size_t>(line.n), Vec3::Zero());
-    for (const int w : group.wires()) {
-        WireResult& result = world.output.results[w];
-        clear(result);
-        std::ranges::fill(result.nodal_contact, Vec3::Zero());
-        if (!group.feed.inside) continue;
-        result.residual = world.work.reports[w].residual;
-        read_wall(world, w, line);
-        for (int i = 0; i < line.n; ++i) contact_force[i] += result.nodal_contact[i];
-    }
-    if (!group.feed.inside) return;
-    WireResult& result = world.output.results[group.line()];
-    result.base_force = force_at_hub(world, group.line());
-    read_hands(world, group);
-    read_motion(world, group.line(), contact_force, h);
-    if (!world.forces.line_holds) return;
-    for (const int w : group.wires()) result.momentum.held += world.forces.line_holds->force(w);
-}
-
 /// Force and torque of the hand at a wire's hub.
 void read_hand(WorldData& world, int wire)
 {
@@ -116,26 +99,28 @@ void read_hand(WorldData& world, int wire)
 
 }  // namespace
 
-void read_results(WorldData& world, int wire, double h)
+// Energies and momentum are the line's, contacts and hands each instrument's own.
+void read_results(WorldData& world, int line, double h)
 {
-    if (world.groups.is_passenger(wire)) return;
-    if (MergedGroup* group = world.groups.of(wire)) return read_merged(world, *group, h);
-    WireResult& result = world.output.results[wire];
-    std::ranges::fill(result.nodal_contact, Vec3::Zero());
-    if (!world.state.is_solved(wire)) return clear(result);
-    result.contact = {};
-    result.normal_between = result.overlap_share = 0;
-    const RodView rod = world.rod(wire);
-    read_wall(world, wire, rod);
-    if (world.forces.instruments) {
-        result.contact += world.forces.instruments->totals(wire);
-        result.normal_between = world.forces.instruments->totals(wire).normal;
-        world.forces.instruments->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
+    if (world.groups.is_passenger(line)) return;
+    const WorldRod rod(world, line);
+    const bool solved = world.state.is_solved(line);
+    for (const int w : rod.wires()) {
+        WireResult& result = world.output.results[w];
+        const double stiffness = result.hand_stiffness;
+        clear(result);
+        if (!solved) continue;
+        result.hand_stiffness = stiffness;  // until it is read anew
+        result.residual = world.work.reports[w].residual;
+        read_contact(world, w, rod.view());
     }
-    result.base_force = force_at_hub(world, wire);
-    read_hand(world, wire);
-    result.residual = world.work.reports[wire].residual;
-    read_motion(world, wire, result.nodal_contact, h);
+    if (!solved) return;
+    WireResult& result = world.output.results[line];
+    result.base_force = force_at_hub(world, line);
+    if (MergedGroup* group = world.groups.of(line)) read_hands(world, *group);
+    else read_hand(world, line);
+    read_motion(world, line, rod.contact(), h);
+    result.momentum.held += world.audit(line).terms.applied_force;
 }
 
 // hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. Feeding raises s, and the node

@@ -2,7 +2,7 @@
 // until none is needed.
 
 #include "core/clock.h"
-#include "world/merged.h"
+#include "world/world_rod.h"
 #include "world/step_stages.h"
 #include "world/world.h"
 
@@ -97,7 +97,7 @@ bool adapt_wire_at_rest(WorldData& world, int w)
     bool changed = false;
     for (int k = 0; k < at_once; ++k) {
         const int n = world.state.rods.node_count(w);
-        if (!adapt_wire(world, w, INFINITY, true)) break;
+        if (!adapt_rod(WorldRod(world, w), INFINITY, true)) break;
         changed = true;
         if (world.state.rods.node_count(w) > n) break;  // moments beside a new node are off until it is at rest
     }

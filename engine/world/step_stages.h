@@ -8,6 +8,8 @@
 
 namespace seldinger {
 
+class WorldRod;  // world_rod.h
+
 // ---- step_feed.cpp: input of the hubs
 
 /// Resolves the control to the path of each hub through the step.
@@ -46,6 +48,9 @@ void solve(WorldData& world, const SubStep& sub);
 /// the sub-step in two halves, or are lost where that has no sense any more.
 void accept(WorldData& world, const SubStep& sub, StepReport& report);
 
+/// What a step that was cut short has left for the next one.
+void carry_on(WorldState& state);
+
 // ---- step_read.cpp
 
 /// Readings of a wire at the end of a sub-step of h [s]; 0: an equilibrium.
@@ -55,15 +60,12 @@ void read_hand_stiffness(WorldData& world, int wire);
 
 // ---- step_nodes.cpp
 
-/// Splits and merges edges where the shape asks for it, after a step of dt [s]; wires of a given node number at the hub only.
-void carry_on(WorldState& state);
+/// Splits and merges edges where the shape asks for it, after a step of dt [s]; rods of a given node number at the ends only.
 void adapt_nodes(WorldData& world, double dt);
 /// The same for one wire.
 void adapt_nodes_of(WorldData& world, int wire, double dt);
-/// Nodes of an adaptive wire. @return whether any came or went
-bool adapt_wire(WorldData& world, int wire, double dt, bool may_merge);
-/// Readings of the nodes follow them, sums kept, until the next step reads them anew. @param n  nodes before
-void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change);
+/// Adaptive nodes of a rod. @return whether any came or went
+bool adapt_rod(const WorldRod& rod, double dt, bool may_merge);
 /// Takes the surplus of rest length that splits and merges have left out of a wire of constant length, as far as it fades in dt.
 void fade_surplus_of(WorldData& world, int wire, double dt);
 

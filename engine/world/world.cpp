@@ -35,7 +35,6 @@ NodeAdapter make_adapter(const WireSetup& setup, std::span<const double> held, i
         if (load.at.kind == WirePoint::Kind::Distance) adapter.kept.push_back(load.at.from_tip);
     for (const LinkSpec& link : setup.links)
         if (link.at.kind == WirePoint::Kind::Distance) adapter.kept.push_back(link.at.from_tip);
-    adapter.frames = RodFrames(capacity);
     return adapter;
 }
 
@@ -124,7 +123,8 @@ void provide_work(WorldData& world)
     for (int w = 0; w < count; ++w) {
         const auto capacity = static_cast<std::size_t>(world.state.rods.capacity(w));
         world.work.wires[w].kept.reserve(sizeof(double) * static_cast<std::size_t>(RodArrays::array_count) * capacity + 512);
-        if (world.feed(w).on) world.work.hub_scratch.split.provide(static_cast<int>(capacity));
+        if (world.feed(w).on) world.work.wires[w].mass = world.work.wires[w].inertia = std::vector<double>(capacity);
+        if (world.feed(w).on || world.adapter(w).on) world.work.split.provide(static_cast<int>(capacity));
         world.output.results[w].nodal_contact.assign(capacity, Vec3::Zero());
     }
 }

@@ -43,6 +43,8 @@ struct MergedGroups {
 
     [[nodiscard]] bool has(int wire) const { return place[wire] >= 0; }
     [[nodiscard]] MergedGroup* of(int wire) const { return has(wire) ? list[place[wire]].get() : nullptr; }
+    /// The wire whose nodes its own are.
+    [[nodiscard]] int line_of(int wire) const { return has(wire) ? line[wire] : wire; }
     /// Whether its nodes are those of another one, the line of its group.
     [[nodiscard]] bool is_passenger(int wire) const { return has(wire) && line[wire] != wire; }
 };
@@ -78,7 +80,6 @@ struct NodeAdapter {
     bool on = false;  // nodes = "adaptive" and a detection that does not sit on the nodes
     NodePlanner planner;
     std::vector<double> kept;  // material distances whose nodes must stay: holds, loads, links [m]
-    RodFrames frames;          // scratch
 };
 
 /// What a control asks of a hub in this step.
@@ -93,6 +94,8 @@ struct WireWork {
     NodeAdapter adapter;
     MomentumStart start;             // of the present sub-step
     std::vector<std::uint8_t> kept;  // what of the wire a failed attempt returns to
+    std::vector<Vec3> nodal_backup;  // of WireResult::nodal_contact, while nodes are tried
+    std::vector<double> mass, inertia;  // of a fed wire's nodes and edges before it is fed [capacity] [kg], [kg m^2]
 };
 
 struct StepWork {
@@ -104,9 +107,8 @@ struct StepWork {
     std::vector<WireConstraints> constraints;
     std::vector<SolveReport> reports;
     std::vector<std::uint8_t> active, live;
-    // of the wire whose nodes are being changed
-    HubScratch hub_scratch;
-    std::vector<Vec3> nodal_backup;
+    // of the rod whose nodes are being changed
+    SplitScratch split;
     std::vector<std::uint8_t> bowed;  // YieldingWall::note_bowed
     // a step that may be stopped
     std::function<bool()> stop_asked;      // empty: never

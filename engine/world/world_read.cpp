@@ -2,8 +2,8 @@
 
 #include "contact/contact_sums.h"
 #include "contact/contact_system.h"
-#include "contact/instrument_contact.h"
-#include "contact/yielding_wall.h"
+#include "contact/rods/instrument_contact.h"
+#include "contact/elastic/yielding_wall.h"
 #include "rod/adapt.h"
 #include "rod/curvature.h"
 #include "wall/elastic_wall.h"
@@ -183,41 +183,6 @@ WallReadings World::wall_readings(int system) const
 {
     if (!data_->forces.yielding) return {};
     return data_->forces.yielding->readings(system, data_->forces.yielding->displacement(system));
-}
-
-namespace {
-
-/// What a wire's shape is judged by.
-NodeDemands demands_of(WorldData& world, int wire, const RodView& rod)
-{
-    MergedGroup* group = world.groups.of(wire);
-    if (group && group->feed.inside) return group_demands(world, *group);
-    NodeDemands demands;
-    demands.contact = std::span(world.output.results[static_cast<std::size_t>(wire)].nodal_contact).first(static_cast<std::size_t>(rod.n));
-    for (const RodClamp& clamp : world.constraints(static_cast<std::size_t>(wire)).clamps)
-        if (clamp.direction && clamp.node == rod.n - 1) demands.hub_tangent = clamp.tangent;
-    return demands;
-}
-
-NodePlanner planner_of(const WorldData& world, int wire)
-{
-    return {world.setup.wires[static_cast<std::size_t>(wire)].wire, world.state.rods.capacity(wire)};
-}
-
-}  // namespace
-
-double World::node_error(int wire) const
-{
-    const int line = data_->groups.of(wire) ? data_->groups.of(wire)->line() : wire;
-    const RodView rod = data_->state.rods.view(line);
-    return rod.n > 2 ? planner_of(*data_, line).tip_error(rod, demands_of(*data_, line, rod)) : 0;
-}
-
-BendingError World::bending_error(int wire) const
-{
-    const RodView rod = data_->state.rods.view(wire);
-    if (rod.n <= 2 || data_->groups.is_passenger(wire)) return {};
-    return planner_of(*data_, wire).bending_error(rod, demands_of(*data_, wire, rod));
 }
 
 void World::stop_when(std::function<bool()> asked)

@@ -27,20 +27,26 @@ const std::map<std::string, std::set<std::string>> below = {
     {"wall", {"vessel", "device", "math", "core", "shared"}},
     {"solve", {"rod", "math", "core", "shared"}},
     {"contact", {"solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
+    {"contact/rods", {"contact", "solve", "rod", "vessel", "device", "math", "core", "shared"}},
+    {"contact/elastic", {"contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"api", {"contact", "solve", "wall", "rod", "vessel", "device", "core"}},
-    {"world", {"api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
+    {"world", {"api", "contact", "contact/rods", "contact/elastic", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"step", {"world", "core"}},
     {"io", {"vessel", "math", "core"}},
     {"scene", {"io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"view", {"io", "api", "contact", "solve", "rod", "vessel", "math", "core"}},
     {"run", {"scene", "io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
-    {"study", {"run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
-    {"lab", {"study", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
+    {"batch", {"run", "scene", "io", "api", "vessel", "core"}},
+    {"plan", {"run", "scene", "api", "solve", "wall", "math", "core"}},
+    {"lab", {"plan", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
     {"session", {"run", "scene", "io", "api", "core"}},
 };
 
 std::string folder_of(const fs::path& relative)
 {
+    // a room within a folder has a line of its own in the table
+    const std::string parent = relative.parent_path().generic_string();
+    if (below.count(parent)) return parent;
     if (relative.has_parent_path()) return relative.begin()->string();
     return relative.extension() == ".cpp" ? "step" : "api";
 }

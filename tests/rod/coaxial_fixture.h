@@ -45,7 +45,7 @@ public:
           arrays(std::vector<int>{n}),
           line(arrays.view(0)),
           rod(n, static_cast<int>(specs.size())),
-          frames(n, 1),
+          frames(coaxial_frames(n)),
           hessian(n, rod.instruments)
     {
         const double length = *std::ranges::max_element(inserted);

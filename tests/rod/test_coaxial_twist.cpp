@@ -71,8 +71,9 @@ struct Pair {
         const RodView line = arrays.view(0);
         return line.stretch_stiffness[j] * ((line.pos(j + 1) - line.pos(j)).norm() / line.rest_length[j] - 1);
     }
-    [[nodiscard]] CoaxialNodes nodes() { return {arrays, wires, rod, base}; }
+    [[nodiscard]] CoaxialNodes nodes() { return {arrays, wires, rod, base, frames}; }
     SplitScratch scratch;
+    RodFrames frames = coaxial_frames(edges + 3);
 };
 
 /// Takes out `node`, in the way of the hub or in that of any node. The twist that goes is shared out by the lengths, and what the

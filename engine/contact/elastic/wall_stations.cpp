@@ -1,0 +1,186 @@
+// Feet of nodes on an elastic wall, and the wall's compliance under them.
+
+#include "contact/elastic/wall_stations.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+// Factor on the wall's largest displacement: nodes may be that far from the initial wall and still touch it. The largest is that of
+// the examined points; no other has moved much farther.
+constexpr double farthest_factor = 1.25;
+
+constexpr double fade_length = 4;  // radii over which U fades out
+
+// Passes of y = x - U(foot of y): each reduces the error by the slope of U. A node with a known y takes its next pass in the next
+// step.
+constexpr int most_passes = 4;
+constexpr double settled = 1e-3;  // radii
+
+// |G| up to which positions are carried back. Linear theory ends far below, and 1 + G is singular from 1 on.
+constexpr double steepest = 0.5;
+
+double length_from(const Vec3& a, const Vec3& b) { return (a - b).norm(); }
+
+/// 1 up to `full`, 0 from `none` on, smooth between.
+double fade(double distance, double full, double none)
+{
+    const double t = std::clamp((distance - full) / (none - full), 0.0, 1.0);
+    return 1 - t * t * (3 - 2 * t);
+}
+
+}  // namespace
+
+WallStations::WallStations(const ElasticWall& wall, int nodes) : wall_(wall), stations_(nodes), feet_(nodes), clear_(nodes) {}
+
+void WallStations::provide(int nodes)
+{
+    stations_.resize(nodes);
+    feet_.resize(nodes);
+    clear_.resize(nodes);
+}
+
+void WallStations::take_from(WallStations&& copy)
+{
+    stations_ = std::move(copy.stations_);
+    feet_ = std::move(copy.feet_);
+    clear_ = std::move(copy.clear_);
+}
+
+/// The nearest point of the unmoved surface to y, from where it was looked for last.
+LoopFoot WallStations::foot_of(const WallFoot& last, const Vec3& y) const
+{
+    LoopFoot foot;
+    if (last.triangle >= 0 && length_from(y, Vec3(last.node)) < 0.5 * wall_.edge()) {
+        foot.triangle = static_cast<std::int32_t>(last.triangle);
+        foot.u = last.u;
+        foot.v = last.v;
+    }
+    wall_.surface().closest(y, foot);
+    return foot;
+}
+
+/// U, faded, and its slope at the foot of y.
+WallStations::Under WallStations::under(const LoopFoot& foot, const Vec3& y, const WallDynamics& wall, double radius) const
+{
+    Under at;
+    wall_.surface().basis(foot.triangle, foot.u, foot.v, at.weights);
+    LoopStencil& s = at.weights;
+    Vec3 along_u = Vec3::Zero(), along_v = Vec3::Zero();
+    for (int k = 0; k < s.size && !wall.still(); ++k) {
+        const Vec3 w = wall.now(s.vertex[k]);
+        at.move += s.n[k] * w;
+        along_u += s.n_u[k] * w;
+        along_v += s.n_v[k] * w;
+    }
+    const Vec3 from_wall = y - foot.position;
+    at.distance = foot.rim ? from_wall.norm() : std::abs(from_wall.dot(foot.normal));
+    // the mesh that contact sees is up to off() from the smooth surface
+    const double full = 2 * radius + wall_.off();
+    at.share = fade(at.distance, full, full + fade_length * radius);
+    at.move *= at.share;
+    for (int k = 0; k < s.size; ++k) s.n[k] *= at.share;
+    // u_,u and u_,v against the dual base of the two tangents
+    const double uu = foot.tangent_u.squaredNorm(), uv = foot.tangent_u.dot(foot.tangent_v), vv = foot.tangent_v.squaredNorm();
+    const double det = uu * vv - uv * uv;
+    const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det,
+               dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
+    at.slope = at.share * (outer(along_u, dual_u) + outer(along_v, dual_v));
+    if (const double size = at.slope.norm(); size > steepest) at.slope *= steepest / size;
+    return at;
+}
+
+void WallStations::place(int node, const Vec3& x, const Vec3* before, const WallDynamics& wall, double radius)
+{
+    WallStation& station = stations_[node];
+    if (station.near && station.at == x) return;
+    station.near = false;
+    WallFoot last = feet_[node];
+    feet_[node] = {};
+    Clear& clear = clear_[node];
+    const double reach = 2 * radius + wall_.off() + fade_length * radius + farthest_factor * wall.farthest();
+    if (clear.distance - length_from(x, clear.at) > reach) return;
+    Vec3 y = before ? *before : x;
+    for (int pass = 0; pass < (before ? 1 : most_passes); ++pass) {
+        const LoopFoot foot = foot_of(last, y);
+        clear = {x, foot.distance - length_from(x, y)};
+        if (clear.distance > reach) return;
+        const Under at = under(foot, y, wall, radius);
+        if (at.share == 0 && (before || pass == 0)) return;
+        last = feet_[node] = {{y.x(), y.y(), y.z()}, foot.u, foot.v, foot.triangle};
+        station.near = true;
+        station.weights = at.weights;
+        station.distance = at.distance;
+        station.start = at.move;
+        station.back = wall.still() ? Mat3(Mat3::Identity()) : Mat3((Mat3::Identity() + at.slope).inverse());
+        const double change = length_from(y, x - at.move);
+        y = x - at.move;
+        if (change < settled * radius) break;
+    }
+    station.at = x;
+    station.row = -1;
+}
+
+void WallStations::forget(int first, int last)
+{
+    for (int i = first; i < last; ++i) stations_[i].near = false;
+}
+
+void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w)
+{
+    const std::size_t m = 3 * rows.size();
+    w.resize(m * m);
+    // slots of control vertices in the order in which stations share in them, and places of each station's among these
+    thread_local std::vector<int> touched, place, order, first;
+    touched.clear();
+    order.clear();
+    first.assign(1, 0);
+    for (const int node : rows) {
+        const LoopStencil& s = stations[node].weights;
+        for (int k = 0; k < s.size; ++k) {
+            const int slot = patch.slot(s.vertex[k]);
+            patch.provide(slot);
+            if (static_cast<int>(place.size()) <= slot) place.resize(static_cast<std::size_t>(slot) + 64, -1);
+            if (place[slot] < 0) {
+                place[slot] = static_cast<int>(touched.size());
+                touched.push_back(slot);
+            }
+            order.push_back(place[slot]);
+        }
+        first.push_back(static_cast<int>(order.size()));
+    }
+    for (const int slot : touched) place[slot] = -1;
+    thread_local std::vector<double> answer;  // [touched][9] to a force on station j
+    answer.resize(9 * touched.size());
+    int known = 0;
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+        const LoopStencil& sj = stations[rows[j]].weights;
+        for (int k = first[j]; k < first[j + 1]; ++k) known = std::max(known, order[k] + 1);
+        std::fill_n(answer.begin(), 9 * known, 0.0);
+        for (int t = 0; t < known; ++t)
+            for (int k = 0; k < sj.size; ++k) {
+                const double* g = patch.block(touched[t], touched[order[first[j] + k]]);
+                double* to = &answer[9 * static_cast<std::size_t>(t)];
+                const double share = sj.n[k];
+                for (int c = 0; c < 9; ++c) to[c] += share * g[c];
+            }
+        for (std::size_t i = 0; i <= j; ++i) {
+            const LoopStencil& si = stations[rows[i]].weights;
+            double block[9] = {};
+            for (int k = 0; k < si.size; ++k) {
+                const double* from = &answer[9 * static_cast<std::size_t>(order[first[i] + k])];
+                for (int c = 0; c < 9; ++c) block[c] += si.n[k] * from[c];
+            }
+            for (std::size_t r = 0; r < 3; ++r)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    w[(3 * i + r) * m + 3 * j + c] = block[3 * r + c];
+                    w[(3 * j + c) * m + 3 * i + r] = block[3 * r + c];
+                }
+        }
+    }
+}
+
+}  // namespace seldinger

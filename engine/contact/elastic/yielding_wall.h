@@ -1,0 +1,97 @@
+#pragma once
+// Contact with an elastic wall (D11): the force term in front of contact with the undeformed wall; it carries wires back to that
+// wall (wall_stations.h). Both bodies are solved together:
+//
+//     wire   R(x) - A^T f(y) = 0                   f: what contact exerts on the nodes, whatever finds it and whatever its laws;
+//                                                  A = dy/dx = (1 + G)^-1 (wall_stations.h)
+//     wall   rho = U - U_free + W A^T f(y) = 0     U_free: where the wall would be at the end of the step if nothing touched it
+//
+// Newton's residual takes both. At each trial x the wall moves to the position that the last linear equations of both give for this
+// x. The remaining rho goes into the wire's residual as the force that it will still make. With T = -A^T df/dy A the
+// tangent is T - T (W^-1 + T)^-1 T: unknowns U beside the band (math/condensed.h). If a trial is far from this prediction (rho
+// above 10 % of the largest force), the wall is moved again at the same x.
+//
+// When a step is accepted the wall takes -A^T f, all of it: (K + C/h) w1 = C/h w0 - sum N^T A^T f (wall/wall_dynamics.h).
+
+#include "contact/contact_system.h"
+#include "contact/elastic/wall_stations.h"
+#include "math/banded_solver.h"
+
+#include <memory>
+#include <vector>
+
+namespace seldinger {
+
+class YieldingWall final : public ForceTerm {
+public:
+    /// @param unmoved  what `contact` was made with; as `rods`, carried back @param systems  [wires]  @param rods  of the world
+    YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
+                 std::span<const int> systems);
+    ~YieldingWall() override;
+
+    void begin_step(RodArrays& rods, Settling how) override;
+    void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
+    void evaluate(const TermTrial& trial) override;
+    [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
+    void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override;
+    void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
+    void take(int wire, Base base, std::span<double> kinks) override;
+    bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
+    void commit(std::span<const std::uint8_t> active) override;
+    void walk_state(StateWalk& walk, int wire) override;
+
+    /// As of the contact behind it.
+    [[nodiscard]] bool is_clear(RodArrays& rods, int wire);
+    /// Displacement of the control vertices [3V] [m], and contact's work on them since the beginning [J].
+    [[nodiscard]] std::vector<double> displacement(int system) const;
+    [[nodiscard]] double work(int system) const;
+    /// Largest displacement and stress under the wires at the end of the last step; the rest of the readings is 0. Looked at are
+    /// nodes with at least half of the largest force, and the triangles there.
+    [[nodiscard]] const WallReadings& under(int system) const;
+    /// Readings of all of the wall, with those under the wires.    @param stress  as read_wall
+    [[nodiscard]] WallReadings readings(int system, std::span<const double> displacement, std::vector<double>* stress = nullptr) const;
+    /// Contact forces on the nodes of a wire, [n], as the wire feels them.
+    void add_nodal_forces(int wire, std::span<Vec3> forces) const;
+    /// Contacts of the accepted state where the wall is now.
+    [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
+    /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.
+    void carry_back(RodArrays& rods, int wire);
+    /// Nodes of the accepted state between whose neighbours the wall's move is not linear: without them the wire would be carried
+    /// elsewhere at once, to places deeper in the wall than its law bears.     @param bowed  [n] flags, set there
+    void note_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const;
+    /// Farthest that the wall has moved under a wire of this system, of 20 % of the lumen's radius there [-].
+    [[nodiscard]] double move_share(int system) const;
+
+private:
+    struct System;
+    [[nodiscard]] System& of(int wire) const { return *systems_[system_of_[wire]]; }
+    void evaluate_start(const TermTrial& start);
+    [[nodiscard]] double work_from_outside(int wire) const;
+    void take_times(double seconds);
+    void place_and_copy(RodArrays& rods, int wire);
+    void start_step(System& system, double h) const;
+    void list_rows(System& system) const;
+    void engage(System& system) const;
+    void foresee(System& system, const TrialState& trial) const;
+    void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
+    bool take_forces(System& system) const;
+    void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
+    [[nodiscard]] double open_way(const System& system, int wire) const;
+    void list_pushes(System& system) const;
+    [[nodiscard]] bool relax(System& system) const;
+    void read_under(System& system) const;
+    [[nodiscard]] double bearing_length(const System& system, std::size_t row) const;
+
+    const ElasticWall& wall_;
+    ContactMethod& contact_;
+    RodArrays& rods_;
+    RodArrays& unmoved_;
+    std::vector<int> system_of_;  // [wires]
+    std::vector<std::unique_ptr<System>> systems_;
+    mutable std::vector<BandMatrix> tangents_;            // [wires] of contact, at y
+    mutable std::vector<std::vector<double>> residuals_;  // [wires] likewise
+    TrialState carried_, before_;
+    std::vector<std::uint8_t> todo_;
+};
+
+}  // namespace seldinger
