@@ -6,20 +6,31 @@
 
 namespace seldinger {
 
-ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling) : context_(&context)
+device::Buffer stage_records(device::Context& context, std::size_t points)
+{
+    const std::size_t size = SEL_STAGE_REALS * (context.float32() ? sizeof(float) : sizeof(double));
+    return {context, (context.workgroup(device::Items::Branching) == 1 ? 1 : points) * size};
+}
+
+ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling)
+    : context_(&context)
 {
     const device::Items items = device::Items::Branching;
     if (context.workgroup(items) == 1) {
         whole_ = device::Kernel(context, program, "contact_evaluate", items);
         return;
     }
-    const auto add = [&](const char* name, cl_uint side) { stages_.push_back({device::Kernel(context, program, name, items), side}); };
+    const auto add = [&](const char* name, cl_uint side) {
+        stages_.push_back({device::Kernel(context, program, name, items), side});
+    };
     add("contact_clear", 0);
     add("contact_nearest", 0);
     add("contact_behind", 0);
     add("contact_join", 0);
+    add("contact_share", 0);
     add("contact_oppose", 0);
     add("contact_join", 1);
+    add("contact_share", 1);
     for (const cl_uint side : {0u, 1u}) {
         add("contact_ridge", side);
         add("contact_press", side);
@@ -27,7 +38,7 @@ ForceKernels::ForceKernels(device::Context& context, const std::string& program,
         add("contact_tangent", side);
         if (rolling) add("contact_roll", side);
     }
-    records_ = device::Buffer(context, points * SEL_STAGE_REALS * (context.float32() ? sizeof(float) : sizeof(double)));
+    records_ = stage_records(context, points);
     todo_ = device::Buffer(context, (points + 1) * sizeof(cl_uint));
 }
 

@@ -9,6 +9,9 @@
 
 namespace seldinger {
 
+/// Memory of the stages of `points` points; little where an item is a work-group, which has no stages.
+[[nodiscard]] device::Buffer stage_records(device::Context& context, std::size_t points);
+
 class ForceKernels {
 public:
     /// @param program  with contact/evaluation.cl     points  listed at most     rolling  whether some model rolls: has a stage of its own

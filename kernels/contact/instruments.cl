@@ -1,10 +1,7 @@
 // Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
 //   launch  engine/contact/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
 #include "shared/instrument_block.h"
-#ifndef SEL_WORKGROUP
-    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
-#endif
-#define SEL_INSTRUMENT_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
+#include "shared/kernel.h"
 
 // Forces of listed slots: with other instruments, SEL_BLOCK of them an item; with the same one, each an item. The other kernel's are
 // passed over.
@@ -12,16 +9,16 @@
 //   reads   list [item_count]; bodies; slots; nodes at the trial and at the start of the step; states_t0 [cells][slots]
 //   writes  forces [item_count]; points [item_count][SEL_INSTRUMENT_POINTS], of each its first `count`; states [cells][slots] of
 //           the listed
-#define SEL_EVALUATE(name)                                                                                                      \
-    SEL_INSTRUMENT_KERNEL void name(const InstrumentParams par, __global const uint* restrict list,                             \
-                                    __global const InstrumentRod* restrict rods, __global const InstrumentPair* restrict pairs, \
-                                    __global const InstrumentSurface* restrict surfaces, __global const uint* restrict rod_of,  \
-                                    __global const InstrumentSlot* restrict slots, __global const real* restrict position,      \
-                                    __global const real* restrict material, __global const real* restrict theta,                \
-                                    __global const real* restrict position_t0, __global const real* restrict material_t0,       \
-                                    __global const real* restrict theta_t0, __global const InstrumentState* restrict states_t0, \
-                                    __global InstrumentState* restrict states, __global InstrumentForce* restrict forces,       \
-                                    __global InstrumentPoint* restrict points)
+#define SEL_EVALUATE(name)                                                                                           \
+    SEL_KERNEL void name(const InstrumentParams par, __global const uint* restrict list,                             \
+                         __global const InstrumentRod* restrict rods, __global const InstrumentPair* restrict pairs, \
+                         __global const InstrumentSurface* restrict surfaces, __global const uint* restrict rod_of,  \
+                         __global const InstrumentSlot* restrict slots, __global const real* restrict position,      \
+                         __global const real* restrict material, __global const real* restrict theta,                \
+                         __global const real* restrict position_t0, __global const real* restrict material_t0,       \
+                         __global const real* restrict theta_t0, __global const InstrumentState* restrict states_t0, \
+                         __global InstrumentState* restrict states, __global InstrumentForce* restrict forces,       \
+                         __global InstrumentPoint* restrict points)
 
 SEL_EVALUATE(instruments_evaluate)
 {
