@@ -17,6 +17,7 @@
 namespace seldinger::kernel_bench {
 
 using seldinger::ForceKernels;
+using seldinger::stage_records;
 
 /// The tube, as DeviceWall holds it.
 struct BenchWall {

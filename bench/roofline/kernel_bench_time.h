@@ -4,6 +4,7 @@
 namespace {
 
 using sel_bench::ForceKernels;
+using sel_bench::stage_records;
 using sel_bench::KernelBenchOptions;
 using sel_bench::KernelTiming;
 using sel_device::Buffer;
@@ -93,9 +94,10 @@ public:
             k.launch(queue_, n_, par, models_, places_, counts_, states_t0_, states_, multipliers_, next_multipliers_, ratios_);
         });
         par.normal_law = SEL_NORMAL_BARRIER;
+        const Buffer stages = stage_records(context_, n_);
         run("barrier_path.cl", "contact_clearance", n_, record + states / 2 + lists, [&](Kernel& k) {
             k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_, lo_,
-                     theta_, states_t0_, ratios_);
+                     theta_, states_t0_, ratios_, stages);
         });
         run("barrier_path.cl", "contact_sweep", n_, record + lists, [&](Kernel& k) {
             k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_t0_, lo_t0_,

@@ -2,6 +2,7 @@
 
 #include "contact/barrier_path.h"
 
+#include "contact/force_kernels.h"
 #include "contact/programs.h"
 #include "core/state_walk.h"
 #include "shared/barrier_path.h"
@@ -18,6 +19,7 @@ BarrierPath::BarrierPath(device::Context& context, const QuadratureSet& points, 
       sweep_(context, programs::barrier, "contact_sweep", device::Items::Branching),
       base_(context, node_capacity),
       result_buffer_(context, points.models.size() * sizeof(real)),
+      stages_(stage_records(context, points.models.size())),
       result_(points.models.size()),
       radius_reduction_t0_(points.models.size(), 0),
       feasible_step_(points.wires.size(), 1)
@@ -27,7 +29,7 @@ BarrierPath::BarrierPath(device::Context& context, const QuadratureSet& points, 
 void BarrierPath::warm_up(device::Queue at, ContactParams none, const QuadratureBuffers& b)
 {
     clearance_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0,
-                      result_buffer_);
+                      result_buffer_, stages_);
     sweep_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, base_, b.nodes, result_buffer_);
 }
 
@@ -37,7 +39,7 @@ void BarrierPath::measure_gaps(device::Queue at, ContactParams par, const Quadra
     if (count == 0) return;
     par.item_count = static_cast<uint>(count);
     clearance_.launch(at, count, par, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0,
-                      result_buffer_);
+                      result_buffer_, stages_);
     context_.read(at, result_buffer_, result_.data(), count * sizeof(real));
 }
 

@@ -40,6 +40,7 @@ private:
     device::Kernel clearance_, sweep_;
     DeviceNodes base_;
     device::Buffer result_buffer_;
+    device::Buffer stages_;                  // of contact_clearance, where items share a group
     std::vector<real> result_;               // [list]
     std::vector<real> radius_reduction_t0_;  // [points] of the accepted state [m]
     std::vector<double> feasible_step_;      // [wires]

@@ -3,23 +3,44 @@
 #include "contact/force_kernels.h"
 
 #include "shared/contact_stages.h"
+#include "shared/instrument_stages.h"
 
 namespace seldinger {
 
-ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling) : context_(&context)
+namespace {
+
+constexpr device::Items items_ = device::Items::Branching;
+
+}  // namespace
+
+device::Buffer stage_records(device::Context& context, std::size_t points)
 {
-    const device::Items items = device::Items::Branching;
-    if (context.workgroup(items) == 1) {
-        whole_ = device::Kernel(context, program, "contact_evaluate", items);
-        return;
-    }
-    const auto add = [&](const char* name, cl_uint side) { stages_.push_back({device::Kernel(context, program, name, items), side}); };
-    add("contact_clear", 0);
-    add("contact_nearest", 0);
-    add("contact_behind", 0);
-    add("contact_join", 0);
-    add("contact_oppose", 0);
+    const std::size_t size = SEL_STAGE_REALS * (context.float32() ? sizeof(float) : sizeof(double));
+    return {context, (context.workgroup(items_) == 1 ? 1 : points) * size};
+}
+
+StagedKernel::StagedKernel(device::Context& context, const std::string& program, const char* whole)
+    : context_(&context), program_(program)
+{
+    if (is_whole()) whole_ = device::Kernel(context, program, whole, items_);
+}
+
+bool StagedKernel::is_whole() const { return context_->workgroup(items_) == 1; }
+
+void StagedKernel::add(const char* name, cl_uint side)
+{
+    stages_.push_back({device::Kernel(*context_, program_, name, items_), side});
+}
+
+ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling)
+    : StagedKernel(context, program, "contact_evaluate")
+{
+    if (is_whole()) return;
+    for (const char* name :
+         {"contact_clear", "contact_nearest", "contact_behind", "contact_join", "contact_share", "contact_oppose"})
+        add(name);
     add("contact_join", 1);
+    add("contact_share", 1);
     for (const cl_uint side : {0u, 1u}) {
         add("contact_ridge", side);
         add("contact_press", side);
@@ -27,8 +48,26 @@ ForceKernels::ForceKernels(device::Context& context, const std::string& program,
         add("contact_tangent", side);
         if (rolling) add("contact_roll", side);
     }
-    records_ = device::Buffer(context, points * SEL_STAGE_REALS * (context.float32() ? sizeof(float) : sizeof(double)));
+    records_ = stage_records(context, points);
     todo_ = device::Buffer(context, (points + 1) * sizeof(cl_uint));
+}
+
+InstrumentKernels::InstrumentKernels(device::Context& context, const std::string& program)
+    : StagedKernel(context, program, "instruments_evaluate")
+{
+    if (is_whole()) return;
+    for (const char* name : {"instruments_ends", "instruments_follow", "instruments_look", "instruments_push",
+                             "instruments_whole", "instruments_rub"})
+        add(name);
+}
+
+std::size_t InstrumentKernels::items(std::size_t slots) const { return is_whole() ? (slots + SEL_BLOCK - 1) / SEL_BLOCK : slots; }
+
+void InstrumentKernels::provide(std::size_t slots)
+{
+    if (is_whole() || records_.bytes() >= slots * sizeof(InstrumentStage)) return;
+    records_ = device::Buffer(*context_, 2 * slots * sizeof(InstrumentStage));
+    todo_ = device::Buffer(*context_, (2 * slots + 1) * sizeof(cl_uint));
 }
 
 }  // namespace seldinger

@@ -2,16 +2,13 @@
 // from any number of threads.
 //   launch  engine/contact/evaluation.cpp, engine/contact/layer.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/edge_sums.h"
-#ifndef SEL_WORKGROUP
-    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
-#endif
-#define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
+#include "shared/kernel.h"
 
 //   item    one active edge; its forces are first[item] .. first[item + 1] - 1; range rounded up to the work-group size
 //   reads   first [item_count + 1]; forces, barys      writes  edges [item_count]
-SEL_KERNEL void contact_reduce(const uint item_count, __global const uint* restrict first,
-                               __global const ContactForce* restrict forces, __global const real* restrict barys,
-                               __global EdgeForce* restrict edges)
+SEL_WALK_KERNEL void contact_reduce(const uint item_count, __global const uint* restrict first,
+                                    __global const ContactForce* restrict forces, __global const real* restrict barys,
+                                    __global EdgeForce* restrict edges)
 {
     const uint item = get_global_id(0);
     if (item >= item_count) return;

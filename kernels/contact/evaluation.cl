@@ -1,10 +1,7 @@
 // Forces of quadrature points, by any law: in one kernel where an item is a work-group, that is on a CPU, else in stages.
 //   launch  engine/contact/force_kernels.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/contact_stages.h"
-#ifndef SEL_WORKGROUP
-    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
-#endif
-#define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
+#include "shared/kernel.h"
 
 // Forces of active quadrature points.
 //   item    one entry of `list` (quadrature points with near nodes, ordered by wire and edge); range rounded up to the work-group
@@ -32,12 +29,12 @@ static inline void ahead(const __global void* at, uint bytes)
 {
     for (uint k = 0; k < bytes; k += 64) __builtin_prefetch((const __global char*)at + k);
 }
-#else
-    #define SEL_AHEAD 0
+    #else
+        #define SEL_AHEAD 0
 static inline void ahead(const __global void* at, uint bytes) {}
-#endif
+    #endif
 
-SEL_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
+SEL_WALK_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
@@ -66,9 +63,9 @@ SEL_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
 //   reads   side: 0, the nearer side of the lumen; 1, the opposite one
 //   writes  todo: places in `list` of the quadrature points that have to be evaluated, in any order; todo[0] is 0 before.
 //           stages [points]
-    #define SEL_STAGE(name)                                                                                             \
-        SEL_KERNEL void name(SEL_FORCE_ARGUMENTS, __global ContactStage* restrict stages, __global uint* restrict todo, \
-                             const uint side)
+    #define SEL_STAGE(name)                                                                                                  \
+        SEL_WALK_KERNEL void name(SEL_FORCE_ARGUMENTS, __global ContactStage* restrict stages, __global uint* restrict todo, \
+                                  const uint side)
     #define SEL_POINT_OF(item)                                             \
         const uint s = list[item];                                         \
         const StateView view = state_view(states_t0, states, multipliers); \
@@ -107,6 +104,12 @@ SEL_STAGE(contact_join)
 {
     SEL_NEXT_POINT;
     stage_join(of, side, stage);
+}
+
+SEL_STAGE(contact_share)
+{
+    SEL_NEXT_POINT;
+    stage_share(of, side, stage);
 }
 
 SEL_STAGE(contact_oppose)

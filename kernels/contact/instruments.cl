@@ -1,10 +1,7 @@
 // Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
 //   launch  engine/contact/rods/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
-#include "shared/instrument_block.h"
-#ifndef SEL_WORKGROUP
-    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
-#endif
-#define SEL_INSTRUMENT_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
+#include "shared/instrument_stages.h"
+#include "shared/kernel.h"
 
 // Forces of listed slots: with other instruments, SEL_BLOCK of them an item; with the same one, each an item. The other kernel's are
 // passed over.
@@ -12,18 +9,19 @@
 //   reads   list [item_count]; bodies; slots; nodes at the trial and at the start of the step; states_t0 [cells][slots]
 //   writes  forces [item_count]; points [item_count][SEL_INSTRUMENT_POINTS], of each its first `count`; states [cells][slots] of
 //           the listed
-#define SEL_EVALUATE(name)                                                                                                      \
-    SEL_INSTRUMENT_KERNEL void name(const InstrumentParams par, __global const uint* restrict list,                             \
-                                    __global const InstrumentRod* restrict rods, __global const InstrumentPair* restrict pairs, \
-                                    __global const InstrumentSurface* restrict surfaces, __global const uint* restrict rod_of,  \
-                                    __global const InstrumentSlot* restrict slots, __global const real* restrict position,      \
-                                    __global const real* restrict material, __global const real* restrict theta,                \
-                                    __global const real* restrict position_t0, __global const real* restrict material_t0,       \
-                                    __global const real* restrict theta_t0, __global const InstrumentState* restrict states_t0, \
-                                    __global InstrumentState* restrict states, __global InstrumentForce* restrict forces,       \
-                                    __global InstrumentPoint* restrict points)
+#define SEL_INSTRUMENT_ARGUMENTS                                                                                             \
+    const InstrumentParams par, __global const uint *restrict list, __global const InstrumentRod *restrict rods,             \
+        __global const InstrumentPair *restrict pairs, __global const InstrumentSurface *restrict surfaces,                  \
+        __global const uint *restrict rod_of, __global const InstrumentSlot *restrict slots,                                 \
+        __global const real *restrict position, __global const real *restrict material, __global const real *restrict theta, \
+        __global const real *restrict position_t0, __global const real *restrict material_t0,                                \
+        __global const real *restrict theta_t0, __global const InstrumentState *restrict states_t0,                          \
+        __global InstrumentState *restrict states, __global InstrumentForce *restrict forces,                                \
+        __global InstrumentPoint *restrict points
 
-SEL_EVALUATE(instruments_evaluate)
+#if !SEL_SUMS_IN_MEMORY
+
+SEL_KERNEL void instruments_evaluate(SEL_INSTRUMENT_ARGUMENTS)
 {
     const uint first = SEL_BLOCK * get_global_id(0);
     if (first >= par.item_count) return;
@@ -33,7 +31,68 @@ SEL_EVALUATE(instruments_evaluate)
                       states_t0, par, states, forces + first, points + SEL_INSTRUMENT_POINTS * first);
 }
 
-SEL_EVALUATE(instruments_evaluate_self)
+#else
+
+// Stages of the same (shared/instrument_stages.h).
+//   item    of instruments_ends: an entry of `list`; of the others: one of the todo[0] that follow it in `todo`
+//   writes  todo: places in `list` of the slots that may touch, in any order; todo[0] is 0 before. stages [item_count]
+    #define SEL_INSTRUMENT_STAGE(name)                                                                 \
+        SEL_WALK_KERNEL void name(SEL_INSTRUMENT_ARGUMENTS, __global InstrumentStage* restrict stages, \
+                                  __global uint* restrict todo, const uint side)
+    #define SEL_CELL_OF(item)                                                                               \
+        const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;                                         \
+        const InstrumentBodies bodies = instrument_bodies(rods, pairs, surfaces, rod_of);                   \
+        __global const InstrumentState* old = states_t0 + SEL_INSTRUMENT_SLOTS * cell;                      \
+        const SlotCell its = slot_cell(cell, slots[s], bodies, instrument_nodes(position, material, theta), \
+                                       instrument_nodes(position_t0, material_t0, theta_t0), old, par.inv_dt)
+    #define SEL_NEXT_CELL                             \
+        if (get_global_id(0) >= todo[0]) return;      \
+        const uint item = todo[1 + get_global_id(0)]; \
+        SEL_CELL_OF(item)
+
+SEL_INSTRUMENT_STAGE(instruments_ends)
+{
+    const uint item = get_global_id(0);
+    if (item >= par.item_count || slots[list[item]].touch == SEL_TOUCH_SELF) return;
+    SEL_CELL_OF(item);
+    if (stage_ends(&its, par, stages + item, states + s, forces + item)) todo[1 + atomic_inc(todo)] = item;
+}
+
+SEL_INSTRUMENT_STAGE(instruments_follow)
+{
+    SEL_NEXT_CELL;
+    stage_follow(&its, par, stages + item, states + s);
+}
+
+SEL_INSTRUMENT_STAGE(instruments_look)
+{
+    SEL_NEXT_CELL;
+    stage_look(&its, old, par, stages + item, states + s, forces + item);
+}
+
+SEL_INSTRUMENT_STAGE(instruments_push)
+{
+    SEL_NEXT_CELL;
+    stage_push(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item,
+               points + SEL_INSTRUMENT_POINTS * item);
+}
+
+SEL_INSTRUMENT_STAGE(instruments_whole)
+{
+    SEL_NEXT_CELL;
+    stage_whole(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item,
+                points + SEL_INSTRUMENT_POINTS * item);
+}
+
+SEL_INSTRUMENT_STAGE(instruments_rub)
+{
+    SEL_NEXT_CELL;
+    stage_rub_cell(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item);
+}
+
+#endif
+
+SEL_KERNEL void instruments_evaluate_self(SEL_INSTRUMENT_ARGUMENTS)
 {
     const uint item = get_global_id(0);
     if (item >= par.item_count) return;

@@ -1,11 +1,8 @@
 // The published layer detection: pairs of an edge, and their forces. Their sums: edge_sums.cl.
 //   launch  engine/contact/layer.cpp       test  tests/contact/test_layer.cpp, tests/contact/test_host_reference.cpp
 #define SEL_SUMS_IN_MEMORY 0  // rare: not in stages (shared/contact_stages.h)
+#include "shared/kernel.h"
 #include "shared/layer.h"
-#ifndef SEL_WORKGROUP
-    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
-#endif
-#define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
 // Steps 1-5 for every edge.
 //   item    one edge; range rounded up to the work-group size
@@ -18,8 +15,8 @@ SEL_KERNEL void layer_find(const ContactParams par, __global const LayerEdge* re
 {
     const uint item = get_global_id(0);
     if (item < par.item_count)
-        counts[item] = find_pairs(edges[item], SEL_NODES(node), SEL_WALL, par.slots, candidates + (ulong)item * par.slots,
-                                  touching + item);
+        counts[item] =
+            find_pairs(edges[item], SEL_NODES(node), SEL_WALL, par.slots, candidates + (ulong)item * par.slots, touching + item);
 }
 
 // Forces of pairs.

@@ -1,10 +1,7 @@
 // Multipliers at the start of a solve and between solves.
 //   launch  engine/contact/multipliers.cpp       test  tests/contact/test_host_reference.cpp
+#include "shared/kernel.h"
 #include "shared/multipliers.h"
-#ifndef SEL_WORKGROUP
-    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
-#endif
-#define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
 // Multipliers at the start of a solve.
 //   item    one quadrature point; range rounded up to the work-group size
@@ -34,8 +31,8 @@ SEL_KERNEL void contact_multipliers(const ContactParams par, __global const Quad
         none.flags = 0;
         real ratio = 0;
         for (uint k = 2 * s; k < 2 * s + 2; ++k)
-            next[k] = multiplier_update(multipliers[k], counts[s] > 0 ? states[k] : none, states_t0[k], places[s].epoch, models[s],
-                                        par, &ratio);
+            next[k] = multiplier_update(multipliers[k], counts[s] > 0 ? states[k] : none, states_t0[k], places[s].epoch,
+                                        models[s], par, &ratio);
         ratios[s] = ratio;
     }
 }

@@ -1,22 +1,19 @@
 // The wall near quadrature points: near nodes of the tree (walk.h), distance of the wall.
 //   launch  engine/contact/near_wall.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/clearance.h"
+#include "shared/kernel.h"
 #include "shared/wall_distance.h"
-#ifndef SEL_WORKGROUP
-    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
-#endif
-#define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
 // Nodes of the tree near listed quadrature points.
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] index of a quadrature point; models, places [points]; nodes [nodes][3] [m]; wall
 //   writes  near_nodes [points][slots], counts [points], found [item_count]: how many hold the wall within radius + reach + slack,
 //           also beyond `slots`; 0: nothing is; clearances [points]
-SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
-                             __global const QuadratureModel* restrict models, __global const QuadraturePlace* restrict places,
-                             SEL_NODE_ARGUMENTS(node), SEL_WALL_ARGUMENTS, __global uint* restrict near_nodes,
-                             __global uint* restrict counts, __global uint* restrict found,
-                             __global Clearance* restrict clearances)
+SEL_WALK_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
+                                  __global const QuadratureModel* restrict models,
+                                  __global const QuadraturePlace* restrict places, SEL_NODE_ARGUMENTS(node), SEL_WALL_ARGUMENTS,
+                                  __global uint* restrict near_nodes, __global uint* restrict counts,
+                                  __global uint* restrict found, __global Clearance* restrict clearances)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
@@ -24,8 +21,8 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
         const WallView wall = SEL_WALL;
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, SEL_NODES(node));
         const real radius = models[s].radius, range = radius + models[s].reach + slack;
-        const uint count = find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * radius, wall, par.slots,
-                                           near_nodes + (ulong)s * par.slots);
+        const uint count =
+            find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * radius, wall, par.slots, near_nodes + (ulong)s * par.slots);
         counts[s] = found[item] = count;
         clearances[s] = found_clearance(at.origin + at.offset, range, slack, radius, count);
     }
@@ -34,9 +31,9 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
 // How far listed quadrature points are from the wall.
 //   item    one entry of `list`
 //   reads   list [item_count]; places [points]; nodes; wall     writes  distances [item_count] [m], at most `most`
-SEL_KERNEL void contact_distance(const uint item_count, const real most, __global const uint* restrict list,
-                                 __global const QuadraturePlace* restrict places, SEL_NODE_ARGUMENTS(node), SEL_WALL_ARGUMENTS,
-                                 __global real* restrict distances)
+SEL_WALK_KERNEL void contact_distance(const uint item_count, const real most, __global const uint* restrict list,
+                                      __global const QuadraturePlace* restrict places, SEL_NODE_ARGUMENTS(node),
+                                      SEL_WALL_ARGUMENTS, __global real* restrict distances)
 {
     const uint item = get_global_id(0);
     if (item < item_count) {

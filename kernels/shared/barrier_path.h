@@ -1,21 +1,42 @@
 // Start of a step with the barrier law: the gap of a quadrature point, and the release of one in overlap.
 #ifndef SEL_SHARED_BARRIER_PATH_H
 #define SEL_SHARED_BARRIER_PATH_H
-#include "shared/contact_point.h"
+#include "shared/contact_stages.h"
 
 SEL_BEGIN
 
 // Nearest gap of a quadrature point [m], as contact has it; its reach when nothing is nearer.
+SEL_FN real nearer_gap(SEL_OUT const ContactPoint* first, SEL_OUT const ContactPoint* second, real reach)
+{
+    real depth = -reach;
+    if (first->found) depth = max_r(depth, first->depth);
+    if (second->found) depth = max_r(depth, second->depth);
+    return -depth;
+}
+
+#if SEL_SUMS_IN_MEMORY
+SEL_FN real gap_of_point(StagedPoint of, SEL_OUT ContactStage* stage)
+{
+    stage_nearest(of, stage);
+    if (stage->behind) find_in_front(of, stage);
+    SEL_ROLLED for (uint side = 0; side < 2; ++side)
+    {
+        if (side == 1) stage_oppose(of, stage);
+        stage_join(of, side, stage);
+        stage_share(of, side, stage);
+    }
+    return nearer_gap(&stage->side[0], &stage->side[1], of.point.model.reach);
+}
+#else
 SEL_FN real gap_of_point(PointView point, ContactParams par, NodeView nodes, SEL_GLOBAL const ContactState* states_t0)
 {
     const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
     const ContactBall ball = contact_ball(at.offset, at.origin, point.model.radius, point.model.reach, par.smoothing);
-    const ContactPointPair touching = contact_points_of(ball, point.near, last_touch(point.index, point.place.epoch, states_t0), no_recall());
-    real depth = -point.model.reach;
-    if (touching.first.found) depth = max_r(depth, touching.first.depth);
-    if (touching.second.found) depth = max_r(depth, touching.second.depth);
-    return -depth;
+    const ContactPointPair touching =
+        contact_points_of(ball, point.near, last_touch(point.index, point.place.epoch, states_t0), no_recall());
+    return nearer_gap(&touching.first, &touching.second, point.model.reach);
 }
+#endif
 
 // A barrier has no force to push out what overlaps, and a wire may be placed, fed or remeshed into the wall. Such a quadrature
 // point is made thinner until its gap is 0.1 % of the activation distance. Half of the gap made in each step is then taken off this

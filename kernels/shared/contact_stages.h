@@ -3,7 +3,7 @@
 //
 //   clear     is_clear; the others go on a list, so that the later stages run over those alone
 //   nearest   the nearest facet; behind: once more without walls seen from behind, and whether the point has gone through one
-//   join      neighbouring facets of one side of the lumen; oppose: the opposite wall
+//   join      neighbouring facets of one side of the lumen; share: their smooth maximum; oppose: the opposite wall
 //   press, rub, tangent, roll   of one side: normal law, friction, its tangent, rolling resistance
 #ifndef SEL_SHARED_CONTACT_STAGES_H
 #define SEL_SHARED_CONTACT_STAGES_H
@@ -23,7 +23,7 @@ typedef struct ContactStage {
 } ContactStage;
 
 // Room for a record, in reals. Its size differs from device to device: a vec3 of the host has three reals, of OpenCL four.
-#define SEL_STAGE_REALS 304
+#define SEL_STAGE_REALS 424
 typedef char stage_has_room[sizeof(ContactStage) <= SEL_STAGE_REALS * sizeof(real) ? 1 : -1];
 
 // A quadrature point in a stage, and its movement.
@@ -66,12 +66,17 @@ SEL_FN void stage_nearest(StagedPoint of, SEL_OUT ContactStage* stage)
     stage->flags = 0;
 }
 
+// Walls seen from behind are not there.
+SEL_FN void find_in_front(StagedPoint of, SEL_OUT ContactStage* stage)
+{
+    find_nearest(&stage->side[0], of.ball, of.point.near, 1, (real)1e30, &stage->list);
+    stage->side[0].side = last_side(of.was);
+}
+
 SEL_FN void stage_behind(StagedPoint of, NodeView nodes, NodeView nodes_t0, SEL_OUT ContactStage* stage)
 {
     if (!stage->behind) return;
-    SEL_OUT ContactPoint* first = &stage->side[0];
-    find_nearest(first, of.ball, of.point.near, 1, (real)1e30, &stage->list);
-    first->side = last_side(of.was);
+    find_in_front(of, stage);
     const vec3 move = motion_of(of.point.place, of.at, nodes, nodes_t0).move;
     if (!of.par.known && gone_through(of.at.offset, move, of.at.origin, of.point.near)) stage->flags |= SEL_FORCE_BLOCKED;
 }
@@ -79,7 +84,12 @@ SEL_FN void stage_behind(StagedPoint of, NodeView nodes, NodeView nodes_t0, SEL_
 SEL_FN void stage_join(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
 {
     if (!has_sides(&stage->side[side], of.ball)) return;
-    join_neighbours(&stage->side[side], &stage->planes, of.ball, of.point.near, &stage->list);
+    find_neighbours(&stage->side[side], &stage->planes, of.ball, of.point.near, &stage->list);
+}
+
+SEL_FN void stage_share(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
+{
+    if (has_sides(&stage->side[side], of.ball)) smooth_maximum(&stage->side[side], &stage->planes, of.ball);
 }
 
 SEL_FN void stage_oppose(StagedPoint of, SEL_OUT ContactStage* stage)

@@ -5,11 +5,20 @@
 
 SEL_BEGIN
 
+// Before the rounds of a loop over the entries of matrices in memory: one round after another there, since all at once would be as
+// many registers.
+#if SEL_SUMS_IN_MEMORY
+    #define SEL_IN_TURN SEL_ROLLED
+#else
+    #define SEL_IN_TURN
+#endif
+
 // Adds what a quadrature point's couple does: q = (x_a, x_b, theta), x = a x_a + b x_b, w = x_b - x_a.
 SEL_FN void add_couple(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
 {
     const int place[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};  // of (i, j) among xx xy xz yy yz zz
-    for (int i = 0; i < 3; ++i) {
+    SEL_IN_TURN for (int i = 0; i < 3; ++i)
+    {
         out->force_a[i] -= f->couple[i];
         out->force_b[i] += f->couple[i];
         out->st_a[i] -= f->sym_tw[i];
@@ -23,7 +32,8 @@ SEL_FN void add_couple(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT
         }
     }
     if (!(f->flags & SEL_FORCE_SLIDING)) return;
-    for (int i = 0; i < 9; ++i) {
+    SEL_IN_TURN for (int i = 0; i < 9; ++i)
+    {
         out->u_aa[i] -= a * f->skew_wx[i];
         out->u_ab[i] -= b * f->skew_wx[i];
         out->u_ba[i] += a * f->skew_wx[i];
@@ -61,13 +71,14 @@ SEL_FN void add_axis_force(SEL_GLOBAL const ContactForce* f, real a, real b, SEL
         out->s_aa[i] += a * a * f->sym[block[i]];
         out->s_bb[i] += b * b * f->sym[block[i]];
     }
-    for (int i = 0; i < 9; ++i) out->s_ab[i] += a * b * f->sym[full[i]];
+    SEL_IN_TURN for (int i = 0; i < 9; ++i) out->s_ab[i] += a * b * f->sym[full[i]];
 }
 
 // What sliding makes unsymmetric.
 SEL_FN void add_sliding(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
 {
-    for (int i = 0; i < 9; ++i) {
+    SEL_IN_TURN for (int i = 0; i < 9; ++i)
+    {
         out->u_aa[i] += a * a * f->skew[i];
         out->u_ab[i] += a * b * f->skew[i];
         out->u_ba[i] += a * b * f->skew[i];

@@ -2,7 +2,7 @@
 //
 // Most neighbours do not touch, and in a lumen the gaps at both ends of a cell show it (least_room()). On a processor these ends,
 // two of each of four cells, go in eight SIMD lanes, and so do the clearances of cells that touch nothing, at the trial and at the
-// start of the step. On a graphics card an item has one cell, and one end after the other.
+// start of the step. On a graphics card an item has one cell, and one end after the other, in stages (instrument_stages.h).
 #ifndef SEL_SHARED_INSTRUMENT_BLOCK_H
 #define SEL_SHARED_INSTRUMENT_BLOCK_H
 #include "shared/instrument_near.h"
@@ -230,6 +230,7 @@ SEL_FN int is_followed(const SlotCell* its, InstrumentParams par, real depth)
     return par.follow && -depth <= SEL_FOLLOWED * its->surface_a.radius;
 }
 
+#if !SEL_SUMS_IN_MEMORY
 // What a cell exerts that is not known to be clear.
 // @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell     points  [SEL_INSTRUMENT_POINTS] of the slot: those that push are written
 SEL_FN void cell_force(const SlotCell* its, CellEnds ends, int ends_known, InstrumentPair pair,
@@ -283,11 +284,7 @@ SEL_FN void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBA
     for (uint k = its; k < SEL_BLOCK; ++k) cells[k] = cells[0];  // lanes that nobody asks
     CellEnds ends[SEL_BLOCK];
     int known[SEL_BLOCK], clear[SEL_BLOCK], due[SEL_BLOCK], any_due = 0;
-#if SEL_SUMS_IN_MEMORY
-    SEL_OUT InstrumentState* now = states + list[0];
-#else
     InstrumentState now[SEL_BLOCK];
-#endif
     for (uint k = 0; k < SEL_BLOCK; ++k) known[k] = clear[k] = due[k] = 0;
     if (whole < its) ends_in_lanes(cells, ends, known);
     for (uint k = 0; k < its; ++k) {
@@ -300,27 +297,21 @@ SEL_FN void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBA
     }
     if (any_due) follow_in_lanes(cells, ends, par.inv_dt, due, now);
     for (uint k = 0; k < its; ++k) {
-#if SEL_SUMS_IN_MEMORY
-        SEL_OUT InstrumentForce* force = forces + item[k];
-#else
         InstrumentForce own, *force = &own;
-#endif
         *force = no_instrument_force();
         force->pair = cells[k].pair;
         if (clear[k] && !due[k]) {
-            CellPieces none;
-            look_through(&cells[k].scene, ends[k], &none, force);
+            write_room(&cells[k].scene, ends[k], min_r(ends[k].first.gap, ends[k].last.gap), ends[k].room, force);
         } else {
             const uint cell = list[item[k]] / SEL_INSTRUMENT_SLOTS;
             cell_force(cells + k, ends[k], known[k], bodies.pairs[cells[k].pair], states_t0 + SEL_INSTRUMENT_SLOTS * cell, par,
                        &now[k], force, points + SEL_INSTRUMENT_POINTS * item[k]);
         }
-#if !SEL_SUMS_IN_MEMORY
         forces[item[k]] = own;
         states[list[item[k]]] = now[k];
-#endif
     }
 }
+#endif
 
 // Contact of one slot of one cell with a stretch of the same rod.
 SEL_FN void instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,

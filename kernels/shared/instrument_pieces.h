@@ -170,7 +170,7 @@ SEL_FN CellMark cut_at(const InstrumentScene* scene, CellMark left, CellMark rig
 }
 
 // Adds a cut unless there is one, or there are too many.
-SEL_FN void add_cut(CellMark cut, real until, CellCuts* cuts)
+SEL_FN void add_cut(CellMark cut, real until, SEL_OUT CellCuts* cuts)
 {
     const real least = SEL_NO_CUT * (until - cuts->at[0].s);
     if (cuts->pieces + 1 < SEL_CELL_PIECES && cut.s > cuts->at[cuts->pieces].s + least && cut.s < until - least)
@@ -179,7 +179,7 @@ SEL_FN void add_cut(CellMark cut, real until, CellCuts* cuts)
 
 // Between the last cut and `right` nothing jumps: cut where the second derivative of the cubic that has both ends' gaps and slopes
 // is none.
-SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
+SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until, SEL_OUT CellCuts* cuts)
 {
     const CellMark left = cuts->at[cuts->pieces];
     const real length = right.s - left.s;
@@ -191,7 +191,7 @@ SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until,
 }
 
 // Cuts the part between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
-SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
+SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until, SEL_OUT CellCuts* cuts)
 {
     CellMark left = cuts->at[cuts->pieces];
     if (left.gap >= SEL_FAR || right.gap >= SEL_FAR) return;
@@ -210,7 +210,7 @@ SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until
 }
 
 // @param right  the end of the cell
-SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right, CellCuts* cuts)
+SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right, SEL_OUT CellCuts* cuts)
 {
     const real last = spline_at_near(scene->a, right.s, scene->edge);
     cuts->at[0] = left;
@@ -369,8 +369,15 @@ SEL_CALL CellEnds cell_ends(const InstrumentScene* scene, real s0, real s1, real
     return ends;
 }
 
+// @param gap  least     room  see clear_move()
+SEL_FN void write_room(const InstrumentScene* scene, CellEnds ends, real gap, real room, SEL_OUT InstrumentForce* out)
+{
+    out->depth = -gap;
+    out->clear = clear_move(scene, ends.first, ends.last, room);
+}
+
 // @param out  depth and `clear` are written
-SEL_CALL void look_through(const InstrumentScene* scene, CellEnds ends, CellPieces* cell, SEL_OUT InstrumentForce* out)
+SEL_CALL void look_through(const InstrumentScene* scene, CellEnds ends, SEL_OUT CellPieces* cell, SEL_OUT InstrumentForce* out)
 {
     const CellMark first = ends.first, last = ends.last;
     cell->deepest = cell->cuts.pieces = 0;
@@ -384,8 +391,7 @@ SEL_CALL void look_through(const InstrumentScene* scene, CellEnds ends, CellPiec
         }
         room = cell->least[cell->deepest].gap;
     }
-    out->depth = -cell->least[cell->deepest].gap;
-    out->clear = clear_move(scene, first, last, room);
+    write_room(scene, ends, cell->least[cell->deepest].gap, room, out);
 }
 
 SEL_END

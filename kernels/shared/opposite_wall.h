@@ -72,7 +72,8 @@ SEL_FN int goes_on(ContactBall ball, NearWallView near, SEL_OUT const NearList* 
     if (facing.feature == SEL_FEATURE_FACE) return 0;
     NearTriangles others = near_triangles(list, shell);
     uint other;
-    SEL_ROLLED while (next_near(&others, ball, near, &other)) if (other != t && slopes_on(ball, near.wall, other, facing)) return 1;
+    SEL_ROLLED while (next_near(&others, ball, near, &other)) if (other != t &&
+                                                                  slopes_on(ball, near.wall, other, facing)) return 1;
     return 0;
 }
 
@@ -82,9 +83,9 @@ SEL_FN int has_sides(SEL_OUT const ContactPoint* first, ContactBall ball)
     return first->found && !first->outside && first->depth >= -ball.reach;
 }
 
-// Joins neighbouring facets of the own side to `first`, which has sides.
+// The planes of neighbouring facets of the own side that are joined with that of `first`, which has sides.
 // @param list  of nearest_contact_point for this contact point, or one with more than it holds: then the triangles are walked to
-SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
+SEL_FN void find_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
                             SEL_OUT const NearList* list)
 {
     tell_side(first);
@@ -98,15 +99,24 @@ SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes
     {
         FacingTriangle facing;
         WallPlane plane;
-        if (t == first->triangle || !faces(ball, load_triangle(near.wall.vertices, t, ball.origin), near.wall.boundary[t], &facing))
+        if (t == first->triangle ||
+            !faces(ball, load_triangle(near.wall.vertices, t, ball.origin), near.wall.boundary[t], &facing))
             continue;
         if (dot3(facing.n, first->side) < first->limit || !is_joined(planes, first, ball, facing, &plane)) continue;
         if (!goes_on(ball, near, list, shell, t, facing)) keep_plane(planes, plane);
     }
+}
+
+// Joins them with it.
+SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
+                            SEL_OUT const NearList* list)
+{
+    find_neighbours(first, planes, ball, near, list);
     smooth_maximum(first, planes, ball);
 }
 
-SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoint* first, uint t, FacingTriangle facing, real depth)
+SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoint* first, uint t, FacingTriangle facing,
+                          real depth)
 {
     second->found = 1;
     second->triangle = t;
@@ -139,7 +149,8 @@ SEL_FN int is_behind_axis(ContactBall ball, Triangle tri, vec3 side, real by)
 
 // The nearest triangle of the other side goes to `second`, whose `found` is 0 without one. `first` has sides, and knows them.
 // @param room  looks so much farther, and so much farther behind the axis [m]     @return all that is there is of the own side
-SEL_FN int walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoint* second, ContactBall ball, NearWallView near, real room)
+SEL_FN int walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoint* second, ContactBall ball, NearWallView near,
+                         real room)
 {
     *second = no_contact_point(ball.reach);
     const real surely_own = max_r(first->limit, 0) * (1 + SEL_TIE) * (ball.radius + ball.reach);
@@ -157,7 +168,8 @@ SEL_FN int walk_opposite(SEL_OUT const ContactPoint* first, SEL_OUT ContactPoint
         const real box2 = triangle_box_distance2(ball.p, tri);
         if (box2 > wider2 * (1 + SEL_TIE) || is_behind_axis(ball, tri, query.side, surely_own + room)) continue;
         clear = 0;
-        if (room > 0 && (t == first->triangle || box2 > range2 * (1 + SEL_TIE) || is_behind_axis(ball, tri, query.side, surely_own)))
+        if (room > 0 &&
+            (t == first->triangle || box2 > range2 * (1 + SEL_TIE) || is_behind_axis(ball, tri, query.side, surely_own)))
             continue;
         FacingTriangle facing;
         if (!faces(ball, tri, near.wall.boundary[t], &facing) || dot3(facing.n, query.side) >= first->limit) continue;

@@ -54,7 +54,8 @@ typedef struct WallPlane {
 
 typedef struct NeighbourPlanes {
     uint count;
-    WallPlane plane[SEL_SMOOTH_PLANES];  // the first: of the nearest point
+    WallPlane plane[SEL_SMOOTH_PLANES];                           // the first: of the nearest point
+    real lower[SEL_SMOOTH_PLANES * (SEL_SMOOTH_PLANES - 1) / 2];  // L of add_bend, row after row
 } NeighbourPlanes;
 
 // Are two normals, or two directions to the ball, the same?
@@ -117,7 +118,8 @@ SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found)
     const uint count = planes->count;
     uint at = count;
     for (uint k = 1; k < count; ++k)
-        if (is_same_direction(planes->plane[k].facet, found.facet) || is_same_direction(planes->plane[k].turn, found.turn)) at = k;
+        if (is_same_direction(planes->plane[k].facet, found.facet) || is_same_direction(planes->plane[k].turn, found.turn))
+            at = k;
     if (at < count) {
         if (planes->plane[at].depth < found.depth) planes->plane[at] = found;
         return;
@@ -184,10 +186,10 @@ SEL_FN void add_square(SEL_OUT real* to, vec3 a)
 // to the others they are
 //     sum_ij u_i (M^-1)_ij u_j^T,   M_ij = eps_i0 + eps_j0 - eps_ij,
 // the maximum's own equations. M = L L^T is positive definite, so they are the sum of squares of the rows of L^-1 u.
-SEL_FN void add_bend(SEL_OUT ContactPoint* first, SEL_OUT const NeighbourPlanes* planes, ContactBall ball)
+// The planes are used up: plane j keeps u_j as its turn and row j of L^-1 u as its facet. An array of its own, which a variable
+// indexes, would lie in a graphics card's scratch memory.
+SEL_FN void add_bend(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball)
 {
-    real lower[SEL_SMOOTH_PLANES * (SEL_SMOOTH_PLANES - 1) / 2];  // L, row after row
-    vec3 u[SEL_SMOOTH_PLANES], row[SEL_SMOOTH_PLANES];            // row: of L^-1 u
     const vec3 none = make_vec3(0, 0, 0);
     vec3 base = none;
     int any = 0;
@@ -202,21 +204,25 @@ SEL_FN void add_bend(SEL_OUT ContactPoint* first, SEL_OUT const NeighbourPlanes*
         }
         const vec3 turn = planes->plane[k].turn - base;
         const real eps = joint_width(turn, none, ball);
-        real* of = lower + count * (count + 1) / 2;
+        SEL_OUT real* of = planes->lower + count * (count + 1) / 2;
         vec3 left = turn;
-        for (uint j = 0; j < count; ++j) {
-            const real* other = lower + j * (j + 1) / 2;
-            real m = eps + joint_width(u[j], none, ball) - joint_width(turn, u[j], ball);
-            for (uint l = 0; l < j; ++l) m -= of[l] * other[l];
-            of[j] = m / other[j];
-            left = left - of[j] * row[j];
-        }
         real rest = 2 * eps;
-        for (uint j = 0; j < count; ++j) rest -= of[j] * of[j];
-        of[count] = sqrt(max_r(rest, (real)SEL_SHARED_OUT * eps));
-        u[count] = turn;
-        row[count] = (1 / of[count]) * left;
-        add_square(first->hessian, row[count]);
+        for (uint j = 0; j < count; ++j) {
+            SEL_OUT const real* other = planes->lower + j * (j + 1) / 2;
+            const vec3 u = planes->plane[j].turn;
+            real m = eps + joint_width(u, none, ball) - joint_width(turn, u, ball);
+            for (uint l = 0; l < j; ++l) m -= of[l] * other[l];
+            const real at = m / other[j];
+            of[j] = at;
+            left = left - at * planes->plane[j].facet;
+            rest -= at * at;
+        }
+        const real pivot = sqrt(max_r(rest, (real)SEL_SHARED_OUT * eps));
+        const vec3 row = (1 / pivot) * left;
+        of[count] = pivot;
+        planes->plane[count].turn = turn;
+        planes->plane[count].facet = row;
+        add_square(first->hessian, row);
         ++count;
     }
 }
@@ -226,7 +232,6 @@ SEL_FN void smooth_maximum(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes*
 {
     if (planes->count < 2) return;
     share_out(planes, ball);
-    add_bend(first, planes, ball);
     real depth = 0, pull = planes->plane[0].pull;
     for (uint k = 0; k < planes->count; ++k) {
         depth += planes->plane[k].share * planes->plane[k].depth;
@@ -234,6 +239,7 @@ SEL_FN void smooth_maximum(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes*
         first->normal = first->normal + planes->plane[k].share * planes->plane[k].turn;
     }
     first->depth += (real)0.5 * (depth + pull);
+    add_bend(first, planes, ball);
 }
 
 SEL_END

@@ -25,6 +25,14 @@ SEL_FN Triangle load_triangle(SEL_GLOBAL const float* vertices, uint t, vec3 ori
     return tri;
 }
 
+// Vertex k, or k - 3.
+SEL_FN vec3 corner(Triangle tri, int k)
+{
+    const int at = k % 3;
+    const vec3 first = at == 0 ? tri.a : tri.b;
+    return at == 2 ? tri.c : first;
+}
+
 // (sin of the angle at vertex a)^2 below which a triangle is its three edges: the signs that tell face from edge are rounding
 // there
 #ifdef SEL_FLOAT32
@@ -36,28 +44,30 @@ SEL_FN Triangle load_triangle(SEL_GLOBAL const float* vertices, uint t, vec3 ori
 // Nearest point of the three edges, for degenerate triangles without a face.
 SEL_FN vec3 closest_on_edges(vec3 p, Triangle tri, int* feature)
 {
-    vec3 best = tri.a;
-    real best2 = dot3(p - tri.a, p - tri.a);
+    real best2 = dot3(p - tri.a, p - tri.a), part = 0;
+    int edge = 0;
     *feature = SEL_FEATURE_VERTEX;
     SEL_ROLLED for (int k = 0; k < 3; ++k)
     {
-        const vec3 from = k == 0 ? tri.a : k == 1 ? tri.b : tri.c;
-        const vec3 edge = (k == 0 ? tri.b : k == 1 ? tri.c : tri.a) - from;
-        const real along = dot3(p - from, edge), length2 = dot3(edge, edge);
-        const int end = along <= 0 ? 0 : along >= length2 ? 1 : -1;
-        const vec3 q = end == 0 ? from : from + (end == 1 ? (real)1 : along / length2) * edge;
-        const real d2 = dot3(p - q, p - q);
+        const vec3 from = corner(tri, k), along = corner(tri, k + 1) - from;
+        const real way = dot3(p - from, along), length2 = dot3(along, along);
+        const int end = way <= 0 ? 0 : way >= length2 ? 1 : -1;
+        const real at = end < 0 ? way / length2 : (real)end;
+        const vec3 v = p - (from + at * along);
+        const real d2 = dot3(v, v);
         if (d2 >= best2) continue;
-        best = q;
         best2 = d2;
+        part = at;
+        edge = k;
         *feature = end < 0 ? SEL_FEATURE_EDGE + k : SEL_FEATURE_VERTEX + (k + end) % 3;
     }
-    return best;
+    const vec3 from = corner(tri, edge);
+    return from + part * (corner(tri, edge + 1) - from);
 }
 
-// Closest point on the triangle to p by Voronoi regions [Ericson05, sec. 5.1.5]. Slivers are safe: edges are tested through their
-// own parameters, and a triangle without area answers with its edges' closest point.
-SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
+// Closest point by Voronoi regions [Ericson05, sec. 5.1.5]. Slivers are safe: edges are tested through their own parameters.
+// feature: -1 where the triangle has no area.
+SEL_FN vec3 voronoi_point(vec3 p, Triangle tri, int* feature)
 {
     const vec3 ab = tri.b - tri.a, ac = tri.c - tri.a, ap = p - tri.a;
     const real d1 = dot3(ab, ap), d2 = dot3(ac, ap);
@@ -94,10 +104,18 @@ SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
         return tri.b + (e1 / (e1 + e2)) * (tri.c - tri.b);
     }
     const real sum = va + vb + vc;  // = |ab x ac|^2
-    if (!(sum > SEL_FLAT * dot3(ab, ab) * dot3(ac, ac))) return closest_on_edges(p, tri, feature);
-    *feature = SEL_FEATURE_FACE;
+    const int flat = !(sum > SEL_FLAT * dot3(ab, ab) * dot3(ac, ac));
+    *feature = -flat;
     const real inv = 1 / sum;
     return tri.a + (vb * inv) * ab + (vc * inv) * ac;
+}
+
+// Closest point on the triangle to p. A triangle without area answers with its edges' closest point: here, where what
+// voronoi_point works with is no longer kept (14 registers of a graphics card).
+SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
+{
+    const vec3 q = voronoi_point(p, tri, feature);
+    return *feature < 0 ? closest_on_edges(p, tri, feature) : q;
 }
 
 // Squared distance from p to the triangle's box: no more than that to the triangle, at 1/3 of the work.

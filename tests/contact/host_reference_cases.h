@@ -234,8 +234,9 @@ void sweep_case()
         const GuardedWall wall(context, queue, s);
         Guarded<real> gap_out(context, queue, std::vector<real>(n)), way_out(context, queue, std::vector<real>(n));
         Guarded<ContactState> t0(context, queue, s.states_t0);
+        const sel_device::Buffer stages = sel_reference::stage_records(context, n);
         clearance.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                         wall, now, t0.buffer(), gap_out.buffer());
+                         wall, now, t0.buffer(), gap_out.buffer(), stages);
         sweep.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
                      wall, before, now, way_out.buffer());
         CAPTURE(n);
@@ -308,13 +309,13 @@ void reduce_case()
     X(QuadraturePlace, epoch)                                                                                                 \
     X(QuadraturePlace, radius_reduction)                                                                                      \
     X(MultiplierState, stiffness)                                                                                             \
-    X(MultiplierState, live) X(ContactState, point) X(ContactState, gap) X(ContactState, friction) X(ContactState, triangle)  \
-        X(ContactState, pad) X(ContactForce, sym) X(ContactForce, skew) X(ContactForce, depth) X(ContactForce, couple)        \
-            X(ContactForce, skew_wx) X(ContactForce, flags) X(ContactForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) \
-                X(EdgeForce, u_ba) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)         \
-                    X(ContactParams, settling) X(ContactParams, normal_law) X(ContactParams, inv_dt)                          \
-                        X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width)      \
-                            X(LayerEdge, model) X(LayerPair, last)
+    X(MultiplierState, live)                                                                                                  \
+    X(ContactState, point) X(ContactState, gap) X(ContactState, friction) X(ContactState, triangle) X(ContactState, pad)      \
+        X(ContactForce, sym) X(ContactForce, skew) X(ContactForce, depth) X(ContactForce, couple) X(ContactForce, skew_wx)    \
+            X(ContactForce, flags) X(ContactForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, u_ba)       \
+                X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling) \
+                    X(ContactParams, normal_law) X(ContactParams, inv_dt) X(ContactParams, smooth_speed)                      \
+                        X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {

@@ -194,18 +194,21 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
         counts.sliding += (f.flags & SEL_FORCE_SLIDING) != 0;
         counts.partly += f.count > 0 && f.length < 0.99 * s.cells->rods[s.cells->rod_of[cell]].spacing;
     }
-    device::Kernel kernel(context, "contact/instruments.cl", "instruments_evaluate", device::Items::Branching);
+    InstrumentKernels kernels(context, "contact/instruments.cl");
+    kernels.provide(list.size());
     device::Kernel self_kernel(context, "contact/instruments.cl", "instruments_evaluate_self", device::Items::Branching);
     Guarded<uint> device_list(context, queue, list);
     Guarded<InstrumentSlot> device_slots(context, queue, slots);
     Guarded<InstrumentForce> device_forces(context, queue, std::vector<InstrumentForce>(list.size()));
     Guarded<InstrumentPoint> device_points(context, queue, std::vector<InstrumentPoint>(points.size()));
-    const std::size_t block = context.workgroup(device::Items::Branching) == 1 ? SEL_BLOCK : 1, blocks = (list.size() + block - 1) / block;
-    for (const auto& [one, items] : {std::pair{&kernel, blocks}, std::pair{&self_kernel, list.size()}})
-        one->launch(queue, items, s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
-                    on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
-                    on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
-                    device_forces.buffer(), device_points.buffer());
+    const auto evaluate = [&](auto& kernel, std::size_t items) {
+        kernel.launch(queue, items, s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
+                      on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
+                      on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
+                      device_forces.buffer(), device_points.buffer());
+    };
+    evaluate(kernels, kernels.items(list.size()));
+    evaluate(self_kernel, list.size());
     const std::vector<InstrumentForce> by_device = device_forces.read();
     const std::vector<InstrumentPoint> points_by_device = device_points.read();
     for (std::size_t k = 0; k < list.size(); ++k) {

@@ -13,6 +13,7 @@
 // lumen.
 
 #include "contact/contact_row.h"
+#include "contact/force_kernels.h"
 #include "contact/force_per_length.h"
 #include "contact/rods/found_slots.h"
 #include "contact/rods/instrument_cells.h"
@@ -106,7 +107,8 @@ private:
     InstrumentCells cells_;
     std::vector<int> system_of_, first_wire_;  // [wires], [systems + 1]
     std::vector<InstrumentSums> sums_;         // [systems]
-    device::Kernel evaluate_, evaluate_self_;
+    InstrumentKernels evaluate_;
+    device::Kernel evaluate_self_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
     std::vector<std::uint8_t> straight_;  // [wires] at the search, so much that it cannot touch itself

@@ -1,0 +1,127 @@
+// instrument_forces (instrument_block.h) in stages, one kernel each, for devices that run many items at once on few registers: see
+// contact_stages.h. The functions are those of instrument_forces, so the results have the same bits.
+//
+//   ends      gaps at both ends of a cell, which show of most that they are clear; the others go on a list
+//   follow    how those that are clear but near close
+//   look      whether and where the cell touches, by pieces
+//   push      normal force of the pieces; whole: of a cell that touched all along
+//   rub       friction
+#ifndef SEL_SHARED_INSTRUMENT_STAGES_H
+#define SEL_SHARED_INSTRUMENT_STAGES_H
+#include "shared/instrument_block.h"
+
+SEL_BEGIN
+
+typedef struct InstrumentStage {
+    CellEnds ends;
+    CellPieces pieces;
+    CellBeside beside;  // of a cell that is taken as a whole
+    CellTouch touch;
+    int known;  // both ends are
+    int due;    // it is clear, and followed
+    int whole, pushes;
+} InstrumentStage;
+
+#if SEL_SUMS_IN_MEMORY
+
+// @return it has to be looked at more closely
+SEL_FN int stage_ends(const SlotCell* its, InstrumentParams par, SEL_OUT InstrumentStage* stage, SEL_OUT InstrumentState* now,
+                      SEL_OUT InstrumentForce* force)
+{
+    CellEnds ends;
+    int known = 0;
+    ends.room = 0;
+    if (!its->whole) ends_in_lanes(its, &ends, &known);
+    *now = no_instrument_state();
+    now->pair = its->pair;
+    now->touch = its->touch;
+    *force = no_instrument_force();
+    force->pair = its->pair;
+    const real gap = min_r(ends.first.gap, ends.last.gap);
+    const int clear = known && ends.room > 0, due = clear && is_followed(its, par, -gap);
+    if (clear) write_room(&its->scene, ends, gap, ends.room, force);
+    stage->ends = ends;
+    stage->known = known;
+    stage->due = due;
+    return !clear || due;
+}
+
+SEL_FN void stage_follow(const SlotCell* its, InstrumentParams par, SEL_OUT InstrumentStage* stage, SEL_OUT InstrumentState* now)
+{
+    stage->pushes = 0;
+    if (!stage->due) return;
+    const CellEnds ends = stage->ends;
+    int due = 1;
+    follow_in_lanes(its, &ends, par.inv_dt, &due, now);
+    stage->pushes = due;
+}
+
+SEL_FN void stage_look(const SlotCell* its, SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par,
+                       SEL_OUT InstrumentStage* stage, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* force)
+{
+    const InstrumentScene* scene = &its->scene;
+    const real middle = (real)0.5 * (its->s0 + its->s1), length = its->s1 - its->s0;
+    if (stage->due && !stage->pushes) return;
+    stage->pushes = 1;
+    int whole = its->whole;
+    if (whole) {
+        CellBeside beside;
+        if (its->touch == SEL_TOUCH_INSIDE) beside = beside_lumen(scene, states_t0 + its->old, middle, its->onwards / length);
+        else whole = beside_other(scene, middle, its->at, &beside);
+        stage->beside = beside;
+    }
+    stage->whole = whole;
+    if (whole) return;
+    CellEnds ends = stage->ends;
+    if (!stage->known) ends = cell_ends(scene, its->s0, its->s1, its->at);
+    look_through(scene, ends, &stage->pieces, force);
+    if (force->depth > 0) return;
+    stage->pushes = 0;
+    if (is_followed(its, par, force->depth)) follow_cell(scene, &stage->pieces, par.inv_dt, its->epoch, now);
+}
+
+// The state that a slot had, and whether it had none.
+SEL_FN ContactState staged_state(const SlotCell* its, SEL_GLOBAL const InstrumentState* states_t0, int* fresh)
+{
+    *fresh = its->old == SEL_INSTRUMENT_SLOTS;
+    return states_t0[*fresh ? 0 : its->old].contact;
+}
+
+SEL_FN void stage_push(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL const InstrumentState* states_t0,
+                       InstrumentParams par, SEL_OUT InstrumentStage* stage, SEL_OUT InstrumentState* now,
+                       SEL_OUT InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
+{
+    if (!stage->pushes || stage->whole) return;
+    int fresh;
+    const ContactState old = staged_state(its, states_t0, &fresh);
+    const LawContext c = slot_law(its->surface_a, its->surface_b, pair, fresh, its->epoch, par);
+    stage->touch = push_pieces(&its->scene, &stage->pieces, old, fresh, &c, now, force, points);
+}
+
+SEL_FN void stage_whole(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL const InstrumentState* states_t0,
+                        InstrumentParams par, SEL_OUT InstrumentStage* stage, SEL_OUT InstrumentState* now,
+                        SEL_OUT InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
+{
+    if (!stage->pushes || !stage->whole) return;
+    int fresh;
+    const ContactState old = staged_state(its, states_t0, &fresh);
+    const LawContext c = slot_law(its->surface_a, its->surface_b, pair, fresh, its->epoch, par);
+    stage->touch = push_whole(&its->scene, (real)0.5 * (its->s0 + its->s1), (real)0.5 * (its->s1 - its->s0), stage->beside, old,
+                              &c, now, force, points);
+}
+
+SEL_FN void stage_rub_cell(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL const InstrumentState* states_t0,
+                           InstrumentParams par, SEL_OUT InstrumentStage* stage, SEL_OUT InstrumentState* now,
+                           SEL_OUT InstrumentForce* force)
+{
+    if (!stage->pushes || force->count == 0) return;
+    int fresh;
+    const ContactState old = staged_state(its, states_t0, &fresh);
+    LawContext c = slot_law(its->surface_a, its->surface_b, pair, fresh, its->epoch, par);
+    finish_cell(&its->scene, stage->touch, old, fresh, &c, now, force);
+}
+
+#endif
+
+SEL_END
+#endif
