@@ -207,7 +207,7 @@ SEL_FN Closing following(real gap, real gap_t0, real inv_dt)
     return closing;
 }
 
-SEL_CALL void follow_cell(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
+SEL_STAGE_FN void follow_cell(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
 {
     const CellMark least = cell->least[cell->deepest];
     const CellPoint bottom = cell_point(scene, least.s, least.at);
@@ -234,7 +234,7 @@ SEL_FN int touches_whole(const InstrumentScene* scene, SEL_OUT const CellPieces*
 }
 
 // What a cell that touches exerts, piece by piece.
-SEL_CALL CellTouch push_pieces(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, ContactState old, int fresh,
+SEL_STAGE_FN CellTouch push_pieces(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, ContactState old, int fresh,
                                const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out,
                                SEL_GLOBAL InstrumentPoint* points)
 {

@@ -12,6 +12,13 @@
 
 SEL_BEGIN
 
+// What each of the stages calls once (instrument_stages.h), and a processor's one kernel in a place of its own.
+#if SEL_SUMS_IN_MEMORY
+    #define SEL_STAGE_FN SEL_FN
+#else
+    #define SEL_STAGE_FN SEL_CALL
+#endif
+
 // The two rods at the trial and at the start of the step.
 typedef struct InstrumentScene {
     SplineView a, b, a_t0, b_t0;
@@ -359,7 +366,7 @@ typedef struct CellEnds {
 } CellEnds;
 
 // @param s0, s1  [m]     start  near where along b
-SEL_CALL CellEnds cell_ends(const InstrumentScene* scene, real s0, real s1, real start)
+SEL_STAGE_FN CellEnds cell_ends(const InstrumentScene* scene, real s0, real s1, real start)
 {
     CellEnds ends;
     ends.first = cell_mark(scene, s0, start);
@@ -377,7 +384,7 @@ SEL_FN void write_room(const InstrumentScene* scene, CellEnds ends, real gap, re
 }
 
 // @param out  depth and `clear` are written
-SEL_CALL void look_through(const InstrumentScene* scene, CellEnds ends, SEL_OUT CellPieces* cell, SEL_OUT InstrumentForce* out)
+SEL_STAGE_FN void look_through(const InstrumentScene* scene, CellEnds ends, SEL_OUT CellPieces* cell, SEL_OUT InstrumentForce* out)
 {
     const CellMark first = ends.first, last = ends.last;
     cell->deepest = cell->cuts.pieces = 0;
