@@ -49,4 +49,11 @@ inline Vec3 unit_normal(const Vec3& v, const Vec3& axis)
     return (other - other.dot(axis) * axis).normalized();
 }
 
+/// A director of the unit vector `from`, carried to `to`; where these are opposite, it is normal to both.
+inline Vec3 carried_director(const Vec3& director, const Vec3& from, const Vec3& to)
+{
+    const double chi = one_plus_cos(from, to);
+    return unit_normal(chi > 0 ? parallel_transport(director, from, to, chi) : director, to);
+}
+
 }  // namespace seldinger

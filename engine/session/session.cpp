@@ -319,9 +319,9 @@ void Session::fill(StepNumbers& n) const
     for (std::size_t k = 0; k < instruments_.size(); ++k) {
         const Instrument& it = instruments_[k];
         const WireReadings r = world_->readings(it.wire);
-        n.instrument[k] = {it.advance.position() + it.advance.stretch(), it.turn.position() + it.turn.stretch(), r.inserted, r.turned,
+        n.instrument[k] = {it.advance.position() + it.advance.stretch(), r.inserted, r.turned,
                            it.advance.force(), it.turn.force(), it.advance.force_per_advance(), r.hand_force,
-                           it.advance.energy() + it.turn.energy(), r.normal, static_cast<std::uint32_t>(r.contacts)};
+                           r.normal, static_cast<std::uint32_t>(r.contacts)};
     }
 }
 

@@ -12,12 +12,11 @@ namespace seldinger {
 
 /// Numbers of one instrument.
 struct InstrumentNumbers {
-    double hand = 0, hand_turn = 0;      // where the hand is [m], [rad]
+    double hand = 0;                     // where the hand is [m]
     double advance = 0, turn = 0;        // of the hub since the start [m], [rad]
     double force = 0, torque = 0;        // of the coupling, on the hand [N], [N m]
     double force_per_advance = 0;        // [N/m]
     double wire_force = 0;               // that the instrument answers at the hub [N]
-    double coupling_energy = 0;          // of the observer, both degrees of freedom [J]
     double wall_force = 0;               // sum of normal contact forces [N]
     std::uint32_t contacts = 0;
 };

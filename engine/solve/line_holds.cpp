@@ -57,7 +57,7 @@ void set_end_compliance(double distance, double length, double stiffness, double
 }  // namespace
 
 LineHolds::LineHolds(RodArrays& rods, const std::vector<WireConstraints>& constraints)
-    : rods_(rods), constraints_(constraints), of_(static_cast<std::size_t>(rods.wire_count()))
+    : rods_(rods), constraints_(constraints), wires_(static_cast<std::size_t>(rods.wire_count()))
 {
     traits_.follows_spins = traits_.may_jump = false;  // spins of a common centreline are never left out
 }
@@ -65,11 +65,11 @@ LineHolds::LineHolds(RodArrays& rods, const std::vector<WireConstraints>& constr
 void LineHolds::add(const CoaxialGroup& group, std::span<const int> count)
 {
     for (int k = 0; k < group.count(); ++k) {
-        OfWire& of = of_[static_cast<std::size_t>(group.wires[k])];
-        of.group = &group;
-        of.member = k;
-        of.memory.resize(static_cast<std::size_t>(count[k]));
-        of.active.reserve(of.memory.size());
+        HeldWire& held = wires_[static_cast<std::size_t>(group.wires[k])];
+        held.group = &group;
+        held.member = k;
+        held.memory.resize(static_cast<std::size_t>(count[k]));
+        held.active.reserve(held.memory.size());
     }
 }
 
@@ -77,18 +77,18 @@ void LineHolds::add(const CoaxialGroup& group, std::span<const int> count)
 
 void LineHolds::prepare(RodArrays& /*rods*/, std::span<const std::uint8_t> live)
 {
-    for (std::size_t w = 0; w < of_.size(); ++w) {
-        OfWire& of = of_[w];
+    for (std::size_t w = 0; w < wires_.size(); ++w) {
+        HeldWire& held = wires_[w];
         const auto& holds = constraints_[w].line_holds;
-        if (of.memory.empty() || (!live[w] && !holds.empty())) continue;  // (not in this sub-step: as its own has left it)
-        of.active.clear();
-        for (const auto& hold : holds) of.active.push_back(place(of, static_cast<int>(w), hold));
+        if (held.memory.empty() || (!live[w] && !holds.empty())) continue;  // (not in this sub-step: as its own has left it)
+        held.active.clear();
+        for (const auto& hold : holds) held.active.push_back(place(held, static_cast<int>(w), hold));
     }
 }
 
-LineHolds::Active LineHolds::place(const OfWire& of, int wire, const WireConstraints::LineHold& hold)
+LineHolds::Active LineHolds::place(const HeldWire& held, int wire, const WireConstraints::LineHold& hold)
 {
-    const RodView line = rods_.view(of.group->line());
+    const RodView line = rods_.view(held.group->line());
     const int last = line.n - 1;
     Active active;
     active.hold = hold;
@@ -100,19 +100,19 @@ LineHolds::Active LineHolds::place(const OfWire& of, int wire, const WireConstra
     active.node = std::max(cell - 1, 0);
     if (cell > 0) active.side[0] = {cell - 1, 0, 1, 0};
     active.side[1] = {cell, cell - active.node, 1, 0};
-    set_springs(of, line, active);
-    if (hold.spin) find_angles(of, wire, active);
-    const Memory& memory = of.memory[static_cast<std::size_t>(hold.hold)];
+    set_springs(held, line, active);
+    if (hold.spin) find_angles(held, wire, active);
+    const Memory& memory = held.memory[static_cast<std::size_t>(hold.hold)];
     if (hold.position) active.multiplier = memory.force;
     return active;
 }
 
-void LineHolds::set_springs(const OfWire& of, const RodView& line, Active& active) const
+void LineHolds::set_springs(const HeldWire& held, const RodView& line, Active& active) const
 {
     const int cell = active.side[1].edge;
     const double s = active.hold.s, from = cell > 0 ? middle(line, cell - 1) : line.material_s[0];
     const double to = cell < line.n - 1 ? middle(line, cell) : line.material_s[cell];
-    const CoaxialInstrument& own = of.group->rod.instrument[of.member];
+    const CoaxialInstrument& own = held.group->rod.instrument[held.member];
     const double twist_stiffness = own.spec->at(std::clamp(s + own.offset, 0.0, own.spec->length)).twist_stiffness;
     const double bend_stiffness = line.bend_stiffness[cell];
     active.length = to - from;
@@ -132,10 +132,10 @@ void LineHolds::set_springs(const OfWire& of, const RodView& line, Active& activ
 }
 
 /// Reference angles for which the instrument is twisted relative to its hold by at most half a turn at the start of the step.
-void LineHolds::find_angles(const OfWire& of, int wire, Active& active)
+void LineHolds::find_angles(const HeldWire& held, int wire, Active& active)
 {
-    const RodView line = rods_.view(of.group->line()), own = rods_.view(wire);
-    const CoaxialInstrument& instrument = of.group->rod.instrument[of.member];
+    const RodView line = rods_.view(held.group->line()), own = rods_.view(wire);
+    const CoaxialInstrument& instrument = held.group->rod.instrument[held.member];
     const int cell = active.side[1].edge;
     if (cell > 0 && -instrument.offset > middle(line, cell - 1)) {  // its tip is in this cell: nothing of it reaches the middle before
         active.ends = true;
@@ -147,13 +147,13 @@ void LineHolds::find_angles(const OfWire& of, int wire, Active& active)
     }
     const double reference = cell == line.n - 1 ? line.clamp_twist_a[cell] : line.ref_twist[cell];
     const double twist = !active.ends ? own.theta[cell] - own.theta[cell - 1] + reference : 0.0;
-    const Memory& memory = of.memory[static_cast<std::size_t>(active.hold.hold)];
+    const Memory& memory = held.memory[static_cast<std::size_t>(active.hold.hold)];
     const double turned = memory.held ? memory.turned : active.hold.turned;
     for (int k = active.ends ? 1 : 0; k < 2; ++k) {
         Side& side = active.side[k];
         const bool sleeve = side.edge == line.n - 1;
-        const Vec3 tangent = sleeve ? of.group->base.tangent : line.tangent(side.edge);
-        const Vec3 d1 = sleeve ? of.group->base.director : line.ref_d1(side.edge);
+        const Vec3 tangent = sleeve ? held.group->base.tangent : line.tangent(side.edge);
+        const Vec3 d1 = sleeve ? held.group->base.director : line.ref_d1(side.edge);
         const double off = k == 0 ? -active.spin_weight[1] * twist : active.spin_weight[0] * twist;
         side.near_angle = unwrap(reference_angle(active.hold, tangent, d1), turned - own.theta[side.edge] + off);
     }
@@ -161,12 +161,12 @@ void LineHolds::find_angles(const OfWire& of, int wire, Active& active)
 
 // ---- at a trial ---------------------------------------------------------------------------------------------------------------
 
-LineHolds::EdgeState LineHolds::edge_state(const OfWire& of, const TrialState& trial, int edge)
+LineHolds::EdgeState LineHolds::edge_state(const HeldWire& held, const TrialState& trial, int edge)
 {
-    const RodView line = rods_.view(of.group->line());
+    const RodView line = rods_.view(held.group->line());
     if (edge < 0) return {};
-    if (edge == line.n - 1) return {of.group->base.tangent, of.group->base.director, 0};
-    const int at = rods_.node_begin(of.group->line()) + edge;
+    if (edge == line.n - 1) return {held.group->base.tangent, held.group->base.director, 0};
+    const int at = rods_.node_begin(held.group->line()) + edge;
     const Vec3 along = place_in(trial, at + 1) - place_in(trial, at);
     const double inverse = 1 / along.norm();
     const Vec3 tangent = inverse * along, from = line.tangent(edge);
@@ -175,19 +175,19 @@ LineHolds::EdgeState LineHolds::edge_state(const OfWire& of, const TrialState& t
 
 void LineHolds::evaluate(const TermTrial& trial)
 {
-    for (std::size_t w = 0; w < of_.size(); ++w)
-        for (Active& hold : of_[w].active)
-            if (trial.active[w]) evaluate(of_[w], static_cast<int>(w), trial.at, hold);
+    for (std::size_t w = 0; w < wires_.size(); ++w)
+        for (Active& hold : wires_[w].active)
+            if (trial.active[w]) evaluate(wires_[w], static_cast<int>(w), trial.at, hold);
 }
 
-void LineHolds::evaluate(const OfWire& of, int wire, const TrialState& trial, Active& active)
+void LineHolds::evaluate(const HeldWire& held, int wire, const TrialState& trial, Active& active)
 {
-    const RodView line = rods_.view(of.group->line()), own = rods_.view(wire);
-    const int first_node = rods_.node_begin(of.group->line());
+    const RodView line = rods_.view(held.group->line()), own = rods_.view(wire);
+    const int first_node = rods_.node_begin(held.group->line());
     active.gradient = {};
     active.hessian = {};
     active.along = 0;
-    const EdgeState edges[2] = {edge_state(of, trial, active.side[0].edge), edge_state(of, trial, active.side[1].edge)};
+    const EdgeState edges[2] = {edge_state(held, trial, active.side[0].edge), edge_state(held, trial, active.side[1].edge)};
     if (active.hold.position) add_position(line, trial, first_node, active);
     if (active.hold.direction) add_direction(edges, active);
     if (active.hold.spin) add_spin(edges, trial, rods_.node_begin(wire), active);
@@ -199,7 +199,7 @@ void LineHolds::evaluate(const OfWire& of, int wire, const TrialState& trial, Ac
     }
     for (int k = 0; k < 2; ++k) {
         const int edge = active.side[k].edge;
-        if (active.gradient[3 * nodes + k] == 0 || (edge == line.n - 1 && !(of.group->base.behind[of.member] > 0))) continue;  // the hand's
+        if (active.gradient[3 * nodes + k] == 0 || (edge == line.n - 1 && !(held.group->base.behind[held.member] > 0))) continue;  // the hand's
         active.work -= active.gradient[3 * nodes + k] * (trial.theta[rods_.node_begin(wire) + edge] - own.theta[edge]);
     }
 }
@@ -304,7 +304,7 @@ int LineHolds::unknown(const Active& active, int local)
 
 void LineHolds::add(int wire, std::span<double> residual, BandRows* tangent, bool /*symmetric*/) const
 {
-    for (const Active& active : of_[static_cast<std::size_t>(wire)].active)
+    for (const Active& active : wires_[static_cast<std::size_t>(wire)].active)
         for (int i = 0; i < unknowns; ++i) {
             if (active.gradient[i] != 0) residual[unknown(active, i)] += active.gradient[i];
             for (int j = 0; tangent && j < unknowns; ++j)
@@ -321,11 +321,11 @@ TermAnswer LineHolds::answer(int wire, Ask what)
 
 double LineHolds::rounding(int wire) const
 {
-    const OfWire& line = of_[static_cast<std::size_t>(wire)];
+    const HeldWire& line = wires_[static_cast<std::size_t>(wire)];
     if (!line.group || line.member != 0) return 0;
     double most = 0;
     for (const int w : line.group->wires)
-        for (const Active& active : of_[static_cast<std::size_t>(w)].active)
+        for (const Active& active : wires_[static_cast<std::size_t>(w)].active)
             if (active.hold.position) most += 8 * number_rounding * active.stiffness * active.hold.at.cwiseAbs().maxCoeff();
     return most;
 }
@@ -333,10 +333,10 @@ double LineHolds::rounding(int wire) const
 bool LineHolds::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
 {
     bool any = false;
-    for (std::size_t w = 0; w < of_.size(); ++w) {
+    for (std::size_t w = 0; w < wires_.size(); ++w) {
         if (!solved[w]) continue;
-        for (Active& active : of_[w].active) {
-            const double allowed = miss_allowed * mean_edge(rods_.view(of_[w].group->line()));
+        for (Active& active : wires_[w].active) {
+            const double allowed = miss_allowed * mean_edge(rods_.view(wires_[w].group->line()));
             if (!active.hold.position || active.miss.norm() <= allowed) continue;
             active.multiplier = active.force;
             again[w] = 1;
@@ -350,11 +350,11 @@ bool LineHolds::refine(std::span<const std::uint8_t> solved, std::span<std::uint
 
 void LineHolds::commit(std::span<const std::uint8_t> active)
 {
-    for (std::size_t w = 0; w < of_.size(); ++w) {
+    for (std::size_t w = 0; w < wires_.size(); ++w) {
         if (!active[w]) continue;
-        for (Memory& memory : of_[w].memory) memory.held = 0, memory.force.setZero();
-        for (const Active& hold : of_[w].active) {
-            Memory& memory = of_[w].memory[static_cast<std::size_t>(hold.hold.hold)];
+        for (Memory& memory : wires_[w].memory) memory.held = 0, memory.force.setZero();
+        for (const Active& hold : wires_[w].active) {
+            Memory& memory = wires_[w].memory[static_cast<std::size_t>(hold.hold.hold)];
             memory.held = 1;
             memory.force = hold.force;
             memory.turned = hold.hold.turned;
@@ -365,27 +365,27 @@ void LineHolds::commit(std::span<const std::uint8_t> active)
 Vec3 LineHolds::force(int wire) const
 {
     Vec3 sum = Vec3::Zero();
-    for (const Active& active : of_[static_cast<std::size_t>(wire)].active) sum += active.force;
+    for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) sum += active.force;
     return sum;
 }
 
 double LineHolds::along(int wire) const
 {
     double sum = 0;
-    for (const Active& active : of_[static_cast<std::size_t>(wire)].active) sum += active.along;
+    for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) sum += active.along;
     return sum;
 }
 
 double LineHolds::work(int wire) const
 {
     double sum = 0;
-    for (const Active& active : of_[static_cast<std::size_t>(wire)].active) sum += active.work;
+    for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) sum += active.work;
     return sum;
 }
 
 void LineHolds::walk_state(StateWalk& walk, int wire)
 {
-    for (Memory& memory : of_[static_cast<std::size_t>(wire)].memory) {
+    for (Memory& memory : wires_[static_cast<std::size_t>(wire)].memory) {
         walk.numbers({"a hold's force", "N", "accept"}, memory.force);
         walk({"a hold's angle", "rad", "accept", -1e9, 1e9}, memory.turned);
         walk({"a hold's flag", "", "accept", 0, 1}, memory.held);

@@ -98,7 +98,7 @@ private:
         Matrix hessian{};
         double along = 0, work = 0;
     };
-    struct OfWire {
+    struct HeldWire {
         const CoaxialGroup* group = nullptr;  // null: none is held
         int member = 0;
         std::vector<Memory> memory;  // [holds]
@@ -110,11 +110,11 @@ private:
         double inverse = 0;  // of its length; 0: it does not move [1/m]
     };
 
-    [[nodiscard]] Active place(const OfWire& of, int wire, const WireConstraints::LineHold& hold);
-    void set_springs(const OfWire& of, const RodView& line, Active& active) const;
-    void find_angles(const OfWire& of, int wire, Active& active);
-    [[nodiscard]] EdgeState edge_state(const OfWire& of, const TrialState& trial, int edge);
-    void evaluate(const OfWire& of, int wire, const TrialState& trial, Active& active);
+    [[nodiscard]] Active place(const HeldWire& held, int wire, const WireConstraints::LineHold& hold);
+    void set_springs(const HeldWire& held, const RodView& line, Active& active) const;
+    void find_angles(const HeldWire& held, int wire, Active& active);
+    [[nodiscard]] EdgeState edge_state(const HeldWire& held, const TrialState& trial, int edge);
+    void evaluate(const HeldWire& held, int wire, const TrialState& trial, Active& active);
     static void add_position(const RodView& line, const TrialState& trial, int begin, Active& active);
     static void add_direction(const EdgeState* edges, Active& active);
     void add_spin(const EdgeState* edges, const TrialState& trial, int begin, Active& active) const;
@@ -123,7 +123,7 @@ private:
 
     RodArrays& rods_;
     const std::vector<WireConstraints>& constraints_;
-    std::vector<OfWire> of_;  // [wires]
+    std::vector<HeldWire> wires_;  // [wires]
 };
 
 }  // namespace seldinger

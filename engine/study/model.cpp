@@ -21,18 +21,6 @@ std::string without_place(const std::string& message, const std::filesystem::pat
 
 std::string milliseconds(double seconds) { return fmt::format("{:.4g} ms", 1e3 * seconds); }
 
-template <class Enum, std::size_t N>
-std::vector<Enum> keep_available(const Choice<Enum> (&words)[N], std::optional<Enum> Model::*choice, const Scene& scene)
-{
-    std::vector<Enum> kept;
-    for (const Choice<Enum>& word : words) {
-        Model model;
-        model.*choice = word.value;
-        if (why_not(model, scene).empty()) kept.push_back(word.value);
-    }
-    return kept;
-}
-
 /// What a model says of the instruments themselves.
 void apply_to_wire(const Model& model, WireSpec& wire, double first_length)
 {
@@ -208,21 +196,6 @@ std::string why_not(const Model& model, const Scene& scene)
         return without_place(error.what(), scene.source);
     }
     return {};
-}
-
-Available available_in(const Scene& scene)
-{
-    Available here;
-    here.schemes = keep_available(scheme_words, &Model::scheme, scene);
-    here.detections = keep_available(detection_words, &Model::detection, scene);
-    here.normals = keep_available(normal_words, &Model::normal, scene);
-    here.frictions = keep_available(friction_words, &Model::friction, scene);
-    Model elastic, single;
-    elastic.elastic_wall = true;
-    single.precision = Precision::Float32;
-    here.elastic_wall = why_not(elastic, scene).empty();
-    here.float32 = why_not(single, scene).empty();
-    return here;
 }
 
 }  // namespace seldinger

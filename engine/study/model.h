@@ -54,14 +54,4 @@ struct Model {
 /// here in the same words.
 [[nodiscard]] std::string why_not(const Model& model, const Scene& scene);
 
-/// What this build can run in `scene`, one choice at a time, in the contract's order.
-struct Available {
-    std::vector<Scheme> schemes;
-    std::vector<Detection> detections;  // empty without a vessel, as the next two
-    std::vector<NormalLaw> normals;
-    std::vector<FrictionLaw> frictions;
-    bool elastic_wall = false, float32 = false;
-};
-[[nodiscard]] Available available_in(const Scene& scene);
-
 }  // namespace seldinger

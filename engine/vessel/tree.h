@@ -100,7 +100,4 @@ struct TreeHit {
 /// @param visits  as above
 void triangles_around(const WallTree& tree, const Vec3& p, std::vector<std::uint32_t>& result, std::uint64_t* visits = nullptr);
 
-/// Triangles (leaf order, increasing) whose boxes in the leaves overlap the world box [lo, hi].
-void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi, std::vector<std::uint32_t>& result);
-
 }  // namespace seldinger

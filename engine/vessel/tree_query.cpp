@@ -262,16 +262,4 @@ void triangles_around(const WallTree& tree, const Vec3& p, std::vector<std::uint
     if (visits) *visits += nodes + result.size();
 }
 
-void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi, std::vector<std::uint32_t>& result)
-{
-    const Vec3 local_lo = lo - tree.centre, local_hi = hi - tree.centre;
-    triangles_of_leaves(tree, result, [&](const TreeNode& node) {
-        bool apart = false;
-        for (int d = 0; d < 3; ++d) apart |= node.lo[d] > local_hi[d] || node.hi[d] < local_lo[d];
-        return !apart;
-    });
-    // leaf ranges come in increasing order only within a subtree's own items; the caller is promised order
-    std::sort(result.begin(), result.end());
-}
-
 }  // namespace seldinger

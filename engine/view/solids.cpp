@@ -66,14 +66,6 @@ void add_cap(std::vector<Ring>& rings, const Ring& edge, int side)
     }
 }
 
-/// Moves a director from one tangent to the next without twist (the smallest rotation).
-Vec3 transport(const Vec3& director, const Vec3& from, const Vec3& to)
-{
-    const double chi = one_plus_cos(from, to);  // 0: folded, where the director is normal to both
-    const Vec3 moved = chi > 0 ? parallel_transport(director, from, to, chi) : director;
-    return (moved - moved.dot(to) * to).normalized();
-}
-
 Vec3 tangent_at(std::span<const TubeStation> line, std::size_t i)
 {
     const Vec3& before = line[i > 0 ? i - 1 : 0].position;
@@ -138,7 +130,7 @@ void add_tube(Solids& solids, std::span<const TubeStation> line, const Rgb& colo
     Vec3 axis = tangent_at(line, 0), d1 = any_normal(axis);
     for (std::size_t i = 0; i < line.size(); ++i) {
         const Vec3 next = tangent_at(line, i);
-        d1 = transport(d1, axis, next);
+        d1 = carried_director(d1, axis, next);
         axis = next;
         const Ring ring = {line[i].position, d1, axis.cross(d1), axis, line[i].radius, 0, line[i].pull};
         if (i == 0) add_cap(rings, ring, -1);

@@ -224,7 +224,7 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
         ContactPoint touch = touching.first;
         SEL_ROLLED for (uint k = 0; k < 2; ++k) {
             if (!touch.found) break;
-            if (c.m.ridges > 0) add_ridge(&touch, ball, point.near);
+            add_ridge(&touch, ball, point.near);
             const uint b = first ^ k;
             ContactState state = no_contact_state();
             add_contact_point(touch, axis, last_state(was, b), multiplier_of(s, b, par, view), &c, &state, &out);

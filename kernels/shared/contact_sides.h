@@ -40,8 +40,5 @@ SEL_FN real effective_modulus(LawSide a, LawSide b)
     return a.modulus * b.modulus / (a.modulus + b.modulus);
 }
 
-// Move of side a over the step as side b sees it, at the contact point [m].
-SEL_FN vec3 relative_move(vec3 move_a, vec3 move_b) { return move_a - move_b; }
-
 SEL_END
 #endif

@@ -91,7 +91,7 @@ SEL_FN void stage_oppose(StagedPoint of, SEL_OUT ContactStage* stage)
 
 SEL_FN void stage_ridge(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
 {
-    if (stage->side[side].found && of.point.model.ridges > 0) add_ridge(&stage->side[side], of.ball, of.point.near);
+    if (stage->side[side].found) add_ridge(&stage->side[side], of.ball, of.point.near);
 }
 
 // Of the records and the force, before either side adds to them.

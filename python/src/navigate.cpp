@@ -2,9 +2,8 @@
 #include "navigate.h"
 
 #include "core/parallel.h"
-#include "math/eigen.h"
+#include "rod/transport.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -72,10 +71,7 @@ Navigator::Navigator(const Centreline& line, const NavigateSpec& spec) : spec_(s
     n_[goal] = across(u_[goal]);
     for (; !open.empty(); open.pop()) {
         const int i = open.front();
-        if (i != goal) {  // carried from the next point: turned as the direction turns
-            n_[i] = to_vec3(Eigen::Quaterniond::FromTwoVectors(eigen(u_[next_[i]]), eigen(u_[i])) * eigen(n_[next_[i]]));
-            n_[i] = (n_[i] - n_[i].dot(u_[i]) * u_[i]).normalized();
-        }
+        if (i != goal) n_[i] = carried_director(n_[next_[i]], u_[next_[i]], u_[i]);
         b_[i] = u_[i].cross(n_[i]);
         for (const int j : joined[i])
             if (next_[j] < 0) reach(j, i);

@@ -115,20 +115,6 @@ TEST_SUITE("study/model")
         Model hard = single;
         hard.normal = NormalLaw::Barrier;
         CHECK(why_not(hard, scene).find("float32") != std::string::npos);
-
-        const Available here = available_in(scene);
-        CHECK(here.schemes.size() == 4);
-        CHECK(here.detections.size() == 4);
-        CHECK(here.frictions.size() == 4);
-        CHECK(here.normals.front() == NormalLaw::HuntCrossley);
-        CHECK(std::count(here.normals.begin(), here.normals.end(), NormalLaw::LankaraniNikravesh) == 1);
-        CHECK(here.elastic_wall);
-
-        Scene free = scene;
-        free.vessel = {};
-        free.feed = {};
-        CHECK(available_in(free).detections.empty());
-        CHECK(available_in(free).schemes.size() == 4);
     }
 }
 

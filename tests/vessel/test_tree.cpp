@@ -279,31 +279,6 @@ TEST_SUITE("vessel/tree")
         CHECK(nearest_on_wall(tree, p, 0.999 * distance).triangle == -1);
     }
 
-    TEST_CASE("property: overlapping triangles are a superset of those that touch the box")
-    {
-        const WallMesh mesh = random_soup(2000, 0.05, 11);
-        const WallTree tree = build_wall_tree(mesh);
-        std::mt19937 random(5);
-        std::uniform_real_distribution<double> place(-1, 1);
-        std::vector<std::uint32_t> found;
-        std::size_t touched = 0;
-        for (int i = 0; i < 100; ++i) {
-            const Vec3 lo(place(random), place(random), place(random)), hi = lo + Vec3(0.2, 0.1, 0.3);
-            overlapping_triangles(tree, lo, hi, found);
-            CHECK(std::is_sorted(found.begin(), found.end()));
-            for (std::uint32_t k = 0; k < tree.triangle_count(); ++k) {
-                Box3 box;
-                const Triangle3 t = tree.triangle(k);
-                for (const Vec3& v : {t.a, t.b, t.c}) box.extend(v + tree.centre);
-                if (box.min().cwiseMax(lo) != box.min().cwiseMax(lo).cwiseMin(box.max().cwiseMin(hi))) continue;  // nothing in common
-                ++touched;
-                REQUIRE(std::binary_search(found.begin(), found.end(), k));
-            }
-            CHECK(found.size() < tree.triangle_count() / 4);  // it does cull
-        }
-        REQUIRE(touched > 100);
-    }
-
     TEST_CASE("analytic: rays from a sphere's centre meet it within its sagitta")
     {
         const double radius = 0.02;
