@@ -5,7 +5,7 @@
 #include "command_line.h"
 #include "commands.h"
 #include "core/parallel.h"
-#include "study/batch_keep.h"
+#include "batch/batch_keep.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

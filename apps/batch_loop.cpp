@@ -12,7 +12,7 @@
 #include "run/frames.h"
 #include "scene/scene_difference.h"
 #include "scene/toml_parse.h"
-#include "study/batch_answer.h"
+#include "batch/batch_answer.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 
 #include "core/folder.h"
 #include "run_loop.h"
-#include "study/batch.h"
+#include "batch/batch.h"
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,7 @@
 // Backends of a farm: worker processes on this machine, or Slurm's array jobs.
 
 #include "core/error.h"
-#include "study/farm.h"
+#include "batch/farm.h"
 
 #include <filesystem>
 #include <string>

@@ -2,8 +2,8 @@
 // One task of a farm, done here: claimed, run or drawn, its result put in place.
 
 #include "commands.h"
-#include "study/batch.h"
-#include "study/farm.h"
+#include "batch/batch.h"
+#include "batch/farm.h"
 
 namespace seldinger::apps {
 

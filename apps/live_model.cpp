@@ -9,7 +9,7 @@
 #include "io/json_text.h"
 #include "quantity.h"
 #include "stop_signal.h"
-#include "study/planner.h"
+#include "plan/planner.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 // A plan in words, as JSON, and as scene files that `run` takes.
 
-#include "study/planner.h"
+#include "plan/planner.h"
 
 #include <filesystem>
 #include <string>

@@ -3,7 +3,7 @@
 
 #include "core/clock.h"
 #include "run/recorder.h"
-#include "study/batch.h"
+#include "batch/batch.h"
 
 namespace seldinger::apps {
 

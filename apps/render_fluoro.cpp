@@ -14,7 +14,7 @@
     #include "scene/run_scene.h"
 #endif
 #include "core/note.h"
-#include "study/sweep.h"
+#include "batch/sweep.h"
 
 namespace seldinger::apps {
 

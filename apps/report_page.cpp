@@ -9,7 +9,7 @@
 #include "io/vtp_read.h"
 #include "scene/run_scene.h"
 #include "session/web_content.h"
-#include "study/result_table.h"
+#include "plan/result_table.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

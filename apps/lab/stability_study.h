@@ -1,7 +1,7 @@
 #pragma once
 // Runs the cells of the stability maps that are not in the folder's table yet, on several threads.
 
-#include "study/result_table.h"
+#include "plan/result_table.h"
 #include "lab/stability.h"
 
 #include <filesystem>

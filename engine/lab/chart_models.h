@@ -2,8 +2,8 @@
 // The models of a chart: each choice varied alone around the scene's own, the cheap corners where two are varied together, the
 // published method, and the baselines.
 
-#include "study/simulation.h"
-#include "study/wall_edges.h"
+#include "plan/simulation.h"
+#include "plan/wall_edges.h"
 
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ namespace seldinger {
 struct ChartModel {
     Model model;             // named
     std::string family;      // "nodes", "step", "cheap", "adaptive", "detection", ... : one colour or marker each
-    bool published = false;  // the published method, as printed or at its best (study/published.h)
+    bool published = false;  // the published method, as printed or at its best (lab/published.h)
     std::string refused;     // why this build cannot run it here; empty when it can
 };
 

@@ -6,7 +6,7 @@
 #include "scene/scene_difference.h"
 #include "scene/vessel_load.h"
 #include "run/wall_path.h"
-#include "study/batch.h"
+#include "batch/batch.h"
 
 #include <unistd.h>
 #include <algorithm>

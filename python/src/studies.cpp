@@ -3,9 +3,9 @@
 
 #include "baselines/baselines.h"
 #include "plan_report.h"
-#include "study/batch.h"
+#include "batch/batch.h"
 #include "lab/chart.h"
-#include "study/planner.h"
+#include "plan/planner.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>

@@ -1,7 +1,7 @@
 // seldinger farm: any cut gives the batch's bits, finished tasks are not done again, killed ones are; the Slurm backend against a
 // stand-in for sbatch that runs array jobs here.
 #include "background_app.h"
-#include "study/farm.h"
+#include "batch/farm.h"
 #include "support/skip.h"
 
 #include <memory>

@@ -112,7 +112,7 @@ TEST_SUITE("apps/plan")
         one_line(run_plan(folder, "t.toml --tolerance 2mm --peak-force-tolerance 5"), 2, "has no unit");
     }
 
-    // what a plan costs is measured, so which of two models is cheaper is not for this test (tests/study/test_plan_search.cpp)
+    // what a plan costs is measured, so which of two models is cheaper is not for this test (tests/plan/test_plan_search.cpp)
     TEST_CASE("property: whatever the tolerance, what is planned meets it, and the reference is known to half of it")
     {
         const ScratchFolder folder;

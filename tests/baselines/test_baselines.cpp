@@ -3,7 +3,7 @@
 #include "baselines/baselines.h"
 #include "core/error.h"
 #include "lab/elastica.h"
-#include "study/run_model.h"
+#include "plan/run_model.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -75,7 +75,7 @@ double tip_error(const std::vector<Vec3>& shape, const StudyScene& study)
 
 }  // namespace
 
-TEST_SUITE("study/elastica")
+TEST_SUITE("lab/elastica")
 {
     TEST_CASE("analytic: tip of an inextensible cantilever, alpha = 2, by elliptic integrals [Bisshopp45]")
     {

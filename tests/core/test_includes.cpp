@@ -34,8 +34,9 @@ const std::map<std::string, std::set<std::string>> below = {
     {"scene", {"io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"view", {"io", "api", "contact", "solve", "rod", "vessel", "math", "core"}},
     {"run", {"scene", "io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
-    {"study", {"run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
-    {"lab", {"study", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
+    {"batch", {"run", "scene", "io", "api", "vessel", "core"}},
+    {"plan", {"run", "scene", "api", "solve", "wall", "math", "core"}},
+    {"lab", {"plan", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
     {"session", {"run", "scene", "io", "api", "core"}},
 };
 

@@ -6,7 +6,7 @@
 #include "core/file_io.h"
 #include "core/file_lock.h"
 #include "io/film_write.h"
-#include "study/farm.h"
+#include "batch/farm.h"
 #include "support/skip.h"
 
 #include <sys/resource.h>

@@ -6,9 +6,9 @@
 #include "run/checkpoint.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
-#include "study/errors.h"
-#include "study/farm.h"
-#include "study/result_table.h"
+#include "plan/errors.h"
+#include "batch/farm.h"
+#include "plan/result_table.h"
 #include "support/temporary_folder.h"
 
 #include <cmath>

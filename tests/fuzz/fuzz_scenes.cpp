@@ -2,7 +2,7 @@
 #include "fuzz_support.h"
 
 #include "scene/scene.h"
-#include "study/sweep.h"
+#include "batch/sweep.h"
 #include "support/temporary_folder.h"
 
 #include <algorithm>

@@ -6,8 +6,8 @@
 #include "run/checkpoint.h"
 #include "session/hand_packet.h"
 #include "session/session_record.h"
-#include "study/farm.h"
-#include "study/trajectory.h"
+#include "batch/farm.h"
+#include "plan/trajectory.h"
 #include "support/temporary_folder.h"
 
 namespace seldinger::fuzz {

@@ -1,0 +1,306 @@
+// Groups a sweep's runs into worlds, steps a world and takes out the wires that are done, saves and restores it.
+#include "batch/batch.h"
+
+#include "core/error.h"
+#include "run/checkpoint.h"
+#include "run/joint_readings.h"
+#include "run/wall_path.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace seldinger {
+std::string shared_part(Scene scene, const Scene& first)
+{
+    scene.name = first.name;
+    scene.seed = first.seed;
+    scene.record_every = first.record_every;
+    scene.wire_every = first.wire_every;
+    scene.contacts_every = first.contacts_every;
+    static_cast<SceneInstrument&>(scene) = first;
+    scene.others = first.others;
+    scene.coaxial = first.coaxial;
+    SceneContact& contact = scene.contact;
+    const SceneContact& other = first.contact;
+    contact.stiffness_from_wall = other.stiffness_from_wall;
+    contact.mu_static = other.mu_static;
+    contact.mu_sliding = other.mu_sliding;
+    for (double ContactSpec::*member : {&ContactSpec::stiffness, &ContactSpec::exponent, &ContactSpec::restitution,
+                                        &ContactSpec::rolling_alpha, &ContactSpec::rolling_sigma_b, &ContactSpec::rolling_sigma_s,
+                                        &ContactSpec::rolling_hardness, &ContactSpec::layer_height, &ContactSpec::pair_distance})
+        contact.*member = other.*member;
+    contact.rolling = other.rolling;
+    contact.samples_per_edge = other.samples_per_edge;
+    return write_scene(scene, scene.source.parent_path());
+}
+
+Scene BatchSource::scene(std::size_t item) const
+{
+    const std::size_t run = item % sweep.run_count();
+    std::vector<std::string> all = overrides;
+    const std::vector<std::string> own = sweep.overrides(run);
+    all.insert(all.end(), own.begin(), own.end());
+    try {
+        Scene scene = read_scene_text(scene_text, scene_file, all);
+        if (item >= sweep.run_count()) {
+            scene.dt /= 2;
+            scene.record_every *= 2;  // the same rows
+        }
+        return scene;
+    } catch (const Error& error) {
+        std::string message = error.what();
+        for (std::size_t a = 0; a < own.size(); ++a) {
+            const std::string blamed = "--set " + own[a];
+            if (!message.starts_with(blamed)) continue;
+            throw Error(error.code(), fmt::format("{}:{}: vary.{}: run {}{}", sweep.source.string(), sweep.axes[a].line,
+                                                  sweep.axes[a].key, run, message.substr(blamed.size())));
+        }
+        throw Error(error.code(), fmt::format("{}: run {} ({}): {}", sweep.source.string(), run, fmt::join(own, ", "), message));
+    }
+}
+
+namespace {
+
+std::vector<std::string> names_of(const Scene& scene)
+{
+    std::vector<std::string> names;
+    for (int k = 0; k < scene.instrument_count(); ++k)
+        if (!scene.instrument(k).label.empty()) names.push_back(scene.instrument(k).label);
+    return names;
+}
+
+}  // namespace
+
+BatchLayout BatchSource::layout() const
+{
+    const Scene first = scene(0);
+    BatchLayout layout{names_of(first), first.task.on && first.task.target != TaskSpec::Target::None, bands, sweep.run_count(), {}, 0, false};
+    if (layout.task) layout.target = target_name(first.task);
+    layout.patch = first.force_patch;
+    layout.limits = first.task.wall_force > 0 || first.task.patch_force > 0 || first.task.time > 0;
+    return layout;
+}
+
+BatchSource make_source(std::string scene_text, const std::filesystem::path& scene_file, std::vector<std::string> overrides,
+                        const std::string& sweep_text, const std::filesystem::path& sweep_file)
+{
+    const Scene base = read_scene_text(scene_text, scene_file, overrides);
+    return {std::move(scene_text), scene_file, std::move(overrides), read_sweep_text(sweep_text, sweep_file, base.seed), base.bands};
+}
+
+std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp)
+{
+    const Scene first = source.scene(0);
+    const std::vector<std::string> names = names_of(first);
+    std::vector<std::vector<std::size_t>> worlds;
+    std::unordered_map<std::string, std::size_t> open;   // the world that runs of this kind go to now
+    std::unordered_map<std::string, std::size_t> rooms;  // how many it takes
+    for (std::size_t run = begin; run < std::min(end, source.item_count()); ++run) {
+        Scene scene = source.scene(run);
+        if (names_of(scene) != names)
+            throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
+                                                        "results.csv; leave `name` out of what is varied",
+                                                        source.sweep.source.string(), run));
+        // a wall's mesh follows the path of its own run (run/wall_path.h): nothing else goes with it
+        const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
+        const std::string key = own_wall ? fmt::format("{}", run) : shared_part(std::move(scene), first);
+        const auto [at, is_new] = open.try_emplace(key, worlds.size());
+        std::size_t& room = rooms.try_emplace(key, ramp ? 1 : most_wires).first->second;
+        if (!is_new && worlds[at->second].size() == room) {
+            at->second = worlds.size();
+            room = std::min(2 * room, most_wires);
+        }
+        if (at->second == worlds.size()) worlds.emplace_back();
+        worlds[at->second].push_back(run);
+    }
+    return worlds;
+}
+
+BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> runs, LoadedVessel vessel, int device)
+    : sweep_runs_(static_cast<std::int64_t>(source.sweep.run_count()))
+{
+    std::vector<Scene> scenes;
+    for (const std::size_t run : runs) {
+        scenes.push_back(source.scene(run));
+        runs_.emplace_back().index = static_cast<std::int64_t>(run);
+    }
+    scene_ = scenes.front();
+    std::vector<BoundaryLoop> openings = vessel.report.loops;
+    WorldSetup setup = make_setup(scenes, std::move(vessel), device);
+    find_wall_path(scenes, setup);
+    world_ = std::make_unique<World>(std::move(setup));
+    loop_.emplace(*world_, scenes, static_cast<RunHooks*>(this));
+    places_ = VesselPlaces(world_->setup().centreline, std::move(openings));
+    if (scene_.task.on) score_.emplace(scene_, *world_, ScoreWatch::Patch::WhereItCounts);
+}
+
+void BatchWorld::ended(int system, RunStatus status)
+{
+    Run& run = runs_[static_cast<std::size_t>(system)];
+    if (status == RunStatus::Done) take_loads(system), take_wall(system, Output::Wall);
+    keep_files(system);
+    rows_.push_back(make_row(run.index, status, *world_, system, run.tally, places_));
+    world_->retire(system);
+}
+
+/// A row of the kept trace.
+void BatchWorld::keep_row(int system)
+{
+    Run& run = runs_[static_cast<std::size_t>(system)];
+    if (!scene_.keep_traces || run.index >= sweep_runs_) return;
+    const int first = world_->wires_of(system).first;
+    if (run.trace.empty()) run.trace = kept_header();
+    run.trace += kept_row(run.tally.steps, world_->time(first), joint_readings(*world_, system), world_->rod(first).pos(0));
+}
+
+/// Keeps the files of a run that ends now.
+void BatchWorld::keep_files(int system)
+{
+    Run& run = runs_[static_cast<std::size_t>(system)];
+    if (run.index >= sweep_runs_) return;
+    const bool has_row = run.tally.steps > 0 ? run.tally.steps % scene_.record_every == 0 : !run.trace.empty();
+    if (!has_row) keep_row(system);
+    std::vector<WireOutput> wires;
+    if (scene_.keep_last_frame) {
+        Output now;
+        world_->read(now, Output::Shape);
+        const auto [first, end] = world_->wires_of(system);
+        wires.assign(now.wires.begin() + first, now.wires.begin() + end);
+    }
+    KeptFiles files = kept_files(run.index, scene_, run.trace, wires);
+    std::move(files.begin(), files.end(), std::back_inserter(kept_));
+    run.trace.clear();
+}
+
+/// Force per length and the like of a system's accepted state.
+void BatchWorld::take_loads(int system)
+{
+    if (loads_read_at_ != world_->step_count() || loads_.wires.empty()) world_->read(loads_, Output::Contacts);
+    loads_read_at_ = world_->step_count();
+    const auto [first, end] = world_->wires_of(system);
+    const std::span<const WireOutput> wires = std::span<const WireOutput>(loads_.wires).subspan(first, end - first);
+    LoadTally& on_wall = runs_[static_cast<std::size_t>(system)].tally.on_wall;
+    on_wall.take_in(joint_along(wires, &WireOutput::on_wall), world_->time(first));
+}
+
+/// Its forces only, in the steps between.
+void BatchWorld::take_greatest_loads(int system)
+{
+    const auto [first, end] = world_->wires_of(system);
+    LoadTally& on_wall = runs_[static_cast<std::size_t>(system)].tally.on_wall;
+    double sum = 0;
+    for (int w = first; w < end; ++w) sum += world_->readings(w).normal;
+    if (!on_wall.may_rise(sum)) return;
+    greatest_.resize(static_cast<std::size_t>(end - first));
+    for (int w = first; w < end; ++w) world_->read_loads(w, greatest_[static_cast<std::size_t>(w - first)]);
+    on_wall.take_in(joint_along(greatest_, &WireOutput::on_wall), world_->time(first));
+}
+
+/// Displacement and stress of an elastic wall: under the instruments in every step, everywhere with each row.
+void BatchWorld::take_wall(int system, unsigned parts)
+{
+    if (!scene_.vessel.elastic) return;
+    if (wall_read_at_ != world_->step_count() || (parts & ~wall_.parts)) world_->read(wall_, parts);
+    wall_read_at_ = world_->step_count();
+    const WallReadings& now = wall_.walls[static_cast<std::size_t>(system)].readings;
+    RunTally& tally = runs_[static_cast<std::size_t>(system)].tally;
+    const double time = world_->time(world_->wires_of(system).first);
+    tally.wall_move.take_in(now.move_max, now.move_at, now.move_band, time);
+    tally.wall_stress.take_in(now.stress_max, now.stress_at, now.stress_band, time);
+}
+
+void BatchWorld::follow_tips(int system)
+{
+    const auto [first, end] = world_->wires_of(system);
+    tips_.clear();
+    for (int w = first; w < end; ++w) tips_.push_back(world_->rod(w).pos(0));
+    watch_exits(runs_[static_cast<std::size_t>(system)].tally.exits, tips_, places_.openings, world_->setup().mesh, world_->time(first));
+}
+
+void BatchWorld::settled(int system, const WireReport& report)
+{
+    runs_[static_cast<std::size_t>(system)].tally.take_in(joint_readings(*world_, system), report.flags, report.newton_iterations, 0);
+    take_loads(system);
+    keep_row(system);
+}
+
+bool BatchWorld::stepped(int system, const WireReport& report, double dt)
+{
+    RunTally& tally = runs_[static_cast<std::size_t>(system)].tally;
+    tally.steps++;
+    tally.rest_steps = loop_->rest_steps(system);
+    tally.take_in(joint_readings(*world_, system), report.flags, report.newton_iterations, dt);
+    follow_tips(system);
+    const bool has_row = tally.steps % scene_.record_every == 0;
+    if (has_row) take_loads(system), keep_row(system);
+    else take_greatest_loads(system);
+    take_wall(system, has_row ? Output::Wall : Output::WallUnder);
+    if (score_) score_->stepped(*world_, system, dt, false, false, tally.score);
+    return tally.score.reached;
+}
+
+void BatchWorld::begin()
+{
+    loop_->begin();
+    for (int k = 0; score_ && k < world_->system_count(); ++k)
+        score_->begin(*world_, k, runs_[static_cast<std::size_t>(k)].tally.score);
+}
+
+std::vector<BatchRow> BatchWorld::step()
+{
+    rows_.clear();
+    if (!loop_->begun()) begin();
+    if (!finished()) {
+        loop_->step();
+        stages_ += loop_->report().times;
+    }
+    return std::move(rows_);
+}
+
+void BatchWorld::save(std::vector<std::uint8_t>& bytes) const
+{
+    const std::uint8_t settled = loop_->begun();
+    put_bytes(bytes, &settled, 1);
+    for (const Run& run : runs_) {
+        put_bytes(bytes, &run.tally, 1);
+        const std::uint8_t finished = !loop_->runs(static_cast<int>(&run - runs_.data()));
+        put_bytes(bytes, &finished, 1);
+        const std::uint64_t length = run.trace.size();
+        put_bytes(bytes, &length, 1);
+        put_bytes(bytes, run.trace.data(), run.trace.size());
+    }
+    const std::vector<std::uint8_t> state = world_->save_state();
+    const std::uint64_t size = state.size();
+    put_bytes(bytes, &size, 1);
+    put_bytes(bytes, state.data(), state.size());
+}
+
+void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
+{
+    std::uint8_t settled = 0;
+    take_bytes(at, end, &settled, 1);
+    for (Run& run : runs_) {
+        take_bytes(at, end, &run.tally, 1);
+        std::uint8_t finished = 0;
+        take_bytes(at, end, &finished, 1);
+        if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
+            throw Error(ExitCode::BadFile, "got a saved state with a counter out of range; expected one that this version wrote");
+        std::uint64_t length = 0;
+        take_bytes(at, end, &length, 1);
+        if (length > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "the saved state is longer than the file");
+        run.trace.resize(length);
+        take_bytes(at, end, run.trace.data(), run.trace.size());
+        if (finished) world_->retire(static_cast<int>(&run - runs_.data()));
+        if (settled) loop_->resume(static_cast<int>(&run - runs_.data()), static_cast<long>(run.tally.steps), static_cast<long>(run.tally.rest_steps), finished);
+    }
+    std::uint64_t size = 0;
+    take_bytes(at, end, &size, 1);
+    if (size > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "the saved state is longer than the file");
+    std::vector<std::uint8_t> state(size);
+    take_bytes(at, end, state.data(), state.size());
+    world_->restore_state(state);
+}
+
+}  // namespace seldinger
