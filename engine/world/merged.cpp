@@ -3,7 +3,7 @@
 #include "contact/contact_system.h"
 #include "world/merged.h"
 
-#include "contact/coaxial_friction.h"
+#include "contact/rods/coaxial_friction.h"
 #include "rod/coaxial_nodes.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"

@@ -22,7 +22,7 @@
 // is
 //     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
 //     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
-// Friction between the instruments follows the laws per length of CoaxialSpec (contact/coaxial_friction.h). It pushes back on
+// Friction between the instruments follows the laws per length of CoaxialSpec (contact/rods/coaxial_friction.h). It pushes back on
 // each hand as much as it pulls at another one, and does not act on the line. The force a_k is along the edges that the
 // material lies on (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface
 // slides by 1 + kappa r, in a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by

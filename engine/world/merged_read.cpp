@@ -1,6 +1,6 @@
 // Instruments that share one centreline: forces at their hands, and each instrument alone.
 
-#include "contact/coaxial_friction.h"
+#include "contact/rods/coaxial_friction.h"
 #include "contact/contact_system.h"
 #include "world/merged.h"
 

@@ -1,7 +1,7 @@
 // The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
 
 #include "contact/contact_sums.h"
-#include "contact/yielding_wall.h"
+#include "contact/elastic/yielding_wall.h"
 #include "device/device.h"
 #include "vessel/repair.h"
 #include "world/step_stages.h"

@@ -1,6 +1,6 @@
 // The adapt stage: splits and merges edges of rods between steps, and births at the inlet of a fed rod.
 
-#include "contact/yielding_wall.h"
+#include "contact/elastic/yielding_wall.h"
 #include "core/clock.h"
 #include "wall/elastic_wall.h"
 #include "world/step_stages.h"
@@ -111,7 +111,7 @@ bool adapt_ends(const WorldRod& rod, double dt)
     return adapt_base(rod, edge, dt) || changed;
 }
 
-/// Between two nodes the displacement of an elastic wall is linear (contact/wall_stations.h).
+/// Between two nodes the displacement of an elastic wall is linear (contact/elastic/wall_stations.h).
 void note_elastic_wall(const WorldRod& rod, NodeDemands& demands)
 {
     WorldData& world = rod.world();

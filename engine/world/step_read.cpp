@@ -1,7 +1,7 @@
 // Readings of the accepted state of a sub-step: contact, hands, energies, momentum.
 
 #include "contact/contact_system.h"
-#include "contact/instrument_contact.h"
+#include "contact/rods/instrument_contact.h"
 #include "solve/line_holds.h"
 #include "world/step_stages.h"
 #include "world/world_rod.h"

@@ -2,9 +2,9 @@
 
 #include "world/world_forces.h"
 
-#include "contact/coaxial_friction.h"
-#include "contact/instrument_contact.h"
-#include "contact/yielding_wall.h"
+#include "contact/rods/coaxial_friction.h"
+#include "contact/rods/instrument_contact.h"
+#include "contact/elastic/yielding_wall.h"
 #include "device/enumerate.h"
 #include "solve/line_holds.h"
 #include "world/systems.h"

@@ -4,7 +4,7 @@
 
 #include "contact/contact_row.h"
 #include "contact/contact_setup.h"
-#include "contact/instrument_cells.h"
+#include "contact/rods/instrument_cells.h"
 #include "model.h"
 #include "solve/force_term.h"
 
@@ -13,13 +13,13 @@
 
 namespace seldinger {
 
-class CoaxialFriction;    // contact/coaxial_friction.h
+class CoaxialFriction;    // contact/rods/coaxial_friction.h
 class ContactMethod;      // contact/contact_system.h
 class ElasticWall;        // wall/elastic_wall.h
-class InstrumentContact;  // contact/instrument_contact.h
+class InstrumentContact;  // contact/rods/instrument_contact.h
 class LineHolds;          // solve/line_holds.h
 class SystemList;         // world/systems.h
-class YieldingWall;       // contact/yielding_wall.h
+class YieldingWall;       // contact/elastic/yielding_wall.h
 namespace device {
 class Context;  // device/device.h
 }

@@ -2,8 +2,8 @@
 
 #include "contact/contact_sums.h"
 #include "contact/contact_system.h"
-#include "contact/instrument_contact.h"
-#include "contact/yielding_wall.h"
+#include "contact/rods/instrument_contact.h"
+#include "contact/elastic/yielding_wall.h"
 #include "rod/adapt.h"
 #include "rod/curvature.h"
 #include "wall/elastic_wall.h"

@@ -1,5 +1,5 @@
 // Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
-//   launch  engine/contact/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
+//   launch  engine/contact/rods/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
 #include "shared/instrument_block.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone

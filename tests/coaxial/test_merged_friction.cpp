@@ -2,7 +2,7 @@
 // tests/contact/test_coaxial_slip.cpp; of what presses in the lumen: test_merged_lumen.cpp.
 
 #include "coaxial/friction_fixture.h"
-#include "contact/coaxial_friction.h"
+#include "contact/rods/coaxial_friction.h"
 #include "core/state_walk.h"
 #include "world/merged.h"
 

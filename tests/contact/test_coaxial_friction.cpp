@@ -1,6 +1,6 @@
 // Friction between instruments that share a centreline as a force term: its tangent and its effects.
 
-#include "contact/coaxial_friction.h"
+#include "contact/rods/coaxial_friction.h"
 #include "coaxial/merged_fixture.h"
 #include "math/banded_solver.h"
 #include "world/merged.h"

@@ -1,6 +1,6 @@
 // Friction per length between instruments that share a centreline: its law.
 
-#include "contact/coaxial_slip.h"
+#include "contact/rods/coaxial_slip.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // Kernels of contact between instruments against their host twins, bit for bit.
 
 #include "contact/host_reference_support.h"
-#include "contact/instrument_cells.h"
+#include "contact/rods/instrument_cells.h"
 #include "shared/instrument_block.h"
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // The force term of contact between instruments: its tangent against differences of its forces, forces against balance.
 
 #include "contact/host_reference_support.h"
-#include "contact/instrument_contact.h"
+#include "contact/rods/instrument_contact.h"
 #include "core/state_walk.h"
 #include "support/approx.h"
 

@@ -4,7 +4,7 @@
 #include "core/parallel.h"
 #include "support/approx.h"
 #include "support/fed_world.h"
-#include "contact/yielding_wall.h"
+#include "contact/elastic/yielding_wall.h"
 #include "world/world.h"
 
 #include <doctest/doctest.h>

@@ -27,8 +27,10 @@ const std::map<std::string, std::set<std::string>> below = {
     {"wall", {"vessel", "device", "math", "core", "shared"}},
     {"solve", {"rod", "math", "core", "shared"}},
     {"contact", {"solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
+    {"contact/rods", {"contact", "solve", "rod", "vessel", "device", "math", "core", "shared"}},
+    {"contact/elastic", {"contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"api", {"contact", "solve", "wall", "rod", "vessel", "device", "core"}},
-    {"world", {"api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
+    {"world", {"api", "contact", "contact/rods", "contact/elastic", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"step", {"world", "core"}},
     {"io", {"vessel", "math", "core"}},
     {"scene", {"io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
@@ -42,6 +44,9 @@ const std::map<std::string, std::set<std::string>> below = {
 
 std::string folder_of(const fs::path& relative)
 {
+    // a room within a folder has a line of its own in the table
+    const std::string parent = relative.parent_path().generic_string();
+    if (below.count(parent)) return parent;
     if (relative.has_parent_path()) return relative.begin()->string();
     return relative.extension() == ".cpp" ? "step" : "api";
 }

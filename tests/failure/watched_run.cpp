@@ -1,7 +1,7 @@
 // Steps a world under a method, watches each wire's readings and its exact distance to the wall, and tells the outcome.
 #include "failure/watched_run.h"
 
-#include "contact/yielding_wall.h"
+#include "contact/elastic/yielding_wall.h"
 #include "solve/feed.h"
 #include "vessel/repair.h"
 

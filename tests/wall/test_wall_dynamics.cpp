@@ -1,6 +1,6 @@
 // Steps of the wall in blocks against a full solve in every step.
 
-#include "contact/wall_stations.h"
+#include "contact/elastic/wall_stations.h"
 #include "core/state_walk.h"
 #include "engine.h"
 #include "wall/wall_compliance.h"

@@ -1,6 +1,6 @@
 // Wire and wall solved together: trials, residual, tangent. Start and end of a step: yielding_wall_step.cpp.
 
-#include "contact/yielding_system.h"
+#include "contact/elastic/yielding_system.h"
 #include "core/clock.h"
 
 #include "core/parallel.h"

@@ -1,6 +1,6 @@
 // Friction between instruments that share a centreline, in the order in which a step calls it.
 
-#include "contact/coaxial_friction.h"
+#include "contact/rods/coaxial_friction.h"
 
 #include "core/state_walk.h"
 #include "math/banded_solver.h"

@@ -1,7 +1,7 @@
 // State of contact between instruments from step to step: saved, restored, reported.
 
 #include "contact/contact_patch.h"
-#include "contact/instrument_contact.h"
+#include "contact/rods/instrument_contact.h"
 
 #include "contact/point_states.h"
 #include "core/state_walk.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Friction between instruments that share a centreline (D12), a force term on the host. The law: contact/coaxial_slip.h.
+// Friction between instruments that share a centreline (D12), a force term on the host. The law: contact/rods/coaxial_slip.h.
 //
 // Where two neighbours k (outer) and l (inner) overlap, their surfaces slip by
 //
@@ -21,7 +21,7 @@
 // bend as one, and all inside it. An inner instrument under a tension T presses by T kappa round a bend. T sums all that holds it
 // back between its tip and there; outside pulls act beyond the mouth by these sums.
 
-#include "contact/coaxial_slip.h"
+#include "contact/rods/coaxial_slip.h"
 #include "rod/coaxial_moment.h"
 #include "rod/lumen_press.h"
 #include "solve/coaxial_group.h"

@@ -1,6 +1,6 @@
 // Cells and pairs from the user's settings.
 
-#include "contact/instrument_cells.h"
+#include "contact/rods/instrument_cells.h"
 
 #include "contact/wall_law.h"
 

@@ -1,6 +1,6 @@
 // Forces between instruments that share a centreline, from their moments in the accepted state (rod/lumen_press.h).
 
-#include "contact/coaxial_friction.h"
+#include "contact/rods/coaxial_friction.h"
 
 #include "rod/coaxial_nodes.h"
 

@@ -1,6 +1,6 @@
 // Contact between instruments in the order in which a step calls it.
 
-#include "contact/instrument_contact.h"
+#include "contact/rods/instrument_contact.h"
 
 #include "contact/programs.h"
 #include "core/clock.h"

@@ -1,7 +1,7 @@
 #pragma once
 // State of contact with an elastic wall for one system while a step is solved. Private to yielding_wall*.cpp.
 
-#include "contact/yielding_wall.h"
+#include "contact/elastic/yielding_wall.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,6 @@
 // Forces and tangents of contact between instruments, summed over the cells of a system.
 
-#include "contact/instrument_sums.h"
+#include "contact/rods/instrument_sums.h"
 
 #include "math/node_lanes.h"
 #include "shared/spline.h"

@@ -1,6 +1,6 @@
 // Search of contact between instruments: which cells are near to each other, and how far they have moved since.
 
-#include "contact/instrument_contact.h"
+#include "contact/rods/instrument_contact.h"
 
 #include "core/parallel.h"
 #include "shared/instrument_near.h"

@@ -14,9 +14,9 @@
 
 #include "contact/contact_row.h"
 #include "contact/force_per_length.h"
-#include "contact/found_slots.h"
-#include "contact/instrument_cells.h"
-#include "contact/instrument_sums.h"
+#include "contact/rods/found_slots.h"
+#include "contact/rods/instrument_cells.h"
+#include "contact/rods/instrument_sums.h"
 #include "device/device.h"
 #include "shared/spline.h"
 #include "solve/force_term.h"

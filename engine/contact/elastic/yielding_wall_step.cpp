@@ -1,6 +1,6 @@
 // Contact with an elastic wall from step to step: feet, possible contacts, the wall's own step, saving.
 
-#include "contact/yielding_system.h"
+#include "contact/elastic/yielding_system.h"
 
 #include "core/clock.h"
 #include "core/parallel.h"

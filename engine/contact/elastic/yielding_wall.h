@@ -14,7 +14,7 @@
 // When a step is accepted the wall takes -A^T f, all of it: (K + C/h) w1 = C/h w0 - sum N^T A^T f (wall/wall_dynamics.h).
 
 #include "contact/contact_system.h"
-#include "contact/wall_stations.h"
+#include "contact/elastic/wall_stations.h"
 #include "math/banded_solver.h"
 
 #include <memory>
