@@ -20,6 +20,8 @@ TermEnergies& TermEnergies::operator+=(const TermEnergies& other)
     work += other.work;
     from_outside += other.from_outside;
     stored += other.stored;
+    applied += other.applied;
+    applied_force += other.applied_force;
     return *this;
 }
 

@@ -77,6 +77,9 @@ struct TermEnergies {
     ContactWork work;
     double from_outside = 0;  // work done on the wire by moving contact partners, such as a wall; not in stored [J]
     double stored = 0;        // the most that can be given back [J]
+    // of a term that is no contact, such as holds: its work on the wire, its force on the wire as a whole
+    double applied = 0;                 // [J]
+    Vec3 applied_force = Vec3::Zero();  // [N]
     TermEnergies& operator+=(const TermEnergies& other);
 };
 

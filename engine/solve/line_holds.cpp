@@ -316,6 +316,11 @@ TermAnswer LineHolds::answer(int wire, Ask what)
 {
     TermAnswer answer;
     if (what == Ask::Trial) answer.rounding = rounding(wire);
+    if (what != Ask::Energies) return answer;
+    for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) {
+        answer.energies.applied += active.work;
+        answer.energies.applied_force += active.force;
+    }
     return answer;
 }
 
@@ -362,24 +367,10 @@ void LineHolds::commit(std::span<const std::uint8_t> active)
     }
 }
 
-Vec3 LineHolds::force(int wire) const
-{
-    Vec3 sum = Vec3::Zero();
-    for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) sum += active.force;
-    return sum;
-}
-
 double LineHolds::along(int wire) const
 {
     double sum = 0;
     for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) sum += active.along;
-    return sum;
-}
-
-double LineHolds::work(int wire) const
-{
-    double sum = 0;
-    for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) sum += active.work;
     return sum;
 }
 

@@ -54,12 +54,8 @@ public:
     void walk_state(StateWalk& walk, int wire) override;
 
     // ---- of the last evaluation ----
-    /// On an instrument, of its holds of position [N].
-    [[nodiscard]] Vec3 force(int wire) const;
     /// On an instrument along the line, + towards the tip [N].
     [[nodiscard]] double along(int wire) const;
-    /// Work of its holds on an instrument over the step, at the points where they began [J].
-    [[nodiscard]] double work(int wire) const;
 
 private:
     static constexpr int nodes = 3, unknowns = 3 * nodes + 2;  // of a cell: positions, then angles of edges a and b

@@ -2,7 +2,6 @@
 
 #include "world/energy_audit.h"
 
-#include "solve/line_holds.h"
 #include "world/world_rod.h"
 
 #include <algorithm>
@@ -141,7 +140,6 @@ double load_work(const WorldRod& one)
         if (!end_forces(world.setup.integrator)) at -= 0.5 * move;
         work += spring.stiffness * (spring.anchor - at).dot(move);
     }
-    for (const int w : one.wires()) work += world.forces.line_holds ? world.forces.line_holds->work(w) : 0.0;
     if (const MergedGroup* group = one.group()) {
         for (int k = 0; k < group->shared.count(); ++k)
             if (group->slid[k] != 0)
@@ -204,7 +202,7 @@ WorkDone work_done(const WorldRod& rod)
         work.hand = hand_work(world, wire);
         work.turning = turning_work(world, wire);
     }
-    work.outside = held_work(world, wire) + load_work(rod);
+    work.outside = held_work(world, wire) + load_work(rod) + world.audit(wire).terms.applied;
     work.wall = world.audit(wire).terms.from_outside;
     return work;
 }

@@ -2,7 +2,6 @@
 
 #include "contact/contact_system.h"
 #include "contact/rods/instrument_contact.h"
-#include "solve/line_holds.h"
 #include "world/step_stages.h"
 #include "world/world_rod.h"
 
@@ -121,8 +120,7 @@ void read_results(WorldData& world, int line, double h)
     if (MergedGroup* group = world.groups.of(line)) read_hands(world, *group);
     else read_hand(world, line);
     read_motion(world, line, rod.contact(), h);
-    for (const int w : rod.wires())
-        if (world.forces.line_holds) result.momentum.held += world.forces.line_holds->force(w);
+    result.momentum.held += world.audit(line).terms.applied_force;
 }
 
 // hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. Feeding raises s, and the node
