@@ -144,6 +144,29 @@ TEST_SUITE("rod/coaxial_nodes")
             }
     }
 
+    // the middle of the tip's half cell is a quarter of the first edge from the tip
+    TEST_CASE("analytic: a rod's tip is curved by nature as those instruments ask that reach the middle of its half cell")
+    {
+        const double curvature[2] = {3, -5};
+        for (const double missing : {0.2, 0.3, 0.6}) {  // of the first edge: so far from the rod's tip is the second instrument's
+            CAPTURE(missing);
+            Pair pair(true);
+            for (const int k : pair.wires) pair.specs[static_cast<std::size_t>(k)].shaft.rest_curvature = {curvature[k], 0};
+            const RodView line = pair.arrays.view(0);
+            pair.rod.instrument[1].offset = -missing * line.rest_length[0];
+            prepare_group(pair.arrays, pair.wires, pair.rod);
+            Vec3 wanted = Vec3::Zero();
+            double stiffness = 0;
+            for (int k = 0; k < (missing < 0.25 ? 2 : 1); ++k) {
+                const double bend = pair.specs[static_cast<std::size_t>(k)].shaft.bend_stiffness;
+                const Vec3 t = line.tangent(0), director = turned(line.ref_d1(0), t, pair.arrays.view(k).theta[0]);
+                wanted += bend * curvature[k] * t.cross(director);
+                stiffness += bend;
+            }
+            CHECK((pair.nodes().natural_at_end(0) - wanted / stiffness).norm() < 1e-12);
+        }
+    }
+
     TEST_CASE("property: a split changes no instrument's twist per length at either end of the edge, and no momentum")
     {
         for (int edge = 0; edge < edges; ++edge)
