@@ -303,7 +303,7 @@ void reduce_case()
     X(QuadratureModel, reach)                                                                                                 \
     X(QuadratureModel, roll_force)                                                                                            \
     X(QuadratureModel, restitution)                                                                                           \
-    X(QuadratureModel, ridges)                                                                                                \
+    X(QuadratureModel, multiplier_most)                                                                                       \
     X(QuadraturePlace, edge_t0)                                                                                               \
     X(QuadraturePlace, bary)                                                                                                  \
     X(QuadraturePlace, epoch)                                                                                                 \
