@@ -138,8 +138,8 @@ private:
         wall_was_far_ = report.flags & StepWallFar;
         const double seconds = seconds_since(step_start_);
         if (replay_) replay_->stepped(world_);
-        recorder_.gauge(world_);
         world_.read(output_, recorder_.wants(world_));
+        recorder_.gauge(world_, output_);
         recorder_.stepped(output_, report, seconds, loop_.rest_steps(0));
         follow_task(dt);
         const RunTally& tally = recorder_.tally();
@@ -163,12 +163,13 @@ private:
 
     // ----
 
-    /// A recorded hand cannot be halved, and an elastic wall would be made a second time: that only if asked.
-    bool estimates() const { return options_.estimate && !replay_ && (options_.asked_estimate || !scene_.vessel.elastic); }
+    /// A recorded hand cannot be halved.
+    bool estimates() const { return options_.estimate && !replay_; }
     StepTwin::Finer finer_twins(RunStatus status) const
     {
         if (status != RunStatus::Done) return StepTwin::Finer::Never;  // who interrupts is not kept waiting
-        return options_.asked_estimate ? StepTwin::Finer::Always : StepTwin::Finer::WhereCheap;
+        if (options_.asked_estimate) return StepTwin::Finer::Always;
+        return scene_.vessel.elastic ? StepTwin::Finer::Never : StepTwin::Finer::WhereCheap;  // each length of step has columns of its own
     }
     double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
     bool is_late() const { return options_.time_limit > 0 && seconds_since(called_) >= options_.time_limit; }
@@ -184,7 +185,7 @@ private:
     void read_settled(double time)
     {
         world_.read(output_);
-        recorder_.gauge(world_);
+        recorder_.gauge(world_, output_);
         if (scene_.integrator.scheme == Scheme::Static) output_.time = time;  // of the keys: that of the world stands still
     }
 

@@ -110,7 +110,9 @@ bool is_sound(const RunTally& t, std::int64_t most)
     const auto values = {t.friction_max,     t.overlap_max,          t.outside_max,    t.wall_move.value, t.wall_stress.value,
                          t.contact_area_max, t.contact_pressure_max, t.hand_force_max, t.overlap_share,
                          t.normal_max,       t.sunk_force};
-    const auto is_set = [](const Greatest& g) { return is_time(g.time) && is_time(g.band) && is_place(g.at); };
+    const auto is_set = [](const Greatest& g) {
+        return is_time(g.time) && is_time(g.band.mesh) && is_time(g.band.geometry) && is_time(g.band.nodes) && is_time(g.band.step) && is_place(g.at);
+    };
     static_assert(sizeof(StageTimes) % sizeof(double) == 0);
     const std::span<const double> stages(reinterpret_cast<const double*>(&t.stages), sizeof t.stages / sizeof(double));
     return std::all_of(counts.begin(), counts.end(), [](std::int64_t n) { return n >= 0 && n <= most_counted; }) &&

@@ -218,14 +218,18 @@ void Recorder::take_greatest(const Output& now)
     if (now.walls.empty() || !(now.parts & (Output::Wall | Output::WallShape | Output::WallUnder))) return;
     const WallReadings& wall = now.walls[0].readings;
     // displacement and stress are in proportion to the load
-    const double by_nodes = StepTwin::grid_safety * wall_nodes_;
-    tally_.wall_move.take_in(wall.move_max, wall.move_at, std::hypot(wall.move_band, by_nodes * wall.move_max), now.time);
-    tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, std::hypot(wall.stress_band, by_nodes * wall.stress_max), now.time);
+    WallBand move = wall.move_band, stress = wall.stress_band;
+    move.nodes = StepTwin::grid_safety * wall_nodes_ * wall.move_max;
+    stress.nodes = StepTwin::grid_safety * wall_nodes_ * wall.stress_max;
+    tally_.wall_move.take_in(wall.move_max, wall.move_at, move, now.time);
+    tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, stress, now.time);
 }
 
-void Recorder::gauge(const World& world)
+void Recorder::gauge(const World& world, const Output& now)
 {
-    if (yields_) wall_nodes_ = GridErrorGauge().of(world).nodes;
+    if (now.walls.empty()) return;
+    const WallReadings& wall = now.walls[0].readings;
+    if (wall.move_max > tally_.wall_move.value || wall.stress_max > tally_.wall_stress.value) wall_nodes_ = GridErrorGauge().of(world).nodes;
 }
 
 void Recorder::passed(const Output& now)

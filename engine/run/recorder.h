@@ -39,8 +39,8 @@ public:
     Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
              const Checkpoint& checkpoint);
 
-    /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes.
-    void gauge(const World& world);
+    /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes, if one is the largest so far.
+    void gauge(const World& world, const Output& now);
     /// At an intermediate equilibrium of a static run: takes its readings in, and writes a row. @param now  Output::Everything
     void passed(const Output& now);
     /// After settle(): takes its readings in, and writes row 0. @param now  Output::Everything

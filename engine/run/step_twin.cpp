@@ -242,7 +242,7 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
     twin.found = window.steps == 0 && closed_ > 0;
     if (window.steps == 0) return twin;
     if (!world_) {
-        world_ = std::make_unique<World>(run_.setup());
+        world_ = std::make_unique<World>(run_.twin());
         world_->stop_when(stop_asked_);
     }
     twin.others.resize(others_.size());
@@ -263,7 +263,8 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
         twin.friction.push_back(now.friction);
         for (std::size_t o = 0; o < others_.size(); ++o) twin.others[o].push_back(world_->readings(static_cast<int>(o) + 1).hand_force);
         if (window.has_wall) {
-            const WallReadings wall = world_->wall_readings();
+            world_->read(under_, Output::WallUnder);  // stress everywhere takes as long as some steps
+            const WallReadings& wall = under_.walls.front().readings;
             twin.largest.wall_move = std::max(twin.largest.wall_move, wall.move_max);
             twin.largest.wall_stress = std::max(twin.largest.wall_stress, wall.stress_max);
         }
@@ -388,6 +389,7 @@ void StepTwin::set_wall()
     if (best_wall_.steps == 0) return;
     const Examined& twin = examine_halved(best_wall_);
     if (!twin.found) return;
+    estimate_.wall_known = true;
     const double history = friction_history * friction_falls_.share();
     const auto share = [&](double run, double of_twin) { return std::max(margin(twin.ratio) * std::abs(run - of_twin), history * run); };
     estimate_.wall_move = share(largest_.wall_move, twin.largest.wall_move);

@@ -98,6 +98,7 @@ struct ErrorEstimate {
     std::vector<HandBands> others;                       // hands of the instruments but the first
     ErrorBand patch, work;                               // largest force on a patch of wall [N]; work of the hand's push [J]
     double wall_move = 0, wall_stress = 0;               // of the largest of an elastic wall, by the step [m], [Pa]
+    bool wall_known = false;                             // these two are
     double tip = 0;                                      // by the step [m]
     double tip_nodes = 0;                                // by the length of edges, largest at the ends of windows (World::node_error) [m]
     double tip_facets = 0;                               // by the facets of the wall, largest at the ends of windows (GridErrors::tip) [m]
@@ -258,6 +259,7 @@ private:
     const World& run_;
     KeyFrames key_frames_;
     std::unique_ptr<World> world_;  // made when first needed
+    Output under_;                  // of it, readings of an elastic wall
     std::function<bool()> stop_asked_;
     Window window_, last_, best_hand_, best_friction_, best_patch_, best_wall_;
     GridErrorGauge gauge_;

@@ -186,6 +186,24 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("gravitational_j", r.gravitational);
 }
 
+/// The shares of a wall's band by their sources, the largest of these, and what makes it smaller.
+Json shares_json(const WallBand& band, const ErrorEstimate& steps)
+{
+    struct Source {
+        const char *name, *advice;
+        double share;
+    };
+    const Source sources[] = {{"control mesh", "smaller vessel.wall_edge_m", band.mesh},
+                              {"linear theory", "", band.geometry},
+                              {"nodes", advice_for(steps, "nodes"), band.nodes},
+                              {"step", advice_for(steps, "step"), band.step}};
+    const Source& largest = *std::max_element(std::begin(sources), std::end(sources), [](const Source& a, const Source& b) { return a.share < b.share; });
+    Json by = {{"mesh", band.mesh}, {"geometry", band.geometry}, {"nodes", band.nodes}, {"step", steps.wall_known ? Json(band.step) : Json()}};
+    by["largest_source"] = largest.name;
+    by["advice"] = largest.advice;
+    return by;
+}
+
 /// Readings of an elastic wall; a rigid one has none of these.
 void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& world, const ErrorEstimate& steps)
 {
@@ -202,11 +220,12 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
     number.set("wall_edge_touched_m", made.edge_touched);
     const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3],
-                                  double band, double by_step) {
+                                  const WallBand& band, double by_step) {
         most.take_in(value, at, band, world.time());
-        most.band = std::hypot(most.band, by_step);
+        most.band.step = by_step;
         number.set(name + "_max_" + unit, most.value);
-        number.set(name + "_max_band_" + unit, most.band);
+        number.set(name + "_max_band_" + unit, most.band.sum());
+        out[name + "_max_band"] = shares_json(most.band, steps);
         out[name + "_max_at_m"] = {most.at[0], most.at[1], most.at[2]};
         number.set(name + "_max_at_s", most.time);
     };
@@ -348,7 +367,7 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     outside_max = std::max(outside_max, readings.outside);
 }
 
-void Greatest::take_in(double now, const double (&where)[3], double band_there, double when)
+void Greatest::take_in(double now, const double (&where)[3], const WallBand& band_there, double when)
 {
     if (!(now > value)) return;
     value = now;
@@ -407,7 +426,9 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     }
     if (notes.scene->task.on) out["task"] = task_of(world, *notes.scene, tally.score);
     set_forces_and_energies(number, out, tally, r);
-    set_wall(number, out, tally, world, notes.estimate.value_or(ErrorEstimate{}));
+    ErrorEstimate none;
+    none.adaptive = notes.scene->wire.nodes == 0;
+    set_wall(number, out, tally, world, notes.estimate.value_or(none));
     if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene);
     if (notes.estimate) out["error_estimate"] = estimate_json(*notes.estimate);
     std::vector<std::string> lost;
@@ -544,15 +565,20 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
 
 namespace {
 
-/// Displacement and stress of an elastic wall, with the bands of its mesh.
+/// Displacement and stress of an elastic wall, with their bands, the largest source of these and what shrinks it.
 std::string wall_for_people(const Json& s)
 {
     const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
-    return fmt::format("  wall moves at most {:.3g} ± {:.1g} mm, von Mises stress at most {:.3g} ± {:.1g} kPa (± its control mesh, edges of {:.2g} mm where "
-                       "touched, and the wire's nodes{})\n",
-                       1e3 * number("wall_move_max_m"), 1e3 * number("wall_move_max_band_m"), 1e-3 * number("wall_stress_max_pa"),
-                       1e-3 * number("wall_stress_max_band_pa"), 1e3 * number("wall_edge_touched_m"),
-                       !has_bands_of(s) ? "; the step is not in it: --error-estimate on" : s.value("end_mean_s", 0.0) > 0 ? ", and the step" : "");
+    const auto by = [&](const char* key) {
+        const Json& shares = s.at(key);
+        const std::string source = shares.at("largest_source").get<std::string>(), advice = shares.at("advice").get<std::string>();
+        return fmt::format("mostly by {}{}", source == "linear theory" ? source : "the " + source, advice.empty() ? "" : ": less with " + advice);
+    };
+    const bool moving = s.value("end_mean_s", 0.0) > 0, known = s.at("wall_move_max_band").at("step").is_number();
+    return fmt::format("  wall moves at most {:.3g} ± {:.1g} mm ({}), von Mises stress at most {:.3g} ± {:.1g} kPa ({}); control edges of {:.2g} mm where touched{}\n",
+                       1e3 * number("wall_move_max_m"), 1e3 * number("wall_move_max_band_m"), by("wall_move_max_band"), 1e-3 * number("wall_stress_max_pa"),
+                       1e-3 * number("wall_stress_max_band_pa"), by("wall_stress_max_band"), 1e3 * number("wall_edge_touched_m"),
+                       moving && !known ? "; the step is not in the bands" : "");
 }
 
 /// What `--verbose` adds: the model's size, the inlet, the bands' origin, numerics and hash.

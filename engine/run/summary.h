@@ -39,8 +39,8 @@ struct LoadTally {
 /// The greatest value of a reading of the wall, where on the wall that has not moved, and when.
 struct Greatest {
     double value = 0, at[3] = {}, time = 0;  // [m], [s]
-    double band = 0;                         // ± of it, by the control mesh there [m], [Pa]
-    void take_in(double now, const double (&where)[3], double band_there, double when);
+    WallBand band;                           // ± of it [m], [Pa]
+    void take_in(double now, const double (&where)[3], const WallBand& band_there, double when);
 };
 
 /// Everything that is counted over a run. Plain bytes, so that a checkpoint carries it as it is.

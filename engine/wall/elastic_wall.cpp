@@ -143,6 +143,8 @@ double ElasticWall::edge_of(std::int32_t triangle) const
 
 WallMeshBand ElasticWall::band_of(std::int32_t triangle) const { return wall_mesh_band(edge_of(triangle), decay_, plane_); }
 
+double ElasticWall::left_out(double move) const { return linear_theory_band(move, shell_->spec().thickness, plane_); }
+
 LostPeak ElasticWall::lost_peak(std::int32_t triangle, double load) const
 {
     const ShellSpec& spec = shell_->spec();
@@ -187,10 +189,10 @@ const LargeShell* ElasticWall::large_for(std::span<const double> w) const
     return large_.get();
 }
 
-void ElasticWall::take_excess_force(const LargeShell& large, std::span<const double> w, std::span<double> y) const
+void ElasticWall::take_excess_force(const LargeShell& large, std::span<const double> w, std::span<double> y, bool all) const
 {
     std::vector<double> excess(y.size(), 0.0);
-    large.add_excess(w, excess, still);
+    large.add_excess(w, excess, all ? 0 : still);
     for (std::size_t i = 0; i < y.size(); ++i) y[i] -= excess[i];
 }
 
@@ -234,7 +236,7 @@ void read_move(const ElasticWall& wall, std::span<const double> w, WallReadings&
     for (std::int32_t t = 0; farthest >= 0 && t < surface.topology().triangle_count(); ++t) {
         const auto& corners = surface.control().triangles[static_cast<std::size_t>(t)];
         if (std::find(corners.begin(), corners.end(), farthest) == corners.end()) continue;
-        now.move_band = std::max(now.move_band, wall.band_of(t).move);
+        now.move_band.mesh = std::max(now.move_band.mesh, wall.band_of(t).move);
         for (int i = 0; i <= parts; ++i)
             for (int j = 0; i + j <= parts; ++j) {
                 surface.basis(t, double(i) / parts, double(j) / parts, at);
@@ -244,10 +246,17 @@ void read_move(const ElasticWall& wall, std::span<const double> w, WallReadings&
                 put_place(wall, at, now.move_at);
             }
     }
-    now.move_band *= now.move_max;
+    now.move_band.mesh *= now.move_max;
 }
 
 }  // namespace
+
+void add_geometry(const ElasticWall& wall, double farthest, WallReadings& now)
+{
+    const double share = wall.left_out(farthest);
+    now.move_band.geometry = share * now.move_max;
+    now.stress_band.geometry = share * now.stress_max;
+}
 
 WallReadings read_wall(const ElasticWall& wall, std::span<const double> displaced, double work, std::vector<double>* stress)
 {
@@ -273,7 +282,8 @@ WallReadings read_wall(const ElasticWall& wall, std::span<const double> displace
     now.stress_max = at.mises_max;
     const ShellPoint& highest = wall.shell().points()[at.highest];
     highest.position.store(now.stress_at);
-    now.stress_band = now.stress_max * wall.band_of(highest.triangle).stress;
+    now.stress_band.mesh = now.stress_max * wall.band_of(highest.triangle).stress;
+    if (!large) add_geometry(wall, now.move_max, now);
     return now;
 }
 

@@ -49,6 +49,8 @@ public:
     [[nodiscard]] WallMeshBand band_of(std::int32_t triangle) const;
     /// Stress that the mesh cuts off under a load per length q [N/m] in this triangle, and its band [Pa] (wall/wall_resolution.h).
     [[nodiscard]] LostPeak lost_peak(std::int32_t triangle, double load) const;
+    /// Share of displacement and stress that linear theory leaves out where it is used (wall/wall_resolution.h). @param move  the largest [m]
+    [[nodiscard]] double left_out(double move) const;
     /// Decay length of a dent where instruments are expected to touch [m].
     [[nodiscard]] double decay() const { return decay_; }
     /// Farthest that the vessel's mesh is from the wall's smooth surface [m].
@@ -61,8 +63,8 @@ public:
     [[nodiscard]] const LoopStencil& limit(std::int32_t vertex) const { return limits_[static_cast<std::size_t>(vertex)]; }
     /// The shell under large displacements, where linear theory does not do for w [3V]; null: it does.
     [[nodiscard]] const LargeShell* large_for(std::span<const double> w) const;
-    /// y -= r(w) of that shell.
-    void take_excess_force(const LargeShell& large, std::span<const double> w, std::span<double> y) const;
+    /// y -= r(w) of that shell. @param all  of triangles too that are nearly still, without which it is not smooth in w
+    void take_excess_force(const LargeShell& large, std::span<const double> w, std::span<double> y, bool all = false) const;
     [[nodiscard]] WallMechanics mechanics() const;
     /// C/h = kept M + B, B = left A - kept K_p, of a step of h > 0 (wall/wall_dynamics.h).
     struct MemorySplit {
@@ -88,6 +90,9 @@ private:
     mutable std::once_flag large_made_;
     mutable std::unique_ptr<LargeShell> large_;  // made when it is first asked for
 };
+
+/// Bands of readings that linear theory has made, whose largest displacement is `farthest` [m].
+void add_geometry(const ElasticWall& wall, double farthest, WallReadings& now);
 
 /// @param w  displacement of the control vertices [3V] [m]  @param work  done by contact since the beginning [J]
 /// @param stress  at control vertices [V], the larger von Mises stress of both surfaces [Pa]; may be null

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <Eigen/QR>
 #include <functional>
 
 namespace seldinger {
@@ -15,6 +16,8 @@ namespace {
 
 constexpr double small_memory = 0.1;  // of the displacement: what may be taken on through a block
 constexpr double small_excess = 0.03, most_excess = 0.5;  // of large displacements' forces, likewise, and at all
+constexpr double missed_excess = 1e-3;                    // of the displacement: by the extrapolation of a block
+constexpr std::size_t rounds_kept = 8;                    // of relax()
 
 double largest(const std::vector<double>& list)
 {
@@ -88,7 +91,7 @@ void WallDynamics::next_block()
     farthest_ = std::sqrt(3.0) * largest(start_);
     large_ = wall_.large_for(start_);
     limited_ = false;
-    unmet_.clear();
+    rounds_ = {};
     const bool moved = h_ > 0 && largest(start_) > 0;
     if (moved) {
         wall_.add_memory_force(h_, start_, y);
@@ -96,12 +99,14 @@ void WallDynamics::next_block()
         factor_->solve(y, scratch);
     }
     const bool slow = !large_ || add_excess(y);
+    singly_ = std::max(0, singly_ - done);
+    if (large_ && done == block_steps && largest_miss(y) > missed_excess * largest(start_)) singly_ = block_steps;
     // at a constant step the memory's change over the block that is done is taken on; the first one knows none
     for (std::size_t i = 0; i < y.size(); ++i) {
         change_[i] = done == block_steps ? (y[i] - memory_[i]) / block_steps : 0.0;
         memory_[i] = y[i];
     }
-    steps_ = h_ > 0 && slow && largest(memory_) <= small_memory * largest(start_) ? block_steps : 1;
+    steps_ = h_ > 0 && slow && singly_ == 0 && largest(memory_) <= small_memory * largest(start_) ? block_steps : 1;
     if (h_ > 0 && !moved) steps_ = std::abs(wall_.memory_share(h_)) <= small_memory ? block_steps : 1;
     step_ = 0;
     keep_ = 1;
@@ -170,7 +175,13 @@ void WallDynamics::end_step(std::span<const Push> pushed, double farthest)
     forget();
 }
 
-/// Aitken's share of each change [Kuettler08, doi:10.1007/s00466-008-0255-5]: a wall that stiffens a lot would swing.
+double WallDynamics::largest_miss(const std::vector<double>& y) const
+{
+    double most = 0;
+    for (std::size_t i = 0; i < y.size(); ++i) most = std::max(most, std::abs(y[i] - memory_[i] - block_steps * change_[i]));
+    return most;
+}
+
 double WallDynamics::relax(std::span<const Push> pushed)
 {
     std::vector<double> w(start_.size(), 0.0), y(w.size(), 0.0);
@@ -180,26 +191,38 @@ double WallDynamics::relax(std::span<const Push> pushed)
     for (std::size_t i = 0; i < w.size(); ++i) w[i] += memory_[i] + (load_.empty() ? 0.0 : load_[i]);
     large_ = wall_.large_for(w);
     if (large_) {
-        wall_.take_excess_force(*large_, w, y);
+        wall_.take_excess_force(*large_, w, y, true);
         factor_->solve(y, scratch);
     }
     for (std::size_t i = 0; i < y.size(); ++i) y[i] -= memory_[i];
-    if (!unmet_.empty()) {
-        double product = 0, square = 0;
-        for (std::size_t i = 0; i < y.size(); ++i) {
-            const double change = y[i] - unmet_[i];
-            product += unmet_[i] * change, square += change * change;
-        }
-        part_ = square > 0 ? std::clamp(-part_ * product / square, 0.01, 1.0) : 1.0;
-    } else {
-        part_ = 1;
-    }
-    if (const double change = largest(y); change > 0) part_ = std::min(part_, 0.3 * largest(w) / change);  // far from its end
-    for (std::size_t i = 0; i < y.size(); ++i) memory_[i] += part_ * y[i];
     const double most = std::sqrt(3.0) * largest(y);
-    unmet_ = std::move(y);
+    std::vector<double> step = y;
+    accelerate(step);
+    const double change = largest(step), part = change > 0 ? std::min(1.0, 0.3 * largest(w) / change) : 1;  // far from its end
+    for (std::size_t i = 0; i < y.size(); ++i) memory_[i] += step[i] *= part;
+    rounds_.unmet = std::move(y);
+    rounds_.step = std::move(step);
     forget();
     return most;
+}
+
+/// Anderson's method [Walker11, doi:10.1137/10078356X]: of the last rounds, the combination that would lack least. A wall that stiffens a lot would
+/// swing, one that softens would hardly move. @param step  what y lacks; becomes the change of y
+void WallDynamics::accelerate(std::vector<double>& step)
+{
+    if (rounds_.unmet.empty()) return;
+    std::vector<double> change(step);
+    for (std::size_t i = 0; i < change.size(); ++i) change[i] -= rounds_.unmet[i];
+    rounds_.steps.push_back(std::move(rounds_.step));
+    rounds_.changes.push_back(std::move(change));
+    if (rounds_.steps.size() > rounds_kept) rounds_.steps.erase(rounds_.steps.begin()), rounds_.changes.erase(rounds_.changes.begin());
+    const auto size = static_cast<Eigen::Index>(step.size()), kept = static_cast<Eigen::Index>(rounds_.steps.size());
+    Eigen::MatrixXd changes(size, kept);
+    for (Eigen::Index k = 0; k < kept; ++k) changes.col(k) = Eigen::Map<const Eigen::VectorXd>(rounds_.changes[static_cast<std::size_t>(k)].data(), size);
+    Eigen::Map<Eigen::VectorXd> to(step.data(), size);
+    const Eigen::VectorXd of = changes.colPivHouseholderQr().solve(to);
+    to -= changes * of;
+    for (Eigen::Index k = 0; k < kept; ++k) to -= of[k] * Eigen::Map<const Eigen::VectorXd>(rounds_.steps[static_cast<std::size_t>(k)].data(), size);
 }
 
 void WallDynamics::walk_state(StateWalk& walk)
@@ -213,11 +236,12 @@ void WallDynamics::walk_state(StateWalk& walk)
     still_ = still != 0;
     if (still_) return;
     double numbers[] = {h_, keep_, ahead_, slope_};
-    std::int32_t counts[] = {step_, steps_, static_cast<std::int32_t>(touched_.size())};
+    std::int32_t counts[] = {step_, steps_, static_cast<std::int32_t>(touched_.size()), singly_};
     walk({name, "", "accept"}, std::span(numbers));
     walk({name, "", "accept", 0, std::max<double>(block_steps, vertices)}, std::span(counts));
     if (walk.reads()) {
-        StateWalk::need(numbers[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 && counts[1] <= block_steps && counts[2] <= vertices, name);
+        StateWalk::need(numbers[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 && counts[1] <= block_steps && counts[2] <= vertices &&
+                            counts[3] <= block_steps, name);
         start_block(numbers[0]);
         touched_.resize(static_cast<std::size_t>(counts[2]));
     }
@@ -228,7 +252,7 @@ void WallDynamics::walk_state(StateWalk& walk)
     farthest_ = std::sqrt(3.0) * largest(start_);
     large_ = wall_.large_for(start_);
     keep_ = numbers[1], ahead_ = numbers[2], slope_ = numbers[3];
-    step_ = counts[0], steps_ = counts[1];
+    step_ = counts[0], steps_ = counts[1], singly_ = counts[3];
     forget();
 }
 
@@ -241,7 +265,7 @@ void WallDynamics::forget_motion()
     factor_.reset();
     large_ = nullptr;
     limited_ = false;
-    step_ = 0, steps_ = 1, keep_ = 1, ahead_ = slope_ = 0;
+    step_ = 0, steps_ = 1, singly_ = 0, keep_ = 1, ahead_ = slope_ = 0;
     forget();
 }
 

@@ -8,9 +8,10 @@
 //
 // Under large displacements the right side has -r(w) too, what linear theory leaves out of the shell's forces (wall/large_shell.h),
 // at the start of a block: B w0 becomes B w0 - r(w0), y below. It takes part as slowly as the wall gives way, and where the wall
-// rests it is exact. M is 1 + tau/h as stiff as K, 21 times at the usual 1 ms: a wall may stiffen by that much before this explicit
-// part makes it swing. If M^-1 r exceeds 3 % of w0, it is solved for in every step; it is limited to half of w0, and steps in which
-// that happens are told of (is_limited). An equilibrium (h = 0) is found by relax(), again and again with r of its last answer.
+// rests it is exact. In single steps a mode may be 1 + 2 tau/h times as stiff as in K, 41 times at the usual 1 ms, before this explicit
+// part makes it swing; in blocks, which extrapolate r, only 2.5 times. So a block whose extrapolation has missed M^-1 r at its end by
+// 1e-3 of w0 is followed by single steps, and so is r where M^-1 r exceeds 3 % of w0. It is limited to half of w0, and steps in which
+// that happens are told of (is_limited). An equilibrium (h = 0) is found by relax(), again and again with r of its last answers.
 //
 // What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that
 // change slowly. It is solved for once in a block of `block_steps` steps, and extrapolated linearly in between from the last two
@@ -77,6 +78,9 @@ private:
     void start_block(double h);
     void next_block();
     bool add_excess(std::vector<double>& y);
+    /// Of the last block's extrapolation, against y at its end.
+    [[nodiscard]] double largest_miss(const std::vector<double>& y) const;
+    void accelerate(std::vector<double>& step);
     [[nodiscard]] Vec3 at(const std::vector<double>& list, std::int32_t vertex) const
     {
         return list.empty() ? Vec3(Vec3::Zero()) : Vec3(&list[3 * static_cast<std::size_t>(vertex)]);
@@ -90,6 +94,7 @@ private:
     double h_ = -1;
     double s_ = 0, farthest_ = 0;
     std::int32_t step_ = 0, steps_ = 1;        // done, in all
+    std::int32_t singly_ = 0;                  // steps to come that are taken one by one
     double keep_ = 1, ahead_ = 0, slope_ = 0;  // w = keep w_0 + ahead (y + load) + slope dy + M^-1 F
     std::vector<double> start_;                // w_0 [3V]
     std::vector<double> memory_, change_;      // y = M^-1 B w_0 and its change per step [3V]
@@ -99,8 +104,12 @@ private:
     std::shared_ptr<const WallFactor> factor_;
     const LargeShell* large_ = nullptr;
     bool limited_ = false;       // of blocks of one step
-    std::vector<double> unmet_;  // of relax(): what its last round changed [3V]
-    double part_ = 1;            // and how much of that was taken
+    /// Of relax(): what y lacked in its last round [3V], and how y and that changed from round to round.
+    struct Rounds {
+        std::vector<double> unmet, step;
+        std::vector<std::vector<double>> steps, changes;
+    };
+    Rounds rounds_;
     std::vector<double> load_;  // M^-1 times the scene's loads [3V]; empty: none
     mutable WallPatch patch_;
     mutable std::vector<double> known_;            // now() of vertices that were asked for [3V]

@@ -16,6 +16,7 @@ namespace {
 // Measured on planes and tubes with edges of 0.1 to 4 decay lengths (docs/wall.md): the constants are the largest ratios of error
 // to (edge/decay)^2 and to edge/decay
 constexpr double plane_move = 0.026, plane_stress = 0.35, tube = 3;
+constexpr double linear_tube = 0.3, linear_plane = 0.4;
 const double area_of_vertex = 0.5 * std::sqrt(3.0);  // of equilateral triangles, per square of their edge
 
 }  // namespace
@@ -25,6 +26,12 @@ WallMeshBand wall_mesh_band(double edge, double decay, bool plane)
     if (!(edge > 0 && decay > 0)) return {};
     const double ratio = edge / decay, times = plane ? 1 : tube;
     return {times * plane_move * ratio * ratio, times * plane_stress * ratio};
+}
+
+double linear_theory_band(double move, double thickness, bool plane)
+{
+    const double share = move / thickness;
+    return plane ? linear_plane * share * share : linear_tube * share;
 }
 
 LostPeak lost_peak(double load, double edge, double decay, double thickness, double poisson)

@@ -24,6 +24,12 @@ struct WallMeshBand {
 /// @param edge  of the control mesh where the reading is [m]   @param decay  decay_length() [m]
 [[nodiscard]] WallMeshBand wall_mesh_band(double edge, double decay, bool plane);
 
+/// How far linear theory has displacement and stress from those under large displacements, as a share of both. The slope of a dent as
+/// deep as w takes w R/lambda^2 of the hoop's strain w/R beside it, and R/lambda^2 is about 2/t: first order in w/t on a tube, second on
+/// a plane. The constants are the largest that equilibria of both theories have shown (docs/wall.md).
+/// @param move  w, the largest displacement [m]
+[[nodiscard]] double linear_theory_band(double move, double thickness, bool plane);
+
 /// Under a line load q [N/m] the moment has a peak with a corner, q lambda/4 of a plate on its bed [Hetenyi46]. Elements of edge l
 /// cut off about q l/18 of it: that is the rest against the closed form on planes with l of 0.25 to 0.9 lambda, within 3 % of the whole
 /// (contact/test_yielding_wall). With it the von Mises stress at the surface is larger by 6/t^2 sqrt(1 - nu + nu^2) q l/18.

@@ -131,11 +131,11 @@ void provide_work(WorldData& world)
 
 }  // namespace
 
-WorldData::WorldData(WorldSetup from)
+WorldData::WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall)
     : setup(checked(std::move(from))),
       systems(static_cast<int>(setup.wires.size()), setup.systems),
       state(capacities(setup)),
-      forces(setup)
+      forces(setup, std::move(wall))
 {
     place_wires(*this);
     make_groups(*this);
@@ -153,6 +153,8 @@ WorldData::WorldData(WorldSetup from)
 }
 
 World::World(WorldSetup setup) : data_(std::make_unique<WorldData>(std::move(setup))) {}
+World World::twin() const { return World(std::make_unique<WorldData>(data_->setup, data_->forces.elastic_wall)); }
+World::World(std::unique_ptr<WorldData> data) : data_(std::move(data)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;

@@ -147,7 +147,8 @@ struct WorldOutput {
 };
 
 struct WorldData {
-    explicit WorldData(WorldSetup from);
+    /// @param wall  the elastic wall of this setup, if there is one already
+    explicit WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall = {});
 
     WorldSetup setup;
     SystemList systems;

@@ -41,11 +41,11 @@ InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> s
     return made;
 }
 
-WorldForces::WorldForces(const WorldSetup& setup)
+WorldForces::WorldForces(const WorldSetup& setup, std::shared_ptr<const ElasticWall> made) : elastic_wall(std::move(made))
 {
     if (setup.mesh.triangles.empty()) return;
     wall.emplace(setup.vessel, setup.mesh, setup.centreline);
-    if (setup.vessel.elastic) elastic_wall = std::make_unique<ElasticWall>(*wall);
+    if (setup.vessel.elastic && !elastic_wall) elastic_wall = std::make_shared<ElasticWall>(*wall);
 }
 
 WorldForces::~WorldForces() = default;

@@ -29,15 +29,15 @@ class Context;  // device/device.h
 [[nodiscard]] InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> system_of);
 
 struct WorldForces {
-    /// The wall alone: wires are placed before anything touches them.
-    explicit WorldForces(const WorldSetup& setup);
+    /// The wall alone: wires are placed before anything touches them. @param made  the elastic wall of this setup, if there is one already
+    explicit WorldForces(const WorldSetup& setup, std::shared_ptr<const ElasticWall> made = {});
     ~WorldForces();
     /// Contact with the wall and between instruments.
     void make_contacts(const WorldSetup& setup, const SystemList& systems, RodArrays& rods);
 
     std::unique_ptr<device::Context> context;        // none without a vessel and without instruments that touch
     std::optional<WallModel> wall;                   // none without a vessel
-    std::unique_ptr<ElasticWall> elastic_wall;       // only of a vessel that yields, and so the next two
+    std::shared_ptr<const ElasticWall> elastic_wall;  // only of an elastic vessel, and so the next two; twins share it
     std::unique_ptr<RodArrays> unmoved_rods;         // the wires as the wall sees them where it has not moved
     std::unique_ptr<ContactMethod> contact;          // none without a vessel
     std::unique_ptr<YieldingWall> yielding;          // contact as it acts on the wires and the moving wall

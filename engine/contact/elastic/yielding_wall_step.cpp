@@ -326,7 +326,7 @@ void YieldingWall::read_under(System& system) const
         if (move.norm() > now.move_max) {
             now.move_max = move.norm();
             unmoved(stencil).store(now.move_at);
-            now.move_band = now.move_max * wall_.band_of(triangle).move;
+            now.move_band.mesh = now.move_max * wall_.band_of(triangle).move;
         }
         std::size_t point = 0;
         const double stress = wall_.shell().stress_of(triangle, system.moves, point, system.dynamics.large());
@@ -334,8 +334,9 @@ void YieldingWall::read_under(System& system) const
         if (!(stress + lost.stress > now.stress_max)) continue;
         now.stress_max = stress + lost.stress;
         wall_.shell().points()[point].position.store(now.stress_at);
-        now.stress_band = lost.band;
+        now.stress_band.mesh = lost.band;
     }
+    if (!system.dynamics.large()) add_geometry(wall_, now.move_max, now);
 }
 
 /// Length of wire over which a node's force on the wall is spread [m]; a point load bears over a decay length.

@@ -36,6 +36,8 @@ class World {
 public:
     /// @throws Error: a setup that contradicts itself or is out of range (one line that names the member), no usable device
     explicit World(WorldSetup setup);
+    /// Another world of the same setup, as it begins. It shares what is constant of an elastic wall: control mesh, matrices, factors.
+    [[nodiscard]] World twin() const;
     ~World();
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
@@ -112,6 +114,7 @@ public:
     [[nodiscard]] DeviceCounts device_counts() const;
 
 private:
+    explicit World(std::unique_ptr<WorldData> data);
     friend WorldData& data_of(World& world);  // world/world.h
     std::unique_ptr<WorldData> data_;
 };

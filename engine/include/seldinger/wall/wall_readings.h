@@ -1,6 +1,7 @@
 #pragma once
 // Readings of an elastic wall (wall/elastic_wall.h); all zero for a rigid one.
 
+#include <cmath>
 #include <cstddef>
 
 namespace seldinger {
@@ -17,6 +18,15 @@ struct WallMechanics {
     std::size_t bytes = 0;  // of factors and columns
 };
 
+/// ± of a reading of the wall by independent sources, in the reading's unit.
+struct WallBand {
+    double mesh = 0;      // the control mesh there (wall/wall_resolution.h)
+    double geometry = 0;  // linear theory, where displacements are so small that the run uses it (wall/wall_resolution.h)
+    double nodes = 0;     // of the wires; of a run
+    double step = 0;      // of a run that estimates it
+    [[nodiscard]] double sum() const { return std::hypot(std::hypot(mesh, geometry), std::hypot(nodes, step)); }
+};
+
 struct WallReadings {
     double move_max = 0;    // largest displacement [m]
     double move_share = 0;  // largest, as a share of a fifth of the lumen's radius there [-]
@@ -25,7 +35,7 @@ struct WallReadings {
     double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces, at a quadrature point of the shell; under
                             // an instrument with what the mesh cuts off (lost_peak) [Pa]
     double move_at[3] = {}, stress_at[3] = {};  // where these are, on the wall that has not moved [m]
-    double move_band = 0, stress_band = 0;      // ± of the largest ones, by the control mesh there (wall/wall_resolution.h) [m], [Pa]
+    WallBand move_band, stress_band;            // ± of the largest ones, by control mesh and geometry [m], [Pa]
 };
 
 }  // namespace seldinger
