@@ -23,6 +23,7 @@ on several cores. --again runs the default runs anew and keeps the refined ones:
 whose state differs is reported). --table only prints. Seconds are processor time (user + system).
 """
 import argparse
+import bisect
 import csv
 import json
 import os
@@ -121,10 +122,19 @@ def run(app, text, is_default, *more):
 
 
 def largest_mean(values, times):
-    """Over MEAN, weighted by the lengths of steps: the last one of a run may be shorter."""
-    lengths = [times[0]] + [after - before for before, after in zip(times, times[1:])]
-    wide = max(1, round(MEAN / lengths[1]))
-    return max(sum(v * h for v, h in zip(values[k:k + wide], lengths[k:])) / sum(lengths[k:k + wide]) for k in range(max(1, len(values) - wide + 1)))
+    """Over MEAN: a mean begins or ends with a step and takes a part of the one at its other end."""
+    ends, sums = [0.0, *times], [0.0]
+    for value, begin, end in zip(values, ends, ends[1:]):
+        sums.append(sums[-1] + value * (end - begin))
+    if ends[-1] <= MEAN:
+        return sums[-1] / ends[-1]
+
+    def sum_to(time):
+        k = min(max(bisect.bisect_right(ends, time) - 1, 0), len(values) - 1)
+        return sums[k] + values[k] * (time - ends[k])
+
+    starts = [end for end in ends if end + MEAN <= ends[-1]] + [end - MEAN for end in ends if end >= MEAN]
+    return max(sum_to(start + MEAN) - sum_to(start) for start in starts) / MEAN
 
 
 def readings_of(summary, rows, is_default):

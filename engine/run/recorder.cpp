@@ -218,14 +218,13 @@ void Recorder::take_greatest(const Output& now)
     if (now.walls.empty() || !(now.parts & (Output::Wall | Output::WallShape | Output::WallUnder))) return;
     const WallReadings& wall = now.walls[0].readings;
     // displacement and stress are in proportion to the load
-    const double by_nodes = StepTwin::grid_safety * wall_nodes_;
-    tally_.wall_move.take_in(wall.move_max, wall.move_at, std::hypot(wall.move_band, by_nodes * wall.move_max), now.time);
-    tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, std::hypot(wall.stress_band, by_nodes * wall.stress_max), now.time);
+    tally_.wall_move.take_in(wall.move_max, wall.move_at, std::hypot(wall.move_band, wall_nodes_ * wall.move_max), now.time);
+    tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, std::hypot(wall.stress_band, wall_nodes_ * wall.stress_max), now.time);
 }
 
 void Recorder::gauge(const World& world)
 {
-    if (yields_) wall_nodes_ = GridErrorGauge().of(world).nodes;
+    if (yields_) wall_nodes_ = GridErrorGauge().of(world).patch.nodes;
 }
 
 void Recorder::passed(const Output& now)

@@ -8,6 +8,7 @@
 #include "rod/curvature.h"
 #include "wall/elastic_wall.h"
 #include "world/merged.h"
+#include "world/node_errors.h"
 #include "world/world.h"
 
 #include <algorithm>
@@ -199,10 +200,9 @@ NodeDemands demands_of(WorldData& world, int wire, const RodView& rod)
     return demands;
 }
 
-NodePlanner planner_of(const WorldData& world, int wire)
-{
-    return {world.setup.wires[static_cast<std::size_t>(wire)].wire, world.state.rods.capacity(wire)};
-}
+const WireSpec& wire_spec(const WorldData& world, int wire) { return world.setup.wires[static_cast<std::size_t>(wire)].wire; }
+
+NodePlanner planner_of(const WorldData& world, int wire) { return {wire_spec(world, wire), world.state.rods.capacity(wire)}; }
 
 }  // namespace
 
@@ -210,14 +210,24 @@ double World::node_error(int wire) const
 {
     const int line = data_->groups.of(wire) ? data_->groups.of(wire)->line() : wire;
     const RodView rod = data_->state.rods.view(line);
-    return rod.n > 2 ? planner_of(*data_, line).tip_error(rod, demands_of(*data_, line, rod)) : 0;
+    return rod.n > 2 ? planner_of(*data_, line).tip_error(rod, wire_spec(*data_, line), demands_of(*data_, line, rod)) : 0;
 }
 
 BendingError World::bending_error(int wire) const
 {
     const RodView rod = data_->state.rods.view(wire);
     if (rod.n <= 2 || data_->groups.is_passenger(wire)) return {};
-    return planner_of(*data_, wire).bending_error(rod, demands_of(*data_, wire, rod));
+    return planner_of(*data_, wire).bending_error(rod, wire_spec(*data_, wire), demands_of(*data_, wire, rod));
+}
+
+BendingError bending_error_between(const World& given, int wire, double from, double to)
+{
+    WorldData& world = data_of(const_cast<World&>(given));  // scratch of a group is made anew; the state is only read
+    const RodView rod = world.state.rods.view(wire);
+    if (rod.n <= 2 || world.groups.is_passenger(wire)) return {};
+    const auto s = rod.material_s.first(static_cast<std::size_t>(rod.n));
+    const auto above = std::upper_bound(s.begin() + 1, s.end() - 1, from), below = std::lower_bound(s.begin() + 1, s.end() - 1, to);
+    return planner_of(world, wire).bending_error(rod, wire_spec(world, wire), demands_of(world, wire, rod), *(above - 1), *below);
 }
 
 void World::stop_when(std::function<bool()> asked)
