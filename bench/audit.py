@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Do the bands of a default run hold? Set-ups drawn from a seed, each run by default and refined, source by source.
 
-    bench/audit.py [--app build/seldinger] [--seed 1] [--draws 12] [--first 0] [-o out/audit] [--again] [--table]
+    bench/audit.py [--app build/seldinger] [--seed 1] [--draws 12] [--first 0] [-o out/audit] [--again] [--table] [--least PERCENT]
 
 Each draw has a vessel, an instrument (or a catheter over a wire), friction, step, nodes and wall. The runs of a draw:
 
@@ -20,9 +20,11 @@ by more, but does not stand itself. Shares of warned runs are given for all thre
 
 One file per run lies in the folder: a second call runs only what is missing, so seeds and ranges of draws can be done in parts, and
 on several cores. --again runs the default runs anew and keeps the refined ones: for a change that moves bands and no bits (a draw
-whose state differs is reported). --table only prints. Seconds are processor time (user + system).
+whose state differs is reported). --table only prints. Seconds are processor time (user + system). ./dev audit builds
+the program first.
 """
 import argparse
+import bisect
 import csv
 import json
 import os
@@ -121,10 +123,19 @@ def run(app, text, is_default, *more):
 
 
 def largest_mean(values, times):
-    """Over MEAN, weighted by the lengths of steps: the last one of a run may be shorter."""
-    lengths = [times[0]] + [after - before for before, after in zip(times, times[1:])]
-    wide = max(1, round(MEAN / lengths[1]))
-    return max(sum(v * h for v, h in zip(values[k:k + wide], lengths[k:])) / sum(lengths[k:k + wide]) for k in range(max(1, len(values) - wide + 1)))
+    """Over MEAN: a mean begins or ends with a step and takes a part of the one at its other end."""
+    ends, sums = [0.0, *times], [0.0]
+    for value, begin, end in zip(values, ends, ends[1:]):
+        sums.append(sums[-1] + value * (end - begin))
+    if ends[-1] <= MEAN:
+        return sums[-1] / ends[-1]
+
+    def sum_to(time):
+        k = min(max(bisect.bisect_right(ends, time) - 1, 0), len(values) - 1)
+        return sums[k] + values[k] * (time - ends[k])
+
+    starts = [end for end in ends if end + MEAN <= ends[-1]] + [end - MEAN for end in ends if end >= MEAN]
+    return max(sum_to(start + MEAN) - sum_to(start) for start in starts) / MEAN
 
 
 def readings_of(summary, rows, is_default):
@@ -201,6 +212,7 @@ def stands(key, base, runs, band):
 
 
 def print_table(draws):
+    """@return the part of the readings that is inside"""
     rows, widths, failed = [], {}, []
     counts = {"healthy": [0, 0], "wrong": [0, 0], "unknown": [0, 0]}  # runs; of them warned about
     by_source = {source: [0, 0] for source in SOURCES}
@@ -254,6 +266,7 @@ def print_table(draws):
     for key, reading, band, error, judged in rows:
         if judged and band is not None and error > band:
             print(f"outside: {key[0]}-{key[1]} {reading}: {draws[key]['default']['values'][reading]} ± {band:.3g}, off by {error:.3g}")
+    return total[2] / max(total[1], 1)
 
 
 def main():
@@ -265,12 +278,14 @@ def main():
     parser.add_argument("-o", "--output", type=pathlib.Path, default=HERE / "out/audit")
     parser.add_argument("--again", action="store_true", help="default runs anew; refined runs are kept")
     parser.add_argument("--table", action="store_true", help="print what is there, run nothing")
+    parser.add_argument("--least", type=float, default=0, help="exit with 1 if less of the readings are inside their bands [%%]")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     if not options.table:
         for number in range(options.first, options.first + options.draws):
             measure(options, number)
-    print_table(load(options.output))
+    if print_table(load(options.output)) < options.least / 100:
+        sys.exit(f"audit.py: less than {options.least:g} % of the readings are inside their bands")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #pragma once
-// Means of hand force and friction over the last 20 ms, in whole steps: comparable between runs with different steps.
+// Means of hand force and friction over the last 20 ms: comparable between runs with different steps.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -26,14 +27,16 @@ struct EndMean {
         hand[last] += hand_force * dt;
         friction[last] += friction_force * dt;
     }
-    /// Over the whole slots, from the last one back, whose time is nearest to `span`: one at least.
+    /// Over `span` up to the end, of the oldest slot the part that it takes; over all where that is shorter.
     [[nodiscard]] Mean mean() const
     {
-        Mean sum{hand[last], friction[last], time[last]};
-        for (std::int64_t back = 1; back < slots; ++back) {
+        Mean sum;
+        for (std::int64_t back = 0; back < slots; ++back) {
             const std::int64_t k = (last + slots - back) % slots;
-            if (time[k] == 0 || sum.seconds + time[k] / 2 > (1 + 1e-9) * span) break;
-            sum.hand += hand[k], sum.friction += friction[k], sum.seconds += time[k];
+            const double left = span - sum.seconds;
+            if (time[k] == 0 || left <= 1e-9 * span) break;
+            const double part = std::min(1.0, left / time[k]);
+            sum.hand += part * hand[k], sum.friction += part * friction[k], sum.seconds += part * time[k];
         }
         if (sum.seconds > 0) sum.hand /= sum.seconds, sum.friction /= sum.seconds;
         return sum;

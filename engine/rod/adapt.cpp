@@ -39,6 +39,9 @@ Vec3 binormal(const RodView& rod, const Vec3& te, const Vec3& tf)
     return (2 / chi * curvature_factor(curvature_q(rod.curvature), chi)) * te.cross(tf);
 }
 
+/// a of e(h): what the discrete curvature has too much of an angle.
+double angle_share(const RodView& rod) { return 1.0 / 12 - curvature_q(rod.curvature) / 8; }
+
 /// Rest curvature of node i in the world, integrated (the same signs as in rod/pair.h).
 Vec3 rest_binormal(const RodView& rod, int i)
 {
@@ -49,7 +52,7 @@ Vec3 rest_binormal(const RodView& rod, int i)
 }  // namespace
 
 NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
-    : longest_(capacity), curvature_(capacity), shear_jump_(capacity), turning_(capacity), moment_(capacity, Vec3::Zero()), marked_(capacity)
+    : longest_(capacity), curvature_(capacity), shear_jump_(capacity), turning_(capacity), moment_(capacity, Vec3::Zero()), bend_(capacity, Vec3::Zero()), marked_(capacity)
 {
     for (const WireSectionRange& range : spec.sections)
         for (const double s : {range.begin, range.end})
@@ -64,16 +67,18 @@ void NodePlanner::measure(const RodView& rod, const NodeDemands& demands)
     const int hub = rod.n - 1;
     const Vec3& hub_tangent = demands.hub_tangent;
     curvature_[0] = curvature_[hub] = shear_jump_[0] = shear_jump_[hub] = 0;
-    moment_[0] = moment_[hub] = Vec3::Zero();
+    moment_[0] = moment_[hub] = bend_[0] = bend_[hub] = Vec3::Zero();
     for (int i = 1; i < hub; ++i) {
         const Vec3 kb = binormal(rod, rod.tangent(i - 1), rod.tangent(i));
         curvature_[i] = kb.norm() / rod.voronoi_length(i);
+        bend_[i] = kb / rod.voronoi_length(i);
         moment_[i] = (rod.bend_stiffness[i] / rod.voronoi_length(i)) * (kb - rest_binormal(rod, i));
     }
     if (!hub_tangent.isZero()) {
         const Vec3 t = rod.tangent(hub - 1);
         const Vec3 kappa = binormal(rod, t, hub_tangent) / rod.voronoi_length(hub);
         curvature_[hub] = kappa.norm();
+        bend_[hub] = kappa;
         moment_[hub] = rod.bend_stiffness[hub] * kappa;
     }
     std::ranges::copy(demands.moment, moment_.begin());
@@ -98,7 +103,7 @@ NodePlanner::EdgeErrors NodePlanner::errors_between(const RodView& rod, int from
         stiffness = std::min(stiffness, rod.bend_stiffness[i]);
     }
     for (int i = from + 1; i < to; ++i) jump += shear_jump_[i], turning += turning_[i];
-    return {kappa * kappa * (1.0 / 24 + lever * kappa * (1.0 / 12 - curvature_q(rod.curvature) / 8)),
+    return {kappa * kappa * (1.0 / 24 + lever * kappa * angle_share(rod)),
             lever * jump / (12 * stiffness) + turning / 12};
 }
 
@@ -113,18 +118,21 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     return std::max(longest, spec.min_edge);
 }
 
-/// By how much the wire's own natural curvature differs between the nodes of an edge [1/m]; 0 for a common centreline.
-double NodePlanner::natural_jump(const RodView& rod, const NodeDemands& demands, int edge) const
+/// o of an edge: by how much nodes have the displacement over it wrong, about the binormal [m].
+Vec3 NodePlanner::displaced(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int j) const
 {
-    if (!demands.moment.empty() || edge == 0 || edge == rod.n - 2) return 0;  // ends have none
-    const auto natural = [&](int i) { return Vec2(Vec2(rod.rest_kappa1[i], rod.rest_kappa2[i]) / rod.voronoi_length(i)); };
-    return (natural(edge + 1) - natural(edge)).norm();
+    if (!demands.moment.empty()) {  // of many sections, whose ends are not looked for: at most this
+        const double compliance = 1 / rod.bend_stiffness[j + 1] - 1 / rod.bend_stiffness[j], h = rod.rest_length[j];
+        return 0.5 * (moment_[j] + moment_[j + 1]) * std::abs(compliance) * h * h / 8;
+    }
+    const EdgeOffset offset = edge_offset(rod, spec, j);
+    const Vec3 t = rod.tangent(j), n1 = turned(rod.ref_d1(j), t, rod.theta[j]);
+    return offset.natural[0] * t.cross(n1) - offset.natural[1] * n1 + offset.compliance * 0.5 * (moment_[j] + moment_[j + 1]);
 }
 
-/// Lever of each edge: the distance over which an error of its angle moves the tip [m].
-std::vector<double> NodePlanner::levers(const RodView& rod, std::span<const Vec3> contact) const
+std::vector<NodePlanner::Reach> NodePlanner::reaches(const RodView& rod, std::span<const Vec3> contact) const
 {
-    std::vector<double> list(static_cast<std::size_t>(rod.n - 1));
+    std::vector<Reach> list(static_cast<std::size_t>(rod.n - 1));
     double held = 0;
     for (int from = 0, span = 0; from < rod.n - 1; ++span) {
         int to = from + (span > 0);
@@ -136,41 +144,52 @@ std::vector<double> NodePlanner::levers(const RodView& rod, std::span<const Vec3
         for (int j = from; j < last; ++j) turned += rod.rest_length[j] * 0.5 * (curvature_[j] + curvature_[j + 1]);
         for (int j = from; j < last; ++j) {
             const double middle = 0.5 * (rod.material_s[j] + rod.material_s[j + 1]);
-            list[j] = span == 0 ? middle : held * (end - middle) / (end - begin) + turned * (end - begin) / 8;
+            if (span == 0) list[j] = {middle, 1};
+            else list[j] = {held * (end - middle) / (end - begin) + turned * (end - begin) / 8, held / (end - begin)};
         }
         from = last;
     }
     return list;
 }
 
-double NodePlanner::tip_error(const RodView& rod, const NodeDemands& demands)
+double NodePlanner::tip_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands)
 {
     measure(rod, demands);
-    const std::vector<double> lever = levers(rod, demands.contact);
-    double sum = 0;
+    const std::vector<Reach> reach = reaches(rod, demands.contact);
+    double along = 0, turned = 0, twist = 0;
+    Vec3 off = Vec3::Zero();
     for (int j = 0; j < rod.n - 1; ++j) {
-        const auto [cubic, square] = errors_between(rod, j, j + 1, lever[j]);
-        const double h = rod.rest_length[j];
-        const double kappa = std::max(curvature_[j], curvature_[j + 1]), tangents = kappa * kappa / 24;
-        sum += ((cubic + tangents) * h + square + natural_jump(rod, demands, j) / 8) * h * h;
+        const double h = rod.rest_length[j], kappa = std::max(curvature_[j], curvature_[j + 1]), lever = reach[j].lever;
+        const double stiffness = std::min(rod.bend_stiffness[j], rod.bend_stiffness[j + 1]), jump = 0.5 * (shear_jump_[j] + shear_jump_[j + 1]);
+        along += kappa * kappa * h * h * h / 12;
+        turned += lever * (angle_share(rod) * kappa * kappa * kappa * h + jump / (12 * stiffness)) * h * h;
+        turned += reach[j].carried * (moment_[j + 1] - moment_[j]).norm() / (6 * stiffness) * h * h;
+        twist += 0.5 * (turning_[j] + turning_[j + 1]) * h * h / 12;
+        off += reach[j].carried * displaced(rod, spec, demands, j);
     }
-    return sum;
+    return std::hypot(along, turned + off.norm(), twist);
 }
 
-BendingError NodePlanner::bending_error(const RodView& rod, const NodeDemands& demands)
+BendingError NodePlanner::bending_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, double from, double to)
 {
     measure(rod, demands);
     BendingError sum;
+    double by_offsets = 0;
     for (int i = 0; i < rod.n; ++i) {
+        if (rod.material_s[i] < from || rod.material_s[i] > to) continue;
         const double b = rod.bend_stiffness[i], l = rod.voronoi_length(i);
         const double h = l * (i == 0 || i == rod.n - 1 ? 2 : 1);  // mean of the edges beside it
         const double touch = demands.contact.empty() ? 0 : demands.contact[i].norm();
         sum.energy += l * moment_[i].squaredNorm() / (2 * b);
-        sum.missed += touch * curvature_[i] * h * h / 12;
-        if (i == 0) continue;
-        const double mean_b = 0.5 * (rod.bend_stiffness[i - 1] + b), rise = (moment_[i] - moment_[i - 1]).norm();
-        sum.missed += rod.rest_length[i - 1] * rise * (rise / (12 * mean_b) + natural_jump(rod, demands, i - 1) / 8);
+        sum.missed += touch * curvature_[i] * h * h / 8;
+        if (i == 0 || rod.material_s[i - 1] < from) continue;
+        const double mean_b = 0.5 * (rod.bend_stiffness[i - 1] + b);
+        const Vec3 rise = moment_[i] - moment_[i - 1];
+        sum.missed += rod.rest_length[i - 1] * rise.norm() * std::min(rise.norm() / mean_b, (bend_[i] - bend_[i - 1]).norm()) / 12;
+        const double off = rise.dot(displaced(rod, spec, demands, i - 1)) / rod.rest_length[i - 1];
+        by_offsets += demands.moment.empty() ? off : std::abs(off);
     }
+    sum.missed += std::abs(by_offsets);
     return sum;
 }
 

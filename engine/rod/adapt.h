@@ -65,26 +65,37 @@ public:
     /// Length to which a fed wire's base edge grows before a node is born behind it [m]: by the shape there, or up to a section's
     /// boundary in it, which gets that node. Contacts there are left out.
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
-    /// How far the finite length of all edges has the tip from its position: e(h) above with the distance to the tip that an error of angle
-    /// in each edge acts over [m]. Up to the contact nearest to the tip, at s_1, that is the edge's own distance from the tip. Beyond, the wire
+    /// How far the finite length of all edges has the tip from its position [m]. Needs no adaptive nodes. The root of the sum of squares of three
+    /// errors, which have different causes and directions; each is the sum of its magnitudes over the edges, as if all erred alike:
+    ///
+    ///     along     h (kappa h)^2/24, and on the inside of a bend twice that: there edges are tangents, not chords
+    ///     turned    l (a (kappa h)^3 + D h^2/(12 B)) as in e(h)
+    ///               + c |M_j+1 - M_j| h^2/(6 B) + |sum c o|
+    ///     twist     turning h^2/12
+    ///
+    /// In a tip that lies at the sum of h kappa_i s_i, the trapezoid rule errs by h^2/12 times the integral of (kappa s)'' = kappa'' s + 2 kappa'.
+    /// Where natural curvature or stiffness jumps within an edge, nodes have its angle by o from its place (rod/rest_shape.h). These offsets are known with
+    /// their signs: both ends of a preformed bend leave only what they differ by.
+    ///
+    /// An error of angle acts over the lever l. Up to the contact nearest to the tip, at s_1, that is the edge's own distance from the tip. Beyond, the wire
     /// turns over its contacts as a beam over supports: an angle between the first two, at s, turns the wire at s_1 by (s_2 - s)/(s_2 - s_1) of itself; one
     /// in a further span by 1/4 of that per span (half passes a support, and half of that the span before it). Besides, an angle in a span of length S
-    /// lifts it by up to S/4 of itself. On a wire that turns by an angle P there, that area S^2/8 makes the tip come P S/8 farther. A preformed bend that begins within a
-    /// node's cell turns at the node: with a jump J of natural curvature at x from it, J (h/2 - x) of angle acts (h/2 + x)/2 from its place, which
-    /// displaces the wire beyond by up to J h^2/8. On the inside of a bend edges are tangents, not
-    /// chords: h (kappa h)^2/12 in length instead of /24. The sum over all edges and jumps, as if all erred alike. Needs no adaptive nodes.
-    [[nodiscard]] double tip_error(const RodView& rod, const NodeDemands& demands);
-    /// How much energy the finite length of edges is wrong by. With the moments M at nodes [N m] and the contact forces F [N], the
-    /// nodes' energy sum l M^2/(2 B) differs from that of a smooth wire under the same loads by at most
+    /// lifts it by up to S/4 of itself. On a wire that turns by an angle P there, that area S^2/8 makes the tip come P S/8 farther.
+    /// A displacement acts in full (c = 1) up to the contact nearest to the tip. In a span of length S it is an angle of 1/S.
+    [[nodiscard]] double tip_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
+    /// How much energy the finite length of edges is wrong by, between the distances `from` and `to` from the tip. With the moments M at nodes [N m] and the
+    /// contact forces F [N], the nodes' energy sum l M^2/(2 B) differs from that of a smooth wire under the same loads by at most
     ///
-    ///     sum over edges  h (M_j+1 - M_j)^2/(12 B)      a moment that is linear along an edge, of which nodes see the ends
-    ///     sum over nodes  F kappa h^2/12                the mean distance of arc and chord, on which the wall works
-    ///     sum over edges  |M_j+1 - M_j| J h/8           the displacement J h^2/8 by a jump J of natural curvature, against the shear there
+    ///     sum over edges  h dM min(dM/B, dkappa)/12     work of a moment on a curvature, both linear along an edge, of which nodes see the ends
+    ///     sum over nodes  F kappa h^2/8                 the distance of an arc from the chord's middle, or from where its tangents meet, on which the wall works
+    ///     |sum over edges (M_j+1 - M_j).o/h|            the displacements o by jumps of natural curvature and stiffness, against the shear there
     ///
+    /// dM and dkappa are differences between the ends of an edge. dM/B is dkappa where there is no natural curvature. A preformed bend that a lumen holds straight has
+    /// the moments of its natural curvature at nodes, and no curvature between them to err in.
     /// The first is exact for loads at nodes: a cantilever of n edges under an end load has 1/(2 n^2) of its energy too much, which
     /// is how much too far its end goes. Loads between nodes have sum M M'' h^3/(12 B) beside it, which for an even load is the
     /// negative of the first, but for the wire's ends (by parts): the first alone bounds both.
-    [[nodiscard]] BendingError bending_error(const RodView& rod, const NodeDemands& demands);
+    [[nodiscard]] BendingError bending_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, double from = 0, double to = std::numeric_limits<double>::infinity());
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call
     std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
@@ -96,8 +107,12 @@ private:
         double cubic, square;  // [1/m^2], [1/m]
     };
     [[nodiscard]] EdgeErrors errors_between(const RodView& rod, int from, int to, double lever) const;
-    [[nodiscard]] double natural_jump(const RodView& rod, const NodeDemands& demands, int edge) const;
-    [[nodiscard]] std::vector<double> levers(const RodView& rod, std::span<const Vec3> contact) const;
+    [[nodiscard]] Vec3 displaced(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int j) const;
+    /// Of each edge, the distance over which an error of its angle moves the tip [m], and the part of a displacement in it that does.
+    struct Reach {
+        double lever = 0, carried = 1;
+    };
+    [[nodiscard]] std::vector<Reach> reaches(const RodView& rod, std::span<const Vec3> contact) const;
     [[nodiscard]] double longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const;
     void note_touching(const RodView& rod, const NodeDemands& demands);
     void plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
@@ -109,7 +124,7 @@ private:
     std::vector<double> longest_;                 // [n-1]
     std::vector<double> curvature_, shear_jump_;  // [n] [1/m], [N]
     std::vector<double> turning_;                 // [n] NodeDemands::turning [1/m]
-    std::vector<Vec3> moment_;                    // [n] [N m]
+    std::vector<Vec3> moment_, bend_;             // [n] [N m]; curvature as a vector along the binormal [1/m]
     std::vector<double> touching_;                // [n] longest edge beside it that its contact allows [m]
     std::vector<std::uint8_t> marked_;            // [n-1] to be split; [n] kept
     std::vector<NodeChange> changes_;

@@ -91,6 +91,23 @@ double edge_stretch_stiffness(const WireSpec& spec, double begin, double end)
     return (end - begin) / compliance;
 }
 
+EdgeOffset edge_offset(const RodView& rod, const WireSpec& spec, int j)
+{
+    EdgeOffset offset;
+    const double begin = rod.material_s[j], end = rod.material_s[j + 1], middle = 0.5 * (begin + end);
+    for (const bool away : {false, true}) {
+        double from = away ? middle : begin;
+        const double placed = away ? end : begin;
+        for_each_piece(spec, from, away ? end : middle, [&](const WireSection& section, double length) {
+            const double moment = length * (from + 0.5 * length - placed);
+            if (!spec.place.rest_is_placed) offset.natural += moment * section.rest_curvature;
+            offset.compliance += moment / section.bend_stiffness;
+            from += length;
+        });
+    }
+    return offset;
+}
+
 void set_rest_edge(const RodView& rod, const WireSpec& spec, int j)
 {
     const double begin = rod.material_s[j], end = rod.material_s[j + 1];

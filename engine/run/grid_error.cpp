@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <utility>
 
 namespace seldinger {
@@ -37,6 +38,11 @@ Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x)
     return at / at.sum();
 }
 
+constexpr double carried_over = 0.25;  // half of an angle passes a support, and half of that the span before it (rod/adapt.h)
+
+/// At most 1: an error as large as what it is of tells no more.
+double relative(double error, double of) { return of > 0 ? std::min(1.0, error / of) : error > 0 ? 1 : 0; }
+
 /// The wires' weight [N].
 double weight_of(const World& run, int first, int end)
 {
@@ -62,13 +68,6 @@ double free_span(const World& run, int wire)
     return std::max(0.0, rod.material_s[rod.n - 1] - place);
 }
 
-/// What the facets of a region of contact move its place by: sums over its samples, weighted by normal forces.
-struct Moved {
-    double load = 0, along = 0, inwards = 0, sideways = 0;  // [N], [N m]
-    [[nodiscard]] double at() const { return along / load; }
-    [[nodiscard]] double by() const { return std::hypot(inwards, sideways) / load; }
-};
-
 /// The angle that a wire turns by [rad].
 double turning_of(const ConstRodView& rod)
 {
@@ -77,54 +76,41 @@ double turning_of(const ConstRodView& rod)
     return sum;
 }
 
-/// GridErrors::tip of a wire on these regions. @param rise  mean distance of facets and smooth wall [m]
-double tip_on(const ConstRodView& rod, const std::map<int, Moved>& regions, double rise)
+/// GridErrors::tip of a wire on these regions, from the tip on. @param rise  mean distance of facets and smooth wall [m]
+double tip_on(const ConstRodView& rod, std::span<const TouchedRegion> regions, double rise)
 {
-    const Moved *first = nullptr, *next = nullptr;  // from the tip
-    for (const auto& [number, region] : regions) {
-        if (!first || region.at() < first->at()) next = std::exchange(first, &region);
-        else if (!next || region.at() < next->at()) next = &region;
-    }
-    if (!first) return 0;
-    const double span = (next ? next->at() : rod.material_s[rod.n - 1]) - first->at();
-    const double turned = span > 0 ? 1.5 * first->at() / span : 0;
-    return std::hypot((1 + turned) * first->by(), next ? turned * next->by() : 0, rise * turning_of(rod));
+    if (regions.empty()) return 0;
+    const TouchedRegion& first = regions[0];
+    const TouchedRegion* next = regions.size() > 1 ? &regions[1] : nullptr;
+    const double span = (next ? next->at() : rod.material_s[rod.n - 1]) - first.at();
+    const double turned = span > 0 ? 1.5 * first.at() / span : 0;
+    return std::hypot((1 + turned) * first.by(), next ? turned * next->by() : 0, rise * turning_of(rod));
 }
 
-/// GridErrors::split of the system's wires.
-double split_load(const World& run, int first, int end)
+/// GridErrors::split of the region with the largest load of these, of one wire.
+double split_load(const World& run, const ConstRodView& rod, std::span<const TouchedRegion> regions, const TouchedRegion& most)
 {
-    struct Region {
-        double load = 0, moment = 0;  // [N], and times the place [N m]
-        [[nodiscard]] double at() const { return moment / load; }
-    };
-    std::map<std::pair<int, int>, Region> regions;  // by wire and number
-    for (const ContactRow& row : run.contacts()) {
-        if (row.b.kind != BodyKind::Wall || row.a.body < first || row.a.body >= end || !(row.normal_force > 0)) continue;
-        Region& region = regions[{row.a.body, row.region}];
-        region.load += row.normal_force;
-        region.moment += row.normal_force * row.along_a;
-    }
-    if (regions.empty()) return 0;
-    const auto most = std::max_element(regions.begin(), regions.end(), [](const auto& a, const auto& b) { return a.second.load < b.second.load; });
-    const ConstRodView rod = run.rod(most->first.first);
-    const double place = most->second.at();
+    const double place = most.at();
     int j = 0;  // the edge that it is on
     while (j + 2 < rod.n && rod.material_s[j + 1] <= place) ++j;
     const double edge = rod.rest_length[j];
+    if (edge <= run.setup().force_patch) return 0;
     double beside = 0;
-    for (const auto& [key, region] : regions)
-        if (key.first == most->first.first && key != most->first && edge > run.setup().force_patch && std::abs(region.at() - place) < 1.5 * edge)
-            beside = std::max(beside, region.load);
-    return beside / most->second.load;
+    for (const TouchedRegion& region : regions)
+        if (&region != &most && std::abs(region.at() - place) < 1.5 * edge) beside = std::max(beside, region.load);
+    return beside / most.load;
 }
 
 }  // namespace
 
 void GridErrors::widen(const GridErrors& other)
 {
-    for (double GridErrors::*entry : {&GridErrors::nodes, &GridErrors::facets, &GridErrors::axial, &GridErrors::normal, &GridErrors::rise, &GridErrors::tip, &GridErrors::split})
+    for (double GridErrors::*entry : {&GridErrors::axial, &GridErrors::normal, &GridErrors::rise, &GridErrors::tip, &GridErrors::split})
         this->*entry = std::max(this->*entry, other.*entry);
+    for (GridShare GridErrors::*share : {&GridErrors::energy, &GridErrors::missed, &GridErrors::pressed, &GridErrors::patch}) {
+        (this->*share).nodes = std::max((this->*share).nodes, (other.*share).nodes);
+        (this->*share).facets = std::max((this->*share).facets, (other.*share).facets);
+    }
     hands.resize(std::max(hands.size(), other.hands.size()));
     for (std::size_t k = 0; k < other.hands.size(); ++k) hands[k] = std::max(hands[k], other.hands[k]);
 }
@@ -145,38 +131,52 @@ GridErrors GridErrorGauge::of(const World& run)
 {
     GridErrors errors;
     const auto [first, end] = run.wires_of(0);
-    double energy = 0, missed = 0;
-    for (int w = first; w < end; ++w) errors.hands.push_back(hand_error(run, w));
-    errors.split = split_load(run, first, end);
+    BendingError whole;
     for (int w = first; w < end; ++w) {
+        errors.hands.push_back(hand_error(run, w));
         const BendingError bending = run.bending_error(w);
-        energy += bending.energy;
-        missed += bending.missed;
+        whole.energy += bending.energy;
+        whole.missed += bending.missed;
         const WireReadings r = run.readings(w);
         errors.normal += r.normal - r.normal_between;
     }
-    if (!(energy > 0)) return errors;  // nothing is bent
+    if (!(whole.energy > 0)) return errors;  // nothing is bent
+    errors.energy.nodes = relative(whole.missed, whole.energy);
     const ConstRodView rod = run.rod(first);
-    const double weight = weight_of(run, first, end), h = longest_edge(rod), length = rod.material_s[rod.n - 1], bent = std::min(1.0, missed / energy);
+    const double weight = weight_of(run, first, end), h = longest_edge(rod), length = rod.material_s[rod.n - 1];
     if (!(errors.normal > 0)) {  // nothing touches
-        errors.nodes = std::min(1.0, bent + h / (2 * length));
+        errors.energy.nodes = std::min(1.0, errors.energy.nodes + h / length);
+        errors.missed.nodes = errors.energy.nodes * whole.energy;
         return errors;
     }
     const double part = std::max(0.0, 1 - weight / errors.normal);  // of the normal forces that is not the wires' own weight
     const double shared = weight / length * h * std::min(1.0, h / free_span(run, first)) / 2;
-    errors.nodes = std::min(1.0, part * bent + shared / errors.normal);
-    if (!run.setup().vessel.elastic && !run.setup().mesh.triangles.empty()) add_facets(run, first, end, part, energy, errors);
+    find_regions(run, first, end, errors);
+    add_spans(run, first, end, whole, errors);
+    const double by_weight = shared / errors.normal;
+    for (GridShare* share : {&errors.energy, &errors.pressed, &errors.patch}) {
+        share->nodes = std::min(1.0, part * share->nodes + by_weight);
+        share->facets = std::min(1.0, part * share->facets + creases_);
+    }
+    errors.missed = {std::max(whole.missed, errors.energy.nodes * whole.energy), part * errors.missed.facets};
     return errors;
 }
 
-void GridErrorGauge::add_facets(const World& run, int first, int end, double part, double energy, GridErrors& errors)
+/// The regions of contact of all wires, those of the first from the tip on; and pushes along it.
+void GridErrorGauge::find_regions(const World& run, int first, int end, GridErrors& errors)
 {
     const WallMesh& mesh = run.setup().mesh;
-    find_normals(mesh);
-    std::map<int, Moved> regions;  // of the first wire
-    double work = 0, axial = 0, creases = 0;
+    const bool faceted = !run.setup().vessel.elastic && !mesh.triangles.empty();
+    if (faceted) find_normals(mesh);
+    std::map<std::pair<int, int>, TouchedRegion> found;  // by wire and number
+    double axial = 0, creases = 0;
     for (const ContactRow& row : run.contacts()) {
         if (row.b.kind != BodyKind::Wall || row.a.body < first || row.a.body >= end || !(row.normal_force > 0)) continue;
+        TouchedRegion& region = found[{row.a.body, row.region}];
+        region.wire = row.a.body;
+        region.load += row.normal_force;
+        region.along += row.normal_force * row.along_a;
+        if (!faceted) continue;
         const auto& triangle = mesh.triangles[static_cast<std::size_t>(row.b.element)];
         const Vec3 at = barycentric(mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]], row.point);
         Vec3 smooth = Vec3::Zero();
@@ -190,19 +190,63 @@ void GridErrorGauge::add_facets(const World& run, int first, int end, double par
         const ConstRodView rod = run.rod(row.a.body);
         const Vec3 tangent = rod.tangent(std::clamp(row.a.element, 0, rod.n - 2));
         axial += row.normal_force * (row.normal - smooth).dot(tangent);
-        work += row.normal_force * std::abs(offset);
         creases += row.normal_force * std::min(1.0, 1 / std::max(0.5, normal_of(mesh, triangle).dot(row.normal)) - 1);
-        if (row.a.body != first) continue;
-        Moved& region = regions[row.region];
-        region.load += row.normal_force;
-        region.along += row.normal_force * row.along_a;
         region.inwards += row.normal_force * std::abs(offset);
         region.sideways += row.normal_force * sideways(mesh, triangle, row.normal - smooth, tangent.cross(smooth));
     }
-    errors.facets = part * std::min(1.0, work / (2 * energy)) + creases / errors.normal;
+    regions_.clear();
+    for (const auto& [key, region] : found) regions_.push_back(region);
+    std::ranges::sort(regions_, [](const TouchedRegion& a, const TouchedRegion& b) { return std::pair(a.wire, a.at()) < std::pair(b.wire, b.at()); });
+    creases_ = creases / errors.normal;
     errors.axial = std::abs(axial) / errors.normal;
+}
+
+GridShare GridErrorGauge::beside(const World& run, int wire, std::size_t k) const
+{
+    const double length = run.rod(wire).material_s[run.rod(wire).n - 1];
+    BendingError sum;
+    double work = 0;
+    const auto take_in = [&](std::size_t spans, double weight) {
+        const std::size_t first = k >= spans ? k - spans : 0, last = std::min(k + spans, regions_.size() - 1);
+        const BendingError bending = bending_error_between(run, wire, k >= spans ? regions_[first].at() : 0, k + spans == last ? regions_[last].at() : length);
+        sum.energy += weight * bending.energy;
+        sum.missed += weight * bending.missed;
+        for (std::size_t r = first; r <= last; ++r) work += weight * regions_[r].inwards;
+    };
+    take_in(1, 1 - carried_over);
+    take_in(2, carried_over);  // which has the others in it
+    return {relative(sum.missed, sum.energy), relative(work, 2 * sum.energy)};
+}
+
+/// The shares of forces by the energy of all, and of each region by that of the spans beside it.
+void GridErrorGauge::add_spans(const World& run, int first, int end, const BendingError& whole, GridErrors& errors) const
+{
+    double work = 0, load = 0, most = 0;
+    for (const TouchedRegion& region : regions_) work += region.inwards, load += region.load;
+    errors.missed.facets = work;
+    errors.energy.facets = relative(work, 2 * whole.energy);
     errors.rise = work / errors.normal;
-    errors.tip = tip_on(run.rod(first), regions, errors.rise);
+    errors.pressed = errors.patch = errors.energy;
+    if (regions_.empty()) return;
+    const auto of_first = std::span(regions_).first(static_cast<std::size_t>(std::ranges::count(regions_, first, &TouchedRegion::wire)));
+    errors.tip = tip_on(run.rod(first), of_first, errors.rise);
+    if (end - first > 1) {  // instruments that bend together have no spans of their own
+        const auto largest = std::ranges::max_element(regions_, {}, &TouchedRegion::load);
+        const auto wire = std::ranges::equal_range(regions_, largest->wire, {}, &TouchedRegion::wire);
+        errors.split = split_load(run, run.rod(largest->wire), wire, *largest);
+        return;
+    }
+    errors.pressed = {};
+    for (std::size_t k = 0; k < regions_.size(); ++k) {
+        const TouchedRegion& region = regions_[k];
+        const GridShare own = beside(run, first, k);
+        errors.pressed.nodes += own.nodes * region.load / load;
+        errors.pressed.facets += own.facets * region.load / load;
+        if (region.load <= most) continue;
+        most = region.load;
+        errors.patch = own;
+        errors.split = split_load(run, run.rod(first), regions_, region);
+    }
 }
 
 double GridErrorGauge::sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const

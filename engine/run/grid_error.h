@@ -9,6 +9,9 @@
 //               dU = sum F_i o_i, of a deflection that is wrong by dd/d = dU/(2 U), so  dF/F = sum F_i o_i/(2 U)
 //     facets    a normal n_i that differs from the smooth wall's m_i pushes along the wire's tangent t_i:  dF = sum F_i (n_i - m_i).t_i
 //
+// These are errors of what pushes the wire back along its path, dU/ds. Each contact is borne by the spans beside it, up to the next regions of
+// contact, and by a quarter of those behind them: the error of its normal force is that of their energy, and of the work of the normal forces there. Friction goes by the normal forces, the force on a patch by its region's.
+//
 //     creases   a wire in the crease of two facets is borne by both. With the angle a between each facet's normal and the direction in which
 //               they push together, the sum of their forces is 1/cos a of the force of a smooth wall (contact_law.h reports the sum)
 //
@@ -24,7 +27,7 @@
 // Weight on the floor of a lumen is borne whatever the wire's stiffness: the errors by energy are those of the part of the normal forces
 // beyond the weight. The rest is off by what the nodes of the span l between hub and nearest contact share out wrongly: 1/(2 n^2) of the weight w l of its n = l/h
 // edges, as of a cantilever, and w h/2 where an edge is longer than the span. Of the sum N of normal forces that is w h^2/(2 l N).
-// A wire that touches nothing is bent by its weight alone. Its moment at the hub, which is read off half an edge, errs by h/(2 L) besides.
+// A wire that touches nothing is bent by its weight alone. Its moment at the hub, w L^2/2, is read off half an edge: it errs by h/L besides.
 //
 // The tip stands on the regions of contact nearest to it, at s_1 and s_2 from it. Facets move their places by d_1, d_2:
 //
@@ -41,14 +44,22 @@
 #include "engine.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace seldinger {
 
-/// Errors of forces at one moment. No safety is in them.
+/// Errors by the length of edges and by facets.
+struct GridShare {
+    double nodes = 0, facets = 0;
+};
+
+/// Errors of forces at one moment.
 struct GridErrors {
-    double nodes = 0, facets = 0;  // relative to forces
+    GridShare energy;              // relative: of what pushes the wire back, by the energy of all of it
+    GridShare missed;              // of that energy itself [J]
+    GridShare pressed, patch;      // relative: of the sum of normal forces; of those of the region with the largest load
     double axial = 0;              // by normals of facets, along the wire, relative to the sum of normal forces
     double normal = 0;             // that sum [N]
     double rise = 0;               // mean distance of facet and smooth wall, weighted by normal forces [m]
@@ -59,6 +70,14 @@ struct GridErrors {
     void widen(const GridErrors& other);
 };
 
+/// Samples of one region of contact: sums of their normal forces, and with these as weights.
+struct TouchedRegion {
+    int wire = 0;
+    double load = 0, along = 0, inwards = 0, sideways = 0;  // [N]; distance from the tip, and what facets move it by [N m]
+    [[nodiscard]] double at() const { return along / load; }
+    [[nodiscard]] double by() const { return std::hypot(inwards, sideways) / load; }
+};
+
 class GridErrorGauge {
 public:
     /// Errors of the instruments of system 0, at the accepted state.
@@ -66,11 +85,17 @@ public:
 
 private:
     void find_normals(const WallMesh& mesh);
-    void add_facets(const World& run, int first, int end, double part, double energy, GridErrors& errors);
+    void find_regions(const World& run, int first, int end, GridErrors& errors);
+    /// Of the forces of region k of a wire, relative.
+    [[nodiscard]] GridShare beside(const World& run, int wire, std::size_t k) const;
+    void add_spans(const World& run, int first, int end, const BendingError& whole, GridErrors& errors) const;
     /// How far a normal that is off by `off` moves the place of a load across the wire: over the wall's curvature there, and no farther than the
     /// triangle is wide [m].
     [[nodiscard]] double sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const;
     std::vector<Vec3> normals_;  // of the mesh's vertices; made when first needed
+    // of the moment that is looked at
+    std::vector<TouchedRegion> regions_;  // by wire, from the tip on
+    double creases_ = 0;                  // relative to the sum of normal forces
 };
 
 }  // namespace seldinger

@@ -219,8 +219,8 @@ void Recorder::take_greatest(const Output& now)
     const WallReadings& wall = now.walls[0].readings;
     // displacement and stress are in proportion to the load
     WallBand move = wall.move_band, stress = wall.stress_band;
-    move.nodes = StepTwin::grid_safety * wall_nodes_ * wall.move_max;
-    stress.nodes = StepTwin::grid_safety * wall_nodes_ * wall.stress_max;
+    move.nodes = wall_nodes_ * wall.move_max;
+    stress.nodes = wall_nodes_ * wall.stress_max;
     tally_.wall_move.take_in(wall.move_max, wall.move_at, move, now.time);
     tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, stress, now.time);
 }
@@ -229,7 +229,7 @@ void Recorder::gauge(const World& world, const Output& now)
 {
     if (now.walls.empty()) return;
     const WallReadings& wall = now.walls[0].readings;
-    if (wall.move_max > tally_.wall_move.value || wall.stress_max > tally_.wall_stress.value) wall_nodes_ = GridErrorGauge().of(world).nodes;
+    if (wall.move_max > tally_.wall_move.value || wall.stress_max > tally_.wall_stress.value) wall_nodes_ = GridErrorGauge().of(world).patch.nodes;
 }
 
 void Recorder::passed(const Output& now)

@@ -25,19 +25,30 @@ double mean(const std::vector<double>& values)
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-/// The largest mean magnitude over mean_time, or over all where they are shorter. @param parts, last  the last so many steps are shorter than dt by that
-/// factor: a run ends at its time
+/// The largest mean magnitude over mean_time, or over all where they are shorter. The mean begins or ends with a step, and takes a part of that at its other
+/// end: steps of any length have means over the same time. @param parts, last  the last so many steps are shorter than dt by that factor: a run ends at its time
 double largest_mean(const std::vector<double>& values, double dt, int parts, double last)
 {
-    const std::size_t wide = std::min(static_cast<std::size_t>(mean_steps(dt)), values.size()), whole = values.size() - std::min<std::size_t>(parts, values.size());
-    const auto weight = [&](std::size_t k) { return k < whole ? 1.0 : last; };
-    double sum = 0, weights = 0, most = 0;
+    const std::size_t whole = values.size() - std::min<std::size_t>(parts, values.size());
+    std::vector<double> time{0}, sum{0};  // up to the end of each step, and of magnitude times time
     for (std::size_t k = 0; k < values.size(); ++k) {
-        sum += weight(k) * std::abs(values[k]), weights += weight(k);
-        if (k >= wide) sum -= weight(k - wide) * std::abs(values[k - wide]), weights -= weight(k - wide);
-        if (k + 1 >= wide) most = std::max(most, sum / weights);
+        const double length = k < whole ? dt : last * dt;
+        time.push_back(time.back() + length);
+        sum.push_back(sum.back() + std::abs(values[k]) * length);
     }
-    return most;
+    if (time.back() <= StepTwin::mean_time) return time.back() > 0 ? sum.back() / time.back() : 0;
+    std::size_t step = 0;
+    const auto sum_to = [&](double t) {  // of times that do not fall
+        while (step + 1 < values.size() && time[step + 1] < t) ++step;
+        return sum[step] + std::abs(values[step]) * (t - time[step]);
+    };
+    double most = 0;
+    for (std::size_t k = 0; k < time.size() && time[k] + StepTwin::mean_time <= time.back(); ++k)
+        most = std::max(most, sum_to(time[k] + StepTwin::mean_time) - sum[k]);
+    step = 0;
+    for (std::size_t k = 0; k < time.size(); ++k)
+        if (time[k] >= StepTwin::mean_time) most = std::max(most, sum[k] - sum_to(time[k] - StepTwin::mean_time));
+    return most / StepTwin::mean_time;
 }
 
 /// Root mean square of differences between means over mean_time of a run and of a twin with steps of 1/parts as long.
@@ -73,7 +84,7 @@ double margin(double ratio) { return StepTwin::safety * std::max(ratio, StepTwin
 ErrorBand band_of(double value, double twin, int parts, double ratio, double least, double history)
 {
     ErrorBand made{value, twin, margin(ratio) * std::abs(value - twin), true, false, parts};
-    made.band = std::max({made.band, least, history * std::abs(value)});
+    made.step = made.band = std::max({made.band, least, history * std::abs(value)});
     made.resolved = StepTwin::is_resolved(made);
     return made;
 }
@@ -82,7 +93,7 @@ ErrorBand band_of(double value, double twin, int parts, double ratio, double lea
 void widen(ErrorBand& band, const ReleaseWatch& release)
 {
     if (release.bound() <= band.band) return;
-    band.band = release.bound();
+    band.step = band.band = release.bound();
     band.let_go = true;
     band.resolved = StepTwin::is_resolved(band);
 }
@@ -99,6 +110,15 @@ void add_split(ErrorBand& band, const GridErrors& e)
     band.nodes += e.split * band.value;
     band.sum_up();
 }
+
+/// Of a hand force of which `friction` is friction and the rest what pushes the wire back.
+GridShare of_hand(const GridErrors& e, double hand, double friction)
+{
+    const double back = std::abs(std::abs(hand) - friction);
+    return {e.energy.nodes * back + e.pressed.nodes * friction, e.energy.facets * back + e.pressed.facets * friction};
+}
+
+GridShare times(const GridShare& share, double force) { return {share.nodes * std::abs(force), share.facets * std::abs(force)}; }
 
 /// What nodes do to the hand of an instrument besides.
 double of_hand_at(const GridErrors& e, std::size_t instrument) { return instrument < e.hands.size() ? e.hands[instrument] : 0; }
@@ -151,7 +171,8 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
         window_.has_wall |= largest.wall_move > largest_.wall_move || largest.wall_stress > largest_.wall_stress;
         const double way = readings.inserted - inserted_;
         path_ += std::abs(way);
-        window_pushed_ += std::abs(readings.hand_force * way);
+        pushed_ += std::abs(readings.hand_force * way);
+        window_rubbed_ += readings.friction * std::abs(way);
     }
     largest_ = window_.largest = largest;
     inserted_ = readings.inserted;
@@ -187,10 +208,8 @@ void StepTwin::gauge(const World& run)
     window_.grid = grid_;
     window_.grid.widen(now);
     grid_ = now;
-    pushed_ += window_pushed_;
-    work_nodes_ += window_.grid.nodes * window_pushed_;
-    work_facets_ += window_.grid.facets * window_pushed_;
-    window_pushed_ = 0;
+    for (double GridShare::*by : {&GridShare::nodes, &GridShare::facets}) work_errors_.*by += window_.grid.pressed.*by * window_rubbed_;
+    window_rubbed_ = 0;
 }
 
 double StepTwin::last_length(const Window& window) const { return scene_.step_length(window.first + window.steps - 1) / scene_.dt; }
@@ -353,18 +372,17 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
     const double peak = other.best.others_peak[k];
     bands.peak = peak_band(other.peaks, of_peak.found, of_peak.parts, of_peak.ratio, peak, of_peak.found ? of_peak.others_peak[k] : 0, other.twins_peak, history);
     if (of_peak.found) widen(bands.peak, other.release);
-    complete(bands.end, bands.end.value, end.grid, end.grid.normal, of_hand_at(end.grid, k + 1));
-    complete(bands.peak, peak, other.best.grid, other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
+    complete(bands.end, times(end.grid.energy, bands.end.value), end.grid.normal, of_hand_at(end.grid, k + 1));
+    complete(bands.peak, times(other.best.grid.energy, peak), other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
 }
 
-void StepTwin::complete(ErrorBand& band, double force, const GridErrors& e, double pushing, double more) const
+void StepTwin::complete(ErrorBand& band, const GridShare& grid, double pushing, double more) const
 {
     const bool step_known = band.resolved || band.band > 0;
     const double distance = seen_ > 0 ? path_ * mean_time / (static_cast<double>(seen_) * scene_.dt) : 0;
     const double push = distance > 0 ? std::min(axial_.root(), rise_.root() / distance) : axial_.root();
-    band.step = band.band;
-    band.nodes = grid_safety * e.nodes * std::abs(force) + more;
-    band.facets = grid_safety * e.facets * std::abs(force) + push * std::abs(pushing);
+    band.nodes = grid.nodes + more;
+    band.facets = grid.facets + push * std::abs(pushing);
     band.sum_up();
     band.resolved = step_known && is_resolved(band);
 }
@@ -380,7 +398,8 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
     const Examined& twin = best_patch_.is(best_hand_) ? hand : best_patch_.is(best_friction_) ? friction : examine_halved(best_patch_);
     const double patch = largest_.patch;
     band = twin.found ? band_of(patch, twin.largest.patch, twin.parts, twin.ratio, 0, hand_history * hand_falls_.share()) : ErrorBand{patch, 0, 0, false};
-    complete(band, patch, best_patch_.grid, patch);
+    if (twin.found) band.step_part = 1 / margin(twin.ratio);
+    complete(band, times(best_patch_.grid.patch, patch), patch);
     add_split(band, best_patch_.grid);
 }
 
@@ -404,8 +423,8 @@ void StepTwin::set_work()
     if (!band.known) return;
     const double history = hand_history * hand_falls_.share() * pushed_ / std::sqrt(static_cast<double>(std::max(closed_, 1L)));
     band.step = std::max(path_ * mean_differences_ / static_cast<double>(estimate_.windows), history);
-    band.nodes = grid_safety * work_nodes_;
-    band.facets = grid_safety * work_facets_;
+    band.nodes = grid_.missed.nodes + work_errors_.nodes;
+    band.facets = grid_.missed.facets + work_errors_.facets;
     band.sum_up();
     band.resolved = band.band <= wanted * std::abs(work_) || band.band <= least_force * path_;
 }
@@ -436,24 +455,24 @@ ErrorEstimate StepTwin::finish(Finer finer)
         close();
     }
     const Examined& of_end = examine_halved(end);
-    const Examined& of_hand = examine_largest(best_hand_, finer);
+    const Examined& twin_of_hand = examine_largest(best_hand_, finer);
     const bool same = best_friction_.is(best_hand_);
-    const Examined& of_friction = same ? of_hand : examine_largest(best_friction_, finer);
+    const Examined& of_friction = same ? twin_of_hand : examine_largest(best_friction_, finer);
     estimate_.tip = std::max(tips_.root(), of_end.found ? margin(of_end.ratio) * of_end.tip : 0.0);
     set_end(end, of_end);
-    estimate_.hand_peak = peak_band(hand_peaks_, of_hand.found, of_hand.parts, of_hand.ratio, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_,
+    estimate_.hand_peak = peak_band(hand_peaks_, twin_of_hand.found, twin_of_hand.parts, twin_of_hand.ratio, best_hand_.hand_peak, twin_of_hand.hand_peak, other_hand_peak_,
                                     hand_history * hand_falls_.share());
     estimate_.friction_peak = peak_band(friction_peaks_, of_friction.found, of_friction.parts, of_friction.ratio, best_friction_.friction_peak, of_friction.friction_peak,
                                         other_friction_peak_, friction_history * friction_falls_.share());
-    if (of_hand.found) widen(estimate_.hand_peak, hand_release_);
+    if (twin_of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
-    const double end_force = std::max(std::abs(estimate_.hand.value), std::abs(estimate_.friction.value));  // of which a small sum is made
-    complete(estimate_.hand, end_force, end.grid, end.grid.normal, of_hand_at(end.grid, 0));
-    complete(estimate_.hand_peak, best_hand_.hand_peak, best_hand_.grid, best_hand_.grid.normal, of_hand_at(best_hand_.grid, 0));
-    for (std::size_t k = 0; k < others_.size(); ++k) set_other(k, end, of_end, of_hand, finer);
-    complete(estimate_.friction, estimate_.friction.value, end.grid, estimate_.friction.value);
-    complete(estimate_.friction_peak, best_friction_.friction_peak, best_friction_.grid, best_friction_.friction_peak);
-    set_patch(of_hand, of_friction);
+    const GridErrors &at_end = end.grid, &at_hand = best_hand_.grid, &at_friction = best_friction_.grid;
+    complete(estimate_.hand, of_hand(at_end, estimate_.hand.value, estimate_.friction.value), at_end.normal, of_hand_at(at_end, 0));
+    complete(estimate_.hand_peak, of_hand(at_hand, best_hand_.hand_peak, best_hand_.friction_peak), at_hand.normal, of_hand_at(at_hand, 0));
+    for (std::size_t k = 0; k < others_.size(); ++k) set_other(k, end, of_end, twin_of_hand, finer);
+    complete(estimate_.friction, times(at_end.pressed, estimate_.friction.value), estimate_.friction.value);
+    complete(estimate_.friction_peak, times(at_friction.pressed, best_friction_.friction_peak), best_friction_.friction_peak);
+    set_patch(twin_of_hand, of_friction);
     set_work();
     set_wall();
     estimate_.seconds += seconds_since(begun);
@@ -466,25 +485,26 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
     estimate.equilibrium = true;
     estimate.adaptive = scene.wire.nodes == 0;
     const GridErrors e = GridErrorGauge().of(run);
-    const auto band_of_grid = [&](double value, double pushing, double more) {
+    const auto band_of_grid = [&](double value, const GridShare& grid, double pushing, double more) {
         ErrorBand band;
         band.value = band.twin = value;
-        band.nodes = StepTwin::grid_safety * e.nodes * std::abs(value) + more;
-        band.facets = StepTwin::grid_safety * e.facets * std::abs(value) + e.axial * pushing;
+        band.nodes = grid.nodes + more;
+        band.facets = grid.facets + e.axial * pushing;
         band.sum_up();
         band.resolved = StepTwin::is_resolved(band);
         return band;
     };
-    estimate.hand = band_of_grid(readings.hand_force, e.normal, of_hand_at(e, 0));
-    estimate.hand_peak = band_of_grid(hand, e.normal, of_hand_at(e, 0));
-    estimate.friction = band_of_grid(readings.friction, readings.friction, 0);
-    estimate.friction_peak = band_of_grid(friction, friction, 0);
-    estimate.patch = band_of_grid(patch, patch, 0);
+    estimate.hand = band_of_grid(readings.hand_force, of_hand(e, readings.hand_force, readings.friction), e.normal, of_hand_at(e, 0));
+    estimate.hand_peak = band_of_grid(hand, of_hand(e, hand, friction), e.normal, of_hand_at(e, 0));
+    estimate.friction = band_of_grid(readings.friction, times(e.pressed, readings.friction), readings.friction, 0);
+    estimate.friction_peak = band_of_grid(friction, times(e.pressed, friction), friction, 0);
+    estimate.patch = band_of_grid(patch, times(e.patch, patch), patch, 0);
     add_split(estimate.patch, e);
     estimate.work.known = false;
     const auto [first, end] = run.wires_of(0);
     for (int w = first + 1; w < end; ++w) {
-        const ErrorBand band = band_of_grid(run.readings(w).hand_force, e.normal, of_hand_at(e, static_cast<std::size_t>(w - first)));
+        const double force = run.readings(w).hand_force;
+        const ErrorBand band = band_of_grid(force, times(e.energy, force), e.normal, of_hand_at(e, static_cast<std::size_t>(w - first)));
         estimate.others.push_back({scene.instrument(w - first).label, band, band});
     }
     estimate.tip_nodes = run.node_error(first);

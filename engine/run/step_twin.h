@@ -14,7 +14,7 @@
 // what this one might have shown. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
 // of a wire that sticks, slips and strikes differ however short the step is.
 //
-// Hand force and friction at the end are means over the last mean_time, in whole steps (math/end_mean.h). Their difference is that of
+// Hand force and friction at the end are means over the last mean_time (math/end_mean.h). Their difference is that of
 // these means, or the root mean square of such differences at all times of the last window, or that of the means over all windows.
 //
 // A step that did not converge, or that fed much, was divided, in the run as in its twin. The error of order 1 of a step in n parts is 1/n of
@@ -32,7 +32,8 @@
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
 // Twins have the run's nodes and wall. What edges and facets do is estimated from the state at the end of each window: the tip's
-// error by the wire's shape (rod/adapt.h), that of forces by energy and contacts (run/grid_error.h). Those of forces have the factor 1.25, Roache's for a known order.
+// error by the wire's shape (rod/adapt.h), that of forces by energy and contacts (run/grid_error.h). They are
+// sums of magnitudes, as if all edges and facets erred alike, and have no factor for safety.
 // These shares and that of the step are independent: a band is the root of the sum of their squares.
 //
 // Facets push along the wire by the slope that a wire which goes on meets, up on one half of a facet and down on the other. The mean of a
@@ -43,9 +44,10 @@
 // alike: from the same windows, and one more with the largest force of each.
 //
 // The largest force on a patch is that of single steps. Its share by the step is the difference of the largest values in the window that
-// has it. The work of the hand is a sum over the run: its share by the step is the mean difference of
-// the compared windows' mean forces, over the whole path of the hand. Histories of n windows add up like independent ones, to sqrt(n) times
-// that of one.
+// has it. A largest of single steps has no order in the step, so that it is believed to be off by the difference itself.
+//
+// The work of the hand is a sum over the run: its share by the step is the mean difference of the compared windows' mean forces, over the whole path of the hand. Histories of n windows add up like independent ones, to sqrt(n) times
+// that of one. By nodes and facets it errs as the energy at the end does, and by what friction loses on the way.
 //
 // The twin is a separate world: the run's bits are those of a run without it.
 
@@ -70,12 +72,14 @@ struct Scene;
 struct ErrorBand {
     double value = 0, twin = 0;  // with the run's step, with 1/parts of it
     double band = 0;
-    bool resolved = true;  // the expected error, band/safety, is at most a fifth of the value, or below what is told apart
+    bool resolved = true;  // the expected error is at most a fifth of the value, or below what is told apart
     bool let_go = false;   // the band is that of a release
     int parts = 2;
     double step = 0, nodes = 0, facets = 0;  // shares of the band
+    double step_part = 1 / 1.5;              // of `step`, that the value is believed to be off by: without StepTwin::safety
     bool known = true;                       // the run has seen where the value comes from
     void sum_up() { band = std::hypot(step, nodes, facets); }
+    [[nodiscard]] double expected() const;   // what the value is believed to be off by
     [[nodiscard]] const char* largest_source() const { return nodes > std::max(step, facets) ? "nodes" : facets > step ? "facets" : "step"; }
 };
 
@@ -167,13 +171,15 @@ public:
     static constexpr double much_divided = 0.8;  // mean length of steps over dt: below it a twin takes quarters
     static constexpr double cheap = 0.1;            // of the run's steps
     static constexpr double mean_time = EndMean::span;  // [s]
-    // Resolved is what is believed to be off by less than that: a band without its factor for safety
+    // Resolved is what is believed to be off by less than that
     static constexpr double wanted = 0.2;         // of the value
     static constexpr double least_force = 1e-3;   // forces that no hand feels [N]
-    static constexpr double grid_safety = 1.25;   // times estimates of GridErrors: Roache's factor where the order is known, two
+    // Shares of GridErrors are bounds of errors that swing with the place of a load in its edge or facet. Where the place is as likely as any other, their
+    // root mean square is that part of the bound
+    static constexpr double usual_share = 0.57735026918962576;  // 1/sqrt(3)
 
-    /// Whether what a band says is believed to be off is at most `wanted` or `least_force`.
-    [[nodiscard]] static bool is_resolved(const ErrorBand& band) { return band.band <= safety * std::max(wanted * std::abs(band.value), least_force); }
+    /// Whether what a reading is believed to be off by is at most `wanted` or `least_force`.
+    [[nodiscard]] static bool is_resolved(const ErrorBand& band) { return band.expected() <= std::max(wanted * std::abs(band.value), least_force); }
 
     /// @param scene, run  outlive this   @param taken  steps of the run so far
     StepTwin(const Scene& scene, const World& run, long taken);
@@ -238,10 +244,10 @@ private:
     void close();
     /// Errors by nodes and facets at the end of the present window.
     void gauge(const World& run);
-    /// The shares of nodes and facets, and the sum. @param force  that they are relative to   @param e  where that force is
+    /// The shares of nodes and facets, and the sum. @param grid  by the wire's energy [N]
     /// @param pushing  force that pushes by normals of facets are relative to
     /// @param more  by nodes besides [N]
-    void complete(ErrorBand& band, double force, const GridErrors& e, double pushing, double more = 0) const;
+    void complete(ErrorBand& band, const GridShare& grid, double pushing, double more = 0) const;
     void set_patch(const Examined& hand, const Examined& friction);
     void set_wall();
     void set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer);
@@ -269,7 +275,8 @@ private:
     double inserted_ = 0;  // so far [m]
     bool patch_seen_ = false;          // it has risen since the run began
     double path_ = 0, work_ = 0, pushed_ = 0;  // of the hand: its length [m], its work, the sum of magnitudes of that [J]
-    double work_nodes_ = 0, work_facets_ = 0, window_pushed_ = 0;
+    GridShare work_errors_;                    // of the loss by friction [J]
+    double window_rubbed_ = 0;                 // that loss within the window [J]
     double mean_differences_ = 0;              // sum over compared windows of margin |mean - mean of the twin| [N]
     std::vector<std::unique_ptr<Examined>> examined_;
     // over compared windows, of margin times the difference
@@ -281,5 +288,7 @@ private:
     double other_hand_peak_ = 0, other_friction_peak_ = 0;  // largest of all twins [N]
     ErrorEstimate estimate_;
 };
+
+inline double ErrorBand::expected() const { return std::hypot(step_part * step, StepTwin::usual_share * nodes, StepTwin::usual_share * facets); }
 
 }  // namespace seldinger

@@ -19,21 +19,35 @@ NodeDemands judged_by(const WorldRod& rod)
     return demands;
 }
 
-NodePlanner planner_of(const WorldData& world, int line) { return {world.setup.wires[line].wire, world.state.rods.capacity(line)}; }
+const WireSpec& wire_spec(const WorldData& world, int wire) { return world.setup.wires[wire].wire; }
+
+NodePlanner planner_of(const WorldData& world, int line) { return {wire_spec(world, line), world.state.rods.capacity(line)}; }
 
 }  // namespace
 
 double World::node_error(int wire) const
 {
     const WorldRod rod(*data_, data_->groups.line_of(wire));
-    return rod.view().n > 2 ? planner_of(*data_, rod.line()).tip_error(rod.view(), judged_by(rod)) : 0;
+    return rod.view().n > 2 ? planner_of(*data_, rod.line()).tip_error(rod.view(), wire_spec(*data_, rod.line()), judged_by(rod)) : 0;
 }
 
 BendingError World::bending_error(int wire) const
 {
     if (data_->groups.is_passenger(wire)) return {};
     const WorldRod rod(*data_, wire);
-    return rod.view().n > 2 ? planner_of(*data_, wire).bending_error(rod.view(), judged_by(rod)) : BendingError{};
+    return rod.view().n > 2 ? planner_of(*data_, wire).bending_error(rod.view(), wire_spec(*data_, wire), judged_by(rod)) : BendingError{};
+}
+
+BendingError bending_error_between(const World& given, int wire, double from, double to)
+{
+    WorldData& world = data_of(const_cast<World&>(given));  // scratch of a group is made anew; the state is only read
+    if (world.groups.is_passenger(wire)) return {};
+    const WorldRod one(world, wire);
+    const RodView rod = one.view();
+    if (rod.n <= 2) return {};
+    const auto s = rod.material_s.first(static_cast<std::size_t>(rod.n));
+    const auto above = std::upper_bound(s.begin() + 1, s.end() - 1, from), below = std::lower_bound(s.begin() + 1, s.end() - 1, to);
+    return planner_of(world, wire).bending_error(rod, wire_spec(world, wire), judged_by(one), *(above - 1), *below);
 }
 
 namespace {

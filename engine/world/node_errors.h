@@ -1,5 +1,5 @@
 #pragma once
-// How far the finite length of edges has the forces at the hands of instruments that share a centreline.
+// How far the finite length of edges has the forces at the hands of instruments that share a centreline, and the energy of a stretch of wire.
 
 #include "engine.h"
 
@@ -17,5 +17,8 @@ namespace seldinger {
 /// summed over its boundaries. The leader, whose push moves the boundaries of all others, has the sum of theirs. It is of first order in the
 /// length of edges, and swings as a boundary passes from cell to cell. 0 of a wire alone.
 [[nodiscard]] double hand_error(const World& world, int wire);
+
+/// World::bending_error() of the nodes between two distances from the tip, both nodes next to these among them.
+[[nodiscard]] BendingError bending_error_between(const World& world, int wire, double from, double to);
 
 }  // namespace seldinger

@@ -8,6 +8,7 @@
 #include "rod/curvature.h"
 #include "wall/elastic_wall.h"
 #include "world/merged.h"
+#include "world/node_errors.h"
 #include "world/world.h"
 
 #include <algorithm>

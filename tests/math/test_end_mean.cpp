@@ -1,4 +1,4 @@
-// Means over the last 20 ms: spans, whole steps, steps shorter than a slot.
+// Means over the last 20 ms: spans, parts of steps, steps shorter than a slot.
 #include "math/end_mean.h"
 #include "support/approx.h"
 
@@ -26,23 +26,26 @@ EndMean::Mean ramp(double dt, double duration)
 
 TEST_SUITE("math/end_mean")
 {
-    TEST_CASE("analytic: of a ramp the mean is its value 10 ms before the end and half a step after, for any step")
+    // The step that ends at t has the force t all through it: the mean over 20 ms of a ramp is that 10 ms before the end, and half a step after, but for the oldest step,
+    // of which the mean takes a part p and the later one. Slots of several steps take theirs evenly: off by less than the square of a slot's time over 20 ms.
+    TEST_CASE("analytic: the mean of a ramp is over 20 ms, for steps of any length")
     {
-        for (const double dt : {1e-5, 7e-5, 1e-4, 2.5e-4, 1e-3, 3e-3, 4e-3, 8e-3}) {
+        for (const double dt : {1e-5, 7e-5, 1e-4, 2.5e-4, 1e-3, 3e-3, 4e-3, 8e-3, 1.0 / 60}) {
             CAPTURE(dt);
             const EndMean::Mean mean = ramp(dt, 1.2);
-            // whole steps, or whole slots of steps, nearest to 20 ms: half of one off at most
-            const double whole = std::max(dt, EndMean::slot_time + dt);
-            CHECK(std::abs(mean.seconds - EndMean::span) <= 0.5 * whole * (1 + 1e-9));
+            CHECK(mean.seconds == test::about(EndMean::span).epsilon(1e-9));
             const double last = dt * static_cast<double>(std::lround(1.2 / dt));
-            CHECK(mean.hand == test::about(last - 0.5 * mean.seconds + 0.5 * dt).epsilon(1e-9));
+            double sum = 0, left = EndMean::span;
+            for (double end = last; left > 1e-12; end -= dt) sum += end * std::min(dt, left), left -= dt;
+            const double slot = EndMean::slot_time + dt;
+            CHECK(std::abs(mean.hand - sum / EndMean::span) <= 1e-9 + (dt < EndMean::slot_time ? slot * slot / EndMean::span : 0));
             CHECK(mean.friction == test::about(2 * mean.hand).epsilon(1e-9));
         }
     }
 
     TEST_CASE("property: a step longer than the span counts alone, a short run as a whole, none as nothing, a pull as negative")
     {
-        CHECK(ramp(0.05, 1).seconds == test::about(0.05));
+        CHECK(ramp(0.05, 1).seconds == test::about(EndMean::span));
         CHECK(ramp(0.05, 1).hand == test::about(1.0));
         CHECK(ramp(1e-3, 5e-3).seconds == test::about(5e-3));
         CHECK(ramp(1e-3, 5e-3).hand == test::about(3e-3));

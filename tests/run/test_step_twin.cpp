@@ -138,13 +138,16 @@ TEST_SUITE("run/step_twin")
         CHECK(run(2e-3, true, StepTwin::Finer::Never).estimate.finest == 2);
     }
 
-    // A band is 1.5 times what the run is believed to be off by. A warning says that this is more than a fifth and 1 mN; not that the band is.
+    // A band by the step is 1.5 times what the run is believed to be off by, one by nodes sqrt(3) times. A warning says that this is more than a fifth and 1 mN; not that the
+    // band is.
     TEST_CASE("property: what is believed to be off by more than a fifth is said, the force on a patch too; what only the band's safety has there is not")
     {
         const auto said_of = [](ErrorBand ErrorEstimate::*reading, double value, double band) {
             ErrorEstimate estimate;
-            estimate.*reading = {value, value, band, StepTwin::is_resolved({value, value, band})};
-            (estimate.*reading).step = band;
+            ErrorBand& made = estimate.*reading;
+            made.value = made.twin = value;
+            made.step = made.band = band;
+            made.resolved = StepTwin::is_resolved(made);
             return unresolved(estimate).size();
         };
         for (const auto reading : {&ErrorEstimate::hand, &ErrorEstimate::hand_peak, &ErrorEstimate::friction, &ErrorEstimate::friction_peak, &ErrorEstimate::patch}) {
@@ -155,11 +158,21 @@ TEST_SUITE("run/step_twin")
         }
     }
 
+    TEST_CASE("analytic: of a share by nodes, the root mean square of an error that is as likely anywhere within it")
+    {
+        ErrorBand band{0.1, 0.1};
+        band.nodes = 0.034;
+        CHECK(StepTwin::is_resolved(band));
+        band.nodes = 0.035;
+        CHECK_FALSE(StepTwin::is_resolved(band));
+    }
+
     TEST_CASE("property: what the step does not resolve is said, with both values")
     {
         ErrorEstimate estimate;
         estimate.dt = 0.0167;
         estimate.hand_peak = {17.9, 9.0, 26.7, false};
+        estimate.hand_peak.step = 26.7;
         estimate.friction = {0.4, 0.39, 0.03, true};
         const auto said = unresolved(estimate);
         REQUIRE(said.size() == 1);
