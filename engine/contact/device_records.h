@@ -25,7 +25,7 @@ inline constexpr int record_words = 0;
 template <>
 inline constexpr WordRun record_words<double>[] = {{1, true}};
 template <>
-inline constexpr WordRun record_words<QuadratureModel>[] = {{22, true}};
+inline constexpr WordRun record_words<QuadratureModel>[] = {{21, true}};
 template <>
 inline constexpr WordRun record_words<QuadraturePlace>[] = {{2, false}, {2, true}, {2, false}, {1, true}};
 template <>

@@ -73,7 +73,6 @@ QuadratureSet make_quadrature(const ContactSetup& setup)
         const ContactSpec contact = with_lengths(contacts[w], spec.least_radius());
         const auto add_model = [&, reach = contact_reach * spec.least_radius()](QuadratureModel model) {
             model.reach = reach;  // the same all along the wire
-            model.ridges = 1;  // without it Newton's method converges linearly on a ridge of the wall: half of all late steps
             set.models.push_back(model);
         };
         // `nodes`: one quadrature point at each control node, with its Voronoi length (the tip's is half an edge)

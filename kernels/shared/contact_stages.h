@@ -89,11 +89,6 @@ SEL_FN void stage_oppose(StagedPoint of, SEL_OUT ContactStage* stage)
     else stage->side[1].found = 0;
 }
 
-SEL_FN void stage_ridge(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
-{
-    if (stage->side[side].found && of.point.model.ridges > 0) add_ridge(&stage->side[side], of.ball, of.point.near);
-}
-
 // Of the records and the force, before either side adds to them.
 SEL_FN void start_force(StagedPoint of, SEL_OUT ContactStage* stage, SEL_GLOBAL ContactState* states, SEL_OUT ContactForce* out)
 {
@@ -142,7 +137,9 @@ SEL_FN void stage_tangent(StagedPoint of, uint side, NodeView nodes, NodeView no
 {
     if (!stage->pressure.acts || !stage->tangent.acts) return;
     const LawContext c = staged_context(of, nodes, nodes_t0);
-    add_friction_tangent(staged_normal(states + (stage->record ^ side)), stage->side[side].normal, stage->tangent, &c, out);
+    const vec3 n = staged_normal(states + (stage->record ^ side));
+    add_friction_tangent(n, stage->side[side].normal, stage->tangent, &c, out);
+    add_friction_turn(stage->side[side], n, stage->tangent, &c, out);
 }
 
 SEL_FN void stage_roll(StagedPoint of, uint side, NodeView nodes, NodeView nodes_t0, SEL_OUT ContactStage* stage,

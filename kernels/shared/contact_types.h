@@ -52,7 +52,6 @@ typedef struct QuadratureModel {
     real line_mass;          // of the wire [kg/m]
     real restitution;        // impulse
     real multiplier_most;    // augmented, constraint, impulse: largest multiplier [N/m]
-    real ridges;             // 1: the tangent has how the normal turns over ridges and corners of the wall; 0: it has not
 } QuadratureModel;
 
 // Which edge a quadrature point lies on at the end of the step and where it was at its start. Edge: index of its tip-side node in

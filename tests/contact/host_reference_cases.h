@@ -302,7 +302,6 @@ void reduce_case()
     X(QuadratureModel, reach)                                                                                                 \
     X(QuadratureModel, roll_force)                                                                                            \
     X(QuadratureModel, restitution)                                                                                           \
-    X(QuadratureModel, ridges)                                                                                                \
     X(QuadraturePlace, edge_t0)                                                                                               \
     X(QuadraturePlace, bary)                                                                                                  \
     X(QuadraturePlace, epoch)                                                                                                 \

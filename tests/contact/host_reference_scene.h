@@ -106,7 +106,6 @@ struct Scene {
         m.line_mass = static_cast<real>(5e-3);
         m.restitution = static_cast<real>(0.5);
         m.multiplier_most = static_cast<real>(k % 3 == 0 ? 20 : 2000);
-        m.ridges = static_cast<real>(k % 2);
         return m;
     }
 
