@@ -42,7 +42,6 @@ ForceKernels::ForceKernels(device::Context& context, const std::string& program,
     add("contact_join", 1);
     add("contact_share", 1);
     for (const cl_uint side : {0u, 1u}) {
-        add("contact_ridge", side);
         add("contact_press", side);
         add("contact_rub", side);
         add("contact_tangent", side);

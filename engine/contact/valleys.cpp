@@ -3,6 +3,7 @@
 #include "contact/valleys.h"
 
 #include "contact/active_set.h"
+#include "shared/smooth_maximum.h"
 
 namespace seldinger {
 
@@ -69,7 +70,7 @@ KinksPassed Valleys::crossed(int wire, std::span<const ContactState> states, con
         // how much deeper each is in its own facet than in the other's
         const double beyond = now.depth - (was->depth - was->normal.dot(move));
         const double before = was->depth - (now.depth + now.normal.dot(move));
-        const double eps = smoothing * quadrature_.models[record / 2].radius * turn, rest = eps - beyond;
+        const double eps = joint_width_of(turn * turn, quadrature_.models[record / 2].radius, smoothing), rest = eps - beyond;
         if (before <= 0) return;
         passed.entered = passed.entered || rest >= 0;
         if (rest >= 0) return;

@@ -6,10 +6,10 @@
 // again, and so on until a shortened one happens to end in the valley. But both facets are planes, known from the two trials. With
 // the smooth maximum of these two continued without bounds,
 //
-//     f(p) = f (n_b + z w),   w = n_a - n_b,   z = (eps - (depth_b - depth_a)) / (2 eps),   eps = smoothing r |w|,
+//     f(p) = f (n_b + z w),   w = n_a - n_b,   z = (eps - (depth_b - depth_a)) / (2 eps),
 //
-// which is the law itself for 0 < z < 1, the direction leads into the valley. What the law lacks of it (z < 0) is added to the
-// residual that the direction is taken from, and f w w^T / (2 eps) to the tangent. Whether the balance is there is for the next
+// with the eps of these facets, which is the law itself for 0 < z < 1, the direction leads into the valley. What the law lacks of it
+// (z < 0) is added to the residual that the direction is taken from, and f w w^T / (2 eps) to the tangent. Whether the balance is there is for the next
 // trial to say; residuals of trials, and so results, are those of the law. If that trial is beyond the valley again, the balance is
 // not there, and the direction from it is that of its facet alone.
 

@@ -118,12 +118,6 @@ SEL_STAGE(contact_oppose)
     stage_oppose(of, stage);
 }
 
-SEL_STAGE(contact_ridge)
-{
-    SEL_NEXT_POINT;
-    stage_ridge(of, side, stage);
-}
-
 SEL_STAGE(contact_press)
 {
     SEL_NEXT_POINT;

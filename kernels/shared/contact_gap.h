@@ -23,7 +23,7 @@ typedef struct ContactPoint {
                       // opposite one
     real limit;       // -SEL_SIDE on the axis's own side, SEL_SIDE on the other; 0: not known yet
     real depth;       // overlap [m], negative when apart
-    real hessian[6];  // d2(depth)/dp2 of the smooth maximum, and of ridges where asked for: xx xy xz yy yz zz [1/m]
+    real hessian[6];  // d2(depth)/dp2 of the smooth maximum and of ridges: xx xy xz yy yz zz [1/m]
     uint triangle;
     int found, outside;
 } ContactPoint;

@@ -175,32 +175,6 @@ SEL_FN uint record_of(vec3 normal, LastTouch was, uint s, ContactParams par, Sta
     return (was.b_lives || b.live) && (!(was.a_lives || a.live) || fit(was, 1, b, normal) > fit(was, 0, a, normal));
 }
 
-// Over a ridge or a corner of the wall, d = |v| from it to the axis, the normal v/d turns as the axis moves past:
-//     d2(depth)/dp2 = -(1 - n n^T - t t^T)/d,       t along the ridge; none at a corner.
-// What the smooth maximum leaves to neighbours of this is not counted.
-SEL_FN void add_ridge(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallView near)
-{
-    if (contact->depth <= 0 || contact->outside) return;
-    const Triangle tri = load_triangle(near.wall.vertices, contact->triangle, ball.origin);
-    int feature;
-    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
-    const real d = sqrt(dot3(v, v));
-    if (feature == SEL_FEATURE_FACE || d <= (real)1e-3 * ball.radius) return;
-    const vec3 n = (1 / d) * v;
-    vec3 t = make_vec3(0, 0, 0);
-    if (feature < SEL_FEATURE_VERTEX) {
-        const int k = feature - SEL_FEATURE_EDGE;
-        t = (k == 0 ? tri.b : k == 1 ? tri.c : tri.a) - (k == 0 ? tri.a : k == 1 ? tri.b : tri.c);
-        t = (1 / sqrt(dot3(t, t))) * t;
-    }
-    contact->hessian[0] -= (1 - n.x * n.x - t.x * t.x) / d;
-    contact->hessian[1] += (n.x * n.y + t.x * t.y) / d;
-    contact->hessian[2] += (n.x * n.z + t.x * t.z) / d;
-    contact->hessian[3] -= (1 - n.y * n.y - t.y * t.y) / d;
-    contact->hessian[4] += (n.y * n.z + t.y * t.z) / d;
-    contact->hessian[5] -= (1 - n.z * n.z - t.z * t.z) / d;
-}
-
 #if !SEL_SUMS_IN_MEMORY
 // Contact of one quadrature point.
 SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view,
@@ -224,7 +198,6 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
         ContactPoint touch = touching.first;
         SEL_ROLLED for (uint k = 0; k < 2; ++k) {
             if (!touch.found) break;
-            add_ridge(&touch, ball, point.near);
             const uint b = first ^ k;
             ContactState state = no_contact_state();
             add_contact_point(touch, axis, last_state(was, b), multiplier_of(s, b, par, view), &c, &state, &out);

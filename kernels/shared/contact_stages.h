@@ -89,7 +89,8 @@ SEL_FN void stage_join(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
 
 SEL_FN void stage_share(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
 {
-    if (has_sides(&stage->side[side], of.ball)) smooth_maximum(&stage->side[side], &stage->planes, of.ball);
+    if (has_sides(&stage->side[side], of.ball))
+        share_neighbours(&stage->side[side], &stage->planes, of.ball, of.point.near.wall);
 }
 
 SEL_FN void stage_oppose(StagedPoint of, SEL_OUT ContactStage* stage)
@@ -97,11 +98,6 @@ SEL_FN void stage_oppose(StagedPoint of, SEL_OUT ContactStage* stage)
     stage->list.count = SEL_NEAR_MOST + 1;  // it was of the first
     if (has_sides(&stage->side[0], of.ball)) (void)walk_opposite(&stage->side[0], &stage->side[1], of.ball, of.point.near, 0);
     else stage->side[1].found = 0;
-}
-
-SEL_FN void stage_ridge(StagedPoint of, uint side, SEL_OUT ContactStage* stage)
-{
-    if (stage->side[side].found) add_ridge(&stage->side[side], of.ball, of.point.near);
 }
 
 // Clears the records and the force before either side adds to them.
@@ -152,7 +148,9 @@ SEL_FN void stage_tangent(StagedPoint of, uint side, NodeView nodes, NodeView no
 {
     if (!stage->pressure.acts || !stage->tangent.acts) return;
     const LawContext c = staged_context(of, nodes, nodes_t0);
-    add_friction_tangent(staged_normal(states + (stage->record ^ side)), stage->side[side].normal, stage->tangent, &c, out);
+    const vec3 n = staged_normal(states + (stage->record ^ side));
+    add_friction_tangent(n, stage->side[side].normal, stage->tangent, &c, out);
+    add_friction_turn(stage->side[side], n, stage->tangent, &c, out);
 }
 
 SEL_FN void stage_roll(StagedPoint of, uint side, NodeView nodes, NodeView nodes_t0, SEL_OUT ContactStage* stage,

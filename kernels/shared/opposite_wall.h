@@ -83,6 +83,30 @@ SEL_FN int has_sides(SEL_OUT const ContactPoint* first, ContactBall ball)
     return first->found && !first->outside && first->depth >= -ball.reach;
 }
 
+// Over a ridge or a corner of the wall, d = |v| from it to the axis, the normal v/d turns as the axis moves past:
+//     d2(depth)/dp2 = -(1 - n n^T - t t^T)/d,       t along the ridge; none at a corner.
+// Adds that of a joined plane, with its share.
+SEL_FN void add_ridge(SEL_OUT ContactPoint* contact, real share, Triangle tri, ContactBall ball)
+{
+    int feature;
+    const vec3 v = ball.p - closest_on_triangle(ball.p, tri, &feature);
+    const real d = sqrt(dot3(v, v)), bend = share / d;
+    if (feature == SEL_FEATURE_FACE || d <= (real)1e-3 * ball.radius) return;
+    const vec3 n = (1 / d) * v;
+    vec3 t = make_vec3(0, 0, 0);
+    if (feature < SEL_FEATURE_VERTEX) {
+        const int k = feature - SEL_FEATURE_EDGE;
+        t = (k == 0 ? tri.b : k == 1 ? tri.c : tri.a) - (k == 0 ? tri.a : k == 1 ? tri.b : tri.c);
+        t = (1 / sqrt(dot3(t, t))) * t;
+    }
+    contact->hessian[0] -= bend * (1 - n.x * n.x - t.x * t.x);
+    contact->hessian[1] += bend * (n.x * n.y + t.x * t.y);
+    contact->hessian[2] += bend * (n.x * n.z + t.x * t.z);
+    contact->hessian[3] -= bend * (1 - n.y * n.y - t.y * t.y);
+    contact->hessian[4] += bend * (n.y * n.z + t.y * t.z);
+    contact->hessian[5] -= bend * (1 - n.z * n.z - t.z * t.z);
+}
+
 // The planes of neighbouring facets of the own side that are joined with that of `first`, which has sides.
 // @param list  of nearest_contact_point for this contact point, or one with more than it holds: then the triangles are walked to
 SEL_FN void find_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
@@ -92,7 +116,8 @@ SEL_FN void find_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes
     const real shell = shell_distance(ball.radius - first->depth, ball);
     const vec3 facet = triangle_normal(load_triangle(near.wall.vertices, first->triangle, ball.origin));
     planes->count = 1;
-    planes->plane[0] = wall_plane(facet, make_vec3(0, 0, 0), 0);
+    planes->plane[0] = wall_plane(facet, make_vec3(0, 0, 0), 0, first->triangle);
+    planes->plane[0].share = 1;
     NearTriangles round = near_triangles(list, shell);
     uint t;
     SEL_ROLLED while (next_near(&round, ball, near, &t))
@@ -102,17 +127,28 @@ SEL_FN void find_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes
         if (t == first->triangle ||
             !faces(ball, load_triangle(near.wall.vertices, t, ball.origin), near.wall.boundary[t], &facing))
             continue;
-        if (dot3(facing.n, first->side) < first->limit || !is_joined(planes, first, ball, facing, &plane)) continue;
+        if (dot3(facing.n, first->side) < first->limit || !is_joined(planes, first, ball, t, facing, &plane)) continue;
         if (!goes_on(ball, near, list, shell, t, facing)) keep_plane(planes, plane);
     }
 }
 
-// Joins them with it.
+// The smooth maximum over these planes, with the ridges that have a share, in place of the nearest facet.
+SEL_FN void share_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, WallView wall)
+{
+    smooth_maximum(first, planes, ball);
+    if (first->depth <= 0) return;
+    SEL_ROLLED for (uint k = 0; k < planes->count; ++k)
+    {
+        const real share = planes->plane[k].share;
+        if (share > 0) add_ridge(first, share, load_triangle(wall.vertices, planes->plane[k].triangle, ball.origin), ball);
+    }
+}
+
 SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
                             SEL_OUT const NearList* list)
 {
     find_neighbours(first, planes, ball, near, list);
-    smooth_maximum(first, planes, ball);
+    share_neighbours(first, planes, ball, near.wall);
 }
 
 SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoint* first, uint t, FacingTriangle facing,

@@ -1,11 +1,16 @@
 // Depth where facets meet in a valley. There the nearest point jumps from one facet to another; the depth is a smooth maximum
 // over the planes of facets (D6d),
-//     depth = max over lambda of  sum_i lambda_i depth_i + sum_{i<j} eps_ij lambda_i lambda_j,   eps_ij = smoothing r |n_i - n_j|,
-// with shares lambda >= 0 of sum 1. Its gradient is sum_i lambda_i n_i. The maximum is unique, because distances are negative
-// definite for shares of sum 0, so the force turns without a jump at corners of three facets too. For two planes it is
+//     depth = max over lambda of  sum_i lambda_i depth_i + sum_{i<j} eps_ij lambda_i lambda_j,
+//     eps_ij = smoothing r (sqrt(|n_i - n_j|^2 + 4 smoothing^2) - 2 smoothing),
+// with shares lambda >= 0 of sum 1. Its gradient is sum_i lambda_i n_i. The maximum is unique, because the eps are negative
+// definite for shares of sum 0 (a Bernstein function of squared distances), so the force turns without a jump at corners of three facets too. For two planes it is
 //     depth_0 + max(0, eps - (depth_0 - depth_1))^2 / (4 eps),
 // whose width vanishes with the angle between them, with a bias of at most eps/4. A plane with depth_j <= depth_0 - eps_0j has no
-// share (triangle inequality of the eps), so the list of planes may begin and end there.
+// share (triangle inequality of distances, which the eps are beyond 4 smoothing rad), so the list of planes may begin and end there.
+//
+// Flat valleys, of an angle phi below 4 smoothing: the nearest point of the neighbour is the edge, which does not count, until its
+// plane is less deep by d phi^2/2 only, d the axis' distance. There its share must begin with 0: eps <= r phi^2/4, for any d >= r/2.
+// With eps = smoothing r phi the normal would jump by up to 5e-4 rad.
 //
 // What counts is local: a plane counts once, with the nearest of its triangles (else a valley would push as often as it is cut into
 // triangles); a point counts once, whichever of its triangles has it; and a point on an edge does not count where the wall goes on
@@ -50,6 +55,7 @@ typedef struct WallPlane {
     vec3 turn;         // direction to the ball, less that of the nearest point
     real depth;        // less that of the nearest point: <= 0 [m]
     real share, pull;  // lambda; derivative of the above with it [m]
+    uint triangle;     // that is nearest in it
 } WallPlane;
 
 typedef struct NeighbourPlanes {
@@ -65,29 +71,37 @@ SEL_FN int is_same_direction(vec3 a, vec3 b)
     return dot3(turn, turn) < (real)SEL_COPLANAR * (real)SEL_COPLANAR;
 }
 
+// eps of two directions that differ by `turn`. @param turn2  |turn|^2
+SEL_FN real joint_width_of(real turn2, real radius, real smoothing)
+{
+    const real flat = 2 * smoothing;
+    return smoothing * radius * turn2 / (sqrt(turn2 + flat * flat) + flat);
+}
+
 // eps for two directions to the ball.
 SEL_FN real joint_width(vec3 a, vec3 b, ContactBall ball)
 {
     const vec3 turn = a - b;
-    return ball.smoothing * ball.radius * sqrt(dot3(turn, turn));
+    return joint_width_of(dot3(turn, turn), ball.radius, ball.smoothing);
 }
 
-SEL_FN WallPlane wall_plane(vec3 facet, vec3 turn, real depth)
+SEL_FN WallPlane wall_plane(vec3 facet, vec3 turn, real depth, uint triangle)
 {
     WallPlane plane;
     plane.facet = facet;
     plane.turn = turn;
     plane.depth = depth;
     plane.share = plane.pull = 0;
+    plane.triangle = triangle;
     return plane;
 }
 
 // Is the plane of a facing triangle joined with that of the nearest point, `first`?
 SEL_FN int is_joined(SEL_OUT const NeighbourPlanes* planes, SEL_OUT const ContactPoint* first, ContactBall ball,
-                     FacingTriangle facing, WallPlane* out)
+                     uint t, FacingTriangle facing, WallPlane* out)
 {
     const vec3 none = make_vec3(0, 0, 0);
-    *out = wall_plane(facing.facet, facing.n - first->normal, ball.radius - facing.d - first->depth);
+    *out = wall_plane(facing.facet, facing.n - first->normal, ball.radius - facing.d - first->depth, t);
     if (is_same_direction(facing.facet, planes->plane[0].facet) || is_same_direction(out->turn, none)) return 0;
     return joint_width(out->turn, none, ball) + out->depth > 0;
 }

@@ -153,8 +153,8 @@ TEST_SUITE("contact/contact_point")
                 const ContactPointPair t = contacts_at(soup, v3(0.0101, 0, sign * rho), r);
                 CAPTURE(overlap);
                 // At the same distance from both, the smooth maximum adds eps/4. So it does where the nearest point lies on a
-                // diagonal that two triangles of the other facet share. Here eps = 0.002 r 2 sin(pi / n)
-                const double bias = 0.25 * 0.002 * r * 2 * std::sin(std::numbers::pi / around);
+                // diagonal that two triangles of the other facet share. Their normals differ by 2 sin(pi / n)
+                const double bias = 0.25 * joint_width(2 * std::sin(std::numbers::pi / around), r, 0.002);
                 CHECK(std::abs(t.first.depth - depth - bias) <= rounding);
                 const vec3 n = (1 / norm(t.first.normal)) * t.first.normal;
                 CHECK(n.z * -sign == about(1).epsilon(1e-3));  // half a facet's angle squared at most
@@ -181,7 +181,7 @@ TEST_SUITE("contact/contact_point")
         for (double rise : {0.05, 0.2, 0.7, 1.0}) {
             CAPTURE(rise);
             const Soup soup = wedge(rise);
-            const double eps = 0.002 * r * 2 * std::sin(rise);  // |n_1 - n_0| of the two facets
+            const double eps = joint_width(2 * std::sin(rise), r, 0.002);  // of the two facets' normals
             const double h = 0.9 * r / std::cos(rise);          // the axis line overlaps each plane by 0.1 r at the middle
             const int steps = 40000;
             const double length = 0.1 * r, dx = length / steps;

@@ -99,6 +99,11 @@ inline ContactPointPair contacts_at(const Soup& soup, vec3 p, double radius, dou
     if (has_sides(&t.second, ball)) join_neighbours(&t.second, &planes, ball, near, &list);
     return t;
 }
+/// eps of (D6d) for two facets whose normals differ by `turn`.
+inline double joint_width(double turn, double radius, double smoothing)
+{
+    return smoothing * radius * (std::sqrt(turn * turn + 4 * smoothing * smoothing) - 2 * smoothing);
+}
 inline ContactPointPair contacts_at(const Soup& soup, vec3 p, double radius, double reach = 1e-4, double smoothing = 0.002)
 {
     return contacts_at(soup, p, radius, reach, smoothing, soup.all);
