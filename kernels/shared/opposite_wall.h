@@ -85,6 +85,7 @@ SEL_FN int has_sides(SEL_OUT const ContactPoint* first, ContactBall ball)
 
 // Over a ridge or a corner of the wall, d = |v| from it to the axis, the normal v/d turns as the axis moves past:
 //     d2(depth)/dp2 = -(1 - n n^T - t t^T)/d,       t along the ridge; none at a corner.
+// Right above an edge the wall is still the facet, as on the diagonal of a flat floor.
 // Adds that of a joined plane, with its share.
 SEL_FN void add_ridge(SEL_OUT ContactPoint* contact, real share, Triangle tri, ContactBall ball)
 {
@@ -93,6 +94,7 @@ SEL_FN void add_ridge(SEL_OUT ContactPoint* contact, real share, Triangle tri, C
     const real d = sqrt(dot3(v, v)), bend = share / d;
     if (feature == SEL_FEATURE_FACE || d <= (real)1e-3 * ball.radius) return;
     const vec3 n = (1 / d) * v;
+    if (is_same_direction(n, triangle_normal(tri))) return;
     vec3 t = make_vec3(0, 0, 0);
     if (feature < SEL_FEATURE_VERTEX) {
         const int k = feature - SEL_FEATURE_EDGE;

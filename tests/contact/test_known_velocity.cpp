@@ -39,7 +39,7 @@ struct Lasting {
 
     explicit Lasting(uint friction, bool rolling = false) : point(model(rolling))
     {
-        point.soup.add_patch(v3(-0.013, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0));  // no edge below the point
+        add_floor(point.soup);  // the point is right above its diagonal
         point.par.friction = friction;
         point.theta0 = 0;
         ContactState& state = point.states[0];
