@@ -41,7 +41,10 @@ ScoreNumbers played(const std::string& name, const std::vector<Key>& way)
     SelHandAnswer answer{};
     for (std::uint64_t k = 1; k <= static_cast<std::uint64_t>(1000 * way.back().t) && !(answer.flags & SEL_HAND_REACHED); ++k) {
         const Key at = along(way, 1e-3 * static_cast<double>(k));
-        REQUIRE(line.ask(k, at.advance, at.turn, answer));
+        if (line.ask(k, at.advance, at.turn, answer)) continue;
+        session.stop();
+        session.finish();
+        FAIL("no answer in step " << k << ": " << session.failure());
     }
     session.stop();
     session.finish();
@@ -71,8 +74,8 @@ TEST_SUITE("apps/training")
             {"renal", "hook to the front", {{4, 0.095, 0}, {8, 0.05, 0}}, false},
         };
         for (const Play& play : plays) {
-            CAPTURE(play.scene);
-            CAPTURE(play.what);
+            CAPTURE(std::string(play.scene));
+            CAPTURE(std::string(play.what));
             const ScoreNumbers score = played(play.scene, play.way);
             CAPTURE(score.time);
             CAPTURE(score.wall_force_max);
