@@ -14,6 +14,7 @@ namespace seldinger {
 /// Memory of the stages of `points` points; little where an item is a work-group, which has no stages.
 [[nodiscard]] device::Buffer stage_records(device::Context& context, std::size_t points);
 
+/// A whole kernel, or its stages.
 class StagedKernel {
 public:
     /// @param arguments  of the whole; stages have three more: records, list, side
@@ -49,7 +50,7 @@ private:
 
 class ForceKernels : public StagedKernel {
 public:
-    /// @param program  with contact/evaluation.cl     points  listed at most     rolling  whether some model rolls: has a stage of its own
+    /// @param program  with contact/evaluation.cl     points  listed at most     rolling  some model rolls, which is a separate stage
     ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling);
 };
 

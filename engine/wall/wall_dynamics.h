@@ -11,7 +11,7 @@
 // rests it is exact. In single steps a mode may be 1 + 2 tau/h times as stiff as in K, 41 times at the usual 1 ms, before this explicit
 // part makes it swing; in blocks, which extrapolate r, only 2.5 times. So a block whose extrapolation has missed M^-1 r at its end by
 // 1e-3 of w0 is followed by single steps, and so is r where M^-1 r exceeds 3 % of w0. It is limited to half of w0, and steps in which
-// that happens are told of (is_limited). An equilibrium (h = 0) is found by relax(), again and again with r of its last answers.
+// that happens are flagged (is_limited). An equilibrium (h = 0) is found by relax(), again and again with r of its last answers.
 //
 // What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that
 // change slowly. It is solved for once in a block of `block_steps` steps, and extrapolated linearly in between from the last two

@@ -148,7 +148,7 @@ NodeRange InstrumentContact::nodes_between(const InstrumentRod& rod, double from
     return {begin + std::max(first - 1, 0), begin + std::min(end + 1, last) + 1};
 }
 
-/// Nodes of b within two cells and a skin of the slot's last point. A cell is not longer than two cells, and no trial moves it farther along b
+/// Nodes of b within two cells and a skin of the slot's last point. A slot's cell is shorter than this range, and no trial moves it farther along b
 /// without another search. On the same rod: the nodes of the slot's cells. @param near  a node of all that is before a's
 NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
 {
