@@ -26,20 +26,20 @@ Vec3 momentum(const RodView& rod)
     return sum;
 }
 
-MomentumBalance momentum_balance(const RodView& rod, const WireConstraints& constraints, const Solver& solver, int wire,
-                                 const IntegratorSpec& spec, const Vec3& gravity, std::span<const Vec3> contact_force,
-                                 const MomentumStart& start, double h)
+MomentumBalance Solver::momentum_balance(int wire, const WireConstraints& constraints, std::span<const Vec3> contact_force,
+                                         const MomentumStart& start, double h) const
 {
+    const RodView rod = rods_.view(wire);
     MomentumBalance balance;
     for (const auto& [unknown, value] : constraints.prescribed)
-        if (!RodDofs::is_spin(unknown)) balance.held[RodDofs::place(unknown)] += solver.reaction(wire, unknown);
+        if (!RodDofs::is_spin(unknown)) balance.held[RodDofs::place(unknown)] += reaction(wire, unknown);
     for (int i = 0; i < rod.n; ++i) {
-        balance.weight += rod.mass[i] * gravity;
+        balance.weight += rod.mass[i] * gravity_;
         balance.contact += contact_force[i];
     }
-    balance.loads = solver.load_force(wire);
+    balance.loads = load_force(wire);
     if (h > 0) balance.fed = start.fed / h;
-    balance.rate = rate_of_change(rod, spec, start, h);
+    balance.rate = rate_of_change(rod, spec_, start, h);
     return balance;
 }
 

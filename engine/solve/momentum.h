@@ -1,5 +1,5 @@
 #pragma once
-// Balance of momentum of a whole wire, read off an accepted step:
+// Balance of momentum of a whole wire, read off an accepted step (Solver::momentum_balance):
 //
 //   held + weight + contact + loads + fed = d/dt sum_i m_i v_i
 //
@@ -18,13 +18,7 @@
 #include "rod/rod_arrays.h"
 #include "solve/momentum_balance.h"
 
-#include <span>
-
 namespace seldinger {
-
-class Solver;
-struct IntegratorSpec;
-struct WireConstraints;
 
 /// What the balance needs of the time before a sub-step.
 struct MomentumStart {
@@ -34,11 +28,5 @@ struct MomentumStart {
 
 /// sum m v [kg m/s]
 [[nodiscard]] Vec3 momentum(const RodView& rod);
-
-/// @param rod      after the sub-step      @param contact_force  [n] on its nodes [N]
-/// @param h        its length [s]; 0 for an equilibrium
-[[nodiscard]] MomentumBalance momentum_balance(const RodView& rod, const WireConstraints& constraints, const Solver& solver,
-                                               int wire, const IntegratorSpec& spec, const Vec3& gravity,
-                                               std::span<const Vec3> contact_force, const MomentumStart& start, double h);
 
 }  // namespace seldinger

@@ -6,6 +6,7 @@
 #include "rod/elastic.h"
 #include "solve/coaxial_group.h"
 #include "solve/force_term.h"
+#include "solve/momentum.h"
 #include "solve/newton_trial.h"
 #include "solve/solve_report.h"
 #include "solve/solve_spec.h"
@@ -86,6 +87,10 @@ public:
     [[nodiscard]] double base_tension_excess(int wire) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
     [[nodiscard]] Vec3 load_force(int wire) const;
+    /// Balance of momentum of a wire after a sub-step of h [s]; 0 for an equilibrium (solve/momentum.h). @param contact_force  [n] on its
+    /// nodes [N]
+    [[nodiscard]] MomentumBalance momentum_balance(int wire, const WireConstraints& constraints, std::span<const Vec3> contact_force,
+                                                   const MomentumStart& start, double h) const;
     /// How far unknown i went in the last step [m or rad].
     [[nodiscard]] double displacement(int wire, int unknown) const;
     /// Work of the residual on the free unknowns, within the tolerance, on the wire in the last step [J].

@@ -27,7 +27,7 @@ void Solver::begin_system(int system, Motion motion, double h, std::span<const W
         if (!active[w]) show_accepted(w);
     if (!asked_[system]) return;
     if (spin_records_[system].wait > 0) spins = SpinAngles::SolvedFor;
-    newton_of(system).problem.begin(rods_, constraints, active, spec_, gravity_, motion, h, spins);
+    newton_of(system).problem.begin(rods_, constraints, active, {spec_, gravity_, motion, h, spins});
 }
 
 /// The accepted state as the trial.
@@ -121,7 +121,7 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         with_spins_[s] = 1;
         any = true;
         for (const WireProblem* wire : newton.problem.solved()) first_[wire->wire] = newton.report(*wire);
-        newton.problem.begin(rods_, constraints, active, spec_, gravity_, Motion::Implicit, h);
+        newton.problem.begin(rods_, constraints, active, {spec_, gravity_, Motion::Implicit, h});
         newton.start(options, terms);
     }
     if (!any) return;

@@ -42,9 +42,9 @@ void SystemProblem::join(CoaxialGroup& group)
 // ---- start of a step --------------------------------------------------------------------------------------------------------
 
 void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
-                          const IntegratorSpec& spec, const Vec3& gravity, Motion kind, double h, SpinAngles spins)
+                          const StepEquations& step)
 {
-    motion = kind;
+    motion = step.motion;
     solved_.clear();
     solved_wires_.clear();
     solved_nodes_.clear();
@@ -59,11 +59,11 @@ void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> cons
     share_out();
     bool leave = true;
     for (WireProblem* wire : solved_) {
-        wire->begin(rods.view(wire->wire), constraints[wire->wire], spec, gravity, kind, h);
-        leave = leave && wire->may_leave(spins);
+        wire->begin(rods.view(wire->wire), constraints[wire->wire], step);
+        leave = leave && wire->may_leave(step.spins);
     }
     linear.set_fourth(!leave);
-    for (WireProblem* wire : solved_) wire->begin_frames(spec, leave);
+    for (WireProblem* wire : solved_) wire->begin_frames(step.spec, leave);
     solved_coaxial_.clear();
     for (const auto& group : coaxial_) {
         if (!active[group->group().line()]) continue;

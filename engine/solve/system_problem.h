@@ -37,9 +37,8 @@ public:
     void join(CoaxialGroup& group);
     /// Takes over the start of the step and the constraints at its end, of the wires with active[w] != 0. No allocation once
     /// clamps have been seen. @param constraints  [wires of the world]
-    /// @param spins  whether spin angles may be left out of this step
     void begin(RodArrays& rods, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
-               const IntegratorSpec& spec, const Vec3& gravity, Motion motion, double h, SpinAngles spins = SpinAngles::SolvedFor);
+               const StepEquations& step);
     /// Wires that take part in the step.
     [[nodiscard]] std::span<WireProblem* const> solved() const { return solved_; }
     /// A wire of the system, by its number in the world.
