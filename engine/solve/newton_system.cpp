@@ -14,8 +14,13 @@ namespace {
 
 constexpr int most_chord_steps = 4;
 constexpr int most_mode_perturbations = 3;
-constexpr double most_contraction = 0.03, new_factors = 1.0 / 300;
-constexpr int most_kept = 3;  // iterations after which a step is none of those that go well
+// for keeps_factors(), what a trial leaves of the correction before it
+constexpr double most_contraction = 0.03;   // with kept factors, at most
+constexpr double new_factors = 1.0 / 300;   // with new ones, about
+constexpr int most_kept = 3;                // iterations after which a step is none of those that go well
+
+/// Trials until a residual of so many tolerances is within one, if each leaves `rate` of it.
+double trials_left(double residual, double rate) { return std::ceil(std::log(residual) / -std::log(rate)); }
 
 }  // namespace
 
@@ -93,18 +98,16 @@ void NewtonSystem::decide(bool finite, const ForceTerms& terms)
     chord_steps(terms);
 }
 
-/// Whether the next direction is the correction that the last factors have given for the trial, which is at hand. Keeps the factors
-/// only for instruments that touch, because their factors cost more than the test and their tangent is incomplete (the motion of
-/// Gauss points). With the last factors corrections shrink by the contraction from trial to trial, with new ones by about
-/// new_factors. The last factors serve if they need no more trials. The contraction is one of metres, beside which forces on a
-/// short stiff edge may hardly fall: what these have done since the base counts, too.
+/// Whether the last factors serve for the next direction too: it is then the correction that they gave for the trial. They serve
+/// if they need no more trials than new ones would. Only instruments that touch keep them: their factors cost more than the test, and
+/// their tangent is incomplete (the motion of Gauss points).
 bool NewtonSystem::keeps_factors() const
 {
-    const double share = problem.residual_share(), contraction = std::max(contraction_, share / base_share_);
-    const bool whole = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
-    if (!whole || !problem.keeps_tangent() || contraction > most_contraction || iterations_ - first_iteration_ > most_kept) return false;
-    const auto trials = [left = std::log(share)](double a_trial) { return std::ceil(left / -std::log(a_trial)); };
-    return trials(std::max(contraction, 1e-6)) <= trials(new_factors);
+    const bool has_full_correction = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
+    if (!has_full_correction || !problem.keeps_tangent() || iterations_ - first_iteration_ > most_kept) return false;
+    // corrections in metres may shrink while forces on a short stiff edge hardly fall: the slower of the two counts
+    const double residual = problem.residual_share(), rate = std::max(contraction_, residual / base_share_);
+    return rate <= most_contraction && trials_left(residual, std::max(rate, 1e-6)) <= trials_left(residual, new_factors);
 }
 
 /// Whether the residual of a trial that contact has admitted is small enough for a state.
