@@ -154,10 +154,10 @@ struct PixelGrid {
 };
 
 /// Adds the lengths of a pixel's rays in a tapered cylinder. @param rays  by value: its own memory lets the loop be vectorised
-void add_lengths(const PieceRays rays, double radius, double taper, const PixelGrid& grid, double u, double v, double sign,
-                 std::vector<double>& length)
+/// @param at  the pixel's middle  @param sign  -1: of a lumen
+void add_lengths(const PieceRays rays, double radius, double taper, const PixelGrid& grid, const Vec2& at, double sign, std::vector<double>& length)
 {
-    const double *du = grid.u.data(), *dv = grid.v.data();
+    const double u = at.x(), v = at.y(), *du = grid.u.data(), *dv = grid.v.data();
     double* out = length.data();
     const auto count = static_cast<int>(length.size());
     for (int k = 0; k < count; ++k) {
@@ -167,11 +167,11 @@ void add_lengths(const PieceRays rays, double radius, double taper, const PixelG
 }
 
 /// Mean length of a pixel's rays in a piece, without its lumen.
-double mean_length(const PieceRays& rays, const Piece& p, const PixelGrid& grid, double u, double v)
+double mean_length(const PieceRays& rays, const Piece& p, const PixelGrid& grid, const Vec2& at)
 {
     std::vector<double> length(grid.u.size());
-    add_lengths(rays, p.radius, p.taper, grid, u, v, 1, length);
-    if (p.lumen > 0) add_lengths(rays, p.lumen, p.taper_lumen, grid, u, v, -1, length);
+    add_lengths(rays, p.radius, p.taper, grid, at, 1, length);
+    if (p.lumen > 0) add_lengths(rays, p.lumen, p.taper_lumen, grid, at, -1, length);
     double sum = 0;
     for (const double l : length) sum += std::max(0.0, l);
     return sum / static_cast<double>(length.size());
@@ -227,11 +227,10 @@ struct RowCover {
 };
 
 /// Rays of a pixel that meet a piece. @param length  scratch, one for each ray
-std::uint64_t rays_that_meet(const PieceRays& rays, const Piece& p, const PixelGrid& grid, double u, double v,
-                             std::vector<double>& length)
+std::uint64_t rays_that_meet(const PieceRays& rays, const Piece& p, const PixelGrid& grid, const Vec2& at, std::vector<double>& length)
 {
     std::fill(length.begin(), length.end(), 0.0);
-    add_lengths(rays, p.radius, p.taper, grid, u, v, 1, length);
+    add_lengths(rays, p.radius, p.taper, grid, at, 1, length);
     std::uint64_t bits = 0;
     for (int k = 0; k < cover_side * cover_side; ++k) bits |= static_cast<std::uint64_t>(length[k] > 0) << k;
     return bits;
@@ -277,7 +276,7 @@ public:
         if (!columns_in(p, row, view_.columns, first, last)) return;
         for (int column = first; column <= last; ++column) {
             if (!near_axis(p, row, column)) continue;
-            const auto length = static_cast<float>(mean_length(rays_[piece], p, grid, view_.u(column), view_.v(row)));
+            const auto length = static_cast<float>(mean_length(rays_[piece], p, grid, {view_.u(column), view_.v(row)}));
             if (length > 0) out.push_back({row * view_.columns + column, p.material, length, p.value});
         }
     }
@@ -291,7 +290,7 @@ public:
         for (int column = first; column <= last; ++column) {
             if (!near_axis(p, row, column)) continue;
             const double u = view_.u(column), v = view_.v(row);
-            const std::uint64_t bits = rays_that_meet(rays_[piece], p, grid, u, v, length);
+            const std::uint64_t bits = rays_that_meet(rays_[piece], p, grid, {u, v}, length);
             if (bits == 0) continue;
             if (with_depth) {
                 const float depth = nearest_depth(rays_[piece], p, grid, u, v);
