@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "lab/published.h"
-#include "plan/run_model.h"
+#include "models/run_model.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -1,10 +1,10 @@
 #pragma once
 // The stability map: where in (step, one other parameter) each method holds and how it fails where it does not. A map is one of
 // the failure rows F1 ... F21 as a small scene with one thing varied; a cell is that scene at one step and one value, run with
-// one method and judged by plan/classify.h.
+// one method and judged by models/classify.h.
 
-#include "plan/classify.h"
-#include "plan/simulation.h"
+#include "models/classify.h"
+#include "models/simulation.h"
 
 #include <filesystem>
 #include <functional>

@@ -39,8 +39,9 @@ const std::map<std::string, std::set<std::string>> below = {
     {"pictures", {"view", "xray", "io", "vessel", "core"}},
     {"run", {"scene", "io", "world", "api", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
     {"batch", {"run", "scene", "io", "api", "vessel", "core"}},
-    {"plan", {"run", "scene", "api", "solve", "wall", "math", "core"}},
-    {"lab", {"plan", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
+    {"models", {"run", "scene", "api", "solve", "wall", "math", "core"}},
+    {"plan", {"models", "core"}},
+    {"lab", {"models", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
     {"session", {"run", "scene", "io", "api", "core"}},
 };
 
