@@ -1,7 +1,7 @@
 // The default control edge of an elastic wall, and the finest and the coarsest of a study.
 #include "models/wall_edges.h"
 
-#include "wall/control_mesh.h"
+#include "surface/control_mesh.h"
 #include "wall/wall_model.h"
 
 #include <algorithm>

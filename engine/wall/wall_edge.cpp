@@ -1,7 +1,7 @@
 // The default control edge, and the memory that an edge needs.
 #include "core/error.h"
-#include "wall/control_mesh.h"
-#include "wall/edge_field.h"
+#include "surface/control_mesh.h"
+#include "surface/edge_field.h"
 #include "wall/wall_model.h"
 #include "wall/wall_resolution.h"
 

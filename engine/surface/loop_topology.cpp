@@ -1,5 +1,5 @@
 // Neighbourhoods in a control mesh, checks that it is a manifold, and one round of Loop subdivision as rows of weights.
-#include "wall/loop_topology.h"
+#include "surface/loop_topology.h"
 
 #include "core/check.h"
 #include "core/error.h"

@@ -1,5 +1,5 @@
 // Tables of the quartic box spline and its derivatives as homogeneous polynomials of the barycentric weights.
-#include "wall/loop_basis.h"
+#include "surface/loop_basis.h"
 
 #include <array>
 

@@ -1,9 +1,9 @@
 // Checks the parts of a control mesh and measures the result.
-#include "wall/control_mesh.h"
+#include "surface/control_mesh.h"
 
 #include "core/error.h"
+#include "surface/remesh.h"
 #include "vessel/triangle_geometry.h"
-#include "wall/remesh.h"
 
 #include <fmt/format.h>
 

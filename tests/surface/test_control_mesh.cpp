@@ -3,14 +3,14 @@
 #include "scene/vessel_load.h"
 #include "support/approx.h"
 #include "support/shared_folder.h"
+#include "surface/control_mesh.h"
+#include "surface/edit_mesh.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/mesh_fixtures.h"
 #include "vessel/repair.h"
 #include "vessel/subdivide.h"
 #include "vessel/swept_lumen.h"
 #include "vessel/tree.h"
-#include "wall/control_mesh.h"
-#include "wall/edit_mesh.h"
 #include "wall/wall_model.h"
 
 #include <doctest/doctest.h>
@@ -193,7 +193,7 @@ void refused(const WallMesh& mesh, const std::string& expected)
 
 }  // namespace
 
-TEST_SUITE("wall/control_mesh")
+TEST_SUITE("surface/control_mesh")
 {
     TEST_CASE("property: topology and orientation are the wall's, and edges and angles are what was asked for")
     {
@@ -431,7 +431,7 @@ TEST_SUITE("wall/wall_edge")
     }
 }
 
-TEST_SUITE("wall/edit_mesh")
+TEST_SUITE("surface/edit_mesh")
 {
     TEST_CASE("property: no sequence of changes alters the topology")
     {

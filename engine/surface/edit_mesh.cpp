@@ -1,5 +1,5 @@
 // The three changes of a surface, collapse, split and flip, with the neighbours of edges.
-#include "wall/edit_mesh.h"
+#include "surface/edit_mesh.h"
 
 #include "core/check.h"
 

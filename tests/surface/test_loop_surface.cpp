@@ -1,9 +1,9 @@
 // The limit surface of Loop subdivision: its functions, derivatives, rims, and the closest point.
 #include "core/error.h"
 #include "support/approx.h"
+#include "surface/loop_surface.h"
 #include "vessel/subdivide.h"
-#include "wall/loop_surface.h"
-#include "wall_fixtures.h"
+#include "wall/wall_fixtures.h"
 
 #include <doctest/doctest.h>
 
@@ -58,7 +58,7 @@ int irregular(const LoopSurface& s)
 
 }  // namespace
 
-TEST_SUITE("wall/loop_surface")
+TEST_SUITE("surface/loop_surface")
 {
     TEST_CASE("property: weights sum to 1, derivatives to 0, everywhere")
     {

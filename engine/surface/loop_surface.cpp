@@ -1,8 +1,8 @@
 // Weights at a point of the limit surface: its regular patch, and the points of that patch.
-#include "wall/loop_surface.h"
+#include "surface/loop_surface.h"
 
 #include "core/check.h"
-#include "wall/loop_basis.h"
+#include "surface/loop_basis.h"
 
 #include <algorithm>
 

@@ -7,9 +7,9 @@
 // shorter than 4/5, turn edges towards six neighbours, move vertices to the middle of their triangles and back onto the wall.
 // No change may turn a triangle against the wall's normals.
 
-#include "wall/edge_field.h"
-#include "wall/edit_mesh.h"
-#include "wall/fine_surface.h"
+#include "surface/edge_field.h"
+#include "surface/edit_mesh.h"
+#include "surface/fine_surface.h"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // Projection onto the fine wall and onto its rims.
-#include "wall/fine_surface.h"
+#include "surface/fine_surface.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Sizes of control edges from the spheres of the centreline.
-#include "wall/edge_field.h"
+#include "surface/edge_field.h"
 
 #include "vessel/triangle_geometry.h"
 

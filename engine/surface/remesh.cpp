@@ -1,5 +1,5 @@
 // Thinning out and the rounds of isotropic remeshing.
-#include "wall/remesh.h"
+#include "surface/remesh.h"
 
 #include <algorithm>
 #include <array>

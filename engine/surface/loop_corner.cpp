@@ -1,5 +1,5 @@
 // Matrices of an irregular corner, read off a round of subdivision of a small flat mesh about it.
-#include "wall/loop_corner.h"
+#include "surface/loop_corner.h"
 
 #include "core/check.h"
 

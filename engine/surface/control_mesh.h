@@ -1,9 +1,9 @@
 #pragma once
 // The coarse mesh on which the wall's shell lives, made from the fine one that contact sees.
 
+#include "surface/edge_field.h"
 #include "vessel/centreline.h"
 #include "vessel/wall_mesh.h"
-#include "wall/edge_field.h"
 
 #include <string>
 
@@ -28,7 +28,7 @@ struct ControlMeshReport {
     double distance = 0;  // largest from the fine surface, of corners, middles of edges and of triangles [m]
 };
 
-/// Isotropic triangles near to the wanted edge, vertices on the fine wall and on its rims (wall/remesh.h). The wall's topology,
+/// Isotropic triangles near to the wanted edge, vertices on the fine wall and on its rims (surface/remesh.h). The wall's topology,
 /// rims and orientation are kept, and so are corners of a rim that turn by more than 60 degrees. Same input, same bits.
 /// @param wall    repaired (vessel/repair.h): welded, normals into the lumen
 /// @param report  out, may be null

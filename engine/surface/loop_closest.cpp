@@ -1,5 +1,5 @@
 // Closest point of the limit surface: a start from flat pieces, then Newton steps that walk over triangles.
-#include "wall/loop_surface.h"
+#include "surface/loop_surface.h"
 
 #include <Eigen/LU>
 #include <algorithm>

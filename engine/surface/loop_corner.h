@@ -2,7 +2,7 @@
 // Triangles with one irregular corner: subdivided until a point lies in a regular part, by powers of one small matrix [Stam98,
 // "Evaluation of Loop subdivision surfaces"]. The matrices depend on the corner's kind alone, not on the mesh.
 
-#include "wall/loop_topology.h"
+#include "surface/loop_topology.h"
 
 #include <array>
 #include <vector>
