@@ -1,6 +1,6 @@
 // Static equilibria with closed forms: elastica, heavy cantilever, torsion, column.
+#include "newton/system_problem.h"
 #include "solve/wire_fixture.h"
-#include "solve/system_problem.h"
 
 #include <Eigen/Dense>
 
@@ -65,7 +65,7 @@ struct Linearised {
 
 }  // namespace
 
-TEST_SUITE("solve/equilibrium")
+TEST_SUITE("newton/equilibrium")
 {
     // what a moment adds to residual and tangent, so that nothing else of either is compared
     TEST_CASE("derivative: the tangent of a dead moment is that of its residual, spins included, and not symmetric")

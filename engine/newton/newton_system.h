@@ -23,10 +23,10 @@
 // Newton's method at the end. A step in time that ends where the exact matrix is indefinite leaves its saddle in the same way, once
 // (stability.cpp).
 
-#include "solve/linear_model.h"
-#include "solve/newton_trial.h"
+#include "newton/linear_model.h"
+#include "newton/newton_trial.h"
+#include "newton/system_problem.h"
 #include "solve/solve_report.h"
-#include "solve/system_problem.h"
 
 #include <functional>
 #include <vector>

@@ -1,6 +1,6 @@
 // Readings of a solve, per wire.
 
-#include "solve/solver_work.h"
+#include "newton/solver_work.h"
 
 #include <algorithm>
 

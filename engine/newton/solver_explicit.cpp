@@ -1,6 +1,6 @@
 // Symplectic Euler, and accelerations at the start of a run: steps that solve no equations.
 
-#include "solve/solver_work.h"
+#include "newton/solver_work.h"
 
 namespace seldinger {
 

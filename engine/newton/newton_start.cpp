@@ -3,7 +3,7 @@
 // with a of the last step. Their mutual forces change less from step to step than from rest to motion, and such a guess saves one
 // of three iterations.
 
-#include "solve/newton_system.h"
+#include "newton/newton_system.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // The driver of Newton's method for one system: decision at each trial, new direction and trial. How it starts: newton_start.cpp.
 
-#include "solve/newton_system.h"
+#include "newton/newton_system.h"
 
 #include "core/prefetch.h"
 #include "rod/no_state.h"

@@ -2,8 +2,8 @@
 // The solver's data per system, and the loop over systems; private to solve/.
 
 #include "core/parallel.h"
-#include "solve/newton_system.h"
-#include "solve/solver.h"
+#include "newton/newton_system.h"
+#include "newton/solver.h"
 
 namespace seldinger {
 

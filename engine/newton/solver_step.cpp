@@ -1,6 +1,6 @@
 // One step in time of all systems: begin, Newton, spin angles that were left out, end.
 
-#include "solve/solver_work.h"
+#include "newton/solver_work.h"
 
 #include <algorithm>
 

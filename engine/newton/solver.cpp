@@ -1,10 +1,10 @@
 // The lockstep: trials of all systems, their evaluation, their decisions, until all have ended (one solve's begin and end: solver_step.cpp).
 
-#include "solve/solver.h"
+#include "newton/solver.h"
 
 #include "core/error.h"
 #include "core/prefetch.h"
-#include "solve/solver_work.h"
+#include "newton/solver_work.h"
 
 #include <algorithm>
 #include <numeric>

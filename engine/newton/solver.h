@@ -3,11 +3,11 @@
 // lockstep, so that one set of launches evaluates the force terms (contact) of all. A system is one wire, or several that can touch
 // each other. It is solved, converges or fails as one, and its result does not depend on the other systems.
 
+#include "newton/momentum.h"
+#include "newton/newton_trial.h"
 #include "rod/elastic.h"
 #include "solve/coaxial_group.h"
 #include "solve/force_term.h"
-#include "solve/momentum.h"
-#include "solve/newton_trial.h"
 #include "solve/solve_report.h"
 #include "solve/solve_spec.h"
 #include "solve/step_kind.h"
@@ -19,7 +19,7 @@
 
 namespace seldinger {
 
-struct NewtonOptions;  // solve/newton_system.h
+struct NewtonOptions;  // newton/newton_system.h
 class NewtonSystem;
 class WireProblem;
 
@@ -87,7 +87,7 @@ public:
     [[nodiscard]] double base_tension_excess(int wire) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
     [[nodiscard]] Vec3 load_force(int wire) const;
-    /// Balance of momentum of a wire after a sub-step of h [s]; 0 for an equilibrium (solve/momentum.h). @param contact_force  [n] on its
+    /// Balance of momentum of a wire after a sub-step of h [s]; 0 for an equilibrium (newton/momentum.h). @param contact_force  [n] on its
     /// nodes [N]
     [[nodiscard]] MomentumBalance momentum_balance(int wire, const WireConstraints& constraints, std::span<const Vec3> contact_force,
                                                    const MomentumStart& start, double h) const;

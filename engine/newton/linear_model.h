@@ -6,7 +6,7 @@
 // With sliding friction, dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same.
 // Statics: a Levenberg-Marquardt shift on the diagonal, as little as makes the exact matrix positive definite.
 
-#include "solve/system_problem.h"
+#include "newton/system_problem.h"
 
 #include <vector>
 

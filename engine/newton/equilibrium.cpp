@@ -2,7 +2,7 @@
 // If that is too slow, Newton runs for as long. Example: the buckled shape of a ring beyond Michell's twist may sit anywhere along
 // the ring, a bent valley with hardly a slope. There pseudo-time is slow, and Newton needs 1,400 iterations.
 
-#include "solve/solver_work.h"
+#include "newton/solver_work.h"
 
 #include <algorithm>
 

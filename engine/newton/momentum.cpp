@@ -1,8 +1,8 @@
 // The balance of momentum, from the readings of each term.
 
-#include "solve/momentum.h"
+#include "newton/momentum.h"
 
-#include "solve/solver.h"
+#include "newton/solver.h"
 
 namespace seldinger {
 

@@ -1,7 +1,7 @@
 // Pseudo-transient continuation: with a shift s on the diagonal an iteration is a step of length 1/s in the pseudo-time of
 // W q' = -R(q), W the weights of the shift. Large shifts follow the wire downhill, none is Newton's method.
 
-#include "solve/newton_system.h"
+#include "newton/newton_system.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // Choice of the matrix, Levenberg-Marquardt shift, corrections.
 
-#include "solve/linear_model.h"
+#include "newton/linear_model.h"
 
 #include "core/prefetch.h"
 

@@ -1,6 +1,6 @@
 // Leaves unstable equilibria by a small perturbation along their softest mode.
 
-#include "solve/newton_system.h"
+#include "newton/newton_system.h"
 
 #include <algorithm>
 #include <cmath>

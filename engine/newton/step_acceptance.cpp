@@ -1,6 +1,6 @@
 // Decides whether a Newton trial is accepted, and otherwise which fraction of the direction is tried next.
 
-#include "solve/newton_system.h"
+#include "newton/newton_system.h"
 
 #include <algorithm>
 #include <cmath>

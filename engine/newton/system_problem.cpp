@@ -1,6 +1,6 @@
 // One system: its wires' unknowns laid out, their equations joined.
 
-#include "solve/system_problem.h"
+#include "newton/system_problem.h"
 
 #include "core/prefetch.h"
 

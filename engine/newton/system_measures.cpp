@@ -1,6 +1,6 @@
 // Measures of a system's residuals and moves, and questions to all its wires in turn.
 
-#include "solve/system_problem.h"
+#include "newton/system_problem.h"
 
 #include <algorithm>
 #include <cmath>
