@@ -11,7 +11,7 @@
 #include "pictures/fluorography.h"
 #include "pictures/label_files.h"
 #include "pictures/label_sheet.h"
-#include "vessel/repair.h"
+#include "repair/repair.h"
 #include "view/solids.h"
 #include "xray/detector.h"
 

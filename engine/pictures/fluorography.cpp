@@ -2,9 +2,9 @@
 #include "pictures/fluorography.h"
 
 #include "core/error.h"
+#include "repair/repair.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inside.h"
-#include "vessel/repair.h"
 
 #include <algorithm>
 

@@ -30,7 +30,7 @@ struct ControlMeshReport {
 
 /// Isotropic triangles near to the wanted edge, vertices on the fine wall and on its rims (surface/remesh.h). The wall's topology,
 /// rims and orientation are kept, and so are corners of a rim that turn by more than 60 degrees. Same input, same bits.
-/// @param wall    repaired (vessel/repair.h): welded, normals into the lumen
+/// @param wall    repaired (repair/repair.h): welded, normals into the lumen
 /// @param report  out, may be null
 /// @throws Error BadFile if the wall is no sheet: edges of more than two triangles, inconsistent sides, more than one piece; or if
 ///         memory does not suffice (check_control_edge)

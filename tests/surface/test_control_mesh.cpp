@@ -1,5 +1,6 @@
 // Control meshes of generated and of patients' walls: topology, sizes, angles, distance; the choice of the edge; refusals.
 #include "core/error.h"
+#include "repair/repair.h"
 #include "scene/vessel_load.h"
 #include "support/approx.h"
 #include "support/shared_folder.h"
@@ -7,7 +8,6 @@
 #include "surface/edit_mesh.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/mesh_fixtures.h"
-#include "vessel/repair.h"
 #include "vessel/subdivide.h"
 #include "vessel/swept_lumen.h"
 #include "vessel/tree.h"

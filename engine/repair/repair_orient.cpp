@@ -1,7 +1,7 @@
 // Repair: every triangle faces the lumen.
 #include "core/error.h"
+#include "repair/repair_steps.h"
 #include "vessel/mesh_components.h"
-#include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 #include "vessel/work_budget.h"
 

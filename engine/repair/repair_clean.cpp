@@ -1,7 +1,7 @@
 // Repair, first half: removes non-finite, degenerate and double triangles, and welds vertices.
 #include "core/check.h"
+#include "repair/repair_steps.h"
 #include "vessel/mesh_edges.h"
-#include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 #include "vessel/work_budget.h"
 

@@ -1,6 +1,6 @@
 // Repair: which loops of the boundary are openings of the vessel, and closing the others.
+#include "repair/repair_steps.h"
 #include "vessel/mesh_components.h"
-#include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 #include "vessel/work_budget.h"
 

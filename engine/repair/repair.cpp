@@ -1,10 +1,10 @@
 // The order of the repair, and the counts at its end.
-#include "vessel/repair.h"
+#include "repair/repair.h"
 
 #include "core/error.h"
+#include "repair/repair_steps.h"
 #include "vessel/mesh_components.h"
 #include "vessel/mesh_limits.h"
-#include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // Vessels with a wall of a thickness: an outer and an inner shell, as separate parts or joined by rims. The wire is in the inner.
+#include "repair/repair_steps.h"
 #include "vessel/mesh_components.h"
-#include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 
 #include <fmt/format.h>
