@@ -81,10 +81,6 @@ void put_angles(const StencilTerms& t, const CoaxialDofs& dofs, int i, bool hub,
 
 // ---- stretch (D1) -------------------------------------------------------------------------------------------------------------
 
-}  // namespace
-
-namespace {
-
 /// Energy 1/2 (covered strain)^2 / compliance, prepared as a stiffness of the whole edge (RodView::stretch_stiffness).
 void add_stretch(const CoaxialDofs& dofs, const RodView& line, const RodFrames& frames, int j, HessianMode mode,
                  std::span<double> gradient, CoaxialHessian* hessian)

@@ -52,10 +52,6 @@ std::string about(double count)
 
 std::string millimetres(double length) { return fmt::format("{:.2g} mm", 1e3 * length); }
 
-}  // namespace
-
-namespace {
-
 /// One edge length everywhere but in narrow branches, for at most `most` vertices.
 WallEdge even_edge(const WallModel& wall, const WallSamples& samples, double most)
 {

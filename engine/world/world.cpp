@@ -69,10 +69,6 @@ void close_ring(WireSetup& wire)
     }
 }
 
-}  // namespace
-
-namespace {
-
 WorldSetup checked(WorldSetup setup)
 {
     check_setup(setup);

@@ -229,10 +229,6 @@ void read_walls(const WorldData& world, unsigned parts, std::vector<WallOutput>&
     }
 }
 
-}  // namespace
-
-namespace {
-
 /// Sets a flag where a load is more than all that the wire bears.
 void check_loads(const WorldOutput& output, int wire, WireOutput& into)
 {
