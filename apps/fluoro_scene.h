@@ -1,8 +1,8 @@
 #pragma once
 // A scene's X-ray settings as the options of a fluoroscope: for the command and the Python package.
 
+#include "pictures/fluoro_run.h"
 #include "scene/scene.h"
-#include "view/xray/fluoro_run.h"
 
 namespace seldinger::apps {
 

@@ -17,9 +17,9 @@
 #include <memory>
 
 #ifdef SEL_WITH_VIEW
+    #include "pictures/render.h"
     #include "scene/run_scene.h"
     #include "view/model_export.h"
-    #include "view/render.h"
 #endif
 
 namespace seldinger::apps {

@@ -7,9 +7,9 @@
 #include "core/sha256.h"
 #include "io/json_text.h"
 #include "io/vtp_read.h"
+#include "models/result_table.h"
 #include "scene/run_scene.h"
 #include "session/web_content.h"
-#include "plan/result_table.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

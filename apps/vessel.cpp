@@ -8,10 +8,10 @@
 #include "io/file_remarks.h"
 #include "io/json_text.h"
 #include "io/mesh_file.h"
+#include "repair/repair.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "vessel/inlets.h"
-#include "vessel/repair.h"
 #include "vessel/subdivide.h"
 
 #include <fmt/format.h>

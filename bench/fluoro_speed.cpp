@@ -7,7 +7,7 @@
 // time [ms], and a hash of all grey levels.
 #include "core/error.h"
 #include "fluoro_scene.h"
-#include "view/xray/fluorography.h"
+#include "pictures/fluorography.h"
 
 #include <fmt/format.h>
 

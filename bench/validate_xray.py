@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 KEV = 60.0
-# 1/m at 60 keV (tests/view/xray/test_materials.cpp holds ours against the reference)
+# 1/m at 60 keV (tests/xray/test_materials.cpp holds ours against the reference)
 BLOOD, STEEL, PLATINUM, IODINE = 21.802, 944.72 * 7900 / 7950, 9136.5, 0.7577
 
 TUBE = """

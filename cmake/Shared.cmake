@@ -1,6 +1,6 @@
 # The engine as one shared library: all that the command and the Python extension have in common, compiled once and packaged once.
 set(SELDINGER_VARIANTS "" CACHE STRING "Processor levels that get a shared library of their own, as x86-64-v3")
-set(parts seldinger_batch seldinger_plan seldinger_session ${lab_parts})
+set(parts seldinger_batch seldinger_models seldinger_plan seldinger_session ${lab_parts})
 if(TARGET seldinger_view)
   list(APPEND parts seldinger_view seldinger_xray)
 endif()

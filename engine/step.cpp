@@ -1,7 +1,6 @@
 // The main loop: a list of stages and nothing else; read this first. engine/README.md tells the same in prose.
 
 #include "core/check.h"
-#include "world/merged.h"
 #include "world/step_stages.h"
 #include "world/world.h"
 
@@ -30,7 +29,7 @@ StepReport step(World& given, const Control& control, double dt)
     carry_on(world.state);           // what steps cut short have left to the next one
     adapt_nodes(world, dt);          // adapt: split and merge edges
     check_state(world, dt, report);  // check: non-finite values, points beyond the wall
-    show_groups(world);              // instruments that share a centreline, each by itself
+    show_instruments(world);         // instruments that share a centreline, each by itself
 
     world.state.steps++;
     collect_timers(world, report);
@@ -49,7 +48,7 @@ StepReport settle(World& given, const std::function<void(int system, double time
     begin_step(world);
     find_equilibrium(world, report, passed);
     check_state(world, 0, report);
-    show_groups(world);
+    show_instruments(world);
 
     collect_timers(world, report);
     return report;

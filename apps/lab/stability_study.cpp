@@ -210,7 +210,7 @@ private:
         for (const auto& [method, dt] : strip.cells) {
             if (over()) return;
             const CellResult cell =
-                run_stability_cell(*strip.map, *method, dt, strip.value, reference, scenes_, options_.cell_limit, stop);
+                run_stability_cell({*strip.map, *method, dt, strip.value, scenes_}, reference, options_.cell_limit, stop);
             if (cell.stopped) return;
             const std::scoped_lock lock(mutex_);
             table_.append(row_of(*strip.map, *method, dt, strip.value, cell, scenes_, options_.cell_limit));

@@ -1,8 +1,8 @@
 #pragma once
 // Runs the cells of the stability maps that are not in the folder's table yet, on several threads.
 
-#include "plan/result_table.h"
 #include "lab/stability.h"
+#include "models/result_table.h"
 
 #include <filesystem>
 #include <string>

@@ -2,7 +2,7 @@
 // What the field uses beside elastic rods, written plainly, so that charts test "mass-spring is fast, finite elements are
 // accurate" instead of repeating it. They are no part of the engine: free wires clamped at their base, no contact.
 
-#include "plan/simulation.h"
+#include "models/simulation.h"
 
 #include <string>
 #include <vector>

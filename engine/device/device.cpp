@@ -157,10 +157,6 @@ namespace {
 std::mutex launching;
 std::vector<Context*> alive;  // under `launching`
 
-}  // namespace
-
-namespace {
-
 std::string platform_name(cl_device_id device)
 {
     cl_platform_id platform = nullptr;

@@ -3,7 +3,7 @@
 
 #include "lab/benchmarks.h"
 #include "lab/chart_models.h"
-#include "plan/run_store.h"
+#include "models/run_store.h"
 
 #include <array>
 #include <functional>

@@ -2,8 +2,8 @@
 // The models of a chart: each choice varied alone around the scene's own, the cheap corners where two are varied together, the
 // published method, and the baselines.
 
-#include "plan/simulation.h"
-#include "plan/wall_edges.h"
+#include "models/simulation.h"
+#include "models/wall_edges.h"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // Output of a chart: two tables for programs, a summary for people.
 #include "lab/chart.h"
 
-#include "plan/result_table.h"
+#include "models/result_table.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 // The published method as models. docs/published-method.md has the assumptions where its description is silent.
 
-#include "plan/model.h"
+#include "models/model.h"
 
 #include <string_view>
 

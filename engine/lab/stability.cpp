@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "lab/published.h"
-#include "plan/run_model.h"
+#include "models/run_model.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -187,10 +187,9 @@ CellReference cell_reference(const StabilityMap& map, double value, const std::f
     return reference;
 }
 
-CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value,
-                              const CellReference& reference, const std::filesystem::path& folder, double wall_limit,
-                              const std::function<bool()>& stop)
+CellResult run_stability_cell(const StabilityCell& cell, const CellReference& reference, double wall_limit, const std::function<bool()>& stop)
 {
+    const auto& [map, method, dt, value, folder] = cell;
     const Scene scene = stability_scene(map, value, dt, 1, folder);
     FailureLimits limits;
     limits.static_indentation = reference.indentation;

@@ -1,10 +1,10 @@
 #pragma once
 // The stability map: where in (step, one other parameter) each method holds and how it fails where it does not. A map is one of
 // the failure rows F1 ... F21 as a small scene with one thing varied; a cell is that scene at one step and one value, run with
-// one method and judged by plan/classify.h.
+// one method and judged by models/classify.h.
 
-#include "plan/classify.h"
-#include "plan/simulation.h"
+#include "models/classify.h"
+#include "models/simulation.h"
 
 #include <filesystem>
 #include <functional>
@@ -84,14 +84,22 @@ struct CellReference {
     [[nodiscard]] double honest_jitter(double dt) const;
 };
 
+/// A method at one step and value of a map.
+struct StabilityCell {
+    const StabilityMap& map;
+    const Model& method;
+    double dt = 0;  // [s]
+    double value = 0;
+    std::filesystem::path folder;  // of the map's meshes
+};
+
 /// @param stop  asked after every step; true ends it with what there is. May be empty
 [[nodiscard]] CellReference cell_reference(const StabilityMap& map, double value, const std::filesystem::path& folder,
                                            const std::function<bool()>& stop = {});
 
 /// @param wall_limit  of the steps [s]  @param stop  as above
-[[nodiscard]] CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value,
-                                            const CellReference& reference, const std::filesystem::path& folder,
-                                            double wall_limit, const std::function<bool()>& stop = {});
+[[nodiscard]] CellResult run_stability_cell(const StabilityCell& cell, const CellReference& reference, double wall_limit,
+                                            const std::function<bool()>& stop = {});
 
 /// Why a method has no place in a map ("the scene has no vessel to touch"); empty when it has. `folder`
 /// holds the map's meshes.

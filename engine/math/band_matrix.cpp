@@ -11,23 +11,40 @@
 
 namespace seldinger {
 
-BandMatrix::Storage::Storage(int max_size)
-    : rows(static_cast<std::size_t>(max_size) * stride + 4),  // whole vectors may be read at the last row's end
-      factor(max_size / node_size + 2)
+namespace {
+
+constexpr std::size_t row_end = 4;                            // whole vectors may be read at the last row's end
+constexpr int beside = 2 * BandRows::node_size + 4;  // of the scratch: two nodes past the last one; 4 more to align it
+
+/// Memory of a matrix itself, made where it is first needed.
+template <class Number>
+void provide(Number*& use, std::vector<Number>& own, std::size_t count)
 {
+    if (use) return;
+    own.resize(count);
+    use = own.data();
 }
 
-BandMatrix::BandMatrix(int max_size) : own_(max_size)
+}  // namespace
+
+BandMatrix::Storage::Storage(int max_size)
+{
+    if (max_size == 0) return;
+    rows.resize(static_cast<std::size_t>(max_size) * stride + row_end);
+    factor.resize(max_size / node_size + 2);
+}
+
+BandMatrix::BandMatrix(int max_size)
 {
     SEL_ASSERT(max_size % node_size == 0);
-    scratch_.resize(max_size + 2 * node_size + 4);  // 4 more to align it
-    use_rows(nullptr);
-    use_factor(nullptr);
+    scratch_.resize(max_size + beside);
 }
 
 void BandMatrix::reset(int size)
 {
-    SEL_ASSERT(size % node_size == 0 && static_cast<std::size_t>(size) * stride <= own_.rows.size());
+    const int most = static_cast<int>(scratch_.size()) - beside;
+    SEL_ASSERT(size % node_size == 0 && size <= most);
+    provide(rows_, own_.rows, static_cast<std::size_t>(most) * stride + row_end);
     size_ = size;
     std::fill_n(rows_, static_cast<std::size_t>(size) * stride, 0.0);
 }
@@ -49,6 +66,7 @@ double BandMatrix::row_scale(int i) const
 // row 0 needs at column 4b+11.
 void BandMatrix::load_upper()
 {
+    provide(factor_, own_.factor, (scratch_.size() - beside) / node_size + 2);
     const int nodes = size_ / node_size;
     for (int b = 0; b < nodes; ++b)
         for (int p = 0; p < 4; ++p) std::memcpy(factor_[b].upper[p], row(4 * b + p) + half_bandwidth - p, 12 * sizeof(double));

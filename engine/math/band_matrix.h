@@ -65,7 +65,7 @@ private:
     };
 
 public:
-    /// Memory for entries and factors.
+    /// Memory for entries and factors. A matrix makes its own where it first needs some: many work in another's only.
     struct Storage {
         explicit Storage(int max_size = 0);
         std::vector<double> rows;

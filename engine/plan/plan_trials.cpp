@@ -1,7 +1,7 @@
 // Runs a plan's trial runs against the reference as they go, stops those that cannot meet the goals, and times the others.
 #include "plan/plan_trials.h"
 
-#include "plan/frechet.h"
+#include "models/frechet.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 // Trial runs of a plan: one model run over the scene's whole path and compared with the reference as it goes.
 
-#include "plan/plan_reference.h"
+#include "models/refinement.h"
 
 #include <functional>
 #include <limits>

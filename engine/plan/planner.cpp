@@ -2,8 +2,8 @@
 #include "plan/planner.h"
 
 #include "core/clock.h"
+#include "models/wall_edges.h"
 #include "plan/plan_search.h"
-#include "plan/wall_edges.h"
 
 #include "core/error.h"
 

@@ -11,7 +11,7 @@
 // Error of a run: root mean square, over sampled times, of the Fréchet distance of the wire's whole axis from the reference's
 // (never less than the tip's distance). For the hand force: of 20 ms means, relative to the rms of the reference's.
 
-#include "plan/plan_reference.h"
+#include "models/refinement.h"
 #include "plan/plan_trials.h"
 
 #include <functional>

@@ -81,10 +81,6 @@ void put_angles(const StencilTerms& t, const CoaxialDofs& dofs, int i, bool hub,
 
 // ---- stretch (D1) -------------------------------------------------------------------------------------------------------------
 
-}  // namespace
-
-namespace {
-
 /// Energy 1/2 (covered strain)^2 / compliance, prepared as a stiffness of the whole edge (RodView::stretch_stiffness).
 void add_stretch(const CoaxialDofs& dofs, const RodView& line, const RodFrames& frames, int j, HessianMode mode,
                  std::span<double> gradient, CoaxialHessian* hessian)
@@ -149,22 +145,16 @@ bool update_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTri
     return update_frames(line, {trial.x, trial.y, trial.z, trial.theta[0]}, {&clamp, 1}, frames);
 }
 
-void accept_coaxial(CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const RodFrames& frames)
+double coaxial_energy(const CoaxialShape& shape)
 {
-    for (int k = 0; k < rod.instruments; ++k) std::copy_n(trial.theta[k].begin(), line.n, rod.theta[k].begin());
-    accept_frames(line, {trial.x, trial.y, trial.z, trial.theta[0]}, frames);
-}
-
-double coaxial_energy(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                      const RodFrames& frames)
-{
+    const auto& [rod, line, trial, base, frames] = shape;
     double energy = 0;
     for (int j = 0; j < line.n - 1; ++j) {
         const double strain = stretch_strain(line, frames, j);
         energy += 0.5 * line.stretch_stiffness[j] * strain * strain * line.rest_length[j];
     }
     for (int i = 0; i < line.n; ++i)
-        energy += cell_energy(rod.cells[i], stencil_at(rod, line, trial, base, frames, i), rod.instruments);
+        energy += cell_energy(rod.cells[i], stencil_at(shape, i), rod.instruments);
     for (int k = 0; k < rod.instruments; ++k) {
         const double turn = base.hand[k] - trial.theta[k][line.n - 1];
         if (base.behind[k] > 0) energy += 0.5 * turn * turn / base.behind[k];
@@ -172,20 +162,20 @@ double coaxial_energy(const CoaxialRod& rod, const RodView& line, const CoaxialT
     return energy;
 }
 
-void add_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                 const RodFrames& frames, std::span<double> gradient, CoaxialHessian* hessian, HessianMode mode)
+void add_coaxial(const CoaxialShape& shape, std::span<double> gradient, CoaxialHessian* hessian, HessianMode mode)
 {
+    const auto& [rod, line, trial, base, frames] = shape;
     const CoaxialDofs dofs = rod.dofs();
     if (!hessian) mode = HessianMode::None;
     SEL_ASSERT(mode == HessianMode::None || hessian->size() == dofs.count(line.n));
     for (int j = 0; j < line.n - 1; ++j) add_stretch(dofs, line, frames, j, mode, gradient, hessian);
     StencilTerms tip;
-    add_end(rod.cells[0], stencil_at(rod, line, trial, base, frames, 0), rod.instruments, mode, tip);
+    add_end(rod.cells[0], stencil_at(shape, 0), rod.instruments, mode, tip);
     put_end(dofs, tip, gradient, mode == HessianMode::None ? nullptr : hessian);
     for (int i = 1; i < line.n; ++i) {
         const bool hub = i == line.n - 1;
         StencilTerms terms;
-        add_cell(rod.cells[i], stencil_at(rod, line, trial, base, frames, i), rod.instruments, mode, terms);
+        add_cell(rod.cells[i], stencil_at(shape, i), rod.instruments, mode, terms);
         if (!gradient.empty()) put_gradient(dofs, terms, i, hub, gradient);
         if (mode == HessianMode::None) continue;
         put_positions(terms.common, dofs.per_node(), i, hub, *hessian);

@@ -131,6 +131,15 @@ struct CoaxialTrial {
     std::array<std::span<const double>, most_coaxial> theta;
 };
 
+/// A configuration: `frames` are those of the trial, see update_coaxial().
+struct CoaxialShape {
+    const CoaxialRod& rod;
+    const RodView& line;
+    const CoaxialTrial& trial;
+    const CoaxialBase& base;
+    const RodFrames& frames;
+};
+
 /// Upper half of the Hessian by blocks of nodes: rows of node i, columns of nodes i, i + 1, i + 2.
 class CoaxialHessian {
 public:
@@ -158,18 +167,14 @@ void prepare_coaxial(CoaxialRod& rod, const RodView& line);
 /// clamp. @param frames  of coaxial_frames()     @return false where there is no such configuration, see update_frames()
 [[nodiscard]] bool update_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
                                   RodFrames& frames);
-/// Makes the trial configuration of `frames` the accepted one.
-void accept_coaxial(CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const RodFrames& frames);
 
 /// [J]
-[[nodiscard]] double coaxial_energy(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,
-                                    const CoaxialBase& base, const RodFrames& frames);
+[[nodiscard]] double coaxial_energy(const CoaxialShape& shape);
 
 /// Adds +dE/dq to `gradient` (CoaxialDofs; may be empty) and d2E/dq2 to `hessian` (may be null). The remark at add_elastic() on
 /// moving a frame while changing shape holds here too. `Projected`: every stencil positive semidefinite, Gauss-Newton where
 /// natural curvature is felt. O(n), no allocation.
-void add_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                 const RodFrames& frames, std::span<double> gradient, CoaxialHessian* hessian, HessianMode mode);
+void add_coaxial(const CoaxialShape& shape, std::span<double> gradient, CoaxialHessian* hessian, HessianMode mode);
 
 /// Forces and torques of the hands: derivatives of the energy E by what each hand moves, nodes and spin angles held fixed.
 struct CoaxialHands {
@@ -182,8 +187,7 @@ struct CoaxialHands {
     /// included.
     [[nodiscard]] double push(int k, int leader, int instruments) const;
 };
-[[nodiscard]] CoaxialHands coaxial_hands(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,
-                                         const CoaxialBase& base, const RodFrames& frames);
+[[nodiscard]] CoaxialHands coaxial_hands(const CoaxialShape& shape);
 
 /// Whether nothing depends on the angle of instrument k on edge j (j = n - 1: at the clamp).
 [[nodiscard]] bool coaxial_idle(const CoaxialRod& rod, int j, int k);

@@ -18,17 +18,11 @@ double stretch_stiffness_of(const CoaxialRod& rod, const std::array<const WireSe
 }
 
 /// What hands feel at a configuration.
-struct HandForces {
-    const CoaxialRod& rod;
-    const RodView& line;
-    const CoaxialTrial& trial;
-    const CoaxialBase& base;
-    const RodFrames& frames;
-
+struct HandForces : CoaxialShape {
     /// Energy per length that cell i gains when it gains `factor` of such material per length.
     [[nodiscard]] double cell_gain(int i, const CoaxialCell& rate) const
     {
-        return cell_energy_rate(rod.cells[i], rate, stencil_at(rod, line, trial, base, frames, i), rod.instruments);
+        return cell_energy_rate(rod.cells[i], rate, stencil_at(*this, i), rod.instruments);
     }
     /// The same of an edge's stretching. @param grow  d(rest length)
     [[nodiscard]] double edge_gain(int j, double covered, double compliance, double grow) const
@@ -99,20 +93,19 @@ struct HandForces {
         const int hub = line.n - 1;
         if (base.behind[k] > 0) return (base.hand[k] - trial.theta[k][hub]) / base.behind[k];
         StencilTerms terms;
-        add_cell(rod.cells[hub], stencil_at(rod, line, trial, base, frames, hub), rod.instruments, HessianMode::None, terms);
+        add_cell(rod.cells[hub], stencil_at(*this, hub), rod.instruments, HessianMode::None, terms);
         return terms.own[k].gb;
     }
 };
 
 }  // namespace
 
-CoaxialHands coaxial_hands(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                           const RodFrames& frames)
+CoaxialHands coaxial_hands(const CoaxialShape& shape)
 {
-    const HandForces forces{rod, line, trial, base, frames};
+    const HandForces forces{shape};
     CoaxialHands hands;
     hands.line_force = forces.line_force();
-    for (int k = 0; k < rod.instruments; ++k) {
+    for (int k = 0; k < shape.rod.instruments; ++k) {
         hands.offset_force[k] = forces.offset_force(k);
         hands.torque[k] = forces.torque(k);
     }

@@ -8,9 +8,9 @@ namespace seldinger {
 
 using namespace coaxial;
 
-void measure_moments(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                     const RodFrames& frames, CoaxialMoments& out)
+void measure_moments(const CoaxialShape& shape, CoaxialMoments& out)
 {
+    const auto& [rod, line, trial, base, frames] = shape;
     const int hub = line.n - 1;
     out.moment.assign(static_cast<std::size_t>(line.n), Complex(0));
     out.parallel.assign(static_cast<std::size_t>(line.n), 0.0);
@@ -20,7 +20,7 @@ void measure_moments(const CoaxialRod& rod, const RodView& line, const CoaxialTr
     for (int i = 1; i <= hub; ++i) {
         const CoaxialCell& cell = rod.cells[i];
         if (!(cell.covered > 0)) continue;
-        const Stencil s = stencil_at(rod, line, trial, base, frames, i);
+        const Stencil s = stencil_at(shape, i);
         Complex strain = cell.covered / cell.length * s.kappa;
         for (int k = 0; k < rod.instruments; ++k) strain -= s.phase[k] * cell.rest[k];
         out.moment[i] = std::polar(1 / cell.compliance, -0.5 * (out.parallel[i - 1] + out.parallel[i])) * strain;

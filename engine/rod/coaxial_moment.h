@@ -16,9 +16,8 @@ struct CoaxialMoments {
     std::vector<double> parallel;  // [nodes] angle of the parallel frame in each edge's reference frame, the last one the clamp's [rad]
 };
 
-/// Measures the moments of a configuration; `frames` of that (update_coaxial).
-void measure_moments(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                     const RodFrames& frames, CoaxialMoments& out);
+/// Measures the moments of a configuration.
+void measure_moments(const CoaxialShape& shape, CoaxialMoments& out);
 
 /// Share of the instruments `from` to `until` - 1 among all instruments there.
 struct CoaxialShare {

@@ -43,11 +43,12 @@ int count_in(const CoaxialCell& cell, int instruments)
 }
 
 /// Adds what instrument k's torques make of the tip's error.
-void add_turning(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                 const RodFrames& frames, int k, std::span<double> turning)
+void add_turning(const CoaxialShape& shape, int k, std::span<double> turning)
 {
+    const CoaxialRod& rod = shape.rod;
+    const RodView& line = shape.line;
     const double tip = -rod.instrument[k].offset;
-    const auto torque_at = [&](int i) { return torque_of(rod.cells[i], stencil_at(rod, line, trial, base, frames, i), k); };
+    const auto torque_at = [&](int i) { return torque_of(rod.cells[i], stencil_at(shape, i), k); };
     int end = 0;  // node whose distance from the tangent counts
     double last = 0, slope = 0;
     for (int i = 0; i + 1 < line.n; ++i) {
@@ -66,14 +67,15 @@ void add_turning(const CoaxialRod& rod, const RodView& line, const CoaxialTrial&
 
 }  // namespace
 
-void measure_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                     const RodFrames& frames, std::span<Vec3> moment, std::span<double> turning)
+void measure_coaxial(const CoaxialShape& shape, std::span<Vec3> moment, std::span<double> turning)
 {
+    const CoaxialRod& rod = shape.rod;
+    const RodView& line = shape.line;
     for (int i = 0; i < line.n; ++i)
-        moment[i] = moment_of(rod.cells[i], stencil_at(rod, line, trial, base, frames, i), rod.instruments);
+        moment[i] = moment_of(rod.cells[i], stencil_at(shape, i), rod.instruments);
     std::fill_n(turning.begin(), line.n, 0.0);
     if (rod.instruments < 2) return;
-    for (int k = 0; k < rod.instruments; ++k) add_turning(rod, line, trial, base, frames, k, turning);
+    for (int k = 0; k < rod.instruments; ++k) add_turning(shape, k, turning);
 }
 
 void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod)
@@ -159,7 +161,7 @@ bool CoaxialNodes::pull_at_base(SplitScratch& scratch, Vec3& pull, Vec3& tangent
     if (!update_coaxial(rod_, line, now, base_, frames_)) return false;
     const std::span<double> gradient = std::span(scratch.gradient).first(static_cast<std::size_t>(rod_.dofs().count(line.n)));
     std::fill(gradient.begin(), gradient.end(), 0.0);
-    add_coaxial(rod_, line, now, base_, frames_, gradient, nullptr, HessianMode::None);
+    add_coaxial({rod_, line, now, base_, frames_}, gradient, nullptr, HessianMode::None);
     for (int c = 0; c < 3; ++c) pull[c] = gradient[rod_.dofs().position(m, c)];
     tangent = frames_.tangent[m];
     return true;

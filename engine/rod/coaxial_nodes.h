@@ -20,9 +20,8 @@
 
 namespace seldinger {
 
-/// NodeDemands::moment [n] [N m] and ::turning [n] [1/m] of a configuration of `frames`. O(n), no allocation.
-void measure_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                     const RodFrames& frames, std::span<Vec3> moment, std::span<double> turning);
+/// NodeDemands::moment [n] [N m] and ::turning [n] [1/m] of a configuration. O(n), no allocation.
+void measure_coaxial(const CoaxialShape& shape, std::span<Vec3> moment, std::span<double> turning);
 
 /// prepare_coaxial(), and what of it the instruments keep in their own arrays.
 /// @param wires  of `rods`: the line, then its passengers (solve/coaxial_group.h); all have as many nodes at the same places

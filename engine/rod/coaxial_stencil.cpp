@@ -30,16 +30,15 @@ void set_angle(Stencil& s, int k, double phi)
 
 }  // namespace
 
-Stencil coaxial::stencil_at(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                            const RodFrames& frames, int i)
+Stencil coaxial::stencil_at(const CoaxialShape& shape, int i)
 {
+    const auto& [rod, line, trial, base, f] = shape;
     if (i == 0) {
         Stencil tip;
         tip.end = true;
         for (int k = 0; k < rod.instruments; ++k) set_angle(tip, k, trial.theta[k][0]);
         return tip;
     }
-    const RodFrames& f = frames;
     const bool hub = i == line.n - 1;
     Stencil s;
     Pair& pair = s.pair;

@@ -26,8 +26,7 @@ struct StencilTerms {
 };
 
 /// Stencil of node i: inner, the hub with the clamp as hub-side partner, or the tip.
-[[nodiscard]] Stencil stencil_at(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                                 const RodFrames& frames, int i);
+[[nodiscard]] Stencil stencil_at(const CoaxialShape& shape, int i);
 /// [J]
 [[nodiscard]] double cell_energy(const CoaxialCell& cell, const Stencil& s, int instruments);
 /// d(energy of the cell) when its integrals change by `rate` [J].

@@ -384,10 +384,6 @@ struct Walk {
     }
 };
 
-}  // namespace
-
-namespace {
-
 /// |kappa - rest_kappa|^2 at inner node i; of a wire that is straight by nature it takes no frame.
 double squared_bend(const RodView& rod, const RodFrames& frames, int i)
 {

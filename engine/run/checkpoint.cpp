@@ -58,19 +58,11 @@ void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c
     if (at != end) throw Error(ExitCode::BadFile, "has data after its end; run again with --overwrite");
 }
 
-}  // namespace
-
-namespace {
-
 constexpr std::int64_t most_counted = std::int64_t{1} << 53;
 
 bool is_time(double seconds) { return seconds >= 0 && seconds < 1e12; }
 
 bool is_place(const double* at) { return std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]); }
-
-}  // namespace
-
-namespace {
 
 bool is_sound(const LoadTally& t)
 {

@@ -6,7 +6,7 @@
 // outside, and comes back when it crosses it the other way. A tip that enters at an inlet has not left before.
 
 #include "engine.h"
-#include "vessel/repair.h"
+#include "repair/repair.h"
 
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 // Where instruments will touch an elastic wall, from a trial run of the scene with a rigid one. The control mesh is fine there
-// (wall/control_mesh.h): a dent is a few tenths of a millimetre to a few millimetres wide, and no mesh of one size resolves that on a whole
+// (surface/control_mesh.h): a dent is a few tenths of a millimetre to a few millimetres wide, and no mesh of one size resolves that on a whole
 // vessel.
 
 #include "engine.h"

@@ -6,10 +6,10 @@
 #include "io/centreline_file.h"
 #include "io/file_remarks.h"
 #include "io/mesh_file.h"
+#include "repair/repair.h"
 #include "scene/vessel_cache.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
-#include "vessel/repair.h"
 #include "vessel/shapes.h"
 #include "wall/wall_resolution.h"
 

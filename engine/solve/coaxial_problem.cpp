@@ -74,8 +74,7 @@ void CoaxialProblem::evaluate()
 {
     const std::size_t size = static_cast<std::size_t>(group_.rod.dofs().count(line().rod.n));
     std::fill_n(gradient_.begin(), size, 0.0);
-    add_coaxial(group_.rod, line().rod, trial(), group_.base, line().frames, std::span(gradient_).first(size), nullptr,
-                HessianMode::None);
+    add_coaxial(shape(trial()), std::span(gradient_).first(size), nullptr, HessianMode::None);
 }
 
 void CoaxialProblem::add_residual()
@@ -129,7 +128,7 @@ void CoaxialProblem::add_tangent(HessianMode mode, bool symmetric, const double*
 {
     const int n = line().rod.n, width = group_.rod.dofs().per_node();
     hessian_.reset(n);
-    add_coaxial(group_.rod, line().rod, trial(), group_.base, line().frames, {}, &hessian_, mode);
+    add_coaxial(shape(trial()), {}, &hessian_, mode);
     // unknown of the system that place p of a node is
     const auto unknown = [&](int node, int p) {
         const WireProblem& wire = *wires_[std::max(0, p - RodDofs::coordinates)];
@@ -196,7 +195,7 @@ void CoaxialProblem::commit()
     for (int k = 0; k < group_.count(); ++k) std::copy_n(group_.rod.theta[k].begin(), from.n, wires_[k]->rod.theta.begin());
 }
 
-double CoaxialProblem::energy() const { return coaxial_energy(group_.rod, line().rod, trial(), group_.base, line().frames); }
+double CoaxialProblem::energy() const { return coaxial_energy(shape(trial())); }
 
 double CoaxialProblem::strain_work()
 {
@@ -217,6 +216,6 @@ double CoaxialProblem::strain_work()
     return work;
 }
 
-CoaxialHands CoaxialProblem::hands() const { return coaxial_hands(group_.rod, line().rod, trial(), group_.base, line().frames); }
+CoaxialHands CoaxialProblem::hands() const { return coaxial_hands(shape(trial())); }
 
 }  // namespace seldinger

@@ -49,6 +49,8 @@ public:
 private:
     [[nodiscard]] WireProblem& line() const { return *wires_.front(); }
     [[nodiscard]] CoaxialTrial trial() const;
+    /// @param at  outlives it
+    [[nodiscard]] CoaxialShape shape(const CoaxialTrial& at) const { return {group_.rod, line().rod, at, group_.base, line().frames}; }
     void evaluate();
     void add_moments(bool symmetric, const double* all, FarEntries& far) const;
 

@@ -25,9 +25,9 @@ WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
 
 // ---- start of a step --------------------------------------------------------------------------------------------------------
 
-void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec, const Vec3& gravity,
-                        Motion motion, double h)
+void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const StepEquations& step)
 {
+    const auto& [spec, gravity, motion, h, spins] = step;
     rod = view;
     constraints_ = &constraints;
     clamps.assign(constraints.clamps.begin(), constraints.clamps.end());

@@ -37,8 +37,7 @@ public:
     // ---- start of a step (wire_problem.cpp, wire_scales.cpp) ----
     /// Takes over the start of the step and the constraints at its end, and fills in its part of the unknowns. No allocation once
     /// clamps have been seen.
-    void begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec, const Vec3& gravity,
-               Motion motion, double h);
+    void begin(const RodView& view, const WireConstraints& constraints, const StepEquations& step);
     /// Whether nothing turns the spin angles in this step (solve/spins.cpp).
     [[nodiscard]] bool may_leave(SpinAngles spins) const;
     /// The second part: with the spin angles left as they are, or not.

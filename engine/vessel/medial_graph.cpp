@@ -24,9 +24,6 @@ struct Ball {
     double radius = 0;
 };
 
-/// The triangle that the ball met in each round of shrinking; -1: none yet.
-using Met = std::array<std::int64_t, 40>;
-
 /// Places whose distance to the wall took long to find, because much of the wall is equally far from them: the middle of a sphere.
 /// Samples of such a wall ask for the same place again and again, and each would look at all of it. A point's distance bounds
 /// those of its neighbours.
@@ -53,14 +50,20 @@ private:
     std::size_t next_ = 0;
 };
 
+/// What balls of neighbours have found out.
+struct BallSearch {
+    BallSearch() { met.fill(-1); }
+    std::array<std::int64_t, 40> met;  // triangle that the last ball met in each round of shrinking, where to look first; -1: none yet
+    TiedPlaces tied;
+    std::uint64_t visits = 0;
+};
+
 /// Largest ball inside the lumen that touches the wall at `at` with centre along `normal`. Starts with half the chord
 /// (no larger ball can avoid the wall at its far end) and shrinks onto the nearest wall until none is nearer.
 /// A wall without a direction there (its triangles face each other) has no such ball.
-/// @param met   in and out: the triangle that each round of a neighbour's ball met, where to look first
-/// @param tied  in and out: of its neighbours
-Ball medial_ball(const LumenQuery& lumen, const Vec3& at, const Vec3& normal, double skip, double limit, Met& met,
-                 TiedPlaces& tied, std::uint64_t& visits)
+Ball medial_ball(const LumenQuery& lumen, const Vec3& at, const Vec3& normal, double skip, double limit, BallSearch& search)
 {
+    auto& [met, tied, visits] = search;
     if (!(normal.squaredNorm() > 0)) return {at, 0.0};
     // two contacts closer than this seen from the centre are one contact on a rough wall, not two sides of a lumen
     constexpr double kSeparation = 40 * std::numbers::pi / 180;
@@ -287,21 +290,19 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const MeshEdges& edges, con
     std::atomic<std::uint64_t> visits = 0;
     const std::vector<int> order = along_the_wall(lumen.tree(), mesh, seeds, graph.sample_of_vertex);
     for_each_piece(static_cast<int>(order.size()), 256, [&](int begin, int end) {
-        Met met;
-        met.fill(-1);
-        TiedPlaces tied;  // of this piece alone, so that no thread changes another's answer
+        BallSearch search;  // of this piece alone, so that no thread changes another's answer
         for (int k = begin; k < end; ++k) {
             if (static_cast<double>(visits) > most_visits) return;
             const auto i = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
             const auto v = static_cast<std::size_t>(seeds[i]);
             const Vec3 at = mesh.vertices[v];
             graph.wall[i] = at;
-            std::uint64_t here = openings.size();
-            const Vec3 normal = lumen.vertex_normal(seeds[i], &here);
-            balls[i] = medial_ball(lumen, at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), met, tied, here);
+            search.visits = openings.size();
+            const Vec3 normal = lumen.vertex_normal(seeds[i], &search.visits);
+            balls[i] = medial_ball(lumen, at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), search);
             if (!box.contains(balls[i].centre)) balls[i] = {at, 0.0};  // of a wall that faces out of everything
             balls[i].radius = std::max(balls[i].radius, 1e-9 * limit);
-            visits += here;
+            visits += search.visits;
         }
     });
     WorkBudget(kFindingBalls, most_visits).spend(static_cast<double>(visits));

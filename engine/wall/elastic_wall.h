@@ -8,8 +8,8 @@
 // while no control vertex has moved by more than 1/100 of the lumen's radius or 1/10 of the wall's thickness. Inertia of the wall
 // is small beside the tissue's damping, and left out.
 
-#include "wall/control_mesh.h"
-#include "wall/loop_surface.h"
+#include "surface/control_mesh.h"
+#include "surface/loop_surface.h"
 #include "wall/wall_model.h"
 #include "wall/wall_readings.h"
 #include "wall/wall_resolution.h"

@@ -35,7 +35,7 @@
 // which ends in the mean as the mesh is refined, and on a plane [as Arnold97 take a share of the membrane that grows so]. Either
 // strain is exact for rigid motion and for constant strain, so is the sum.
 
-#include "wall/loop_surface.h"
+#include "surface/loop_surface.h"
 
 #include <Eigen/SparseCore>
 #include <functional>

@@ -2,7 +2,7 @@
 // The constant strain of a triangle that stretches its edges as they are stretched on average (shell.h says why); private to the
 // shell's source files.
 
-#include "wall/loop_surface.h"
+#include "surface/loop_surface.h"
 
 #include <array>
 

@@ -1,7 +1,7 @@
 // The default control edge, and the memory that an edge needs.
 #include "core/error.h"
-#include "wall/control_mesh.h"
-#include "wall/edge_field.h"
+#include "surface/control_mesh.h"
+#include "surface/edge_field.h"
 #include "wall/wall_model.h"
 #include "wall/wall_resolution.h"
 
@@ -51,10 +51,6 @@ std::string about(double count)
 }
 
 std::string millimetres(double length) { return fmt::format("{:.2g} mm", 1e3 * length); }
-
-}  // namespace
-
-namespace {
 
 /// One edge length everywhere but in narrow branches, for at most `most` vertices.
 WallEdge even_edge(const WallModel& wall, const WallSamples& samples, double most)

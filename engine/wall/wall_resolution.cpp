@@ -1,8 +1,8 @@
 // The control mesh of an elastic wall against the decay length of a dent.
 #include "wall/wall_resolution.h"
 
-#include "wall/control_mesh.h"
-#include "wall/edge_field.h"
+#include "surface/control_mesh.h"
+#include "surface/edge_field.h"
 #include "wall/wall_model.h"
 
 #include <algorithm>

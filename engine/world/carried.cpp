@@ -3,7 +3,7 @@
 #include "world/carried.h"
 
 #include "core/state_walk.h"
-#include "solve/solver.h"
+#include "newton/solver.h"
 #include "world/world.h"
 
 #include <algorithm>

@@ -7,6 +7,7 @@
 #include "rod/coaxial_nodes.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"
+#include "world/step_stages.h"
 
 #include <algorithm>
 #include <cmath>
@@ -137,7 +138,7 @@ double elastic_now(RodArrays& rods, MergedGroup& group)
     const CoaxialTrial now = accepted_trial(rods, group.wires());
     RodFrames& frames = group.frames;
     const bool usable = update_coaxial(group.shared.rod, line, now, group.shared.base, frames);
-    const double energy = usable ? coaxial_energy(group.shared.rod, line, now, group.shared.base, frames) : 0.0;
+    const double energy = usable ? coaxial_energy({group.shared.rod, line, now, group.shared.base, frames}) : 0.0;
     return energy;
 }
 
@@ -297,6 +298,11 @@ void lead_group(WorldData& world, MergedGroup& group, double h)
     const RodView line = world.rod(group.line());
     if (leader != group.leader && world.feed(group.wires()[leader]).advance > line.material_s[line.n - 1])
         change_leader(world, group, leader, h);
+}
+
+void stop_hands(WorldData& world)
+{
+    for (const auto& group : world.groups.list) group->shared.fed = {};
 }
 
 void set_exposures(WorldData& world)

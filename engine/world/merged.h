@@ -88,11 +88,7 @@ void take_holds(WorldData& world, MergedGroup& group);
 [[nodiscard]] double elastic_now(RodArrays& rods, MergedGroup& group);
 /// After arrays and feeds have been put back: offsets, angles and integrals.
 void refresh_group(WorldData& world, MergedGroup& group);
-/// Where the instruments lie in the line now, for contact.
-void set_exposures(WorldData& world);
 
-/// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
-void read_hands(WorldData& world, MergedGroup& group);
 /// Forces by which a group's hands do work [N], [N m]. First dE/dL; then for each instrument dE/do, the forces along the line of
 /// its surroundings, of friction and of the twisted length behind the inlet, and its torque.
 struct MergedForces {
@@ -108,10 +104,5 @@ struct MergedWork {
 };
 [[nodiscard]] MergedWork merged_work(const WorldData& world, const MergedGroup& group, const MergedForces& forces);
 
-/// Each instrument alone, from its own tip to the hub: the view of World::rod(). After a step, and where the state was put
-/// back.
-void show_groups(WorldData& world);
-/// The wall's force on the nodes that show_groups() made.
-[[nodiscard]] std::vector<Vec3> shown_contact_force(const WorldData& world, int wire);
 
 }  // namespace seldinger

@@ -1,12 +1,15 @@
-// Instruments that share one centreline: forces at their hands, and each instrument alone.
+// Instruments that share one centreline: forces at their hands, how wrong nodes make these, and each instrument alone.
 
 #include "contact/rods/coaxial_friction.h"
 #include "contact/contact_system.h"
-#include "world/merged.h"
+#include "world/node_errors.h"
+#include "world/step_stages.h"
+#include "world/world_rod.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace seldinger {
 
@@ -58,8 +61,10 @@ double weight_of(WorldData& world, const MergedGroup& group, int k)
 
 }  // namespace
 
-void read_hands(WorldData& world, MergedGroup& group)
+void read_hands(const WorldRod& rod)
 {
+    WorldData& world = rod.world();
+    const MergedGroup& group = *rod.group();
     const CoaxialHands hands = world.solver->coaxial_hands(group.line());
     const RodView line = world.rod(group.line());
     const int count = group.shared.count(), base = line.n - 2;
@@ -186,17 +191,7 @@ void show(WorldData& world, const MergedGroup& group, int k)
 
 }  // namespace
 
-std::vector<Vec3> shown_contact_force(const WorldData& world, int wire)
-{
-    const std::vector<Vec3>& all = world.output.results[wire].nodal_contact;
-    const int from = world.groups.shown_from[wire], n = world.groups.shown->node_count(wire);
-    std::vector<Vec3> force(static_cast<std::size_t>(n), Vec3::Zero());
-    // values on the node before its tip belong to the edge with the tip
-    for (int i = 0; i < n && from + i < static_cast<int>(all.size()); ++i) force[i] = all[from + i];
-    return force;
-}
-
-void show_groups(WorldData& world)
+void show_instruments(WorldData& world)
 {
     for (const auto& group : world.groups.list)
         for (int k = 0; k < group->shared.count(); ++k) {
@@ -204,6 +199,60 @@ void show_groups(WorldData& world)
             world.groups.shown->set_curvature(w, world.rod(group->line()).curvature);
             show(world, *group, k);
         }
+}
+
+namespace {
+
+/// Jumps where a piece ends and instrument k with it, or its section: of the compliance of all together, and of their natural curvature.
+std::pair<double, double> jumps_between(const CoaxialPiece& a, const CoaxialPiece& b, int k, int count)
+{
+    const auto stiffness_of = [&](const CoaxialPiece& piece) {
+        double sum = 0;
+        for (int j = 0; j < count; ++j) sum += piece.section[j] ? piece.section[j]->bend_stiffness : 0.0;
+        return sum;
+    };
+    const double of_a = stiffness_of(a), of_b = stiffness_of(b);
+    if (a.section[k] == b.section[k] || !(of_a > 0 && of_b > 0)) return {0, 0};
+    const auto natural = [](const WireSection* section, double all) {
+        return section ? Vec2(section->bend_stiffness / all * section->rest_curvature) : Vec2(Vec2::Zero());
+    };
+    double turn = 0;
+    for (int j = 0; j < count; ++j) turn += (natural(a.section[j], of_a) - natural(b.section[j], of_b)).norm();
+    return {std::abs(1 / of_a - 1 / of_b), turn};
+}
+
+/// hand_error() of instrument k, as if it did not lead.
+double boundary_error(const MergedGroup& group, const RodView& line, std::span<const Vec3> moment, int k)
+{
+    const auto& pieces = group.shared.rod.pieces;
+    const int hub = line.n - 1;
+    double sum = 0;
+    for (std::size_t p = 0; p + 1 < pieces.size(); ++p) {
+        const auto [compliance, turn] = jumps_between(pieces[p], pieces[p + 1], k, group.shared.count());
+        int i = 0;  // the cell that it is in
+        while (i < hub && pieces[p].end >= 0.5 * (line.material_s[i] + line.material_s[i + 1])) ++i;
+        double step = 0;
+        if (i > 0) step = std::max(step, (moment[i] - moment[i - 1]).norm());
+        if (i < hub) step = std::max(step, (moment[i + 1] - moment[i]).norm());
+        sum += compliance * (moment[i].norm() * step + step * step / 4) / 2 + turn * step / 2;
+    }
+    return sum;
+}
+
+}  // namespace
+
+double hand_error(const World& given, int wire)
+{
+    WorldData& world = data_of(const_cast<World&>(given));  // scratch of the group is made anew; the state is only read
+    const MergedGroup* group = world.groups.of(wire);
+    if (!group || !group->feed.inside) return 0;
+    const WorldRod rod(world, group->line());
+    const NodeDemands demands = rod.demands();
+    const auto wires = group->wires();
+    double sum = 0;
+    for (int k = 0; k < group->shared.count(); ++k)
+        if (k != group->leader && (wires[k] == wire || wires[group->leader] == wire)) sum += boundary_error(*group, rod.view(), demands.moment, k);
+    return sum;
 }
 
 }  // namespace seldinger

@@ -3,7 +3,7 @@
 #include "contact/contact_sums.h"
 #include "contact/elastic/yielding_wall.h"
 #include "device/device.h"
-#include "vessel/repair.h"
+#include "repair/repair.h"
 #include "world/step_stages.h"
 #include "world/world.h"
 

@@ -30,16 +30,13 @@ int parts_of(WorldData& world, int w, double dt)
     const HubPath hub = world.work.wires[w].hub.path();
     const double t = world.state.wires[w].time;
     const double pushed = hub.travel(t, t + dt, +1), pulled = hub.travel(t, t + dt, -1);
-    const MergedGroup* group = world.groups.of(w);
-    const double even = feed.edge / 2;
-    const double shortest = group                  ? (group->adapts() ? group->nodes.min_edge : even)
-                            : world.adapter(w).on ? world.setup.wires[w].wire.min_edge
-                                                   : even;
+    const WorldRod one(world, world.line_of(w));
+    const double shortest = one.adapts() ? one.bounds().min_edge : feed.edge / 2;
     const RodView rod = world.rod(w);
     // a pull by more than half of the base edge takes it out in time where it is known beforehand
     const double base = feed.inside ? std::min(rod.rest_length[rod.n - 2], shortest) : shortest;
     // two instruments on one centreline may go opposite ways; the lead of one is then put before the tip in one piece
-    const double most = group ? feed.edge / 4 : feed.edge;
+    const double most = one.wires().size() > 1 ? feed.edge / 4 : feed.edge;
     const double parts = std::ceil(std::max(pushed / most, pulled / (base / 2)) - 1e-9);
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
 }
@@ -113,7 +110,7 @@ void feed_hubs(WorldData& world, const SubStep& sub)
     // of an equilibrium a step's length is no time: no speed, and the rest length that births have left over is taken back at once
     const double h = world.setup.integrator.scheme == Scheme::Static ? INFINITY : sub.h;
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
-        if (!sub.wires[w] || world.groups.is_passenger(w)) return;
+        if (!sub.wires[w] || !world.is_line(w)) return;
         world.work.wires[w].start = {momentum(world.rod(w)), Vec3::Zero()};
         feed_rod(WorldRod(world, w), sub.h, h);
     });
@@ -126,7 +123,7 @@ void hold_and_load(WorldData& world, const SubStep& sub)
         if (!sub.wires[w]) return;
         constrain(world, w, world.state.wires[w].time + sub.h);
         if (!world.state.wires[w].carried.empty()) carry(world.rod(w), world.state.wires[w].carried, world.work.length, world.constraints(w));
-        if (world.groups.is_passenger(w)) return;
+        if (!world.is_line(w)) return;
         MomentumStart& start = world.work.wires[w].start;
         start.fed = momentum(world.rod(w)) - start.momentum;
     });

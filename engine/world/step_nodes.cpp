@@ -119,7 +119,7 @@ void note_elastic_wall(const WorldRod& rod, NodeDemands& demands)
     demands.touching_edge = std::max(rod.bounds().min_edge, world.forces.elastic_wall->edge_touched());
     if (!demands.may_merge) return;
     world.work.bowed.assign(static_cast<std::size_t>(rod.view().n), 0);
-    for (const int w : rod.wires()) world.forces.yielding->note_bowed(world.state.rods, w, world.work.bowed);
+    for (const int w : rod.wires()) world.forces.yielding->mark_bowed(world.state.rods, w, world.work.bowed);
     demands.bowed = world.work.bowed;
 }
 
@@ -156,11 +156,11 @@ bool adapt_rod(const WorldRod& rod, double dt, bool may_merge)
 
 void adapt_nodes_of(WorldData& world, int w, double dt)
 {
-    if (world.groups.is_passenger(w)) return;
+    if (!world.is_line(w)) return;
     const FeedState& feed = world.feed(w);
     if (feed.on && !feed.inside) return;
     const WorldRod rod(world, w);
-    if (world.adapter(w).on) (void)adapt_rod(rod, dt, world.state.steps % merge_period == 0);
+    if (rod.adapts()) (void)adapt_rod(rod, dt, world.state.steps % merge_period == 0);
     else if (feed.on) (void)adapt_ends(rod, dt);
 }
 

@@ -64,13 +64,11 @@ void read_contact(WorldData& world, int wire, const RodView& line)
 void read_motion(WorldData& world, int wire, std::span<const Vec3> contact_force, double h)
 {
     WireResult& result = world.output.results[wire];
-    const IntegratorSpec& integrator = world.setup.integrator;
-    if (h == 0 || integrator.scheme == Scheme::Static) begin_audit(world, wire, false);
+    if (h == 0 || world.setup.integrator.scheme == Scheme::Static) begin_audit(world, wire, false);
     result.kinetic = world.audit(wire).kinetic;
     result.elastic = world.audit(wire).elastic;
     result.gravitational = world.audit(wire).gravitational;
-    result.momentum = momentum_balance(world.rod(wire), world.constraints(wire), *world.solver, wire, integrator, world.setup.gravity,
-                                       contact_force, world.work.wires[wire].start, h);
+    result.momentum = world.solver->momentum_balance(wire, world.constraints(wire), contact_force, world.work.wires[wire].start, h);
 }
 
 Vec3 force_at_hub(WorldData& world, int wire)
@@ -102,7 +100,7 @@ void read_hand(WorldData& world, int wire)
 // Energies and momentum are the line's, contacts and hands each instrument's own.
 void read_results(WorldData& world, int line, double h)
 {
-    if (world.groups.is_passenger(line)) return;
+    if (!world.is_line(line)) return;
     const WorldRod rod(world, line);
     const bool solved = world.state.is_solved(line);
     for (const int w : rod.wires()) {
@@ -117,7 +115,7 @@ void read_results(WorldData& world, int line, double h)
     if (!solved) return;
     WireResult& result = world.output.results[line];
     result.base_force = force_at_hub(world, line);
-    if (MergedGroup* group = world.groups.of(line)) read_hands(world, *group);
+    if (rod.wires().size() > 1) read_hands(rod);
     else read_hand(world, line);
     read_motion(world, line, rod.contact(), h);
     result.momentum.held += world.audit(line).terms.applied_force;

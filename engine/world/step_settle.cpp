@@ -61,7 +61,7 @@ WireMask balance(WorldData& world, const std::vector<ContinuationPath>& paths, c
         return most > farthest * now.radius[0];
     };
     set_exposures(world);
-    for (const auto& group : world.groups.list) group->shared.fed = {};
+    stop_hands(world);
     world.forces.terms.begin_step(world.state.rods, settling);
     for (int w = 0; w < world.wire_count(); ++w) {
         world.work.live[w] = world.work.active[w] = mask[w] && world.state.is_solved(w);
@@ -74,13 +74,8 @@ WireMask balance(WorldData& world, const std::vector<ContinuationPath>& paths, c
     WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < world.wire_count(); ++w) failed[w] = world.work.active[w] && (!world.work.reports[w].converged || too_far(w));
     world.systems.spread(mask, failed);
-    for (int w = 0; w < world.wire_count(); ++w) {
-        if (!failed[w]) continue;
-        done[w] = 0;
-        put_back_wire(world, w);
-    }
-    for (const auto& group : world.groups.list)
-        if (failed[group->line()]) refresh_group(world, *group);
+    put_back_wires(world, failed);
+    for (int w = 0; w < world.wire_count(); ++w) done[w] = done[w] && !failed[w];
     world.forces.terms.commit(done);
     for (int w = 0; w < world.wire_count(); ++w)
         if (done[w]) {
@@ -184,7 +179,7 @@ void find_equilibrium(WorldData& world, StepReport& report, const std::function<
             const std::size_t reached = paths[s].next;
             const bool found = go_on(world, s, paths[s], any_failed);
             if (passed && found && paths[s].next > reached && !paths[s].done()) {
-                show_groups(world);
+                show_instruments(world);
                 passed(s, paths[s].reached);
             }
             for (const int w : wires) {

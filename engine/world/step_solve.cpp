@@ -5,7 +5,6 @@
 #include "core/parallel.h"
 #include "core/prefetch.h"
 #include "rod/no_state.h"
-#include "world/merged.h"
 #include "world/step_stages.h"
 #include "world/world.h"
 
@@ -51,13 +50,13 @@ Outcomes judge(WorldData& world, const SubStep& sub, StepReport& report)
     WireMask adds_up(count, 1);
     if (audited(world))
         for_each_item(world.wire_count(), wire_grain, [&](int w) {
-            if (world.work.active[w] && world.work.reports[w].converged && !world.groups.is_passenger(w)) adds_up[w] = energy_adds_up(world, w, sub.h);
+            if (world.work.active[w] && world.work.reports[w].converged && world.is_line(w)) adds_up[w] = energy_adds_up(world, w, sub.h);
         });
     for (int w = 0; w < world.wire_count(); ++w) {
         if (!world.work.active[w]) continue;
         const SolveReport& solved = world.work.reports[w];
         note(world, report, w, solved.best_effort ? StepBestEffort : solved.cut_short ? StepCutShort : StepOk, solved.iterations);
-        const bool missed = solved.converged && solved.best_effort && !world.groups.is_passenger(w);
+        const bool missed = solved.converged && solved.best_effort && world.is_line(w);
         if (missed && (is_torn(world.rod(w)) || is_thrown(world.rod(w), solved.residual, sub.h))) {
             to.failed[w] = 1;
             continue;
@@ -103,7 +102,7 @@ void begin_step(WorldData& world)
     if (world.state.steps == 0 && world.setup.integrator.newmark) start_acceleration(world);
     // contacts of the initial placement are not known yet: there energies are counted from the end of the first step
     for (int w = 0; w < world.wire_count() && world.state.steps == 0 && world.forces.terms.empty(); ++w) {
-        if (world.audit(w).known || !world.state.is_solved(w) || world.groups.is_passenger(w)) continue;
+        if (world.audit(w).known || !world.state.is_solved(w) || !world.is_line(w)) continue;
         constrain_now(world, w);
         begin_audit(world, w, true);
     }
@@ -128,7 +127,7 @@ void keep_start(WorldData& world, const SubStep& sub)
 StepReport put_back(WorldData& world, StepReport& report)
 {
     if (!world.work.step_start.empty()) put_back_saved(world, world.work.step_start);
-    show_groups(world);
+    show_instruments(world);
     world.work.step_start.clear();
     note(world, report, 0, StepStopped);
     collect_timers(world, report);
@@ -144,7 +143,7 @@ void begin_sub_step(WorldData& world, const SubStep& sub)
 {
     for (int w = 0; w < world.wire_count() && sub.after != SubStep::After::Nothing; ++w) {
         if (!sub.wires[w]) continue;
-        if (sub.after == SubStep::After::Part && !world.groups.is_passenger(w)) adapt_nodes_of(world, w, sub.h);
+        if (sub.after == SubStep::After::Part) adapt_nodes_of(world, w, sub.h);
         keep_wire(world, w);
     }
     set_exposures(world);
@@ -177,7 +176,7 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
         prefetch_after(world.state.rods, w);
         if (!done[w]) return;
         world.state.wires[w].time += sub.h;
-        if (world.work.active[w] && audited(world) && !world.groups.is_passenger(w)) accept_energy(world, w, sub.h);
+        if (world.work.active[w] && audited(world) && world.is_line(w)) accept_energy(world, w, sub.h);
         if (world.work.active[w] && world.work.reports[w].cut_short) add_left(world.rod(w), *world.solver, w, sub.h, world.state.wires[w].left);
         read_results(world, w, sub.h);
     });

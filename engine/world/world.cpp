@@ -7,6 +7,7 @@
 #include "rod/rod_arrays.h"
 #include "world/merged.h"
 #include "world/setup_check.h"
+#include "world/step_stages.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,10 +68,6 @@ void close_ring(WireSetup& wire)
         wire.holds.push_back(hold);
     }
 }
-
-}  // namespace
-
-namespace {
 
 WorldSetup checked(WorldSetup setup)
 {
@@ -149,7 +146,7 @@ WorldData::WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall)
     for (int w = 0; w < wire_count(); ++w) audit(w).limits = energy_limits(setup.wires[w].wire, setup.gravity);
     for (const auto& group : groups.list)
         for (const int w : group->wires().subspan(1)) audit(group->line()).limits.floor += audit(w).limits.floor;
-    show_groups(*this);
+    show_instruments(*this);
 }
 
 World::World(WorldSetup setup) : data_(std::make_unique<WorldData>(std::move(setup))) {}

@@ -11,11 +11,11 @@
 #include "contact/edge_sums.h"
 #include "contact/force_per_length.h"
 #include "engine.h"
+#include "newton/momentum.h"
+#include "newton/solver.h"
 #include "rod/adapt.h"
 #include "solve/constraints.h"
 #include "solve/feed.h"
-#include "solve/momentum.h"
-#include "solve/solver.h"
 #include "vessel/inside.h"
 #include "wall/wall_shape.h"
 #include "world/carried.h"
@@ -37,16 +37,12 @@ struct MergedGroups {
     ~MergedGroups();
     std::vector<std::unique_ptr<MergedGroup>> list;
     std::vector<int> place;            // [wires] in `list`; -1: a rod of its own
-    std::vector<int> line;             // [wires] whose nodes its own are; -1 likewise
+    std::vector<int> line;             // [wires] whose arrays hold its nodes; -1 likewise
     std::unique_ptr<RodArrays> shown;  // each instrument by itself; none without a group
     std::vector<int> shown_from;       // [wires] edge of the line that its tip is on
 
     [[nodiscard]] bool has(int wire) const { return place[wire] >= 0; }
     [[nodiscard]] MergedGroup* of(int wire) const { return has(wire) ? list[place[wire]].get() : nullptr; }
-    /// The wire whose nodes its own are.
-    [[nodiscard]] int line_of(int wire) const { return has(wire) ? line[wire] : wire; }
-    /// Whether its nodes are those of another one, the line of its group.
-    [[nodiscard]] bool is_passenger(int wire) const { return has(wire) && line[wire] != wire; }
 };
 
 // ---- state
@@ -109,7 +105,7 @@ struct StepWork {
     std::vector<std::uint8_t> active, live;
     // of the rod whose nodes are being changed
     SplitScratch split;
-    std::vector<std::uint8_t> bowed;  // YieldingWall::note_bowed
+    std::vector<std::uint8_t> bowed;  // YieldingWall::mark_bowed
     // a step that may be stopped
     std::function<bool()> stop_asked;      // empty: never
     std::vector<std::uint8_t> step_start;  // the whole state there, of a step of several sub-steps
@@ -161,6 +157,10 @@ struct WorldData {
     WorldOutput output;
 
     [[nodiscard]] int wire_count() const { return state.rods.wire_count(); }
+    /// The wire whose arrays hold the nodes of this one's rod (world_rod.h).
+    [[nodiscard]] int line_of(int wire) const { return groups.has(wire) ? groups.line[wire] : wire; }
+    /// Whether it is that wire: alone in its rod, or the line of a group.
+    [[nodiscard]] bool is_line(int wire) const { return line_of(wire) == wire; }
     [[nodiscard]] RodView rod(int wire) { return state.rods.view(wire); }
     [[nodiscard]] FeedState& feed(int wire) { return state.feed(wire); }
     [[nodiscard]] const FeedState& feed(int wire) const { return state.feed(wire); }
@@ -184,6 +184,7 @@ void check_request(const WorldData& world, const Control& control, double dt);
 /// What a failed attempt returns to.
 void keep_wire(WorldData& world, int wire);
 void put_back_wire(WorldData& world, int wire);
+void put_back_wires(WorldData& world, const WireMask& wires);
 /// Everything that World::save_state() returns; put back unchecked.
 [[nodiscard]] std::vector<std::uint8_t> saved_state(WorldData& world);
 void put_back_saved(WorldData& world, std::span<const std::uint8_t> bytes);

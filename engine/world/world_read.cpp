@@ -122,8 +122,11 @@ const std::vector<ContactRow>& World::contacts() const
 std::vector<Vec3> World::nodal_contact_force(int wire) const
 {
     const auto& all = data_->output.results[wire].nodal_contact;
-    if (data_->groups.has(wire)) return shown_contact_force(*data_, wire);
-    return {all.begin(), all.begin() + data_->state.rods.node_count(wire)};
+    // values on the node before a tip within its line belong to the edge with the tip
+    const int from = data_->groups.has(wire) ? data_->groups.shown_from[wire] : 0;
+    std::vector<Vec3> force(static_cast<std::size_t>(rod(wire).n), Vec3::Zero());
+    for (std::size_t i = 0; i < force.size() && from + i < all.size(); ++i) force[i] = all[from + i];
+    return force;
 }
 
 // A wire is at rest when a static solve says so, or when its kinetic energy is a hundred-millionth of the energies it exchanges
@@ -225,10 +228,6 @@ void read_walls(const WorldData& world, unsigned parts, std::vector<WallOutput>&
         wall.stress = world.output.wall_shape->spread(stress);
     }
 }
-
-}  // namespace
-
-namespace {
 
 /// Sets a flag where a load is more than all that the wire bears.
 void check_loads(const WorldOutput& output, int wire, WireOutput& into)

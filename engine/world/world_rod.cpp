@@ -20,7 +20,7 @@ void measure(WorldData& world, MergedGroup& group, NodeDemands& demands)
     const std::span<Vec3> moment = std::span(group.moment).first(n);
     const std::span<double> turning = std::span(group.turning).first(n);
     if (update_coaxial(group.shared.rod, line, now, group.shared.base, group.frames)) {
-        measure_coaxial(group.shared.rod, line, now, group.shared.base, group.frames, moment, turning);
+        measure_coaxial({group.shared.rod, line, now, group.shared.base, group.frames}, moment, turning);
     } else {
         std::ranges::fill(moment, Vec3::Zero());
         std::ranges::fill(turning, 0.0);

@@ -13,7 +13,7 @@ public:
     /// @param line  a wire by itself, or the line of a group; no passenger
     WorldRod(WorldData& world, int line) : world_(world), group_(world.groups.of(line)), line_(line)
     {
-        SEL_ASSERT(!world.groups.is_passenger(line));
+        SEL_ASSERT(world.is_line(line));
     }
 
     [[nodiscard]] WorldData& world() const { return world_; }
@@ -25,6 +25,8 @@ public:
     [[nodiscard]] FeedState& feed() const { return group_ ? group_->feed : world_.feed(line_); }
     /// Path of the hub that feeds the line.
     [[nodiscard]] HubPath hub() const { return world_.work.wires[group_ ? group_->wires()[group_->leader] : line_].hub.path(); }
+    /// Whether nodes come and go anywhere along it.
+    [[nodiscard]] bool adapts() const { return world_.adapter(line_).on; }
     /// Bounds of its edges.
     [[nodiscard]] const WireSpec& bounds() const { return group_ ? group_->nodes : world_.setup.wires[line_].wire; }
 

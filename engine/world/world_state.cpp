@@ -3,6 +3,7 @@
 
 #include "core/state_walk.h"
 #include "world/merged.h"
+#include "world/step_stages.h"
 #include "world/world.h"
 
 #include <cmath>
@@ -99,7 +100,7 @@ void walk_wire(StateWalk& walk, WorldData& world, int wire)
         if (alone) check_saved_edges(rod);
         check_saved_feed(own.feed, world.setup.wires[wire].wire.length, alone ? &rod : nullptr);
     }
-    if (!alone && !world.groups.is_passenger(wire)) walk_group(walk, *world.groups.of(wire));
+    if (!alone && world.is_line(wire)) walk_group(walk, *world.groups.of(wire));
 }
 
 void walk_wires(StateWalk& walk, WorldData& world, std::span<const int> wires, bool with_audits)
@@ -108,9 +109,9 @@ void walk_wires(StateWalk& walk, WorldData& world, std::span<const int> wires, b
     if (walk.reads()) {
         world.output.loads_known = false;
         for (const int w : wires)
-            if (MergedGroup* group = world.groups.of(w); group && !world.groups.is_passenger(w)) refresh_group(world, *group);
+            if (MergedGroup* group = world.groups.of(w); group && world.is_line(w)) refresh_group(world, *group);
         set_exposures(world);
-        show_groups(world);
+        show_instruments(world);
     }
     for (const int w : wires) world.forces.terms.walk_state(walk, w);
     for (const int w : wires)
@@ -176,6 +177,14 @@ void put_back_wire(WorldData& world, int wire)
 {
     StateWalk walk(world.work.wires[wire].kept, true, StateWalk::Of::Attempt);
     walk_wire(walk, world, wire);
+}
+
+void put_back_wires(WorldData& world, const WireMask& wires)
+{
+    for (int w = 0; w < world.wire_count(); ++w)
+        if (wires[w]) put_back_wire(world, w);
+    for (const auto& group : world.groups.list)
+        if (wires[group->line()]) refresh_group(world, *group);
 }
 
 std::vector<std::uint8_t> saved_state(WorldData& world) { return saved_bytes(world, -1); }

@@ -13,9 +13,9 @@
 
 #ifdef SEL_WITH_VIEW
     #include "fluoro_scene.h"
-    #include "view/labels.h"
-    #include "view/xray/detector.h"
-    #include "view/xray/fluoroscope.h"
+    #include "pictures/labels.h"
+    #include "xray/detector.h"
+    #include "xray/fluoroscope.h"
 #endif
 
 namespace seldinger::python {

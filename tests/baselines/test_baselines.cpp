@@ -3,7 +3,7 @@
 #include "baselines/baselines.h"
 #include "core/error.h"
 #include "lab/elastica.h"
-#include "plan/run_model.h"
+#include "models/run_model.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -2,8 +2,8 @@
 
 #include "failure/watched_run.h"
 
+#include "repair/repair.h"
 #include "vessel/inside.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 

@@ -5,7 +5,7 @@
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
 #include "io/mesh_file.h"
-#include "vessel/repair.h"
+#include "repair/repair.h"
 
 #include <doctest/doctest.h>
 

@@ -2,8 +2,8 @@
 #include "failure/watched_run.h"
 
 #include "contact/elastic/yielding_wall.h"
+#include "repair/repair.h"
 #include "solve/feed.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 #pragma once
 // What the failure suite (docs/failures.md, F1 ... F17) has in common: the two methods that are compared, and a run that is
-// watched step by step. The criteria are those of plan/classify.h and, beside the engine's own readings, the exact distance of
+// watched step by step. The criteria are those of models/classify.h and, beside the engine's own readings, the exact distance of
 // the axis to the wall.
 
-#include "plan/classify.h"
+#include "models/classify.h"
 
 #include "support/world_fixture.h"
 #include "vessel/inside.h"

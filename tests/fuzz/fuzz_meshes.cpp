@@ -5,9 +5,9 @@
 #include "io/centreline_file.h"
 #include "io/file_remarks.h"
 #include "io/mesh_file.h"
+#include "repair/repair.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
-#include "vessel/repair.h"
 
 #include <cmath>
 #include <cstring>

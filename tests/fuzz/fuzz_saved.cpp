@@ -3,12 +3,12 @@
 #include "fuzz_saved.h"
 #include "fuzz_support.h"
 
+#include "batch/farm.h"
+#include "models/errors.h"
+#include "models/result_table.h"
 #include "run/checkpoint.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
-#include "plan/errors.h"
-#include "batch/farm.h"
-#include "plan/result_table.h"
 #include "support/temporary_folder.h"
 
 #include <cmath>

@@ -2,12 +2,12 @@
 #include "fuzz_saved.h"
 #include "fuzz_support.h"
 
+#include "batch/farm.h"
 #include "engine.h"
+#include "models/trajectory.h"
 #include "run/checkpoint.h"
 #include "session/hand_packet.h"
 #include "session/session_record.h"
-#include "batch/farm.h"
-#include "plan/trajectory.h"
 #include "support/temporary_folder.h"
 
 namespace seldinger::fuzz {

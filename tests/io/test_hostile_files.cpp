@@ -3,9 +3,9 @@
 #include "core/error.h"
 #include "io/centreline_file.h"
 #include "io/mesh_file.h"
+#include "repair/repair.h"
 #include "support/shared_folder.h"
 #include "vessel/extract_centreline.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -37,7 +37,7 @@ const Model& method_named(const std::string& name)
 
 CellResult cell(const StabilityMap& map, const char* method, double dt, double value, const std::filesystem::path& folder)
 {
-    return run_stability_cell(map, method_named(method), dt, value, cell_reference(map, value, folder), folder, 60);
+    return run_stability_cell({map, method_named(method), dt, value, folder}, cell_reference(map, value, folder), 60);
 }
 
 constexpr const char* free_wire = R"(
@@ -146,7 +146,7 @@ TEST_SUITE("lab/stability")
         CHECK(reference.indentation > 0);
         CHECK(reference.indentation < 1e-5);  // a thousand times as stiff
         const auto run = [&](const char* method) {
-            return run_stability_cell(map, method_named(method), 1.0 / 30, 1e3, reference, ".", 60);
+            return run_stability_cell({map, method_named(method), 1.0 / 30, 1e3, "."}, reference, 60);
         };
         CHECK(std::string(run("default").outcome()) == "hold");
         const CellResult published = run("published");
@@ -162,7 +162,7 @@ TEST_SUITE("lab/stability")
         CHECK(reference.indentation < 4.4e-4);  // where the wall has moved to, not where it was: below the wire's radius
         for (const double dt : {1.0 / 60, 1.0 / 30}) {
             CAPTURE(dt);
-            const CellResult result = run_stability_cell(map, default_method(), dt, 1, reference, ".", 60);
+            const CellResult result = run_stability_cell({map, default_method(), dt, 1, "."}, reference, 60);
             CHECK(std::string(result.outcome()) == "hold");
             CHECK(result.verdict.readings.touching > 10);
             CHECK(result.verdict.readings.outside == 0);
@@ -176,7 +176,7 @@ TEST_SUITE("lab/stability")
     {
         for (const double dt : {1e-2, 1.0 / 60, 1.0 / 30}) {
             CAPTURE(dt);
-            const CellResult result = run_stability_cell(map_named("coaxial-merged"), default_method(), dt, 100, {}, ".", 60);
+            const CellResult result = run_stability_cell({map_named("coaxial-merged"), default_method(), dt, 100, "."}, {}, 60);
             CHECK(std::string(result.outcome()) == "hold");
             CHECK(result.verdict.readings.touching > 10);
         }
@@ -184,7 +184,7 @@ TEST_SUITE("lab/stability")
 
     TEST_CASE("property: two wires held at their tips in a channel push hard and stay apart")
     {
-        const CellResult result = run_stability_cell(map_named("channel"), default_method(), 1.0 / 30, 4, {}, ".", 60);
+        const CellResult result = run_stability_cell({map_named("channel"), default_method(), 1.0 / 30, 4, "."}, {}, 60);
         CHECK(std::string(result.outcome()) == "hold");
         // clamped and held, a wire of L = 30 mm alone buckles at 2 pi^2 B/L^2 = 0.22 N; here it has to go on into the wall
         CHECK(result.verdict.readings.hand_force > 2 * 0.22);
@@ -194,21 +194,21 @@ TEST_SUITE("lab/stability")
     TEST_CASE("property: a cell that runs out of its budget is unfinished, never hold; one that is stopped says nothing")
     {
         const StabilityMap& map = map_named("axial");
-        const CellResult cut = run_stability_cell(map, default_method(), 1e-3, 1e4, {}, ".", 0);
+        const CellResult cut = run_stability_cell({map, default_method(), 1e-3, 1e4, "."}, {}, 0);
         CHECK(cut.over_limit);
         CHECK(cut.verdict.held());
         CHECK(std::string(cut.outcome()) == "unfinished");
         CHECK(cut.simulated < 0.01);
-        const CellResult stopped = run_stability_cell(map, default_method(), 1e-3, 1e4, {}, ".", 60, [] { return true; });
+        const CellResult stopped = run_stability_cell({map, default_method(), 1e-3, 1e4, "."}, {}, 60, [] { return true; });
         CHECK(stopped.stopped);
         CHECK(stopped.simulated < 0.01);
         CellResult failed;
         failed.over_limit = true;
         failed.verdict.outcome = Outcome::Escape;
         CHECK(std::string(failed.outcome()) == "escape");  // seen before the budget ended
-        CHECK(std::string(run_stability_cell(map, default_method(), 1e-3, 1e4, {}, ".", 60).outcome()) == "hold");
+        CHECK(std::string(run_stability_cell({map, default_method(), 1e-3, 1e4, "."}, {}, 60).outcome()) == "hold");
         // one step of 1 ms is beyond the axial wave of 1e4 N, 1e-2 N is not
-        CHECK(std::string(run_stability_cell(map, method_named("explicit"), 1e-3, 1e4, {}, ".", 60).outcome()) == "blow-up");
+        CHECK(std::string(run_stability_cell({map, method_named("explicit"), 1e-3, 1e4, "."}, {}, 60).outcome()) == "blow-up");
     }
 
     // a saw of 4 ms, from 1 to 2 N: read every 2 ms it goes up and down by half its height or more, every step
@@ -233,7 +233,7 @@ TEST_SUITE("lab/stability")
         CHECK(stability_scene(map, 1e-6, 0.01, 1, {}).wire.shaft.bend_stiffness == about(1e-6));
         CHECK(why_not_in(map, default_method(), {}).empty());
         CHECK_FALSE(why_not_in(map, method_named("linearised, capsule"), {}).empty());
-        CHECK(std::string(run_stability_cell(map, default_method(), 1e-3, 1e-4, {}, {}, 60).outcome()) == "hold");
+        CHECK(std::string(run_stability_cell({map, default_method(), 1e-3, 1e-4, {}}, {}, 60).outcome()) == "hold");
         CHECK_THROWS_AS((void)map_of_scene(file, "wire.bendd_nm2", {1.0}), Error);
         CHECK_THROWS_AS((void)map_of_scene(file, "wire.bend_nm2", {-1.0}), Error);
         CHECK_THROWS_AS((void)map_of_scene(file, "integrator.tolerance", {0.0}), Error);

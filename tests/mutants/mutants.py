@@ -20,7 +20,7 @@ import argparse, json, os, random, re, resource, shlex, shutil, subprocess, sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = {"rod": ["engine/rod/*.cpp"], "solve": ["engine/solve/*.cpp"], "contact": ["engine/contact/*.cpp", "engine/contact/*/*.cpp"], "wall": ["engine/wall/*.cpp"],
+ROOMS = {"rod": ["engine/rod/*.cpp"], "solve": ["engine/solve/*.cpp", "engine/newton/*.cpp"], "contact": ["engine/contact/*.cpp", "engine/contact/*/*.cpp"], "wall": ["engine/wall/*.cpp", "engine/surface/*.cpp"],
          "step": ["engine/world/step*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp", "engine/world/*rod.cpp"]}
 # rooms of tests in the order in which they may know; what is in no list has nothing to do with it
 TESTS = {"rod": "rod coaxial solve step scene run contact failure", "solve": "solve rod step coaxial contact scene run failure wall",

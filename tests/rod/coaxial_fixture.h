@@ -67,10 +67,16 @@ public:
         for (int k = 0; k < rod.instruments; ++k) trial.theta[k] = rod.theta[k];
         return trial;
     }
+    /// Makes the trial configuration of `frames` the accepted one.
+    void take(const CoaxialTrial& trial)
+    {
+        for (int k = 0; k < rod.instruments; ++k) std::copy_n(trial.theta[k].begin(), n, rod.theta[k].begin());
+        accept_frames(line, {trial.x, trial.y, trial.z, trial.theta[0]}, frames);
+    }
     [[nodiscard]] int size() const { return rod.dofs().count(n); }
     [[nodiscard]] bool update() { return update_coaxial(rod, line, now(), base, frames); }
-    [[nodiscard]] double energy() const { return coaxial_energy(rod, line, now(), base, frames); }
-    [[nodiscard]] CoaxialHands hands() const { return coaxial_hands(rod, line, now(), base, frames); }
+    [[nodiscard]] double energy() const { return coaxial_energy({rod, line, now(), base, frames}); }
+    [[nodiscard]] CoaxialHands hands() const { return coaxial_hands({rod, line, now(), base, frames}); }
 
     /// Energy and gradient (may be null) at the accepted state moved by `step` [unknowns]; NaN where there is none.
     double at(const Eigen::VectorXd& step, Eigen::VectorXd* gradient = nullptr, bool accept = false)
@@ -90,11 +96,10 @@ public:
         if (!update_coaxial(rod, line, trial, base, frames)) return std::nan("");
         if (gradient) {
             gradient->setZero(size());
-            add_coaxial(rod, line, trial, base, frames, {gradient->data(), static_cast<std::size_t>(size())}, nullptr,
-                        HessianMode::None);
+            add_coaxial({rod, line, trial, base, frames}, {gradient->data(), static_cast<std::size_t>(size())}, nullptr, HessianMode::None);
         }
-        const double energy = coaxial_energy(rod, line, trial, base, frames);
-        if (accept) accept_coaxial(rod, line, trial, frames);
+        const double energy = coaxial_energy({rod, line, trial, base, frames});
+        if (accept) take(trial);
         return energy;
     }
 
@@ -103,7 +108,7 @@ public:
     {
         Eigen::VectorXd gradient = zero();
         hessian.reset(n);
-        add_coaxial(rod, line, now(), base, frames, {gradient.data(), static_cast<std::size_t>(size())}, &hessian, mode);
+        add_coaxial({rod, line, now(), base, frames}, {gradient.data(), static_cast<std::size_t>(size())}, &hessian, mode);
         return gradient;
     }
     [[nodiscard]] Eigen::MatrixXd dense(HessianMode mode)

@@ -43,7 +43,7 @@ void shake(Coaxial& c, unsigned seed, double most)
     c.base.tangent = (c.base.tangent + Vec3(0, 0.2, -0.1)).normalized();
     c.base.director = unit_normal(Vec3(0.1, 1, 0.4), c.base.tangent);
     REQUIRE(c.update());
-    accept_coaxial(c.rod, c.line, c.now(), c.frames);
+    c.take(c.now());
 }
 
 /// Two or three instruments of which one ends inside a cell, on edges of about 1 of lengths that differ.

@@ -1,8 +1,8 @@
 // What splits and merges of a common centreline bent in space do to each instrument's twist and spin.
-#include "rod/coaxial_fixture.h"
+#include "newton/momentum.h"
 #include "rod/clamp.h"
+#include "rod/coaxial_fixture.h"
 #include "rod/coaxial_nodes.h"
-#include "solve/momentum.h"
 
 #include <doctest/doctest.h>
 

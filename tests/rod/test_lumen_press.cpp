@@ -111,7 +111,7 @@ TEST_SUITE("rod/lumen press")
             REQUIRE(pair.equilibrate() >= 0);
             REQUIRE(pair.update());
             CoaxialMoments moments;
-            measure_moments(pair.rod, pair.line, pair.now(), pair.base, pair.frames, moments);
+            measure_moments({pair.rod, pair.line, pair.now(), pair.base, pair.frames}, moments);
             const double both = stiff * soft / (stiff + soft) * curvature;
             for (const int j : {5, 25, 45}) {
                 CHECK(std::abs(moments.moment[static_cast<std::size_t>(j)]) < 1e-5 * both);

@@ -1,11 +1,11 @@
 // Which inlet `seldinger init` takes, in which unit, and its message for a mesh that is no vessel.
 #include "core/error.h"
 #include "io/mesh_file.h"
+#include "repair/repair.h"
 #include "scene/access.h"
 #include "scene/scene.h"
 #include "support/approx.h"
 #include "vessel/mesh_fixtures.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

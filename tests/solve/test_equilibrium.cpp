@@ -1,6 +1,6 @@
 // Static equilibria with closed forms: elastica, heavy cantilever, torsion, column.
+#include "newton/system_problem.h"
 #include "solve/wire_fixture.h"
-#include "solve/system_problem.h"
 
 #include <Eigen/Dense>
 
@@ -65,7 +65,7 @@ struct Linearised {
 
 }  // namespace
 
-TEST_SUITE("solve/equilibrium")
+TEST_SUITE("newton/equilibrium")
 {
     // what a moment adds to residual and tangent, so that nothing else of either is compared
     TEST_CASE("derivative: the tangent of a dead moment is that of its residual, spins included, and not symmetric")
@@ -82,8 +82,8 @@ TEST_SUITE("solve/equilibrium")
         const std::vector<WireConstraints> loaded = rig.constraints;
         std::vector<WireConstraints> bare = loaded;
         bare[0].loads.clear();
-        with.begin(rig.rods, loaded, rig.active, {}, Vec3::Zero(), Motion::Static, 0);
-        without.begin(rig.rods, bare, rig.active, {}, Vec3::Zero(), Motion::Static, 0);
+        with.begin(rig.rods, loaded, rig.active, {{}, Vec3::Zero(), Motion::Static, 0});
+        without.begin(rig.rods, bare, rig.active, {{}, Vec3::Zero(), Motion::Static, 0});
         const auto added = [&](const std::vector<double>& trial) {
             return std::pair(Linearised(with, trial), Linearised(without, trial));
         };
@@ -124,7 +124,7 @@ TEST_SUITE("solve/equilibrium")
         SystemProblem problem(0, nodes, {});
         SystemProblem::Workspace workspace(6);
         (void)problem.work_in(workspace, false);
-        problem.begin(rig.rods, rig.constraints, rig.active, {}, Vec3::Zero(), Motion::Static, 0);
+        problem.begin(rig.rods, rig.constraints, rig.active, {{}, Vec3::Zero(), Motion::Static, 0});
         std::vector<double> moved = problem.start;
         for (int i = 0; i < hub; ++i)
             for (int c = 0; c < 3; ++c) moved[RodDofs::position(i, c)] += fed * inwards[c];

@@ -1,6 +1,6 @@
 // Several wires solved together: wires without coupling move as they would alone, and couplings are solved exactly.
 #include "math/banded_solver.h"
-#include "solve/system_problem.h"
+#include "newton/system_problem.h"
 #include "solve/wire_fixture.h"
 
 #include <array>

@@ -1,8 +1,8 @@
 #pragma once
 // A wire as a user describes it, with a solver round it: base at the origin, tip along +x, first material director +z.
 
+#include "newton/solver.h"
 #include "solve/constraints.h"
-#include "solve/solver.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// engine/solve/momentum.h: what a wire's readings say of its forces adds up to the change of its momentum, step by step.
+// engine/newton/momentum.h: what a wire's readings say of its forces adds up to the change of its momentum, step by step.
 
 #include "support/world_fixture.h"
 

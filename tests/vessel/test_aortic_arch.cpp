@@ -1,11 +1,11 @@
 // The parametric aortic arch: topology, quality, dimensions, determinism.
 #include "core/error.h"
 #include "mesh_fixtures.h"
+#include "repair/repair.h"
 #include "scene/vessel_load.h"
 #include "support/approx.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/inlets.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 

@@ -1,10 +1,10 @@
 // The extracted axis of generated vessels, whose axes are known, and the tree's own methods.
 #include "mesh_fixtures.h"
+#include "repair/repair.h"
 #include "support/approx.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 

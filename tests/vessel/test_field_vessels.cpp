@@ -1,10 +1,10 @@
 // Vessels as segmentations, printers and CAD programs make them: in parts, with a thick wall, of exact spheres.
 #include "core/error.h"
+#include "repair/repair.h"
 #include "support/approx.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/mesh_fixtures.h"
 #include "vessel/parts.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 

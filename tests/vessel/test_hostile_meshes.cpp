@@ -1,11 +1,11 @@
 // Meshes made to crash repair and centreline, to keep them busy, or to make them report lumens that do not exist.
 #include "core/error.h"
 #include "mesh_fixtures.h"
+#include "repair/repair.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inside.h"
 #include "vessel/medial_graph.h"
 #include "vessel/mesh_edges.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // Signed distance and leaving through openings.
 #include "mesh_fixtures.h"
+#include "repair/repair.h"
 #include "vessel/inside.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 // Repair: each kind of damage on its own, then all at once.
 #include "core/error.h"
 #include "mesh_fixtures.h"
+#include "repair/repair.h"
 #include "support/approx.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 
@@ -14,7 +14,7 @@ namespace test_repair {
 using namespace seldinger;
 using namespace seldinger::test;
 
-TEST_SUITE("vessel/repair")
+TEST_SUITE("repair/repair")
 {
     TEST_CASE("property: a sound tube as a soup comes back whole, welded and facing inwards")
     {

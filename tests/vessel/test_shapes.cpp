@@ -1,10 +1,10 @@
 // Generated walls: sizes, counts, orientation, exact centrelines.
 #include "core/error.h"
 #include "mesh_fixtures.h"
+#include "repair/repair.h"
 #include "scene/vessel_load.h"
 #include "support/approx.h"
 #include "vessel/mesh_edges.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 

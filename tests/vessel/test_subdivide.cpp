@@ -1,8 +1,8 @@
 // Loop subdivision: limits, counts, and the invariants of a tube.
 
+#include "repair/repair.h"
 #include "support/approx.h"
 #include "vessel/mesh_edges.h"
-#include "vessel/repair.h"
 #include "vessel/shapes.h"
 #include "vessel/subdivide.h"
 #include "vessel/triangle_geometry.h"

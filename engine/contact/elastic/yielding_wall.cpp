@@ -14,8 +14,8 @@ namespace seldinger {
 namespace {
 
 constexpr int most_moves = 6;           // of the wall at one trial
-constexpr double foreseen_force = 0.1;  // of the largest: what may be missed at a trial that is not the last one
-constexpr double foreseen_move = 0.02;  // of the wire's radius, likewise
+constexpr double predicted_force = 0.1;  // of the largest: what may be missed at a trial that is not the last one
+constexpr double predicted_move = 0.02;  // of the wire's radius, likewise
 constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
 constexpr int most_refinements = 8;                                 // that ask for more than Newton's convergence
 constexpr int most_relaxations = 100;                               // of an equilibrium of a wall that moves far
@@ -115,7 +115,7 @@ void YieldingWall::evaluate(const TermTrial& trial)
             System& system = *systems_[s];
             if (!system.is_in(todo_)) return;
             if (!system.begun) start_step(system, trial.h);
-            if (round == 0) foresee(system, trial.at);
+            if (round == 0) predict(system, trial.at);
             else system.correct();
             carry_trial(system, trial.at, carried_);
         });
@@ -125,7 +125,7 @@ void YieldingWall::evaluate(const TermTrial& trial)
         again = false;
         for (const auto& system : systems_) {
             if (!system->is_in(todo_)) continue;
-            const bool settled = take_forces(*system) && system->misses(foreseen_force, foreseen_move) <= 1;
+            const bool settled = take_forces(*system) && system->misses(predicted_force, predicted_move) <= 1;
             if (settled || round == most_moves)
                 for (const int w : system->wires) todo_[w] = 0;
             else again = true;
@@ -140,7 +140,7 @@ void YieldingWall::evaluate_start(const TermTrial& start)
     for (const auto& system : systems_) {
         if (!system->is_in(start.active)) continue;
         if (!system->begun) start_step(*system, start.h);
-        foresee(*system, start.at);
+        predict(*system, start.at);
         carry_trial(*system, *start.before, before_);
         carry_trial(*system, start.at, carried_);
     }
@@ -151,7 +151,7 @@ void YieldingWall::evaluate_start(const TermTrial& start)
 }
 
 /// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
-void YieldingWall::foresee(System& system, const TrialState& trial) const
+void YieldingWall::predict(System& system, const TrialState& trial) const
 {
     WallTrial& now = system.next_trial();
     now.q.resize(4 * static_cast<std::size_t>(system.stations.count()));
@@ -215,7 +215,7 @@ bool YieldingWall::take_forces(System& system) const
         }
     }
     WallTrial& now = system.trial();
-    if (!thought_of) engage(system);
+    if (!thought_of) add_rows(system);
     const std::size_t m = 3 * system.rows.size();
     now.force.assign(m, 0.0);
     for (const int w : system.wires)

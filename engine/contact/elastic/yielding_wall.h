@@ -56,9 +56,10 @@ public:
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
     /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.
     void carry_back(RodArrays& rods, int wire);
-    /// Nodes of the accepted state between whose neighbours the wall's move is not linear: without them the wire would be carried
-    /// elsewhere at once, to places deeper in the wall than its law bears.     @param bowed  [n] flags, set there
-    void note_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const;
+    /// Flags nodes of the accepted state that must stay: between their neighbours the displacement of the wall is not linear. Without
+    /// such a node the wire would be mapped back to other points at once, deeper in the wall than its law bears.
+    /// @param bowed  [n] flags, set there
+    void mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const;
     /// Farthest that the wall has moved under a wire of this system, of 20 % of the lumen's radius there [-].
     [[nodiscard]] double move_share(int system) const;
 
@@ -71,8 +72,8 @@ private:
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
     void list_rows(System& system) const;
-    void engage(System& system) const;
-    void foresee(System& system, const TrialState& trial) const;
+    void add_rows(System& system) const;
+    void predict(System& system, const TrialState& trial) const;
     void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
     bool take_forces(System& system) const;
     void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;

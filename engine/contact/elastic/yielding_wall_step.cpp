@@ -98,7 +98,7 @@ void YieldingWall::System::note_ends(int first, int count)
     }
 }
 
-void YieldingWall::note_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const
+void YieldingWall::mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const
 {
     const System& system = of(wire);
     const RodView rod = rods.view(wire);
@@ -215,7 +215,7 @@ void YieldingWall::list_rows(System& system) const
 }
 
 /// Nodes on which contact has just been found to act join those that move the wall; it stays where it is under them for now.
-void YieldingWall::engage(System& system) const
+void YieldingWall::add_rows(System& system) const
 {
     const std::vector<int> before = system.rows;
     const std::vector<double> u = system.trial().u;

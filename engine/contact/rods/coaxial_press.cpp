@@ -44,7 +44,7 @@ void CoaxialFriction::find_pressing(Group& group)
     if (std::ranges::all_of(group.pairs, [](const Pair& pair) { return pair.parts.empty(); })) return;
     const CoaxialTrial now = accepted_trial(rods_, group.shared->wires);
     if (!update_coaxial(group.shared->rod, line, now, group.shared->base, group.frames)) return;  // what pressed goes on to
-    measure_moments(group.shared->rod, line, now, group.shared->base, group.frames, group.moments);
+    measure_moments({group.shared->rod, line, now, group.shared->base, group.frames}, group.moments);
     for (Pair& pair : group.pairs)
         if (!pair.parts.empty()) find_pressing(group, now, pair);
 }

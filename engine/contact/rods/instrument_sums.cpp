@@ -16,12 +16,11 @@ namespace {
 constexpr int per_node = RodDofs::per_node;
 using Vector = InstrumentSums::Vector;
 
-/// +- w_k v + d_k turn at the three nodes of a side.
-void put_side(Vector& to, int from, const double* w, const double* v, double sign, const double* d, const double* turn,
-              double turn_sign)
+/// Adds +- w_k v at the three nodes of a side.
+void add_side(Vector& to, int from, double sign, const double* w, const double* v)
 {
     for (int k = 0; k < 3; ++k)
-        for (int c = 0; c < 3; ++c) to[from + per_node * k + c] = sign * w[k] * v[c] + (d ? turn_sign * d[k] * turn[c] : 0.0);
+        for (int c = 0; c < 3; ++c) to[from + per_node * k + c] += sign * w[k] * v[c];
 }
 
 /// The spin at a place of derivative d.
@@ -36,16 +35,19 @@ template <class Place>
 Vector gap_gradient(const Place& p)
 {
     Vector g{};
-    put_side(g, 0, p.wa, p.n, 1, nullptr, nullptr, 0);
-    put_side(g, InstrumentSums::side, p.wb, p.n, -1, p.db, p.turn, 1);
+    add_side(g, 0, 1, p.wa, p.n);
+    add_side(g, InstrumentSums::side, -1, p.wb, p.n);
+    add_side(g, InstrumentSums::side, 1, p.db, p.turn);
     return g;
 }
 
 Vector row_of(const InstrumentForce& f, const InstrumentRow& row)
 {
     Vector r{};
-    put_side(r, 0, f.wa, row.v, 1, f.da, row.turn_a, 1);
-    put_side(r, InstrumentSums::side, f.wb, row.v, -1, f.db, row.turn_b, -1);
+    add_side(r, 0, 1, f.wa, row.v);
+    add_side(r, 0, 1, f.da, row.turn_a);
+    add_side(r, InstrumentSums::side, -1, f.wb, row.v);
+    add_side(r, InstrumentSums::side, -1, f.db, row.turn_b);
     put_spin(r, 0, f.da, row.spin_a);
     put_spin(r, InstrumentSums::side, f.db, -row.spin_b);
     return r;
@@ -79,9 +81,12 @@ Vector along_beside(const InstrumentForce& f, const InstrumentPoint& p)
     const InstrumentRow& row = f.along;
     const auto wa = moved_to(p.wa, f.wa, f.da, f.node_a == p.node_a), wb = moved_to(p.wb, f.wb, f.db, f.node_b == p.node_b);
     Vector r{};
-    put_side(r, 0, wa.data(), row.v, 1, derivative_of(p.wa).data(), row.turn_a, 1);
-    put_side(r, InstrumentSums::side, wb.data(), row.v, -1, p.db, row.turn_b, -1);
-    put_spin(r, 0, derivative_of(p.wa).data(), row.spin_a);
+    const auto da = derivative_of(p.wa);
+    add_side(r, 0, 1, wa.data(), row.v);
+    add_side(r, 0, 1, da.data(), row.turn_a);
+    add_side(r, InstrumentSums::side, -1, wb.data(), row.v);
+    add_side(r, InstrumentSums::side, -1, p.db, row.turn_b);
+    put_spin(r, 0, da.data(), row.spin_a);
     put_spin(r, InstrumentSums::side, p.db, -row.spin_b);
     return r;
 }

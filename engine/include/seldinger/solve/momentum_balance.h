@@ -1,5 +1,5 @@
 #pragma once
-// The balance of momentum of a whole wire, for reports (solve/momentum.h).
+// The balance of momentum of a whole wire, for reports (newton/momentum.h).
 
 #include "math/vec3.h"
 

@@ -1,0 +1,256 @@
+// The driver of Newton's method for one system: decision at each trial, new direction and trial. How it starts: newton_start.cpp.
+
+#include "newton/newton_system.h"
+
+#include "core/prefetch.h"
+#include "rod/no_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+constexpr int most_chord_steps = 4;
+constexpr int most_mode_perturbations = 3;
+// for keeps_factors(), what a trial leaves of the correction before it
+constexpr double most_contraction = 0.03;   // with kept factors, at most
+constexpr double new_factors = 1.0 / 300;   // with new ones, about
+constexpr int most_kept = 3;                // iterations after which a step is none of those that go well
+
+/// Trials until a residual of so many tolerances is within one, if each leaves `rate` of it.
+double trials_left(double residual, double rate) { return std::ceil(std::log(residual) / -std::log(rate)); }
+
+}  // namespace
+
+NewtonSystem::NewtonSystem(int first_wire, std::span<const int> capacities, const IntegratorSpec& spec)
+    : problem(first_wire, capacities, spec), model_(problem)
+{
+    for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &guess_}) array->resize(problem.capacity());
+}
+
+void NewtonSystem::prefetch(SolveStage next) const
+{
+    problem.prefetch(next);
+    if (next != SolveStage::Advance) return;
+    for (const auto* array : {&base_, &base_residual_, &direction_}) seldinger::prefetch(*array, problem.size());
+    model_.prefetch();
+}
+
+// ---- one iteration ----------------------------------------------------------------------------------------------------------
+
+void NewtonSystem::advance(bool finite, const ForceTerms& terms)
+{
+    if (!seen_ || !*seen_) return decide(finite, terms);
+    NewtonTrial trial;
+    const bool guess = phase_ == Phase::Guess;
+    trial.iteration = iterations_;
+    trial.alpha = guess ? guess_fraction_ : alpha_;
+    trial.move = trial.alpha * problem.largest_move(guess ? guess_ : direction_);
+    trial.projected = !guess && model_.projected_steps() > 0;
+    decide(finite, terms);
+    tell(trial);
+}
+
+void NewtonSystem::tell(NewtonTrial trial) const
+{
+    using enum NewtonTrial::End;
+    trial.residual = problem.residual_share();
+    trial.contraction = corrected_ ? contraction_ : 0;
+    trial.end = phase_ == Phase::Failed ? GivenUp
+                : refused_              ? Refused
+                : took_trial_           ? Taken
+                : running()             ? TooLong
+                : problem.balanced()    ? Solved
+                                        : Settled;
+    (*seen_)(trial);
+}
+
+void NewtonSystem::decide(bool finite, const ForceTerms& terms)
+{
+    ++evaluations_;
+    took_trial_ = corrected_ = false;
+    if (finite) problem.ask(terms);
+    refused_ = !finite || !problem.admissible() || !problem.evaluate_residual(terms);
+    if (refused_) {
+        non_finite_ = non_finite_ || !finite;
+        if (settling_) phase_ = Phase::Failed;
+        else backtrack(finite ? problem.open() : 1);
+        return;
+    }
+    problem.note_residuals();
+    non_finite_ = false;
+    const bool asked = phase_ == Phase::Search && !options_.shifted && !options_.linearised;
+    crossed_ = asked ? problem.crossed(terms) : KinksPassed{};
+    if (ends_when_due() || ends_at_trial(terms)) return;
+    if (iterations_ - first_iteration_ >= options_.max_iterations) {
+        if (at_kink()) phase_ = Phase::Done;
+        else give_up();
+        return;
+    }
+    const bool keep = crossed_.share == 1 && keeps_factors();
+    take_base();
+    problem.take(terms, crossed_.share < 1);
+    if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
+    else new_direction(terms);
+    launch();
+    chord_steps(terms);
+}
+
+/// Whether the last factors serve for the next direction too: it is then the correction that they gave for the trial. They serve
+/// if they need no more trials than new ones would. Only instruments that touch keep them: their factors cost more than the test, and
+/// their tangent is incomplete (the motion of Gauss points).
+bool NewtonSystem::keeps_factors() const
+{
+    const bool has_full_correction = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
+    if (!has_full_correction || !problem.keeps_tangent() || iterations_ - first_iteration_ > most_kept) return false;
+    // corrections in metres may shrink while forces on a short stiff edge hardly fall: the slower of the two counts
+    const double residual = problem.residual_share(), rate = std::max(contraction_, residual / base_share_);
+    return rate <= most_contraction && trials_left(residual, std::max(rate, 1e-6)) <= trials_left(residual, new_factors);
+}
+
+/// Whether the residual of a trial that contact has admitted is small enough for a state.
+bool NewtonSystem::can_be_state() const
+{
+    if (phase_ != Phase::Search || !problem.at_prescribed()) return false;
+    const auto moves_little = [](const WireProblem* wire) { return !is_thrown(wire->rod, wire->norm, wire->time.step()); };
+    return std::all_of(problem.solved().begin(), problem.solved().end(), moves_little);
+}
+
+/// The time is up: ends here, or at the base if that leaves less, where one of them can be a state. @return that is all
+bool NewtonSystem::ends_when_due()
+{
+    if (!due_ || settling_ || options_.shifted || options_.linearised || problem.shares_centrelines() || problem.balanced()) return false;
+    const bool here = can_be_state();
+    if (!here && !base_can_be_) return false;
+    cut_short_ = true;
+    if (here && (!base_can_be_ || problem.residual_share() <= base_share_)) {
+        phase_ = Phase::Done;
+        return true;
+    }
+    settling_ = true;
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
+    return true;
+}
+
+/// Converged, failed, or a new trial set without a new direction. @return whether that is all
+bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
+{
+    if (settling_) {
+        phase_ = Phase::Done;
+        return true;
+    }
+    if (options_.linearised && phase_ == Phase::Search) {
+        take_linearised();
+        return true;
+    }
+    // one linearised step is always taken: force terms evaluated the start, and their state must be the end's
+    if (!options_.linearised && problem.balanced() && problem.at_prescribed()) {
+        if (options_.shifted && mode_perturbations_ < most_mode_perturbations && !model_.stable(terms))
+            perturb_along_softest_mode();
+        else if (!may_be_saddle() || !leave_saddle(terms)) phase_ = Phase::Done;
+        return true;
+    }
+    if (phase_ != Phase::Search) return false;
+    const Jump jump = jump_of_force(terms);
+    if (jump == Jump::Turns) {
+        phase_ = Phase::Done;
+        return true;
+    }
+    if (jump == Jump::Passed || acceptable()) return false;
+    if (at_kink()) phase_ = Phase::Done;
+    return true;
+}
+
+/// Where no move may be longer than force terms have searched, a part of the step is no step: half the time is asked for instead.
+/// Published detection has no such limit, and accepts any step.
+void NewtonSystem::take_linearised()
+{
+    if (alpha_ != 1 && !std::isinf(move_limit_)) return give_up();
+    problem.take_linear_tensions();
+    phase_ = Phase::Done;
+}
+
+/// Out of ideas. Best effort: back to the last accepted trial, which is nearer to the solution than the start by the tests that
+/// accepted it, and admissible. One more evaluation gives the force terms this trial.
+void NewtonSystem::give_up()
+{
+    if (!options_.best_effort || settling_ || iterations_ == 0 || phase_ != Phase::Search) {
+        phase_ = Phase::Failed;
+        return;
+    }
+    settling_ = true;
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
+    problem.set_prescribed();
+}
+
+void NewtonSystem::take_base()
+{
+    const int size = problem.size();
+    if (options_.shifted && phase_ == Phase::Search) adapt_shift();
+    base_can_be_ = can_be_state();
+    problem.set_base();
+    base_share_ = problem.residual_share();
+    if (options_.shifted && problem.far_from_reference()) problem.move_reference();
+    std::copy_n(problem.trial.begin(), size, base_.begin());
+    std::copy_n(problem.residual.begin(), size, base_residual_.begin());
+    phase_ = Phase::Search;
+    took_trial_ = true;
+    ++iterations_;
+}
+
+void NewtonSystem::new_direction(const ForceTerms& terms)
+{
+    if (options_.shifted) {
+        model_.factorise_shifted(terms);
+    } else {
+        model_.factorise(shortened_, terms);
+        shortened_ = false;
+    }
+    model_.correction(problem.residual, part(direction_), 1);
+}
+
+void NewtonSystem::launch()
+{
+    direction_norm_ = problem.norm(direction_);
+    if (!std::isfinite(direction_norm_) || (direction_norm_ == 0 && !options_.linearised)) {
+        give_up();
+        non_finite_ = true;
+        return;
+    }
+    slope_ = problem.residual_along(direction_);
+    const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
+    first_alpha_ = 1;
+    in_valley_ = false;
+    if (move > move_limit_) first_alpha_ = move_limit_ / move;
+    if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
+    set_trial(first_alpha_);
+}
+
+/// Further simplified corrections (chord steps: the factors stay) with force terms linear, while they shrink fast.
+void NewtonSystem::chord_steps(const ForceTerms& terms)
+{
+    if (!running() || alpha_ != 1 || options_.linearised || options_.pseudo_transient) return;
+    double last = direction_norm_;
+    for (int k = 0; k < most_chord_steps; ++k) {
+        const bool usable = problem.update() && problem.evaluate_linear_terms(terms, base_);
+        if (usable && problem.residual_below(0.5)) return;
+        if (usable) correct();
+        const double size = problem.norm(correction_);
+        if (!usable || !(size < 0.3 * last) || (model_.shift > 0 && size < 1e-3 * direction_norm_)) return;
+        last = size;
+        problem.correct_tension(correction_);
+        for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];
+    }
+}
+
+void NewtonSystem::set_trial(double alpha)
+{
+    alpha_ = alpha;
+    problem.predict_tension(direction_, alpha);
+    for (int i = 0; i < problem.size(); ++i) problem.trial[i] = base_[i] + alpha * direction_[i];
+    if (alpha == 1) problem.set_prescribed();
+}
+
+}  // namespace seldinger

@@ -1,0 +1,124 @@
+// Decides whether a Newton trial is accepted, and otherwise which fraction of the direction is tried next.
+
+#include "newton/newton_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double smallest_alpha = 1e-6;
+constexpr int most_jumps = 8;
+constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
+
+}  // namespace
+
+/// The trial cannot be: nearer to the last state that could. @param open  share of the path from there that is, as far as the force
+/// terms know
+void NewtonSystem::backtrack(double open)
+{
+    if (phase_ == Phase::Search) return shorten((open < 1 ? std::clamp(0.9 * open, 0.05, 0.5) : 0.3) * alpha_);
+    if (guess_fraction_ == 0) {
+        give_up();
+        return;
+    }
+    set_guess(++backtracks_ < 6 ? 0.5 * guess_fraction_ : 0.0);
+}
+
+/// @param into_valley  so that contact lies in the valley that it went over
+void NewtonSystem::shorten(double alpha, bool into_valley)
+{
+    in_valley_ = into_valley;
+    if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
+    if (alpha < smallest_alpha) {
+        give_up();
+        return;
+    }
+    shortened_ = true;
+    set_trial(alpha);
+}
+
+/// The tests at the top of newton_system.h; a shorter trial, or one of a larger shift, is set when they fail.
+bool NewtonSystem::acceptable()
+{
+    const double slope = problem.residual_along(direction_);
+    const bool slope_falls = std::abs(slope) <= std::max(0.9, 1 - alpha_ / 2) * std::abs(slope_);
+    if (!options_.pseudo_transient) return natural_test(slope_falls, slope);
+    if (slope_falls || slope <= 0) return true;
+    raise_shift();
+    return false;
+}
+
+// |correction at alpha| <= (1 - alpha/4) |d|. Else from what the linear equations did not foresee of the correction, which grows
+// with alpha^2: omega = 2 |correction - (1 - alpha) d|/(alpha^2 |d|^2) gives the next alpha = 1/(omega |d|).
+bool NewtonSystem::natural_test(bool slope_falls, double slope)
+{
+    correct();
+    contraction_ = problem.norm(correction_) / direction_norm_;
+    corrected_ = true;
+    if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
+    // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
+    if ((in_valley_ || crossed_.entered) && problem.residual_share() <= base_share_) return true;
+    if (crossed_.share < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
+        shorten(std::max(crossed_.share, 0.1) * alpha_, true);
+        return false;
+    }
+    for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
+    const double natural = 0.5 * direction_norm_ * alpha_ * alpha_ / problem.norm(scratch_);
+    const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
+    shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
+    return false;
+}
+
+/// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
+/// R(q) + shift (q - base) = 0: leaving a saddle must not look like a failure because R grows.
+void NewtonSystem::correct()
+{
+    problem.mixed_residual(part(scratch_));
+    if (model_.shift > 0)
+        for (int i = 0; i < problem.size(); ++i)
+            scratch_[i] += model_.shift * model_.shift_weight(i) * (problem.trial[i] - base_[i]);
+    model_.correction(scratch_, part(correction_), 1 - alpha_);
+}
+
+/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the residual is not
+/// (1 - alpha) of the base's, as the linear equations have it, by more than half of it and a thousandth of the largest contact
+/// force. Then the nearest facets of the wall have changed, and the force with them (in a neck as narrow as the wire, at the corner
+/// of three walls). No elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force
+/// round, the equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the
+/// trial is as good a base as any.
+NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
+{
+    if (!terms.traits().may_jump || options_.shifted || alpha_ == first_alpha_) return Jump::None;
+    if (alpha_ * problem.largest_surface_move(direction_) > located * problem.smallest_radius()) return Jump::None;
+    double change = 0, base = 0;
+    for (const WireProblem* wire : problem.solved()) {
+        const double* before = base_residual_.data() + (wire->q.start.data() - problem.start.data());
+        // the base edge of a fed wire may be so short that half a nanometre is newtons of EA/l: its ends are not asked
+        const int asked = wire->fed() ? RodDofs::count(wire->rod.n - 2) : wire->size();
+        for (int i = 0; i < asked; ++i) {
+            if (wire->q.prescribed[i] || RodDofs::is_spin(i)) continue;
+            change = std::max(change, std::abs(wire->q.residual[i] - (1 - alpha_) * before[i]));
+            base = std::max(base, std::abs(before[i]));
+        }
+    }
+    if (change <= std::max(0.5 * base, 1e-3 * problem.largest_force())) return Jump::None;
+    if (problem.residual_along(direction_) * slope_ < 0) return Jump::Turns;
+    return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
+}
+
+/// The correction is below 1e-6 of the wire's radius (half a nanometre). The remaining force is rounding (of a single-precision
+/// gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets blend. The position is known to that
+/// half nanometre, and no position has a smaller residual.
+bool NewtonSystem::at_kink() const
+{
+    if (iterations_ < 4 || options_.shifted) return false;
+    const double jump = 1e-3 * problem.largest_force();
+    const auto small = [&](const WireProblem* wire) { return wire->norm <= std::max(100 * wire->tolerance, jump); };
+    return std::all_of(problem.solved().begin(), problem.solved().end(), small) &&
+           problem.largest_move(direction_) <= located * problem.smallest_radius() && problem.at_prescribed();
+}
+
+}  // namespace seldinger

@@ -1,0 +1,97 @@
+// Repair: which loops of the boundary are openings of the vessel, and closing the others.
+#include "repair/repair_steps.h"
+#include "vessel/mesh_components.h"
+#include "vessel/triangle_geometry.h"
+#include "vessel/work_budget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace seldinger::repair_steps {
+namespace {
+
+constexpr std::size_t kLongestHole = 200;  // vertices; filling is cubic in it
+
+/// A hole is one of these. (1) A loop of at most four edges: no one models a lumen with four facets. (2) A loop of at most
+/// twelve edges and 1/3 of the lumen's radius: too coarse for a branch that anyone means to enter. Or (3) a loop in the plane
+/// of the wall around it that is clearly smaller than the lumen. At the end of a tube the wall's normals are square to the
+/// loop's, at a hole they are along it. The bound is a mean |cosine| of 0.6; a tube cut at 45 degrees reaches 0.45. A hole of
+/// the lumen's own width in a flat cap is a cap cut open on purpose.
+/// @param facing  mean |cosine| between the loop's normal and those of the triangles along it
+/// @param lumen_radius  2 V / A of its component: the radius of a tube with that volume and wall [m]
+bool is_hole(const BoundaryLoop& loop, double facing, double lumen_radius)
+{
+    if (loop.vertices.size() > kLongestHole) return false;
+    return loop.vertices.size() <= 4 || (loop.vertices.size() <= 12 && loop.radius < 0.35 * lumen_radius) ||
+           (facing > 0.6 && loop.radius < 0.5 * lumen_radius);
+}
+
+/// Fills the loop with the triangles of least total area [Barequet & Sharir 1995, doi:10.1016/0167-8396(94)00011-G].
+void fill(WallMesh& mesh, const std::vector<std::int32_t>& loop)
+{
+    const std::size_t n = loop.size();
+    auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(loop[i])]; };
+    std::vector<double> cost(n * n, 0.0);
+    std::vector<std::size_t> apex(n * n, 0);  // of each span; a span's middle where no area is the least, so that spans end
+    for (std::size_t span = 2; span < n; ++span)
+        for (std::size_t i = 0; i + span < n; ++i) {
+            const std::size_t j = i + span;
+            double best = std::numeric_limits<double>::infinity();
+            apex[i * n + j] = i + span / 2;
+            for (std::size_t k = i + 1; k < j; ++k) {
+                const double c = cost[i * n + k] + cost[k * n + j] + double_area({at(i), at(k), at(j)}).norm();
+                if (c < best) {
+                    best = c;
+                    apex[i * n + j] = k;
+                }
+            }
+            cost[i * n + j] = best;
+        }
+    std::vector<std::pair<std::size_t, std::size_t>> todo = {{0, n - 1}};
+    while (!todo.empty()) {
+        const auto [i, j] = todo.back();
+        todo.pop_back();
+        if (j - i < 2) continue;
+        const std::size_t k = apex[i * n + j];
+        mesh.triangles.push_back({loop[j], loop[k], loop[i]});  // against the loop, as a neighbour must run
+        todo.push_back({i, k});
+        todo.push_back({k, j});
+    }
+}
+
+}  // namespace
+
+void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
+{
+    const std::vector<std::vector<std::int32_t>> chains = boundary_chains(mesh, edges);
+    if (chains.empty()) return;
+    const std::vector<std::int32_t> label = label_components(mesh, edges);
+    const std::vector<MeshComponent> parts = measure_components(mesh, edges, label);
+    // area-weighted normal and component of the triangles along each boundary vertex's outgoing edge
+    std::vector<std::int32_t> along(mesh.vertices.size(), -1);
+    for (std::size_t k = 0; k < edges.count(); ++k)
+        if (edges.uses(k).size() == 1)
+            along[static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0]))] = edges.uses(k)[0] / 3;
+
+    // a hole of 200 corners takes 1.3 million steps
+    WorkBudget work("filling its holes", 1e8 + 100.0 * static_cast<double>(mesh.triangles.size()));
+    for (const auto& chain : chains) {
+        const BoundaryLoop loop = describe_loop(mesh, chain);
+        double facing = 0;
+        for (const std::int32_t v : chain) {
+            const Vec3 area = double_area(triangle_of(mesh, static_cast<std::size_t>(along[static_cast<std::size_t>(v)])));
+            facing += area.norm() > 0 ? std::abs(area.normalized().dot(loop.inward)) : 0.0;
+        }
+        facing /= static_cast<double>(chain.size());
+        const MeshComponent& part =
+            parts[static_cast<std::size_t>(label[static_cast<std::size_t>(along[static_cast<std::size_t>(chain[0])])])];
+        if (!is_hole(loop, facing, 2 * std::abs(part.volume) / part.area)) continue;
+        work.spend(std::pow(static_cast<double>(chain.size()), 3) / 6);
+        fill(mesh, chain);
+        ++report.hole_loops_closed;
+    }
+    if (report.hole_loops_closed > 0) edges = find_edges(mesh);
+}
+
+}  // namespace seldinger::repair_steps

@@ -1,0 +1,148 @@
+// Vessels with a wall of a thickness: an outer and an inner shell, as separate parts or joined by rims. The wire is in the inner.
+#include "repair/repair_steps.h"
+#include "vessel/mesh_components.h"
+#include "vessel/triangle_geometry.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace seldinger::repair_steps {
+namespace {
+
+constexpr double least_share = 0.2;    // of the surface: a shell, not a crumb, a stent's strut or a catheter
+constexpr double rim_angle = 60;       // a cut wall has rims of 90 degrees, the facets of a coarse tube turn by 45 [degrees]
+constexpr double largest_ratio = 1.8;  // of the areas, as of the radii: a coronary artery's outer radius is 1.6 inner ones
+constexpr double most_uneven = 2.5;    // the wall's thickness at 90 % of the places, in medians
+constexpr std::size_t samples = 200;
+
+/// Groups of triangles that are joined without crossing an edge that turns by more than a rim's angle.
+std::vector<std::int32_t> smooth_patches(const WallMesh& mesh, const MeshEdges& edges)
+{
+    const double least = std::cos(rim_angle * std::numbers::pi / 180);
+    std::vector<Vec3> normal(mesh.triangles.size());
+    for (std::size_t t = 0; t < normal.size(); ++t) normal[t] = double_area(triangle_of(mesh, t)).normalized();
+    return label_sets(mesh, edges, [&](std::span<const std::int32_t> uses) {
+        if (uses.size() != 2) return false;
+        return !(normal[static_cast<std::size_t>(uses[0] / 3)].dot(normal[static_cast<std::size_t>(uses[1] / 3)]) < least);
+    });
+}
+
+struct Patch {
+    std::int32_t label = 0;
+    double area = 0;
+    std::vector<std::int32_t> triangles;
+    Box3 box;
+};
+
+/// The two largest patches, the larger first; fewer where another one is no shell.
+std::vector<Patch> shells_of(const WallMesh& mesh, const std::vector<std::int32_t>& label)
+{
+    std::vector<Patch> patches;
+    double all = 0;
+    for (std::size_t t = 0; t < label.size(); ++t) {
+        const auto k = static_cast<std::size_t>(label[t]);
+        if (k >= patches.size()) patches.resize(k + 1);
+        const Triangle3 corners = triangle_of(mesh, t);
+        const double area = 0.5 * double_area(corners).norm();
+        patches[k].label = label[t];
+        patches[k].area += area;
+        patches[k].triangles.push_back(static_cast<std::int32_t>(t));
+        for (const Vec3& p : {corners.a, corners.b, corners.c}) patches[k].box.extend(p);
+        all += area;
+    }
+    std::stable_sort(patches.begin(), patches.end(), [](const Patch& a, const Patch& b) { return a.area > b.area; });
+    while (!patches.empty() && (patches.size() > 2 || patches.back().area < least_share * all)) patches.pop_back();
+    return patches;
+}
+
+/// Corners of a patch, evenly chosen.
+std::vector<Vec3> chosen_points(const WallMesh& mesh, const Patch& patch)
+{
+    std::vector<Vec3> points;
+    const std::size_t step = std::max<std::size_t>(1, patch.triangles.size() / samples);
+    for (std::size_t k = 0; k < patch.triangles.size(); k += step)
+        points.push_back(triangle_of(mesh, static_cast<std::size_t>(patch.triangles[k])).a);
+    return points;
+}
+
+double distance_to(const WallMesh& mesh, const Patch& patch, const Vec3& p)
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::int32_t t : patch.triangles) {
+        const Triangle3 c = triangle_of(mesh, static_cast<std::size_t>(t));
+        least = std::min({least, (c.a - p).squaredNorm(), ((c.a + c.b + c.c) / 3 - p).squaredNorm()});
+    }
+    return std::sqrt(least);
+}
+
+bool encloses(const WallMesh& mesh, const Patch& outer, const std::vector<Vec3>& points)
+{
+    std::size_t inside = 0, asked = 0;
+    for (std::size_t k = 0; k < points.size(); k += std::max<std::size_t>(1, points.size() / 20), ++asked) {
+        if (!outer.box.contains(points[k])) continue;
+        double angle = 0;
+        for (const std::int32_t t : outer.triangles) angle += solid_angle(points[k], triangle_of(mesh, static_cast<std::size_t>(t)));
+        inside += std::abs(angle) > 0.5 * 4 * std::numbers::pi;  // ends of open shells are seen, hence not all of 4 pi
+    }
+    return 4 * inside > 3 * asked;
+}
+
+/// Thickness of the wall between two shells, the smaller one inside; nothing where they are no such shells.
+std::optional<double> wall_between(const WallMesh& mesh, const std::vector<Patch>& shells)
+{
+    if (shells.size() != 2 || shells[0].area > largest_ratio * shells[1].area) return std::nullopt;
+    const std::vector<Vec3> points = chosen_points(mesh, shells[1]);
+    if (!encloses(mesh, shells[0], points)) return std::nullopt;
+    std::vector<double> gaps;
+    for (const Vec3& p : points) gaps.push_back(distance_to(mesh, shells[0], p));
+    std::sort(gaps.begin(), gaps.end());
+    const double middle = gaps[gaps.size() / 2];
+    if (gaps[gaps.size() * 9 / 10] > most_uneven * middle) return std::nullopt;
+    return middle;
+}
+
+void keep(WallMesh& mesh, const std::vector<bool>& kept, std::vector<std::array<std::int32_t, 3>>& beside)
+{
+    std::size_t to = 0;
+    for (std::size_t t = 0; t < kept.size(); ++t)
+        if (kept[t]) {
+            mesh.triangles[to] = mesh.triangles[t];
+            beside[to++] = beside[t];
+        }
+    mesh.triangles.resize(to);
+    beside.resize(to);
+}
+
+}  // namespace
+
+bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read, RepairReport& report)
+{
+    std::vector<std::int32_t> label = label_components(mesh, edges);
+    std::vector<Patch> shells = shells_of(mesh, label);
+    std::optional<double> thickness = wall_between(mesh, shells);
+    const bool joined = !thickness && shells.size() == 1;
+    if (joined) {
+        bool closed = true;
+        for (std::size_t k = 0; k < edges.count() && closed; ++k) closed = edges.uses(k).size() > 1;
+        if (!closed) return false;
+        label = smooth_patches(mesh, edges);
+        shells = shells_of(mesh, label);
+        thickness = wall_between(mesh, shells);
+    }
+    if (!thickness) return false;
+    std::vector<bool> kept(mesh.triangles.size());
+    for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = joined ? label[t] == shells[1].label : label[t] != shells[0].label;
+    const auto dropped = std::count(kept.begin(), kept.end(), false);
+    keep(mesh, kept, as_read);
+    report.notes.push_back(fmt::format("The wall has a thickness, of {:.3g} mm in the middle: the inner of its two shells is taken for the lumen, and the {} "
+                                       "triangles of the outer one{} are left out.",
+                                       1e3 * *thickness, dropped, joined ? " and of the rims" : ""));
+    return true;
+}
+
+}  // namespace seldinger::repair_steps

@@ -1,0 +1,121 @@
+// Models: their changes of a scene, `like`, and refusals of this build.
+
+#include "models/model.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+namespace test_model {
+
+using namespace seldinger;
+
+namespace {
+
+const char* tube_scene = R"(
+    [scene]
+    duration_s = 1.0
+    dt_s = 0.001
+    [wire]
+    length_m = 0.1
+    radius_m = 0.0004
+    density = 7900.0
+    bend_nm2 = 1e-5
+    twist_nm2 = 1e-5
+    stretch_n = 1e4
+    nodes = 11
+    [vessel]
+    shape = "tube"
+    radius_m = 0.005
+    length_m = 0.2
+    triangles = 1000
+    [feed]
+    inlet = "auto"
+    keys = [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, {t_s = 1.0, advance_m = 0.05, turn_rad = 0.0} ])";
+
+Model everything_else()
+{
+    Model model;
+    model.nodes = 0;
+    model.min_edge = 0.002;
+    model.max_edge = 0.02;
+    model.dt = 1.0 / 60;
+    model.scheme = Scheme::Linearised;
+    model.trapezoid = true;
+    model.tolerance = 1e-8;
+    model.detection = Detection::Capsule;
+    model.normal = NormalLaw::LankaraniNikravesh;
+    model.friction = FrictionLaw::Sign;
+    model.rolling = true;
+    model.elastic_wall = true;
+    model.wall_edge = 0.003;
+    return model;
+}
+
+}  // namespace
+
+TEST_SUITE("models/model")
+{
+    TEST_CASE("property: a model does to a parsed scene what its --set texts do to the file")
+    {
+        const Scene scene = read_scene_text(tube_scene, "tube.toml");
+        const Model model = everything_else();
+        const std::vector<std::string> texts = set_texts(model, scene);
+        Scene by_model = apply(model, scene);
+        const Scene by_text = read_scene_text(tube_scene, "tube.toml", texts);
+        by_model.wire_every = by_text.wire_every;  // how often frames are written follows from the step on reading
+        by_model.contacts_every = by_text.contacts_every;
+        CHECK(texts.size() == 14);  // thirteen choices; the trapezoid is two keys
+        CHECK(write_scene(by_model, ".") == write_scene(by_text, "."));
+        CHECK(write_scene(by_model, ".") != write_scene(scene, "."));
+        CHECK(write_scene(apply(Model{}, scene), ".") == write_scene(scene, "."));
+    }
+
+    TEST_CASE("property: labels name what was chosen, and only that")
+    {
+        CHECK(label(Model{}) == "as the scene");
+        Model model;
+        model.nodes = 101;
+        model.dt = 1.0 / 60;
+        model.scheme = Scheme::Linearised;
+        CHECK(label(model) == "101 nodes, 16.67 ms, linearised");
+        model.name = "mine";
+        CHECK(label(model) == "mine");
+    }
+
+    TEST_CASE("property: a scene's own model laid over another of its versions gives the scene back")
+    {
+        const Scene scene = read_scene_text(tube_scene, "tube.toml");
+        const Scene other = apply(everything_else(), scene);
+        REQUIRE(write_scene(other, "") != write_scene(scene, ""));
+        CHECK(write_scene(apply(model_of(scene), other), "") == write_scene(scene, ""));
+        CHECK(write_scene(apply(model_of(other), scene), "") == write_scene(other, ""));
+        Model adaptive;
+        adaptive.nodes = 0;
+        adaptive.min_edge = 3e-3;
+        adaptive.spin = true;
+        const Scene third = apply(adaptive, scene);
+        CHECK(write_scene(apply(model_of(third), scene), "") == write_scene(third, ""));
+    }
+
+    TEST_CASE("property: what cannot be run is refused in one sentence, what can is listed")
+    {
+        const Scene scene = read_scene_text(tube_scene, "tube.toml");
+        CHECK(why_not(everything_else(), scene).empty());
+        Model elastic;
+        elastic.elastic_wall = true;
+        CHECK(why_not(elastic, scene).empty());
+        Model wrong;
+        wrong.dt = 5.0;
+        CHECK(why_not(wrong, scene).find("scene.dt_s") == std::string::npos);  // no place of a text that nobody wrote
+        CHECK(why_not(wrong, scene).find("expected at least one step") != std::string::npos);
+        Model single;
+        single.precision = Precision::Float32;
+        CHECK(why_not(single, scene).empty());
+        Model hard = single;
+        hard.normal = NormalLaw::Barrier;
+        CHECK(why_not(hard, scene).find("float32") != std::string::npos);
+    }
+}
+
+}  // namespace test_model
