@@ -65,7 +65,8 @@ void read_motion(WorldData& world, int wire, std::span<const Vec3> contact_force
 {
     WireResult& result = world.output.results[wire];
     const IntegratorSpec& integrator = world.setup.integrator;
-    if (h == 0 || integrator.scheme == Scheme::Static) begin_audit(world, wire, false);
+    if (integrator.scheme == Scheme::Static) count_equilibrium(world, wire);
+    else if (h == 0) begin_audit(world, wire, false);
     result.kinetic = world.audit(wire).kinetic;
     result.elastic = world.audit(wire).elastic;
     result.gravitational = world.audit(wire).gravitational;
