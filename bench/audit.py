@@ -47,8 +47,29 @@ WIRES = {"amplatz-super-stiff-035": 0.00044, "lunderquist-035": 0.00044, "bentso
          "terumo-stiff-angled-035": 0.00044, "vertebral-5f": 0.00083, "control-018": 0.00023, "coronary-soft-014": 0.00018}
 
 
+AXES = "axis = [1.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n"
+ARC = 'shape = "arc"\nradius_m = 0.0055\nbend_radius_m = 0.05\nangle_deg = 100\nlead_in_m = 0.04\nlead_out_m = 0.06\n'
+SIPHON = 'shape = "arc"\nradius_m = 0.0018\nbend_radius_m = 0.006\nangle_deg = 180\nlead_in_m = 0.02\nlead_out_m = 0.04\n' + AXES
+CATHETER, GUIDE = [(0, 0.02), (2, 0.03), (4, 0.11)], [(0, 0.03), (2, 0.14), (4, 0.14)]  # keys: (s, m)
+# Seed 0: set-ups of version 0.2.0 whose readings were off. The vessel as text, without its triangles if they are generated
+EARLIER = [
+    {"shape": "aortic-arch", "wire": "lunderquist-035", "mu": 0.2, "dt": 0.001, "nodes": 41, "from": 0.13, "way": 0.17, "duration": 3.4},
+    {"shape": "tube", "radius": 0.004, "wire": "terumo-angled-035", "mu": 0.02, "dt": 0.00025, "nodes": 101, "from": 0.01, "way": 0.11, "duration": 2.2},
+    {"vessel": ARC, "wire": "terumo-stiff-angled-035", "mu": 0.02, "dt": 0.004, "nodes": 41, "from": 0.04, "way": 0.09, "duration": 1.5},
+    {"vessel": SIPHON, "wire": "control-018", "mu": 0.05, "dt": 1 / 60, "nodes": "adaptive", "from": 0.005, "way": 0.05, "duration": 1.0},
+    {"vessel": f'mesh = "{HERE}/assets/vessels/coronary.ply"\nunits = "mm"\n', "inlet": "point = [0.001, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]",
+     "wire": "control-018", "mu": 0.1, "dt": 0.001, "nodes": 101, "from": 0.0, "way": 0.04, "duration": 1.0},
+    {"vessel": f'mesh = "{HERE}/assets/vessels/renal.ply"\nunits = "mm"\n', "inlet": "point = [0.0, 0.0, -0.0595]\ndirection = [0.129, 0.052, 0.990]",
+     "wire": "terumo-angled-035", "mu": 0.2, "dt": 0.00025, "nodes": 101, "from": 0.0, "way": 0.06, "duration": 1.2},
+    {"vessel": ARC, "wire": "bentson-035", "mu": 0.1, "dt": 0.001, "nodes": "adaptive", "group": 'model = "separate"\n', "keys": CATHETER, "wire keys": GUIDE},
+    {"vessel": ARC, "wire": "bentson-035", "mu": 0.1, "dt": 0.001, "nodes": "adaptive", "group": 'lumen_friction = true\nmu_sliding = 0.1\n', "keys": CATHETER, "wire keys": GUIDE},
+]
+
+
 def draw(seed, number):
     """One set-up: the same for a seed and a number, whatever else is drawn."""
+    if seed == 0:
+        return {"group": "", "elastic": False, "turn": 0.0} | EARLIER[number]
     rng = random.Random(f"seldinger audit {seed} {number}")
     setup = {"shape": rng.choice(["tube", "arc", "arc", "aortic-arch"]), "wire": rng.choice(sorted(WIRES)),
              "mu": rng.choice([0.02, 0.05, 0.1, 0.2, 0.4]), "dt": rng.choice([0.001, 0.001, 0.004, 1 / 60]),
@@ -78,16 +99,25 @@ def scene_of(s, finer):
         nodes = 'nodes = "adaptive"' + ("" if split == 1 else f"\nmin_edge_m = {0.001 / split}\nmax_edge_m = {0.01 / split}\nedge_error_m = {2e-6 / split**3}")
     else:
         nodes = f"nodes = {split * (s['nodes'] - 1) + 1}"
-    end = s["from"] + s["way"]
-    keys = f"keys = [{{t_s = 0, advance_m = {s['from']}, turn_rad = 0}}, {{t_s = {s['duration']}, advance_m = {end}, turn_rad = {s['turn']}}}]"
-    text = f"[scene]\nduration_s = {s['duration']}\ndt_s = {s['dt'] / parts}\nrecord_every = 1\n"
+    keys = s.get("keys") or [(0, s["from"]), (s["duration"], s["from"] + s["way"])]
+    wire_keys = s.get("wire keys") or [(0, keys[0][1] + 0.01), (keys[-1][0], keys[-1][1] + 0.03)]
+
+    def keys_of(pairs, turn):
+        return "keys = [" + ", ".join(f"{{t_s = {t}, advance_m = {at}, turn_rad = {turn * (t / pairs[-1][0])}}}" for t, at in pairs) + "]"
+
+    text = f"[scene]\nduration_s = {keys[-1][0]}\ndt_s = {s['dt'] / parts}\nrecord_every = 1\n"
+    inlet = s.get("inlet", 'inlet = "auto"')
     if s["group"]:
-        text += (f'[[instrument]]\nname = "catheter"\npreset = "vertebral-5f"\nlength_m = 0.4\n{nodes}\n[instrument.feed]\ninlet = "auto"\n{keys}\n'
-                 f'[[instrument]]\nname = "wire"\npreset = "{s["wire"]}"\nlength_m = 0.5\n{nodes}\n[instrument.feed]\nkeys = [{{t_s = 0, advance_m = '
-                 f'{s["from"] + 0.01}}}, {{t_s = {s["duration"]}, advance_m = {end + 0.03}}}]\n[coaxial]\norder = ["catheter", "wire"]\n')
+        text += (f'[[instrument]]\nname = "catheter"\npreset = "vertebral-5f"\nlength_m = 0.4\n{nodes}\n[instrument.feed]\n{inlet}\n{keys_of(keys, s["turn"])}\n'
+                 f'[[instrument]]\nname = "wire"\npreset = "{s["wire"]}"\nlength_m = 0.5\n{nodes}\n[instrument.feed]\n{keys_of(wire_keys, 0)}\n'
+                 '[coaxial]\norder = ["catheter", "wire"]\n')
+        text += s["group"] if s["group"] is not True else ""
     else:
-        text += f'[wire]\npreset = "{s["wire"]}"\nlength_m = 0.4\nmu_sliding = {s["mu"]}\nmu_static = {1.2 * s["mu"]}\n{nodes}\n[feed]\ninlet = "auto"\n{keys}\n'
-    if s["shape"] == "aortic-arch":
+        text += (f'[wire]\npreset = "{s["wire"]}"\nlength_m = 0.4\nmu_sliding = {s["mu"]}\nmu_static = {1.2 * s["mu"]}\n{nodes}\n[feed]\n{inlet}\n'
+                 f'{keys_of(keys, s["turn"])}\n')
+    if "vessel" in s:
+        text += f"[vessel]\n{s['vessel']}" + (f"triangles = {20000 * facets}\n" if "shape" in s["vessel"] else "")
+    elif s["shape"] == "aortic-arch":
         text += f'[vessel]\nshape = "aortic-arch"\ntriangles = {30000 * facets}\n'
     else:
         text += f'[vessel]\nshape = "{s["shape"]}"\nradius_m = {s["radius"]}\ntriangles = {20000 * facets}\n'

@@ -14,12 +14,13 @@ import subprocess
 import sys
 import tempfile
 
+from audit import largest_mean
+
 SCENE = "assets/scenes/aortic-arch.toml"
 SAMPLES = (4, 8, 16, 32)
 STEPS = (1 / 60, 0.004, 0.001)
 TRUE_STEP = 0.00025
 BANDS = {"hand_force_peak_n": "hand_force_n", "friction_peak_n": "friction_n"}  # of the estimate: column of trace.csv
-MEAN = 0.02  # that peaks are of [s]
 
 
 def run(app, scene, folder, step, estimate, settings=()):
@@ -36,14 +37,8 @@ def run(app, scene, folder, step, estimate, settings=()):
         rows = list(csv.DictReader(stream))
     summary["last"] = rows[-1]
     for name, column in BANDS.items():
-        summary[name] = largest_mean([abs(float(row[column])) for row in rows], step)
+        summary[name] = largest_mean([abs(float(row[column])) for row in rows], [float(row["time_s"]) for row in rows])
     return summary
-
-
-def largest_mean(values, step):
-    """The largest mean over 20 ms, of values of every step."""
-    wide = max(1, round(MEAN / step))
-    return max(sum(values[k:k + wide]) / wide for k in range(max(1, len(values) - wide + 1)))
 
 
 def main():

@@ -15,7 +15,7 @@ import os
 import pathlib
 import subprocess
 
-from readings import largest_mean
+from audit import largest_mean
 from validate_plan import scenes
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
@@ -30,8 +30,8 @@ def peaks(app, scene, folder, settings=()):
     subprocess.run([app, "run", scene, "-o", folder, "--overwrite", "--quiet", "--error-estimate", "off", *words], check=True)
     with open(folder / "trace.csv", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    step = float(rows[1]["time_s"]) - float(rows[0]["time_s"])
-    return {name: largest_mean([abs(float(row[column])) for row in rows], step) for name, column in PEAKS.items()}
+    times = [float(row["time_s"]) for row in rows]
+    return {name: largest_mean([abs(float(row[column])) for row in rows], times) for name, column in PEAKS.items()}
 
 
 def validate(app, folder, name, tolerance, text, budget, asked):

@@ -8,7 +8,7 @@
 // A peak is one number, so that two runs may agree in it by chance where nothing else agrees. A refinement's movement therefore
 // counts as at least half of the previous one (first order: the movement without chance).
 
-#include "math/running_peak.h"
+#include "math/span_means.h"
 
 #include <array>
 #include <cmath>
@@ -47,14 +47,16 @@ struct PeakGoal {
 /// Takes in a run step by step.
 class PeakMeter {
 public:
-    /// @param wide, wide_looks  steps, and looks at the contacts, that a mean is over
-    PeakMeter(std::size_t wide, std::size_t wide_looks) : hand_(wide), friction_(wide), per_length_(wide_looks) {}
-    void add(double hand_force, double friction) { hand_.add(std::abs(hand_force)), friction_.add(friction); }
-    void look(double per_length) { per_length_.add(per_length); }
-    [[nodiscard]] Peaks peaks() const { return {hand_.value(), friction_.value(), per_length_.value()}; }
+    /// @param span  that a mean is over [s]
+    explicit PeakMeter(double span) : hand_(span), friction_(span), per_length_(span) {}
+    /// Of one step of `dt` [s].
+    void add(double hand_force, double friction, double dt) { hand_.add(std::abs(hand_force), dt), friction_.add(friction, dt); }
+    /// @param time  that it stands for: to the look before [s]
+    void look(double per_length, double time) { per_length_.add(per_length, time); }
+    [[nodiscard]] Peaks peaks() const { return {hand_.largest(), friction_.largest(), per_length_.largest()}; }
 
 private:
-    RunningPeak hand_, friction_, per_length_;
+    SpanMeans hand_, friction_, per_length_;
 };
 
 }  // namespace seldinger

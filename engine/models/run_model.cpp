@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <optional>
+#include <utility>
 
 namespace seldinger {
 namespace {
@@ -80,6 +80,7 @@ public:
           simulation_(std::move(simulation)),
           watch_(changed, scene.setup, plan.limits, plan.end_on_blow_up, *simulation_),
           average_(changed.wire.length),
+          meter_(plan.average),
           dt_(changed.dt),
           settles_(settles_first(changed)),
           is_static_(changed.integrator.scheme == Scheme::Static),
@@ -95,7 +96,7 @@ public:
         if (settles_ && !settle()) return finish();
         if (is_static_) {
             average_.add(*simulation_, touches_);
-            take_peaks(true);
+            take_peaks(1, true);  // one solution
             keep_sample(0);
             result_.complete = true;
             return finish();
@@ -133,7 +134,6 @@ private:
         const double h = length / static_cast<double>(steps);
         const long averaged = std::clamp(std::lround(plan_.average / h), 1L, steps);
         const long every = std::max(1L, averaged / contact_looks);
-        if (!meter_) meter_.emplace(averaged, averaged / every);
         for (long k = 1; k <= steps; ++k) {
             clock_.start();
             const StepReport report = simulation_->step(h);
@@ -152,20 +152,21 @@ private:
                 result_.stopped = true;
                 return false;
             }
-            take_peaks((steps - k) % every == 0);
+            take_peaks(h, (steps - k) % every == 0);
             if (k > steps - averaged) average_.add(*simulation_, touches_ && (steps - k) % every == 0);
         }
         return true;
     }
 
-    void take_peaks(bool look_at_contacts)
+    /// @param h  of the step [s]
+    void take_peaks(double h, bool look_at_contacts)
     {
         if (!plan_.peaks) return;
-        if (!meter_) meter_.emplace(1, 1);  // one static solution
         const WireReadings now = simulation_->readings();
-        meter_->add(now.hand_force, now.friction);
-        if (touches_ && look_at_contacts) meter_->look(simulation_->force_per_length());
-        result_.trajectory.peaks = meter_->peaks();
+        meter_.add(now.hand_force, now.friction, h);
+        since_look_ += h;
+        if (touches_ && look_at_contacts) meter_.look(simulation_->force_per_length(), std::exchange(since_look_, 0.0));
+        result_.trajectory.peaks = meter_.peaks();
     }
 
     void keep_sample(double t)
@@ -195,7 +196,8 @@ private:
     std::unique_ptr<Simulation> simulation_;
     RunWatch watch_;
     Averager average_;
-    std::optional<PeakMeter> meter_;  // steps are of one length in a run
+    PeakMeter meter_;
+    double since_look_ = 0;  // [s]
     Stopwatch clock_;
     double dt_, until_ = 0, interval_ = 0;
     bool settles_, is_static_, touches_;

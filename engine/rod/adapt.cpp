@@ -139,7 +139,7 @@ std::vector<NodePlanner::Reach> NodePlanner::reaches(const RodView& rod, std::sp
         while (to < rod.n && (contact.empty() || contact[to].isZero())) ++to;
         const int last = std::min(to, rod.n - 1);
         const double begin = rod.material_s[from], end = rod.material_s[last];
-        held = span > 1 ? held / 4 : begin;  // the first span behind the first contact has all of it
+        held = span > 1 ? passes_span * held : begin;  // the first span behind the first contact has all of it
         double turned = 0;
         for (int j = from; j < last; ++j) turned += rod.rest_length[j] * 0.5 * (curvature_[j] + curvature_[j + 1]);
         for (int j = from; j < last; ++j) {

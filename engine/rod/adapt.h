@@ -30,6 +30,10 @@ constexpr double edge_ratio_limit = 2.0;
 // two touches, a few lumen radii.
 constexpr double longest_lever = 0.03;  // [m]
 
+/// Part of a bending moment that passes the span of a beam over many supports at equal distances: three moments in a row have
+/// M_k-1 + 4 M_k + M_k+1 = 0 (Clapeyron), so that each is -(2 - sqrt 3) of the one before.
+constexpr double passes_span = 0.2679491924311227;
+
 /// A change of the node set. Lists of changes run from hub to tip, so that none moves the index of a later one.
 struct NodeChange {
     bool split = true;
@@ -79,7 +83,7 @@ public:
     ///
     /// An error of angle acts over the lever l. Up to the contact nearest to the tip, at s_1, that is the edge's own distance from the tip. Beyond, the wire
     /// turns over its contacts as a beam over supports: an angle between the first two, at s, turns the wire at s_1 by (s_2 - s)/(s_2 - s_1) of itself; one
-    /// in a further span by 1/4 of that per span (half passes a support, and half of that the span before it). Besides, an angle in a span of length S
+    /// in a further span by passes_span of that per span. Besides, an angle in a span of length S
     /// lifts it by up to S/4 of itself. On a wire that turns by an angle P there, that area S^2/8 makes the tip come P S/8 farther.
     /// A displacement acts in full (c = 1) up to the contact nearest to the tip. In a span of length S it is an angle of 1/S.
     [[nodiscard]] double tip_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
@@ -90,6 +94,8 @@ public:
     ///     sum over nodes  F kappa h^2/8                 the distance of an arc from the chord's middle, or from where its tangents meet, on which the wall works
     ///     |sum over edges (M_j+1 - M_j).o/h|            the displacements o by jumps of natural curvature and stiffness, against the shear there
     ///
+    /// The second is a bound over all places of the load: a chord's middle, where its arc is farthest, and a node, where two tangents of the arc meet, are both
+    /// kappa h^2/8 from the arc. (Over all places alike the distance is kappa h^2/12 in the mean.)
     /// dM and dkappa are differences between the ends of an edge. dM/B is dkappa where there is no natural curvature. A preformed bend that a lumen holds straight has
     /// the moments of its natural curvature at nodes, and no curvature between them to err in.
     /// The first is exact for loads at nodes: a cantilever of n edges under an end load has 1/(2 n^2) of its energy too much, which

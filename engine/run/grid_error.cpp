@@ -1,6 +1,7 @@
 // Errors of forces by edges and facets, from bending energy and contacts.
 #include "run/grid_error.h"
 
+#include "rod/adapt.h"
 #include "world/node_errors.h"
 #include "vessel/wall_mesh.h"
 
@@ -37,8 +38,6 @@ Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x)
     at = at.cwiseMax(Vec3::Zero());
     return at / at.sum();
 }
-
-constexpr double carried_over = 0.25;  // half of an angle passes a support, and half of that the span before it (rod/adapt.h)
 
 /// At most 1: an error as large as what it is of tells no more.
 double relative(double error, double of) { return of > 0 ? std::min(1.0, error / of) : error > 0 ? 1 : 0; }
@@ -213,8 +212,8 @@ GridShare GridErrorGauge::beside(const World& run, int wire, std::size_t k) cons
         sum.missed += weight * bending.missed;
         for (std::size_t r = first; r <= last; ++r) work += weight * regions_[r].inwards;
     };
-    take_in(1, 1 - carried_over);
-    take_in(2, carried_over);  // which has the others in it
+    take_in(1, 1 - passes_span);
+    take_in(2, passes_span);  // which has the others in it
     return {relative(sum.missed, sum.energy), relative(work, 2 * sum.energy)};
 }
 

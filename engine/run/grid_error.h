@@ -10,7 +10,7 @@
 //     facets    a normal n_i that differs from the smooth wall's m_i pushes along the wire's tangent t_i:  dF = sum F_i (n_i - m_i).t_i
 //
 // These are errors of what pushes the wire back along its path, dU/ds. Each contact is borne by the spans beside it, up to the next regions of
-// contact, and by a quarter of those behind them: the error of its normal force is that of their energy, and of the work of the normal forces there. Friction goes by the normal forces, the force on a patch by its region's.
+// contact, and by passes_span (rod/adapt.h) of those behind them: the error of its normal force is that of their energy, and of the work of the normal forces there. Friction goes by the normal forces, the force on a patch by its region's.
 //
 //     creases   a wire in the crease of two facets is borne by both. With the angle a between each facet's normal and the direction in which
 //               they push together, the sum of their forces is 1/cos a of the force of a smooth wall (contact_law.h reports the sum)

@@ -12,12 +12,11 @@
 // A force that does not fall by more than 20 % within 20 ms after its largest is no release, and the bound is 0. The catch above
 // falls by 22 to 26 % at steps of 1 to 17 ms. A tip that lands on a tube's floor and settles falls by 15 %.
 
-#include "math/running_peak.h"
+#include "math/span_means.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <vector>
+#include <deque>
+#include <utility>
 
 namespace seldinger {
 
@@ -28,37 +27,35 @@ public:
     static constexpr double least_fall = 0.2;    // of the largest value
 
     /// @param mean_time  that the largest value is a mean over [s]
-    ReleaseWatch(double dt, double mean_time) : mean_(steps_in(mean_time, dt)), before_(steps_in(release_time, dt)), fall_steps_(steps_in(fall_time, dt)) {}
+    explicit ReleaseWatch(double mean_time) : mean_(mean_time) {}
 
-    /// @param value  of one step, not negative
-    void add(double value)
+    /// @param value  of one step, not negative   @param dt  that it lasts [s]
+    void add(double value, double dt)
     {
-        mean_.add(value);
+        mean_.add(value, dt);
+        time_ += dt;
         if (!mean_.full()) return;
         const double now = mean_.mean();
+        while (!before_.empty() && before_.front().first < time_ - (1 + 1e-9) * release_time) before_.pop_front();
         if (now > peak_) {
+            const auto lowest = std::ranges::min_element(before_, {}, &std::pair<double, double>::second);
+            rise_ = lowest == before_.end() ? 0 : now - lowest->second;
             peak_ = now;
-            rise_ = count_ == 0 ? 0 : now - *std::min_element(before_.begin(), before_.begin() + filled());
+            peak_time_ = time_;
             fall_ = 0;
-            since_ = 0;
-        } else if (since_++ < fall_steps_) {
+        } else if (time_ <= peak_time_ + (1 + 1e-9) * fall_time) {
             fall_ = std::max(fall_, peak_ - now);
         }
-        before_[count_++ % before_.size()] = now;
+        before_.emplace_back(time_, now);
     }
 
     /// The bound dF of the largest mean, 0 where nothing lets go.
     [[nodiscard]] double bound() const { return fall_ > least_fall * peak_ ? std::max(rise_, 0.0) : 0; }
 
 private:
-    static std::size_t steps_in(double time, double dt) { return static_cast<std::size_t>(std::max(1L, std::lround(time / dt))); }
-    [[nodiscard]] std::ptrdiff_t filled() const { return static_cast<std::ptrdiff_t>(std::min(count_, before_.size())); }
-
-    RunningPeak mean_;
-    std::vector<double> before_;  // a ring of means
-    std::size_t fall_steps_;
-    std::size_t count_ = 0, since_ = 0;
-    double peak_ = 0, rise_ = 0, fall_ = 0;
+    SpanMeans mean_;
+    std::deque<std::pair<double, double>> before_;  // time [s] and mean of each step within release_time
+    double time_ = 0, peak_ = 0, peak_time_ = 0, rise_ = 0, fall_ = 0;
 };
 
 }  // namespace seldinger

@@ -15,8 +15,8 @@ namespace seldinger {
 
 namespace {
 
-/// Steps that mean_time is.
-long mean_steps(double dt) { return std::max(1L, std::lround(StepTwin::mean_time / dt)); }
+/// Steps that mean_time takes.
+long mean_steps(double dt) { return std::max(1L, std::lround(std::ceil(StepTwin::mean_time / dt - 1e-9))); }
 
 double mean(const std::vector<double>& values)
 {
@@ -25,48 +25,27 @@ double mean(const std::vector<double>& values)
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-/// The largest mean magnitude over mean_time, or over all where they are shorter. The mean begins or ends with a step, and takes a part of that at its other
-/// end: steps of any length have means over the same time. @param parts, last  the last so many steps are shorter than dt by that factor: a run ends at its time
+/// The largest mean magnitude over mean_time, or over all where they are shorter.
+/// @param parts, last  the last so many steps are shorter than dt by that factor: a run ends at its time
 double largest_mean(const std::vector<double>& values, double dt, int parts, double last)
 {
     const std::size_t whole = values.size() - std::min<std::size_t>(parts, values.size());
-    std::vector<double> time{0}, sum{0};  // up to the end of each step, and of magnitude times time
-    for (std::size_t k = 0; k < values.size(); ++k) {
-        const double length = k < whole ? dt : last * dt;
-        time.push_back(time.back() + length);
-        sum.push_back(sum.back() + std::abs(values[k]) * length);
-    }
-    if (time.back() <= StepTwin::mean_time) return time.back() > 0 ? sum.back() / time.back() : 0;
-    std::size_t step = 0;
-    const auto sum_to = [&](double t) {  // of times that do not fall
-        while (step + 1 < values.size() && time[step + 1] < t) ++step;
-        return sum[step] + std::abs(values[step]) * (t - time[step]);
-    };
-    double most = 0;
-    for (std::size_t k = 0; k < time.size() && time[k] + StepTwin::mean_time <= time.back(); ++k)
-        most = std::max(most, sum_to(time[k] + StepTwin::mean_time) - sum[k]);
-    step = 0;
-    for (std::size_t k = 0; k < time.size(); ++k)
-        if (time[k] >= StepTwin::mean_time) most = std::max(most, sum[k] - sum_to(time[k] - StepTwin::mean_time));
-    return most / StepTwin::mean_time;
+    SpanMeans means(StepTwin::mean_time);
+    for (std::size_t k = 0; k < values.size(); ++k) means.add(std::abs(values[k]), k < whole ? dt : last * dt);
+    return means.largest();
 }
 
 /// Root mean square of differences between means over mean_time of a run and of a twin with steps of 1/parts as long.
 double usual_difference(const std::vector<double>& run, const std::vector<double>& twin, double dt, int parts)
 {
-    const std::size_t wide = std::min(static_cast<std::size_t>(mean_steps(dt)), run.size());
     const auto p = static_cast<std::size_t>(parts);
-    double sum = 0;  // of run - twin over the last `wide` steps
+    SpanMeans means(StepTwin::mean_time);
     MeanSquare all;
-    const auto difference = [&](std::size_t k) {
-        double of_step = run[k];
-        for (std::size_t j = 0; j < p; ++j) of_step -= twin[p * k + j] / parts;
-        return of_step;
-    };
     for (std::size_t k = 0; k < run.size(); ++k) {
-        sum += difference(k);
-        if (k >= wide) sum -= difference(k - wide);
-        if (k + 1 >= wide) all.add(sum / static_cast<double>(wide));
+        double difference = run[k];
+        for (std::size_t j = 0; j < p; ++j) difference -= twin[p * k + j] / parts;
+        means.add(difference, dt);
+        if (means.full() || k + 1 == run.size()) all.add(means.mean());
     }
     return all.root();
 }
@@ -98,12 +77,6 @@ void widen(ErrorBand& band, const ReleaseWatch& release)
     band.resolved = StepTwin::is_resolved(band);
 }
 
-/// @param more  the largest of a twin elsewhere: where that is more, the largest is not known better
-ErrorBand peak_band(const MeanSquare& windows, bool found, int parts, double ratio, double value, double twin, double more, double history)
-{
-    return found ? band_of(value, twin, parts, ratio, std::max(windows.root(), more - value), history) : ErrorBand{value, 0, 0, false};
-}
-
 /// The load of the next node may lie on the same patch, or not: the band holds both. It is no expected error, and so no reason for a warning.
 void add_split(ErrorBand& band, const GridErrors& e)
 {
@@ -125,22 +98,10 @@ double of_hand_at(const GridErrors& e, std::size_t instrument) { return instrume
 
 }  // namespace
 
-StepTwin::OtherHand::OtherHand(double dt) : release(dt, mean_time), falls(static_cast<std::size_t>(mean_steps(dt))) {}
-
-void StepTwin::OtherHand::add(double force)
-{
-    falls.add(std::abs(force));
-    release.add(std::abs(force));
-}
-
 StepTwin::StepTwin(const Scene& scene, const World& run, long taken)
     : scene_(scene),
       run_(run),
-      key_frames_(scene),
-      hand_release_(scene.dt, mean_time),
-      friction_release_(scene.dt, mean_time),
-      hand_falls_(static_cast<std::size_t>(mean_steps(scene.dt))),
-      friction_falls_(static_cast<std::size_t>(mean_steps(scene.dt)))
+      key_frames_(scene)
 {
     estimate_.from_step = taken;
     estimate_.dt = scene.dt;
@@ -148,7 +109,7 @@ StepTwin::StepTwin(const Scene& scene, const World& run, long taken)
     estimate_.adaptive = scene.wire.nodes == 0;
     estimate_.others.resize(static_cast<std::size_t>(run.wire_count() - 1));
     for (std::size_t k = 0; k < estimate_.others.size(); ++k) estimate_.others[k].name = scene.instrument(static_cast<int>(k) + 1).label;
-    others_.assign(estimate_.others.size(), OtherHand(scene.dt));
+    others_.resize(estimate_.others.size());
     open(run, taken);
 }
 
@@ -160,7 +121,7 @@ void StepTwin::open(const World& run, long taken)
     window_.lead = last_.steps;
     window_.first = taken;
     window_.others.resize(others_.size());
-    window_.others_peak.assign(others_.size(), 0.0);
+    window_.peaks.others.assign(others_.size(), 0.0);
 }
 
 void StepTwin::stepped(const World& run, const WireReadings& readings, long taken, const LargestReadings& largest)
@@ -177,20 +138,29 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     largest_ = window_.largest = largest;
     inserted_ = readings.inserted;
     work_ = readings.energy.hand;
+    motion_loss_ = readings.energy.scheme + readings.energy.contact + readings.energy.damping;
     ++window_.steps;
     ++seen_;
     window_.lengths += 1.0 / joint_report(run, 0).sub_steps;
     window_.hand.push_back(readings.hand_force);
     window_.friction.push_back(readings.friction);
-    hand_falls_.add(std::abs(readings.hand_force));
-    friction_falls_.add(readings.friction);
-    hand_release_.add(std::abs(readings.hand_force));
-    friction_release_.add(readings.friction);
+    const double dt = scene_.step_length(taken - 1);
+    hand_falls_.add(std::abs(readings.hand_force), dt);
+    friction_falls_.add(readings.friction, dt);
+    hand_release_.add(std::abs(readings.hand_force), dt);
+    friction_release_.add(readings.friction, dt);
     for (std::size_t k = 0; k < others_.size(); ++k) {
         window_.others[k].push_back(run.readings(static_cast<int>(k) + 1).hand_force);
-        others_[k].add(window_.others[k].back());
+        others_[k].add(window_.others[k].back(), dt);
     }
     window_.tip = run.rod(0).pos(0);
+    if (estimate_.from_step == 0 && seen_ == std::min(2 * mean_steps(scene_.dt), estimate_.window_steps)) {
+        Window start = window_;
+        set_peaks(start);
+        starting_ = true;
+        (void)examine_halved(start);
+        starting_ = false;
+    }
     if (taken % estimate_.window_steps == 0) {
         gauge(run);
         close();
@@ -210,6 +180,8 @@ void StepTwin::gauge(const World& run)
     grid_ = now;
     for (double GridShare::*by : {&GridShare::nodes, &GridShare::facets}) work_errors_.*by += window_.grid.pressed.*by * window_rubbed_;
     window_rubbed_ = 0;
+    if (closed_ > 0) work_errors_.nodes += std::max(0.0, motion_loss_ - motion_loss_then_);
+    motion_loss_then_ = motion_loss_;
 }
 
 double StepTwin::last_length(const Window& window) const { return scene_.step_length(window.first + window.steps - 1) / scene_.dt; }
@@ -217,9 +189,9 @@ double StepTwin::last_length(const Window& window) const { return scene_.step_le
 void StepTwin::set_peaks(Window& window) const
 {
     const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) { return largest_mean(values, scene_.dt, 1, last); };
-    window.hand_peak = peak_of(window.hand);
-    window.friction_peak = peak_of(window.friction);
-    for (std::size_t k = 0; k < window.others.size(); ++k) window.others_peak[k] = peak_of(window.others[k]);
+    window.peaks.hand = peak_of(window.hand);
+    window.peaks.friction = peak_of(window.friction);
+    for (std::size_t k = 0; k < window.others.size(); ++k) window.peaks.others[k] = peak_of(window.others[k]);
 }
 
 /// The window is over: compared now, or kept for the end if it may be among the compared ones.
@@ -228,12 +200,12 @@ void StepTwin::close()
     if (window_.steps == 0) return;
     set_peaks(window_);
     if (++closed_ % periodic == 0) (void)examine_halved(window_);
-    if (window_.hand_peak > best_hand_.hand_peak) best_hand_ = window_;
-    if (window_.friction_peak > best_friction_.friction_peak) best_friction_ = window_;
+    if (window_.peaks.hand > best_hand_.peaks.hand) best_hand_ = window_;
+    if (window_.peaks.friction > best_friction_.peaks.friction) best_friction_ = window_;
     if (window_.has_patch) best_patch_ = window_;
     if (window_.has_wall) best_wall_ = window_;
     for (std::size_t k = 0; k < others_.size(); ++k)
-        if (others_[k].best.steps == 0 || window_.others_peak[k] > others_[k].best.others_peak[k]) others_[k].best = window_;
+        if (others_[k].best.steps == 0 || window_.peaks.others[k] > others_[k].best.peaks.others[k]) others_[k].best = window_;
     last_ = std::move(window_);
 }
 
@@ -256,6 +228,8 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
     Examined twin;
     twin.first = window.first;
     twin.steps = window.steps;
+    twin.run = window.peaks;
+    if (window.has_patch) twin.run.patch = window.largest.patch;
     twin.lead = lead;
     twin.parts = parts;
     twin.found = window.steps == 0 && closed_ > 0;
@@ -295,28 +269,30 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
         }
     }
     const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) { return largest_mean(values, scene_.dt / parts, parts, last); };
-    twin.hand_peak = peak_of(twin.hand);
-    twin.friction_peak = peak_of(twin.friction);
+    twin.peaks.hand = peak_of(twin.hand);
+    twin.peaks.friction = peak_of(twin.friction);
+    twin.peaks.patch = twin.largest.patch;
     twin.ratio = window.lengths * parts * parts / lengths;
     twin.tip = (world_->rod(0).pos(0) - window.tip).norm();
     twin.found = true;
+    if (starting_) {
+        for (const std::vector<double>& other : twin.others) twin.peaks.others.push_back(peak_of(other));
+        return twin;
+    }
     ++estimate_.windows;
     const double times = margin(twin.ratio);
     // a history that differs is seen in other windows, too: the last one alone gives bands that do not hold
     const double of_mean = times * (mean(window.hand) - mean(twin.hand));
     hand_.add(of_mean);
     friction_.add(times * (mean(window.friction) - mean(twin.friction)));
-    hand_peaks_.add(times * (window.hand_peak - twin.hand_peak));
-    friction_peaks_.add(times * (window.friction_peak - twin.friction_peak));
+    hand_peaks_.add(times * (window.peaks.hand - twin.peaks.hand));
+    friction_peaks_.add(times * (window.peaks.friction - twin.peaks.friction));
     for (std::size_t k = 0; k < others_.size(); ++k) {
-        twin.others_peak.push_back(peak_of(twin.others[k]));
+        twin.peaks.others.push_back(peak_of(twin.others[k]));
         others_[k].means.add(times * (mean(window.others[k]) - mean(twin.others[k])));
-        others_[k].peaks.add(times * (window.others_peak[k] - twin.others_peak[k]));
-        others_[k].twins_peak = std::max(others_[k].twins_peak, twin.others_peak[k]);
+        others_[k].peaks.add(times * (window.peaks.others[k] - twin.peaks.others[k]));
     }
     mean_differences_ += std::abs(of_mean);
-    other_hand_peak_ = std::max(other_hand_peak_, twin.hand_peak);
-    other_friction_peak_ = std::max(other_friction_peak_, twin.friction_peak);
     tips_.add(times * twin.tip);
     return twin;
 }
@@ -358,6 +334,34 @@ void StepTwin::set_end_band(ErrorBand& band, double of_run, double of_twin, cons
     band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.ratio, std::max(others.root(), usual), history) : ErrorBand{of_run, 0, 0, false};
 }
 
+StepTwin::Reached StepTwin::reached(Reading reading, std::size_t which) const
+{
+    Reached most;
+    for (const std::unique_ptr<Examined>& twin : examined_) {
+        const auto is_finer = [&](const std::unique_ptr<Examined>& other) {
+            return other->found && other->first == twin->first && other->steps == twin->steps && other->parts > twin->parts;
+        };
+        if (!twin->found || std::ranges::any_of(examined_, is_finer)) continue;
+        const double run = reading(twin->run, which), of_twin = reading(twin->peaks, which);
+        most.bound = std::max(most.bound, run + margin(twin->ratio) * (of_twin - run));
+        most.twin = std::max(most.twin, of_twin);
+    }
+    return most;
+}
+
+ErrorBand StepTwin::peak_band(double value, const Examined& twin, Reading reading, const MeanSquare& windows, double history, std::size_t which) const
+{
+    if (!twin.found) return {value, 0, 0, false};
+    ErrorBand band = band_of(value, reading(twin.peaks, which), twin.parts, twin.ratio, windows.root(), history);
+    const Reached other = reached(reading, which);
+    if (other.bound - value <= band.step) return band;
+    band.step_part = std::max(band.step_part * band.step, other.twin - value) / (other.bound - value);
+    band.step = band.band = other.bound - value;
+    band.twin = std::max(band.twin, other.twin);
+    band.resolved = is_resolved(band);
+    return band;
+}
+
 void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer)
 {
     OtherHand& other = others_[k];
@@ -369,8 +373,8 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
                  of_end.found ? of_end.others[k] : end.others[k], other.means, history);
     const bool same = best_hand_.steps > 0 && other.best.is(best_hand_);
     const Examined& of_peak = same ? of_hand : examine_largest(other.best, finer);
-    const double peak = other.best.others_peak[k];
-    bands.peak = peak_band(other.peaks, of_peak.found, of_peak.parts, of_peak.ratio, peak, of_peak.found ? of_peak.others_peak[k] : 0, other.twins_peak, history);
+    const double peak = other.best.peaks.others[k];
+    bands.peak = peak_band(peak, of_peak, [](const Peaks& peaks, std::size_t which) { return which < peaks.others.size() ? peaks.others[which] : 0; }, other.peaks, history, k);
     if (of_peak.found) widen(bands.peak, other.release);
     complete(bands.end, times(end.grid.energy, bands.end.value), end.grid.normal, of_hand_at(end.grid, k + 1));
     complete(bands.peak, times(other.best.grid.energy, peak), other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
@@ -397,8 +401,8 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
     }
     const Examined& twin = best_patch_.is(best_hand_) ? hand : best_patch_.is(best_friction_) ? friction : examine_halved(best_patch_);
     const double patch = largest_.patch;
-    band = twin.found ? band_of(patch, twin.largest.patch, twin.parts, twin.ratio, 0, hand_history * hand_falls_.share()) : ErrorBand{patch, 0, 0, false};
-    if (twin.found) band.step_part = 1 / margin(twin.ratio);
+    band = peak_band(patch, twin, [](const Peaks& peaks, std::size_t) { return peaks.patch; }, {}, hand_history * hand_falls_.share());
+    if (twin.found && band.step > 0) band.step_part = std::abs(band.twin - patch) / band.step;
     complete(band, times(best_patch_.grid.patch, patch), patch);
     add_split(band, best_patch_.grid);
 }
@@ -460,18 +464,17 @@ ErrorEstimate StepTwin::finish(Finer finer)
     const Examined& of_friction = same ? twin_of_hand : examine_largest(best_friction_, finer);
     estimate_.tip = std::max(tips_.root(), of_end.found ? margin(of_end.ratio) * of_end.tip : 0.0);
     set_end(end, of_end);
-    estimate_.hand_peak = peak_band(hand_peaks_, twin_of_hand.found, twin_of_hand.parts, twin_of_hand.ratio, best_hand_.hand_peak, twin_of_hand.hand_peak, other_hand_peak_,
-                                    hand_history * hand_falls_.share());
-    estimate_.friction_peak = peak_band(friction_peaks_, of_friction.found, of_friction.parts, of_friction.ratio, best_friction_.friction_peak, of_friction.friction_peak,
-                                        other_friction_peak_, friction_history * friction_falls_.share());
+    estimate_.hand_peak = peak_band(best_hand_.peaks.hand, twin_of_hand, [](const Peaks& peaks, std::size_t) { return peaks.hand; }, hand_peaks_, hand_history * hand_falls_.share());
+    estimate_.friction_peak = peak_band(best_friction_.peaks.friction, of_friction, [](const Peaks& peaks, std::size_t) { return peaks.friction; }, friction_peaks_,
+                                        friction_history * friction_falls_.share());
     if (twin_of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
     const GridErrors &at_end = end.grid, &at_hand = best_hand_.grid, &at_friction = best_friction_.grid;
     complete(estimate_.hand, of_hand(at_end, estimate_.hand.value, estimate_.friction.value), at_end.normal, of_hand_at(at_end, 0));
-    complete(estimate_.hand_peak, of_hand(at_hand, best_hand_.hand_peak, best_hand_.friction_peak), at_hand.normal, of_hand_at(at_hand, 0));
+    complete(estimate_.hand_peak, of_hand(at_hand, best_hand_.peaks.hand, best_hand_.peaks.friction), at_hand.normal, of_hand_at(at_hand, 0));
     for (std::size_t k = 0; k < others_.size(); ++k) set_other(k, end, of_end, twin_of_hand, finer);
     complete(estimate_.friction, times(at_end.pressed, estimate_.friction.value), estimate_.friction.value);
-    complete(estimate_.friction_peak, times(at_friction.pressed, best_friction_.friction_peak), best_friction_.friction_peak);
+    complete(estimate_.friction_peak, times(at_friction.pressed, best_friction_.peaks.friction), best_friction_.peaks.friction);
     set_patch(twin_of_hand, of_friction);
     set_work();
     set_wall();

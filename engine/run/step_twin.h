@@ -3,7 +3,7 @@
 //
 // The run is cut into windows of least_steps steps, or of mean_time where that is longer. Some are computed again in a separate
 // world, from the state at their beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
-// far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
+// far; and the run's first 2 mean_time, with all means that begin within the first one: a hub that starts at once is felt there. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
 // and the band is
 //
 //     band = safety r/(r - 1) |Q(h) - Q(h/r)|,    safety = 1.5
@@ -13,6 +13,9 @@
 // difference of a reading is that of its own window, or the root mean square of all windows compared where that is more: other windows say
 // what this one might have shown. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
 // of a wire that sticks, slips and strikes differ however short the step is.
+//
+// The largest value of a run may have come from another window with a shorter step. In a window with Q(h) and its twin Q(h/r) it is at most
+// Q(h) + safety r/(r - 1) (Q(h/r) - Q(h)): the band of a largest value reaches up to the largest of these.
 //
 // Hand force and friction at the end are means over the last mean_time (math/end_mean.h). Their difference is that of
 // these means, or the root mean square of such differences at all times of the last window, or that of the means over all windows.
@@ -46,14 +49,17 @@
 // The largest force on a patch is that of single steps. Its share by the step is the difference of the largest values in the window that
 // has it. A largest of single steps has no order in the step, so that it is believed to be off by the difference itself.
 //
-// The work of the hand is a sum over the run: its share by the step is the mean difference of the compared windows' mean forces, over the whole path of the hand. Histories of n windows add up like independent ones, to sqrt(n) times
-// that of one. By nodes and facets it errs as the energy at the end does, and by what friction loses on the way.
+// The work of the hand is a sum over the run: its share by the step is the mean difference of the compared windows' mean forces, over the whole path of the hand.
+// Histories of n windows add up like independent ones, to sqrt(n) times that of one. By nodes and facets it errs as the energy at the end does, and by what friction
+// loses on the way. Besides, a wire that springs from one place to another loses the energy between the two. Which part of its way is such a spring hangs on the nodes: a
+// bent tip that an opening lets go of one edge late would have given that energy back to the hand. So the share by nodes has all that scheme, contacts and
+// damping took; not that of the first window, in which the wire comes to rest from where it was placed.
 //
 // The twin is a separate world: the run's bits are those of a run without it.
 
 #include "engine.h"
 #include "math/end_mean.h"
-#include "math/running_peak.h"
+#include "math/span_means.h"
 #include "run/grid_error.h"
 #include "run/key_frames.h"
 #include "run/release_watch.h"
@@ -120,10 +126,10 @@ struct ErrorEstimate {
 /// How much a force falls in all, as means over a time, against its largest.
 class FallSum {
 public:
-    explicit FallSum(std::size_t steps) : mean_(steps) {}
-    void add(double value)
+    explicit FallSum(double mean_time) : mean_(mean_time) {}
+    void add(double value, double dt)
     {
-        mean_.add(value);
+        mean_.add(value, dt);
         if (!mean_.full()) return;
         const double now = mean_.mean();
         fallen_ += std::max(0.0, last_ - now);
@@ -134,7 +140,7 @@ public:
     [[nodiscard]] double share() const { return most_ > 0 ? std::min(1.0, fallen_ / most_) : 1; }
 
 private:
-    RunningPeak mean_;
+    SpanMeans mean_;
     double last_ = 0, most_ = 0, fallen_ = 0;
 };
 
@@ -194,33 +200,39 @@ public:
     [[nodiscard]] ErrorEstimate finish(Finer finer);
 
 private:
+    /// Largest values in a window: means of hand force and friction, force on a patch if it is the largest so far, hands of the other instruments [N].
+    struct Peaks {
+        double hand = 0, friction = 0, patch = 0;
+        std::vector<double> others;
+    };
     struct Window {
         std::vector<std::uint8_t> state, earlier;  // at its beginning; at that of the window before it
         long first = 0, steps = 0, lead = 0;       // lead: steps of the window before it
         [[nodiscard]] bool is(const Window& other) const { return first == other.first && steps == other.steps; }
         double lengths = 0;                        // sum over its steps of the length of the parts they were taken in, over dt
         std::vector<double> hand, friction;       // of each step, a pull is negative [N]
-        double hand_peak = 0, friction_peak = 0;  // largest means [N]
+        Peaks peaks;                              // but for the patch
         Vec3 tip = Vec3::Zero();                  // at its end [m]
         bool has_patch = false;                   // the largest force on a patch has risen in it
         bool has_wall = false;                    // the largest displacement or stress of the wall has
         LargestReadings largest;                          // so far, at its end
         GridErrors grid;                          // larger of those at its beginning and end
         std::vector<std::vector<double>> others;  // hands of the instruments but the first, of each step [N]
-        std::vector<double> others_peak;
     };
     /// The hand of an instrument that is not the first.
     struct OtherHand {
-        explicit OtherHand(double dt);
-        void add(double force);
-        ReleaseWatch release;
-        FallSum falls;
+        void add(double force, double dt)
+        {
+            falls.add(std::abs(force), dt);
+            release.add(std::abs(force), dt);
+        }
+        ReleaseWatch release{mean_time};
+        FallSum falls{mean_time};
         Window best;            // with its largest force
         MeanSquare means, peaks;
-        double twins_peak = 0;  // of all twins [N]
     };
     struct Examined {
-        double hand_peak = 0, friction_peak = 0;  // of the twin [N]
+        Peaks run, peaks;  // in the same window, of the run and of the twin
         long first = -1, steps = 0, lead = 0;  // of its window
         int parts = 2;
         double ratio = 2;  // of the lengths of steps
@@ -229,7 +241,6 @@ private:
         bool found = false;
         std::vector<double> hand, friction;  // of each of its steps
         std::vector<std::vector<double>> others;
-        std::vector<double> others_peak;
     };
     void open(const World& run, long taken);
     void set_peaks(Window& window) const;
@@ -248,6 +259,15 @@ private:
     /// @param pushing  force that pushes by normals of facets are relative to
     /// @param more  by nodes besides [N]
     void complete(ErrorBand& band, const GridShare& grid, double pushing, double more = 0) const;
+    using Reading = double (*)(const Peaks&, std::size_t which);  // which: of several instruments
+    /// Over all windows compared, with the finest twin of each: the largest that a reading may be with any step, its value in the run plus margin times the
+    /// difference of the twin; and the largest of the twins.
+    struct Reached {
+        double bound = 0, twin = 0;
+    };
+    [[nodiscard]] Reached reached(Reading reading, std::size_t which) const;
+    /// @param twin  of the window with the largest value   @param windows  differences of all windows
+    [[nodiscard]] ErrorBand peak_band(double value, const Examined& twin, Reading reading, const MeanSquare& windows, double history, std::size_t which = 0) const;
     void set_patch(const Examined& hand, const Examined& friction);
     void set_wall();
     void set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer);
@@ -275,17 +295,18 @@ private:
     double inserted_ = 0;  // so far [m]
     bool patch_seen_ = false;          // it has risen since the run began
     double path_ = 0, work_ = 0, pushed_ = 0;  // of the hand: its length [m], its work, the sum of magnitudes of that [J]
-    GridShare work_errors_;                    // of the loss by friction [J]
-    double window_rubbed_ = 0;                 // that loss within the window [J]
+    GridShare work_errors_;                    // of the loss by friction, and all that springing took [J]
+    double window_rubbed_ = 0;                 // the first within the window [J]
+    double motion_loss_ = 0, motion_loss_then_ = 0;  // to scheme, contacts and damping: so far, at the beginning of the window [J]
     double mean_differences_ = 0;              // sum over compared windows of margin |mean - mean of the twin| [N]
+    bool starting_ = false;  // the twin is of the run's start: it tells of largest values, nothing of other windows
     std::vector<std::unique_ptr<Examined>> examined_;
     // over compared windows, of margin times the difference
     MeanSquare hand_, friction_, hand_peaks_, friction_peaks_, tips_;
-    ReleaseWatch hand_release_, friction_release_;
-    FallSum hand_falls_, friction_falls_;
+    ReleaseWatch hand_release_{mean_time}, friction_release_{mean_time};
+    FallSum hand_falls_{mean_time}, friction_falls_{mean_time};
     std::vector<OtherHand> others_;
     long closed_ = 0, seen_ = 0;  // windows, steps
-    double other_hand_peak_ = 0, other_friction_peak_ = 0;  // largest of all twins [N]
     ErrorEstimate estimate_;
 };
 

@@ -310,6 +310,7 @@ std::vector<double> WireHolds::path(double length) const
         return std::sqrt(square) / most;
     };
     std::vector<double> path;
+    if (times.size() > 1) path.push_back(0);  // work is counted from an equilibrium on
     for (std::size_t k = 1; k < times.size(); ++k) {
         const double from = times[k - 1], until = times[k];
         double parts = 1;

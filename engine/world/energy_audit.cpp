@@ -2,6 +2,7 @@
 
 #include "world/energy_audit.h"
 
+#include "world/step_stages.h"
 #include "world/world_rod.h"
 
 #include <algorithm>
@@ -16,7 +17,10 @@ namespace {
 constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see energy_limits
 
 /// Forces at the end of a step are those that its equations hold at; else means over the step are.
-bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit; }
+bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit && spec.scheme != Scheme::Static; }
+
+/// The work of holds takes means of their reactions at both ends.
+bool mean_reactions(const IntegratorSpec& spec) { return spec.newmark || spec.scheme == Scheme::Static; }
 
 double kinetic_energy(const WorldRod& rod)
 {
@@ -52,7 +56,7 @@ double held_work(WorldData& world, int wire)
     for (std::size_t k = 0; k < prescribed.size(); ++k) {
         const int unknown = prescribed[k].first;
         const double now = world.solver->reaction(wire, unknown);
-        const double force = world.setup.integrator.newmark ? mean(audit.held, k, prescribed.size(), now) : now;
+        const double force = mean_reactions(world.setup.integrator) ? mean(audit.held, k, prescribed.size(), now) : now;
         work += force * world.solver->displacement(wire, unknown);
     }
     return work;
@@ -308,6 +312,16 @@ void FeedingAudit::after() const
     fed.unseen = feed.speed == audit.speed ? 0 : mass * std::abs(feed.speed * feed.speed - audit.speed * audit.speed);
 }
 
+void begin_audits(WorldData& world)
+{
+    if (world.state.steps > 0 || !world.forces.terms.empty()) return;
+    for (int w = 0; w < world.wire_count(); ++w) {
+        if (world.audit(w).known || !world.state.is_solved(w) || !world.is_line(w)) continue;
+        constrain_now(world, w);
+        begin_audit(world, w, true);
+    }
+}
+
 void begin_audit(WorldData& world, int wire, bool placed)
 {
     EnergyAudit& audit = world.audit(wire);
@@ -322,6 +336,20 @@ void begin_audit(WorldData& world, int wire, bool placed)
     audit.remeshed = world.state.wires[wire].remesh_energy;
     if (placed) note_turns(world, wire);
     else accept_energy(world, wire, 0);
+}
+
+void count_equilibrium(WorldData& world, int wire)
+{
+    EnergyAudit& audit = world.audit(wire);
+    if (!audit.known) return begin_audit(world, wire, false);
+    const WorldRod rod(world, wire);
+    audit.remeshed_now = world.state.wires[wire].remesh_energy - audit.remeshed;  // nodes of a wire at rest come and go on its line: its height stays
+    audit.fed = {};
+    audit.fed.carried = audit.remeshed_now;
+    read_energies(rod, world.solver->elastic_energy(wire));
+    take_into_ledger(world, wire, work_done(rod));
+    audit.ledger = audit.next_ledger;
+    accept_energy(world, wire, 0);
 }
 
 bool energy_adds_up(WorldData& world, int wire, double h)

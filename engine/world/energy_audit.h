@@ -7,6 +7,7 @@
 //   clamps       torque . turn                       step's own reaction, and means of the readings at the ends; explicit: the
 //   hand         dE/d(rest length) . length fed      start's reaction, as for holds
 //   loads        force . move, moment . turn         the end's
+//                                                    a path of equilibria: holds and clamps by means of both ends
 //   links        pull . move                         backward Euler: the end's; else at the mean position
 //   residual     Newton's residual on the free unknowns . move: allowed within the tolerance. A linearised or explicit step and a best
 //                effort are not exempt.
@@ -76,9 +77,13 @@ private:
     int first_;  // node from which material changes: of one wire that before the hub
 };
 
+/// Of all wires, before the first step. Contacts of the initial placement are not known yet: with them, energies are counted from the end of the first step.
+void begin_audits(WorldData& world);
 /// The wire as it has been placed, touching nothing, or at rest in an equilibrium that was just found: its energies are counted
 /// from there.
 void begin_audit(WorldData& world, int wire, bool placed);
+/// Of a static run, at an equilibrium: work since the last one. The first is where the balance begins, if it has not begun.
+void count_equilibrium(WorldData& world, int wire);
 /// At the end of a sub-step of h [s] that the solver has taken. @return false: the wire has more energy than was put in
 [[nodiscard]] bool energy_adds_up(WorldData& world, int wire, double h);
 /// The same has been accepted.

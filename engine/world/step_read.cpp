@@ -64,7 +64,8 @@ void read_contact(WorldData& world, int wire, const RodView& line)
 void read_motion(WorldData& world, int wire, std::span<const Vec3> contact_force, double h)
 {
     WireResult& result = world.output.results[wire];
-    if (h == 0 || world.setup.integrator.scheme == Scheme::Static) begin_audit(world, wire, false);
+    if (world.setup.integrator.scheme == Scheme::Static) count_equilibrium(world, wire);
+    else if (h == 0) begin_audit(world, wire, false);
     result.kinetic = world.audit(wire).kinetic;
     result.elastic = world.audit(wire).elastic;
     result.gravitational = world.audit(wire).gravitational;

@@ -160,6 +160,13 @@ WireMask balance_stuck(WorldData& world, const std::vector<ContinuationPath>& pa
     return failed;
 }
 
+/// Whether the balance may begin where the wires were placed, unloaded: the work of a moment over the whole turn is not known from its two ends.
+bool counts_from_placement(const WorldData& world)
+{
+    const auto has_moment = [](const WireSetup& wire) { return std::ranges::any_of(wire.loads, [](const LoadSpec& load) { return !load.moment.isZero(); }); };
+    return world.setup.integrator.scheme == Scheme::Static && std::ranges::none_of(world.setup.wires, has_moment);
+}
+
 }  // namespace
 
 void find_equilibrium(WorldData& world, StepReport& report, const std::function<void(int system, double time)>& passed)
@@ -167,6 +174,7 @@ void find_equilibrium(WorldData& world, StepReport& report, const std::function<
     WireMask going = world.systems.running();
     std::vector<ContinuationPath> paths;
     for (int s = 0; s < world.systems.count(); ++s) paths.push_back(path_of(world, s));
+    if (counts_from_placement(world)) begin_audits(world);
     bool stuck = world.setup.start_settled && world.state.steps == 0;
     while (going.any()) {
         const WireMask failed = stuck ? balance_stuck(world, paths, going, report) : balance(world, paths, going, Settling::Off);

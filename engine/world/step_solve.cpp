@@ -100,12 +100,7 @@ void note(WorldData& world, StepReport& report, int wire, unsigned flags, int ne
 void begin_step(WorldData& world)
 {
     if (world.state.steps == 0 && world.setup.integrator.newmark) start_acceleration(world);
-    // contacts of the initial placement are not known yet: there energies are counted from the end of the first step
-    for (int w = 0; w < world.wire_count() && world.state.steps == 0 && world.forces.terms.empty(); ++w) {
-        if (world.audit(w).known || !world.state.is_solved(w) || !world.is_line(w)) continue;
-        constrain_now(world, w);
-        begin_audit(world, w, true);
-    }
+    begin_audits(world);
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
         prefetch_after(world.state.rods, w);
         keep_wire(world, w);

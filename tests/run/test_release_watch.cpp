@@ -17,9 +17,9 @@ constexpr double dt = 0.001, mean_time = 0.02;  // [s]
 /// Rises to 0.1 N at a rate [N/s], then stands at a level.
 ReleaseWatch after_a_rise(double rate, double then)
 {
-    ReleaseWatch watch(dt, mean_time);
-    for (int k = 0; k * dt * rate < 0.1; ++k) watch.add(k * dt * rate);
-    for (int k = 0; k < 1000; ++k) watch.add(then);
+    ReleaseWatch watch(mean_time);
+    for (int k = 0; k * dt * rate < 0.1; ++k) watch.add(k * dt * rate, dt);
+    for (int k = 0; k < 1000; ++k) watch.add(then, dt);
     return watch;
 }
 
@@ -45,15 +45,15 @@ TEST_SUITE("run/release_watch")
     {
         ReleaseWatch watch = after_a_rise(0.05, 0.02);
         const double before = watch.bound();
-        for (int k = 0; k < 60; ++k) watch.add(0.02 + 1e-3 * k);  // fast, to 0.08 N
-        for (int k = 0; k < 200; ++k) watch.add(0.01);
+        for (int k = 0; k < 60; ++k) watch.add(0.02 + 1e-3 * k, dt);  // fast, to 0.08 N
+        for (int k = 0; k < 200; ++k) watch.add(0.01, dt);
         CHECK(watch.bound() == before);
     }
 
     TEST_CASE("property: a force that falls slowly has not let go")
     {
-        ReleaseWatch watch(dt, mean_time);
-        for (int k = 0; k < 3000; ++k) watch.add(0.1 - 0.05 * std::abs(k * dt - 1));  // 5 mN in 0.1 s
+        ReleaseWatch watch(mean_time);
+        for (int k = 0; k < 3000; ++k) watch.add(0.1 - 0.05 * std::abs(k * dt - 1), dt);  // 5 mN in 0.1 s
         CHECK(watch.bound() == 0);
     }
 }
