@@ -2,6 +2,7 @@
 
 #include "contact/force_kernels.h"
 
+#include "contact/programs.h"
 #include "shared/contact_stages.h"
 #include "shared/instrument_stages.h"
 
@@ -12,12 +13,6 @@ namespace {
 constexpr device::Items items_ = device::Items::Branching;
 
 }  // namespace
-
-device::Buffer stage_records(device::Context& context, std::size_t points)
-{
-    const std::size_t size = SEL_STAGE_REALS * (context.float32() ? sizeof(float) : sizeof(double));
-    return {context, (context.workgroup(items_) == 1 ? 1 : points) * size};
-}
 
 StagedKernel::StagedKernel(device::Context& context, const std::string& program, const char* whole)
     : context_(&context), program_(program)
@@ -32,23 +27,42 @@ void StagedKernel::add(const char* name, cl_uint side)
     stages_.push_back({device::Kernel(*context_, program_, name, items_), side});
 }
 
+void StagedKernel::add_geometry()
+{
+    for (const char* name : {"contact_nearest", "contact_behind", "contact_join", "contact_share", "contact_oppose"}) add(name);
+    add("contact_join", 1);
+    add("contact_share", 1);
+}
+
+void StagedKernel::provide_records(std::size_t points)
+{
+    records_ = device::Buffer(*context_, points * SEL_STAGE_REALS * (context_->float32() ? sizeof(float) : sizeof(double)));
+    todo_ = device::Buffer(*context_, (points + 1) * sizeof(cl_uint));
+}
+
 ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling)
     : StagedKernel(context, program, "contact_evaluate")
 {
     if (is_whole()) return;
-    for (const char* name :
-         {"contact_clear", "contact_nearest", "contact_behind", "contact_join", "contact_share", "contact_oppose"})
-        add(name);
-    add("contact_join", 1);
-    add("contact_share", 1);
+    add("contact_clear");
+    add_geometry();
     for (const cl_uint side : {0u, 1u}) {
         add("contact_press", side);
         add("contact_rub", side);
         add("contact_tangent", side);
         if (rolling) add("contact_roll", side);
     }
-    records_ = stage_records(context, points);
-    todo_ = device::Buffer(context, (points + 1) * sizeof(cl_uint));
+    provide_records(points);
+}
+
+GapKernels::GapKernels(device::Context& context, std::size_t points) : StagedKernel(context, programs::barrier, "contact_clearance")
+{
+    if (is_whole()) return;
+    program_ = programs::quadrature;
+    add("contact_all");
+    add_geometry();
+    add("contact_gap");
+    provide_records(points);
 }
 
 InstrumentKernels::InstrumentKernels(device::Context& context, const std::string& program)

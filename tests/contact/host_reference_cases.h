@@ -205,8 +205,7 @@ void multipliers_case()
 void sweep_case()
 {
     sel_device::Context& context = sel_reference::reference_context(float32);
-    sel_device::Kernel clearance(context, "contact/barrier_path.cl", "contact_clearance"),
-        sweep(context, "contact/barrier_path.cl", "contact_sweep");
+    sel_device::Kernel sweep(context, "contact/barrier_path.cl", "contact_sweep");
     std::size_t stopped = 0, near_wall = 0;
     for (const std::size_t n : counts_to_try) {
         const Queue queue = n % 2 ? Queue::Inline : Queue::Pool;
@@ -234,9 +233,9 @@ void sweep_case()
         const GuardedWall wall(context, queue, s);
         Guarded<real> gap_out(context, queue, std::vector<real>(n)), way_out(context, queue, std::vector<real>(n));
         Guarded<ContactState> t0(context, queue, s.states_t0);
-        const sel_device::Buffer stages = sel_reference::stage_records(context, n);
-        clearance.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                         wall, now, t0.buffer(), gap_out.buffer(), stages);
+        sel_reference::GapKernels(context, n).launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(),
+                                                     candidates.buffer(), counts.buffer(), wall, now, t0.buffer(),
+                                                     gap_out.buffer());
         sweep.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
                      wall, before, now, way_out.buffer());
         CAPTURE(n);
