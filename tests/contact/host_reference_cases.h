@@ -124,6 +124,24 @@ void evaluate_case()
     REQUIRE(sliding > 100);
 }
 
+void evaluate_narrow_case()
+{
+    std::size_t both = 0;
+    for (const std::size_t n : {64u, 257u}) {
+        Scene s(n, true);
+        const std::vector<uint> list = up_to(n);
+        const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
+        REQUIRE(*std::max_element(found.counts.begin(), found.counts.end()) <= s.par.slots);
+        const Evaluated host = host_evaluate(s, s.par, list, found),
+                        device = device_evaluate(s, s.par, list, found, n == 64 ? Queue::Inline : Queue::Pool);
+        CAPTURE(n);
+        CHECK(first_difference(device.forces, host.forces) == -1);
+        CHECK(first_difference(device.states, host.states) == -1);
+        both += std::count_if(host.forces.begin(), host.forces.end(), [](const ContactForce& f) { return f.contacts == 2; });
+    }
+    REQUIRE(both > 100);
+}
+
 void evaluate_multiplier_case()
 {
     std::size_t touched = 0, blocked = 0, sliding = 0;
