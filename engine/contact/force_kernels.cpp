@@ -65,21 +65,31 @@ GapKernels::GapKernels(device::Context& context, std::size_t points) : StagedKer
     provide_records(points);
 }
 
-InstrumentKernels::InstrumentKernels(device::Context& context, const std::string& program)
-    : StagedKernel(context, program, "instruments_evaluate")
+InstrumentKernels::InstrumentKernels(device::Context& context, const std::string& program, Of of)
+    : StagedKernel(context, program, of == Of::Others ? "instruments_evaluate" : "instruments_evaluate_self"), of_(of)
 {
     if (is_whole()) return;
-    for (const char* name : {"instruments_ends", "instruments_follow", "instruments_look", "instruments_push",
-                             "instruments_whole", "instruments_rub"})
-        add(name);
+    const auto add_all = [&](std::initializer_list<const char*> names) {
+        for (const char* name : names) add(name);
+    };
+    if (of == Of::Others)
+        add_all({"instruments_ends", "instruments_follow", "instruments_look", "instruments_push", "instruments_whole",
+                 "instruments_rub"});
+    else
+        add_all({"instruments_self_mark", "instruments_self_touch", "instruments_self_close", "instruments_self_push",
+                 "instruments_self_rub"});
 }
 
-std::size_t InstrumentKernels::items(std::size_t slots) const { return is_whole() ? (slots + SEL_BLOCK - 1) / SEL_BLOCK : slots; }
+std::size_t InstrumentKernels::items(std::size_t slots) const
+{
+    return is_whole() && of_ == Of::Others ? (slots + SEL_BLOCK - 1) / SEL_BLOCK : slots;
+}
 
 void InstrumentKernels::provide(std::size_t slots)
 {
-    if (is_whole() || records_.bytes() >= slots * sizeof(InstrumentStage)) return;
-    records_ = device::Buffer(*context_, 2 * slots * sizeof(InstrumentStage));
+    const std::size_t record = of_ == Of::Others ? sizeof(InstrumentStage) : sizeof(SelfStage);
+    if (is_whole() || records_.bytes() >= slots * record) return;
+    records_ = device::Buffer(*context_, 2 * slots * record);
     todo_ = device::Buffer(*context_, (2 * slots + 1) * sizeof(cl_uint));
 }
 

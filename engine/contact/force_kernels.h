@@ -77,12 +77,16 @@ public:
 
 class InstrumentKernels : public StagedKernel {
 public:
+    enum class Of { Others, Itself };  // with what an instrument is in contact
     /// @param program  with contact/instruments.cl
-    InstrumentKernels(device::Context& context, const std::string& program);
+    InstrumentKernels(device::Context& context, const std::string& program, Of of);
     /// Items for so many slots.
     [[nodiscard]] std::size_t items(std::size_t slots) const;
     /// Before a launch over so many slots.
     void provide(std::size_t slots);
+
+private:
+    Of of_;
 };
 
 }  // namespace seldinger
