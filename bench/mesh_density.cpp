@@ -8,6 +8,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "run/key_frames.h"
 #include "scene/scene.h"
 #include "vessel/subdivide.h"
 #include "vessel/tree.h"
@@ -100,6 +101,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
     double grown = 0, newton = 0, load = 0, cpu = 0;
     int contacts = 0;
     std::string hash;
+    const KeyFrames keys(scene);
     for (int r = 0; r < options.repeat; ++r) {
         WorldSetup copy = setup;
         const double before =
@@ -113,7 +115,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
         const auto start = Clock::now();
         const double cpu_start = processor_time();
         for (long k = 0; k < steps; ++k) {
-            const StepReport report = step(world, scene.dt);
+            const StepReport report = step(world, keys.control(), scene.dt);
             if (report.failed()) throw Error(ExitCode::Stopped, fmt::format("step {} failed", k + 1));
             stages += report.times;
             newton += report.newton_iterations;

@@ -17,7 +17,7 @@
 namespace seldinger::kernel_bench {
 
 using seldinger::ForceKernels;
-using seldinger::stage_records;
+using seldinger::GapKernels;
 
 /// The tube, as DeviceWall holds it.
 struct BenchWall {

@@ -4,7 +4,7 @@
 namespace {
 
 using sel_bench::ForceKernels;
-using sel_bench::stage_records;
+using sel_bench::GapKernels;
 using sel_bench::KernelBenchOptions;
 using sel_bench::KernelTiming;
 using sel_device::Buffer;
@@ -21,6 +21,18 @@ Buffer upload(Context& context, const std::vector<T>& from)
     context.finish(Queue::Inline);
     return buffer;
 }
+
+/// Buffers of a wall or of nodes, as one argument of a launch.
+struct Together {
+    const Buffer &first, &second, &third;
+    template <class F>
+    void for_each_argument(const F& f) const
+    {
+        f(first);
+        f(second);
+        f(third);
+    }
+};
 
 /// Everything that the kernels take, on the device.
 class Bench {
@@ -94,10 +106,10 @@ public:
             k.launch(queue_, n_, par, models_, places_, counts_, states_t0_, states_, multipliers_, next_multipliers_, ratios_);
         });
         par.normal_law = SEL_NORMAL_BARRIER;
-        const Buffer stages = stage_records(context_, n_);
-        run("barrier_path.cl", "contact_clearance", n_, record + states / 2 + lists, [&](Kernel& k) {
-            k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_, lo_,
-                     theta_, states_t0_, ratios_, stages);
+        GapKernels gaps(context_, n_);
+        time(gaps, "contact_clearance", n_, record + states / 2 + lists, [&](GapKernels& k) {
+            k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, Together{tree_, vertices_, boundary_},
+                     Together{hi_, lo_, theta_}, states_t0_, ratios_);
         });
         run("barrier_path.cl", "contact_sweep", n_, record + lists, [&](Kernel& k) {
             k.launch(queue_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, boundary_, hi_t0_, lo_t0_,

@@ -1,8 +1,7 @@
-// Launches contact_clearance and contact_sweep, and applies their results to a wire.
+// Launches GapKernels and contact_sweep, and applies their results to a wire.
 
 #include "contact/barrier_path.h"
 
-#include "contact/force_kernels.h"
 #include "contact/programs.h"
 #include "core/state_walk.h"
 #include "shared/barrier_path.h"
@@ -15,11 +14,10 @@ namespace seldinger {
 
 BarrierPath::BarrierPath(device::Context& context, const QuadratureSet& points, int node_capacity)
     : context_(context),
-      clearance_(context, programs::barrier, "contact_clearance", device::Items::Branching),
+      gaps_(context, points.models.size()),
       sweep_(context, programs::barrier, "contact_sweep", device::Items::Branching),
       base_(context, node_capacity),
       result_buffer_(context, points.models.size() * sizeof(real)),
-      stages_(stage_records(context, points.models.size())),
       result_(points.models.size()),
       radius_reduction_t0_(points.models.size(), 0),
       feasible_step_(points.wires.size(), 1)
@@ -28,8 +26,7 @@ BarrierPath::BarrierPath(device::Context& context, const QuadratureSet& points, 
 
 void BarrierPath::warm_up(device::Queue at, ContactParams none, const QuadratureBuffers& b)
 {
-    clearance_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0,
-                      result_buffer_, stages_);
+    gaps_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0, result_buffer_);
     sweep_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, base_, b.nodes, result_buffer_);
 }
 
@@ -38,8 +35,7 @@ void BarrierPath::measure_gaps(device::Queue at, ContactParams par, const Quadra
 {
     if (count == 0) return;
     par.item_count = static_cast<uint>(count);
-    clearance_.launch(at, count, par, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0,
-                      result_buffer_, stages_);
+    gaps_.launch(at, count, par, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0, result_buffer_);
     context_.read(at, result_buffer_, result_.data(), count * sizeof(real));
 }
 

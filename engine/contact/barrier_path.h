@@ -3,6 +3,7 @@
 // takes (continuous detection, kernels/shared/sweep.h). Quadrature points that a step starts with in overlap are freed
 // (barrier_start in kernels/shared/barrier_path.h).
 
+#include "contact/force_kernels.h"
 #include "contact/quadrature.h"
 #include "contact/quadrature_buffers.h"
 
@@ -37,10 +38,10 @@ private:
     void measure_gaps(device::Queue at, ContactParams par, const QuadratureBuffers& buffers, std::size_t count);
 
     device::Context& context_;
-    device::Kernel clearance_, sweep_;
+    GapKernels gaps_;
+    device::Kernel sweep_;
     DeviceNodes base_;
     device::Buffer result_buffer_;
-    device::Buffer stages_;                  // of contact_clearance, where items share a group
     std::vector<real> result_;               // [list]
     std::vector<real> radius_reduction_t0_;  // [points] of the accepted state [m]
     std::vector<double> feasible_step_;      // [wires]

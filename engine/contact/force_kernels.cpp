@@ -2,6 +2,7 @@
 
 #include "contact/force_kernels.h"
 
+#include "contact/programs.h"
 #include "shared/contact_stages.h"
 #include "shared/instrument_stages.h"
 
@@ -12,12 +13,6 @@ namespace {
 constexpr device::Items items_ = device::Items::Branching;
 
 }  // namespace
-
-device::Buffer stage_records(device::Context& context, std::size_t points)
-{
-    const std::size_t size = SEL_STAGE_REALS * (context.float32() ? sizeof(float) : sizeof(double));
-    return {context, (context.workgroup(items_) == 1 ? 1 : points) * size};
-}
 
 StagedKernel::StagedKernel(device::Context& context, const std::string& program, const char* whole)
     : context_(&context), program_(program)
@@ -32,40 +27,69 @@ void StagedKernel::add(const char* name, cl_uint side)
     stages_.push_back({device::Kernel(*context_, program_, name, items_), side});
 }
 
+void StagedKernel::add_geometry()
+{
+    for (const char* name : {"contact_nearest", "contact_behind", "contact_join", "contact_share", "contact_oppose"}) add(name);
+    add("contact_join", 1);
+    add("contact_share", 1);
+}
+
+void StagedKernel::provide_records(std::size_t points)
+{
+    records_ = device::Buffer(*context_, points * SEL_STAGE_REALS * (context_->float32() ? sizeof(float) : sizeof(double)));
+    todo_ = device::Buffer(*context_, (points + 1) * sizeof(cl_uint));
+}
+
 ForceKernels::ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling)
     : StagedKernel(context, program, "contact_evaluate")
 {
     if (is_whole()) return;
-    for (const char* name :
-         {"contact_clear", "contact_nearest", "contact_behind", "contact_join", "contact_share", "contact_oppose"})
-        add(name);
-    add("contact_join", 1);
-    add("contact_share", 1);
+    add("contact_clear");
+    add_geometry();
     for (const cl_uint side : {0u, 1u}) {
         add("contact_press", side);
         add("contact_rub", side);
         add("contact_tangent", side);
         if (rolling) add("contact_roll", side);
     }
-    records_ = stage_records(context, points);
-    todo_ = device::Buffer(context, (points + 1) * sizeof(cl_uint));
+    provide_records(points);
 }
 
-InstrumentKernels::InstrumentKernels(device::Context& context, const std::string& program)
-    : StagedKernel(context, program, "instruments_evaluate")
+GapKernels::GapKernels(device::Context& context, std::size_t points) : StagedKernel(context, programs::barrier, "contact_clearance")
 {
     if (is_whole()) return;
-    for (const char* name : {"instruments_ends", "instruments_follow", "instruments_look", "instruments_push",
-                             "instruments_whole", "instruments_rub"})
-        add(name);
+    program_ = programs::quadrature;
+    add("contact_all");
+    add_geometry();
+    add("contact_gap");
+    provide_records(points);
 }
 
-std::size_t InstrumentKernels::items(std::size_t slots) const { return is_whole() ? (slots + SEL_BLOCK - 1) / SEL_BLOCK : slots; }
+InstrumentKernels::InstrumentKernels(device::Context& context, const std::string& program, Of of)
+    : StagedKernel(context, program, of == Of::Others ? "instruments_evaluate" : "instruments_evaluate_self"), of_(of)
+{
+    if (is_whole()) return;
+    const auto add_all = [&](std::initializer_list<const char*> names) {
+        for (const char* name : names) add(name);
+    };
+    if (of == Of::Others)
+        add_all({"instruments_ends", "instruments_follow", "instruments_look", "instruments_push", "instruments_whole",
+                 "instruments_rub"});
+    else
+        add_all({"instruments_self_mark", "instruments_self_touch", "instruments_self_close", "instruments_self_push",
+                 "instruments_self_rub"});
+}
+
+std::size_t InstrumentKernels::items(std::size_t slots) const
+{
+    return is_whole() && of_ == Of::Others ? (slots + SEL_BLOCK - 1) / SEL_BLOCK : slots;
+}
 
 void InstrumentKernels::provide(std::size_t slots)
 {
-    if (is_whole() || records_.bytes() >= slots * sizeof(InstrumentStage)) return;
-    records_ = device::Buffer(*context_, 2 * slots * sizeof(InstrumentStage));
+    const std::size_t record = of_ == Of::Others ? sizeof(InstrumentStage) : sizeof(SelfStage);
+    if (is_whole() || records_.bytes() >= slots * record) return;
+    records_ = device::Buffer(*context_, 2 * slots * record);
     todo_ = device::Buffer(*context_, (2 * slots + 1) * sizeof(cl_uint));
 }
 

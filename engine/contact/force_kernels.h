@@ -2,6 +2,7 @@
 // Kernels that are one where an item is a work-group, that is on a CPU; else a chain of stages, the later ones over the items that the
 // first has put on a list. The bits are the same.
 //   ForceKernels       forces of quadrature points (kernels/contact/evaluation.cl, kernels/shared/contact_stages.h)
+//   GapKernels         gaps of quadrature points: contact_clearance, or the stages of forces that find the wall
 //   InstrumentKernels  forces between instruments (kernels/contact/instruments.cl, kernels/shared/instrument_stages.h)
 
 #include "device/device.h"
@@ -10,9 +11,6 @@
 #include <vector>
 
 namespace seldinger {
-
-/// Memory of the stages of `points` points; little where an item is a work-group, which has no stages.
-[[nodiscard]] device::Buffer stage_records(device::Context& context, std::size_t points);
 
 /// A whole kernel, or its stages.
 class StagedKernel {
@@ -37,6 +35,9 @@ protected:
     StagedKernel(device::Context& context, const std::string& program, const char* whole);
     [[nodiscard]] bool is_whole() const;
     void add(const char* name, cl_uint side = 0);
+    void add_geometry();
+    /// Memory of the stages of `points` quadrature points.
+    void provide_records(std::size_t points);
 
     device::Context* context_;
     std::string program_;
@@ -54,14 +55,38 @@ public:
     ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling);
 };
 
+class GapKernels : public StagedKernel {
+public:
+    /// @param points  listed at most
+    GapKernels(device::Context& context, std::size_t points);
+    /// Gaps of the quadrature points in `list`, where `nodes` are: kernels/contact/barrier_path.cl.
+    template <class Params, class Wall, class Nodes>
+    void launch(device::Queue queue, std::size_t items, const Params& par, const device::Buffer& list,
+                const device::Buffer& models, const device::Buffer& places, const device::Buffer& near_nodes,
+                const device::Buffer& counts, const Wall& wall, const Nodes& nodes, const device::Buffer& states_t0,
+                const device::Buffer& gaps)
+    {
+        const auto with = [&](const auto&... more) {
+            StagedKernel::launch(queue, items, par, list, models, places, near_nodes, counts, wall, nodes, more...);
+        };
+        if (launches() == 1) return with(states_t0, gaps);
+        // moves of nothing; and these stages touch no states, forces, multipliers, clearances or memories
+        with(nodes, states_t0, states_t0, gaps, gaps, states_t0, states_t0, states_t0);
+    }
+};
+
 class InstrumentKernels : public StagedKernel {
 public:
+    enum class Of { Others, Itself };  // with what an instrument is in contact
     /// @param program  with contact/instruments.cl
-    InstrumentKernels(device::Context& context, const std::string& program);
+    InstrumentKernels(device::Context& context, const std::string& program, Of of);
     /// Items for so many slots.
     [[nodiscard]] std::size_t items(std::size_t slots) const;
     /// Before a launch over so many slots.
     void provide(std::size_t slots);
+
+private:
+    Of of_;
 };
 
 }  // namespace seldinger

@@ -4,29 +4,27 @@
 #include "shared/kernel.h"
 #include "shared/sweep.h"
 
-// Nearest gap at the start of a step.
+#if !SEL_SUMS_IN_MEMORY
+
+// Nearest gap at the start of a step; in stages: contact_all to contact_gap of evaluation.cl.
 //   item    one entry of `list` (quadrature points with near nodes); range rounded up to the work-group size
 //   reads   list [item_count]; models, places, counts [points]; near_nodes [points][slots]; wall; nodes; states_t0 [points][2]
-//   writes  gaps [item_count] [m]; stages [points], where items share a group
+//   writes  gaps [item_count] [m]
 SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* restrict list,
                                   __global const QuadratureModel* restrict models,
                                   __global const QuadraturePlace* restrict places, __global const uint* restrict near_nodes,
                                   __global const uint* restrict counts, SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS(node),
-                                  __global const ContactState* restrict states_t0, __global real* restrict gaps,
-                                  __global ContactStage* restrict stages)
+                                  __global const ContactState* restrict states_t0, __global real* restrict gaps)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
         const NearWallView near = near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]);
-        const PointView point = point_view(s, models[s], places[s], near);
-#if SEL_SUMS_IN_MEMORY
-        gaps[item] = gap_of_point(staged_point(point, par, SEL_NODES(node), state_view(states_t0, 0, 0)), stages + item);
-#else
-        gaps[item] = gap_of_point(point, par, SEL_NODES(node), states_t0);
-#endif
+        gaps[item] = gap_of_point(point_view(s, models[s], places[s], near), par, SEL_NODES(node), states_t0);
     }
 }
+
+#endif
 
 // Continuous detection from the last state that was taken to the trial.
 //   item    one entry of `list`

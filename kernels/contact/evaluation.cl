@@ -1,6 +1,6 @@
 // Forces of quadrature points, by any law: in one kernel where an item is a work-group, that is on a CPU, else in stages.
 //   launch  engine/contact/force_kernels.cpp       test  tests/contact/test_host_reference.cpp
-#include "shared/contact_stages.h"
+#include "shared/barrier_path.h"
 #include "shared/kernel.h"
 
 // Forces of active quadrature points.
@@ -141,6 +141,22 @@ SEL_STAGE(contact_roll)
 {
     SEL_NEXT_POINT;
     stage_roll(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
+}
+
+// Gaps at the start of a step with the barrier law (barrier_path.cl): contact_all; nearest, behind, join, share and oppose; contact_gap.
+//   writes  todo: all; in place of barys: gaps [item_count] [m]
+SEL_STAGE(contact_all)
+{
+    const uint item = get_global_id(0);
+    if (item == 0) todo[0] = par.item_count;
+    if (item < par.item_count) todo[1 + item] = item;
+}
+
+SEL_STAGE(contact_gap)
+{
+    const uint item = get_global_id(0);
+    if (item < par.item_count)
+        barys[item] = nearer_gap(&stages[item].side[0], &stages[item].side[1], models[list[item]].reach);
 }
 
 #endif

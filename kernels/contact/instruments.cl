@@ -31,6 +31,21 @@ SEL_KERNEL void instruments_evaluate(SEL_INSTRUMENT_ARGUMENTS)
                       states_t0, par, states, forces + first, points + SEL_INSTRUMENT_POINTS * first);
 }
 
+SEL_KERNEL void instruments_evaluate_self(SEL_INSTRUMENT_ARGUMENTS)
+{
+    const uint item = get_global_id(0);
+    if (item >= par.item_count) return;
+    const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;
+    if (slots[s].touch != SEL_TOUCH_SELF) return;
+    InstrumentState now;
+    InstrumentForce force;
+    instrument_self_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
+                          instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
+                          states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now, &force, points + SEL_INSTRUMENT_POINTS * item);
+    forces[item] = force;
+    states[s] = now;
+}
+
 #else
 
 // Stages of the same (shared/instrument_stages.h).
@@ -90,27 +105,50 @@ SEL_INSTRUMENT_STAGE(instruments_rub)
     stage_rub_cell(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item);
 }
 
-#endif
+    #define SEL_SELF_STAGE(name)                                                                      \
+    SEL_WALK_KERNEL void name(SEL_INSTRUMENT_ARGUMENTS, __global SelfStage* restrict stages, \
+                              __global uint* restrict todo, const uint side)
+#define SEL_SELF_OF(item)                                                                                \
+    const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;                                          \
+    __global const InstrumentState* old = states_t0 + SEL_INSTRUMENT_SLOTS * cell;                       \
+    const SelfCell its = self_cell(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),     \
+                                   instrument_nodes(position, material, theta),                          \
+                                   instrument_nodes(position_t0, material_t0, theta_t0), old, par)
+#define SEL_NEXT_SELF                             \
+    if (get_global_id(0) >= todo[0]) return;      \
+    const uint item = todo[1 + get_global_id(0)]; \
+    SEL_SELF_OF(item)
 
-SEL_KERNEL void instruments_evaluate_self(SEL_INSTRUMENT_ARGUMENTS)
+SEL_SELF_STAGE(instruments_self_mark)
 {
     const uint item = get_global_id(0);
-    if (item >= par.item_count) return;
-    const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;
-    if (slots[s].touch != SEL_TOUCH_SELF) return;
-#if SEL_SUMS_IN_MEMORY
-    SEL_OUT InstrumentState* now = states + s;
-    SEL_OUT InstrumentForce* force = forces + item;
-#else
-    InstrumentState own_state, *now = &own_state;
-    InstrumentForce own, *force = &own;
-#endif
-    *now = no_instrument_state();
-    instrument_self_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
-                          instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
-                          states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, now, force, points + SEL_INSTRUMENT_POINTS * item);
-#if !SEL_SUMS_IN_MEMORY
-    forces[item] = own;
-    states[s] = own_state;
-#endif
+    if (item >= par.item_count || slots[list[item]].touch != SEL_TOUCH_SELF) return;
+    SEL_SELF_OF(item);
+    if (stage_self_mark(&its, stages + item, states + s, forces + item)) todo[1 + atomic_inc(todo)] = item;
 }
+
+SEL_SELF_STAGE(instruments_self_touch)
+{
+    SEL_NEXT_SELF;
+    stage_self_touch(&its, stages + item, forces + item);
+}
+
+SEL_SELF_STAGE(instruments_self_close)
+{
+    SEL_NEXT_SELF;
+    stage_self_close(&its, old, par, stages + item, states + s, forces + item);
+}
+
+SEL_SELF_STAGE(instruments_self_push)
+{
+    SEL_NEXT_SELF;
+    stage_self_push(&its, par, stages + item, forces + item, points + SEL_INSTRUMENT_POINTS * item);
+}
+
+SEL_SELF_STAGE(instruments_self_rub)
+{
+    SEL_NEXT_SELF;
+    stage_self_rub(&its, old, par, stages + item, states + s, forces + item);
+}
+
+#endif

@@ -9,9 +9,9 @@
 //   reads   edges [item_count]; nodes; wall
 //   writes  candidates [item_count][slots], counts [item_count]: how many were found, also beyond `slots`;
 //           touching [item_count] L' [m]
-SEL_KERNEL void layer_find(const ContactParams par, __global const LayerEdge* restrict edges, SEL_NODE_ARGUMENTS(node),
-                           SEL_WALL_ARGUMENTS, __global uint* restrict candidates, __global uint* restrict counts,
-                           __global real* restrict touching)
+SEL_WALK_KERNEL void layer_find(const ContactParams par, __global const LayerEdge* restrict edges, SEL_NODE_ARGUMENTS(node),
+                                SEL_WALL_ARGUMENTS, __global uint* restrict candidates, __global uint* restrict counts,
+                                __global real* restrict touching)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count)

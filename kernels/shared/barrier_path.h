@@ -14,20 +14,7 @@ SEL_FN real nearer_gap(SEL_OUT const ContactPoint* first, SEL_OUT const ContactP
     return -depth;
 }
 
-#if SEL_SUMS_IN_MEMORY
-SEL_FN real gap_of_point(StagedPoint of, SEL_OUT ContactStage* stage)
-{
-    stage_nearest(of, stage);
-    if (stage->behind) find_in_front(of, stage);
-    SEL_ROLLED for (uint side = 0; side < 2; ++side)
-    {
-        if (side == 1) stage_oppose(of, stage);
-        stage_join(of, side, stage);
-        stage_share(of, side, stage);
-    }
-    return nearer_gap(&stage->side[0], &stage->side[1], of.point.model.reach);
-}
-#else
+#if !SEL_SUMS_IN_MEMORY
 SEL_FN real gap_of_point(PointView point, ContactParams par, NodeView nodes, SEL_GLOBAL const ContactState* states_t0)
 {
     const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);

@@ -66,17 +66,11 @@ SEL_FN void stage_nearest(StagedPoint of, SEL_OUT ContactStage* stage)
     stage->flags = 0;
 }
 
-// Walls seen from behind are not there.
-SEL_FN void find_in_front(StagedPoint of, SEL_OUT ContactStage* stage)
-{
-    find_nearest(&stage->side[0], of.ball, of.point.near, 1, (real)1e30, &stage->list);
-    stage->side[0].side = last_side(of.was);
-}
-
 SEL_FN void stage_behind(StagedPoint of, NodeView nodes, NodeView nodes_t0, SEL_OUT ContactStage* stage)
 {
     if (!stage->behind) return;
-    find_in_front(of, stage);
+    find_nearest(&stage->side[0], of.ball, of.point.near, 1, (real)1e30, &stage->list);  // walls seen from behind are not there
+    stage->side[0].side = last_side(of.was);
     const vec3 move = motion_of(of.point.place, of.at, nodes, nodes_t0).move;
     if (!of.par.known && gone_through(of.at.offset, move, of.at.origin, of.point.near)) stage->flags |= SEL_FORCE_BLOCKED;
 }

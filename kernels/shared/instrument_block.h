@@ -256,8 +256,9 @@ SEL_FN void cell_force(const SlotCell* its, CellEnds ends, int ends_known, Instr
         }
     }
     LawContext c = slot_law(its->surface_a, its->surface_b, pair, fresh, its->epoch, par);
-    const CellTouch touch = whole ? push_whole(scene, middle, (real)0.5 * length, beside, *old, &c, now, force, points)
-                                  : push_pieces(scene, &pieces, *old, fresh, &c, now, force, points);
+    CellRule rule;
+    const CellTouch touch = whole ? push_whole(scene, middle, (real)0.5 * length, beside, *old, &c, &rule, now, force, points)
+                                  : push_pieces(scene, &pieces, *old, fresh, &c, &rule, now, force, points);
     if (force->count > 0) finish_cell(scene, touch, *old, fresh, &c, now, force);
 }
 
@@ -313,40 +314,86 @@ SEL_FN void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBA
 }
 #endif
 
+// One slot of one cell with a stretch of the same rod.
+typedef struct SelfCell {
+    SelfScene self;
+    InstrumentSurface surface_a, surface_b;
+    InstrumentPair pair;
+    real follows;  // gap up to which it counts how it closes [m]; 0: it does not
+    uint slot_pair, epoch;
+    uint old;  // its state at the start of the step; SEL_INSTRUMENT_SLOTS: none
+} SelfCell;
+
+SEL_FN SelfCell self_cell(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes, InstrumentNodes nodes_t0,
+                          SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par)
+{
+    SelfCell its;
+    its.pair = bodies.pairs[slot.pair];
+    const InstrumentRod a = bodies.rods[its.pair.a];
+    const real from_b = a.spacing * slot.at, until_b = min_r(from_b + a.spacing * (real)slot.cells, a.inside),
+               along_b = (real)0.5 * (from_b + until_b);
+    its.self.scene = slot_scene(cell, its.pair, along_b, bodies, nodes, nodes_t0);
+    its.self.s0 = a.spacing * (real)(cell - a.cell);
+    its.self.s1 = its.self.s0 + a.spacing;
+    its.self.from = spline_at(its.self.scene.b, from_b);
+    its.self.until = spline_at(its.self.scene.b, until_b);
+    its.surface_a = bodies.surfaces[cell];
+    its.surface_b = surface_at(a, along_b, bodies.surfaces);
+    its.follows = par.follow ? SEL_FOLLOWED * its.surface_a.radius : (real)0;
+    its.slot_pair = slot.pair;
+    its.epoch = a.epoch;
+    its.old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
+    return its;
+}
+
+SEL_FN LawContext self_law(const SelfCell* its, InstrumentParams par)
+{
+    return slot_law(its->surface_a, its->surface_b, its->pair, its->old == SEL_INSTRUMENT_SLOTS, its->epoch, par);
+}
+
+SEL_FN real self_line_mass(const SelfCell* its) { return min_r(its->surface_a.load, its->surface_b.load) / SEL_WEIGHT_GRAVITY; }
+
+SEL_FN void start_self(const SelfCell* its, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* force)
+{
+    *now = no_instrument_state();
+    now->pair = its->slot_pair;
+    now->touch = SEL_TOUCH_SELF;
+    *force = no_instrument_force();
+    force->pair = its->slot_pair;
+}
+
+// Where it is deepest. @return 0: it touches nothing
+SEL_FN int write_self_depth(SEL_OUT const SelfTouch* touch, SEL_OUT InstrumentForce* force)
+{
+    force->depth = -touch->deepest.gap;
+    if (touch->count == 0) force->clear = max_r(touch->clear, 0);
+    return touch->count > 0;
+}
+
+SEL_FN int is_self_followed(const SelfCell* its, SEL_OUT const SelfTouch* touch, InstrumentParams par)
+{
+    return par.follow && touch->deepest.gap <= its->follows;
+}
+
+#if !SEL_SUMS_IN_MEMORY
 // Contact of one slot of one cell with a stretch of the same rod.
 SEL_FN void instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
                                   InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par,
-                                  SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
+                                  InstrumentState* now, InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
 {
-    const InstrumentPair pair = bodies.pairs[slot.pair];
-    const InstrumentRod a = bodies.rods[pair.a];
-    const real from_b = a.spacing * slot.at, until_b = min_r(from_b + a.spacing * (real)slot.cells, a.inside),
-               along_b = (real)0.5 * (from_b + until_b);
-    SelfScene self;
-    self.scene = slot_scene(cell, pair, along_b, bodies, nodes, nodes_t0);
-    self.s0 = a.spacing * (real)(cell - a.cell);
-    self.s1 = self.s0 + a.spacing;
-    self.from = spline_at(self.scene.b, from_b);
-    self.until = spline_at(self.scene.b, until_b);
-    const InstrumentSurface surface_a = bodies.surfaces[cell], surface_b = surface_at(a, along_b, bodies.surfaces);
-    const real follows = SEL_FOLLOWED * surface_a.radius;
-    now->pair = slot.pair;
-    now->touch = slot.touch;
-    *force = no_instrument_force();
-    force->pair = slot.pair;
-    const uint old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
-    const int fresh = old == SEL_INSTRUMENT_SLOTS;
-    const SelfTouch touch = self_touch(&self, par.follow ? follows : (real)0);
-    force->depth = -touch.deepest.gap;
-    if (touch.count == 0) {
-        force->clear = max_r(touch.clear, 0);
-        if (par.follow && touch.deepest.gap <= follows) follow_self(&self, &touch, par.inv_dt, a.epoch, now);
+    const SelfCell its = self_cell(cell, slot, bodies, nodes, nodes_t0, states_t0, par);
+    start_self(&its, now, force);
+    const SelfTouch touch = self_touch(&its.self, its.follows);
+    if (!write_self_depth(&touch, force)) {
+        if (is_self_followed(&its, &touch, par)) follow_self(&its.self, &touch, par.inv_dt, its.epoch, now);
         return;
     }
-    LawContext c = slot_law(surface_a, surface_b, pair, fresh, a.epoch, par);
-    const real line_mass = min_r(surface_a.load, surface_b.load) / SEL_WEIGHT_GRAVITY;
-    self_force(&self, &touch, pair.spread, line_mass, states_t0[fresh ? 0 : old].contact, fresh, &c, now, force, points);
+    const int fresh = its.old == SEL_INSTRUMENT_SLOTS;
+    LawContext c = self_law(&its, par);
+    self_force(&its.self, &touch, its.pair.spread, self_line_mass(&its), states_t0[fresh ? 0 : its.old].contact, fresh, &c, now, force,
+               points);
 }
+#endif
 
 SEL_END
 #endif

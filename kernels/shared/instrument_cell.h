@@ -25,9 +25,13 @@ SEL_FN vec3 point_near(SplineView rod, real s, uint edge)
 }
 
 // The gap of the same material point of a at the start of the step.
-SEL_CALL real gap_at_start(const InstrumentScene* scene, real s, real start)
+SEL_STAGE_FN real gap_at_start(const InstrumentScene* scene, real s, real start)
 {
+#if SEL_SUMS_IN_MEMORY
+    return mark_between_rods(scene, scene->a_t0, scene->b_t0, s, start).gap;
+#else
     return instrument_gap(scene->b_t0, point_near(scene->a_t0, s, scene->edge), start, part_for(scene, scene->b_t0, s)).gap;
+#endif
 }
 
 // Gauss-Legendre on [-1, 1].
@@ -100,30 +104,40 @@ SEL_FN DeepPoint deep_point(const InstrumentScene* scene, const CellPoint* point
     return deep;
 }
 
+// A stretch's points while it is integrated.
+typedef struct CellRule {
+    GaussPoints along;
+    LanePlaces lanes;
+    real gap[SEL_PIECE_POINTS];
+} CellRule;
+
 // What the points of a stretch have exerted.
 typedef struct Pushed {
     real moment;  // sum of force times s
-    real gap[SEL_PIECE_POINTS];
     DeepPoint deepest;
 } Pushed;
 
-SEL_FN Pushed push_points(const InstrumentScene* scene, const GaussPoints* along, LanePlaces lanes, Closing closing,
-                          const LawContext* c, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+// @param rule  gap is written
+SEL_FN Pushed push_points(const InstrumentScene* scene, SEL_OUT CellRule* rule, Closing closing, const LawContext* c,
+                          SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
+    SEL_OUT const GaussPoints* along = &rule->along;
+    SEL_OUT const LanePlaces* lanes = &rule->lanes;
     Pushed pushed;
     pushed.moment = 0;
-    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
+    SEL_ONCE for (uint k = 0; k < SEL_PIECE_POINTS; ++k)
+    {
         const real before = out->normal_sum;
         CellPoint point;
-        if (lanes.known) set_point_at(scene, along->s[k], lanes.of_a[k], lanes.at[k], &point);
+        if (lanes->known) set_point_at(scene, along->s[k], lanes->of_a[k], lanes->at[k], &point);
         else set_point(scene, along->s[k], along->start[k], &point);
-        pushed.gap[k] = point.gap;
+        rule->gap[k] = point.gap;
         if (k == 0 || point.gap < pushed.deepest.gap) pushed.deepest = deep_point(scene, &point);
         if (point.gap >= 0) continue;
         Closing here = closing;
         here.depth = -point.gap;
         if (c->par.inv_dt > 0 && c->m.damping > 0) {
-            const real gap_t0 = lanes.known_t0 ? lanes.gap[SEL_PIECE_POINTS + k] : gap_at_start(scene, along->s[k], point.g.at);
+            const real gap_t0 = lanes->known_t0 ? lanes->gap[SEL_PIECE_POINTS + k] : gap_at_start(scene, along->s[k], point.g.at);
             here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
             here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
         }
@@ -135,17 +149,17 @@ SEL_FN Pushed push_points(const InstrumentScene* scene, const GaussPoints* along
 
 // The normal force between two ends of the touching part of a piece. @return its moment: sum of force times s
 SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
-                       SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                       SEL_OUT CellRule* rule, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const real half_length = (real)0.5 * (right.s - left.s), middle = (real)0.5 * (left.s + right.s);
-    GaussPoints along;
+    SEL_OUT GaussPoints* along = &rule->along;
     for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
-        along.s[k] = middle + half_length * gauss_place(k);
-        along.start[k] = (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at));
-        along.weight[k] = half_length * gauss_weight(k);
+        along->s[k] = middle + half_length * gauss_place(k);
+        along->start[k] = (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at));
+        along->weight[k] = half_length * gauss_weight(k);
     }
-    const LanePlaces lanes = places_in_lanes(scene, along.s, along.start, spline_at_near(scene->a, middle, scene->edge));
-    return push_points(scene, &along, lanes, closing, c, out, points).moment;
+    places_in_lanes(scene, along->s, along->start, spline_at_near(scene->a, middle, scene->edge), &rule->lanes);
+    return push_points(scene, rule, closing, c, out, points).moment;
 }
 
 SEL_FN InstrumentState no_instrument_state(void)
@@ -169,10 +183,10 @@ SEL_FN InstrumentForce no_instrument_force(void)
 }
 
 // Data of a contact before its force: see closing_of() of contact_law.h.
-SEL_FN Closing cell_closing(const InstrumentScene* scene, CellPoint deepest, ContactState old, int fresh, const LawContext* c)
+SEL_FN Closing cell_closing(const InstrumentScene* scene, CellMark deepest, ContactState old, int fresh, const LawContext* c)
 {
     Closing closing;
-    const real gap_t0 = gap_at_start(scene, deepest.s, deepest.g.at);
+    const real gap_t0 = gap_at_start(scene, deepest.s, deepest.at);
     closing.fresh = fresh;
     closing.depth = -deepest.gap;
     closing.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : closing.depth;
@@ -235,23 +249,24 @@ SEL_FN int touches_whole(const InstrumentScene* scene, SEL_OUT const CellPieces*
 
 // What a cell that touches exerts, piece by piece.
 SEL_STAGE_FN CellTouch push_pieces(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, ContactState old, int fresh,
-                               const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out,
+                               const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out,
                                SEL_GLOBAL InstrumentPoint* points)
 {
     const CellMark least = cell->least[cell->deepest];
     const CellPoint bottom = cell_point(scene, least.s, least.at);
-    const Closing closing = cell_closing(scene, bottom, old, fresh, c);
+    const Closing closing = cell_closing(scene, mark_of(&bottom), old, fresh, c);
     write_deepest(scene, deep_point(scene, &bottom), closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     CellTouch touch;
     touch.moment = touch.length = 0;
     touch.at = least.at;
-    for (uint k = 0; k < cell->cuts.pieces; ++k) {
+    SEL_ONCE for (uint k = 0; k < cell->cuts.pieces; ++k)
+    {
         if (cell->least[k].gap >= 0) continue;
         const CellMark left = cell->cuts.at[k], right = cell->cuts.at[k + 1];
         const CellMark from = left.gap < 0 ? left : gap_zero(scene, cell->least[k], left);
         const CellMark until = right.gap < 0 ? right : gap_zero(scene, cell->least[k], right);
-        touch.moment += push_along(scene, from, until, closing, c, out, points);
+        touch.moment += push_along(scene, from, until, closing, c, rule, out, points);
         touch.length += until.s - from.s;
     }
     if (touches_whole(scene, cell)) now->contact.flags |= SEL_CONTACT_WHOLE;
@@ -259,7 +274,7 @@ SEL_STAGE_FN CellTouch push_pieces(const InstrumentScene* scene, SEL_OUT const C
 }
 
 // What the cubic through the values at four Gauss points is at an end of the cell. @param k0, k1, k2, k3  the points, from that end on
-SEL_FN real at_end(const real* of, uint k0, uint k1, uint k2, uint k3)
+SEL_FN real at_end(SEL_OUT const real* of, uint k0, uint k1, uint k2, uint k3)
 {
     return (real)1.5267881254572662 * of[k0] - (real)0.813632449486927 * of[k1] + (real)0.40076152031165035 * of[k2] -
            (real)0.11391719628198993 * of[k3];
@@ -298,14 +313,15 @@ SEL_FN int beside_other(const InstrumentScene* scene, real middle, real start, C
 // What a cell that touched all along at the start of the step exerts.
 // @param middle  of the cell [m]
 SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half_length, CellBeside beside, ContactState old,
-                            const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                            const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out,
+                            SEL_GLOBAL InstrumentPoint* points)
 {
-    GaussPoints along;
+    SEL_OUT GaussPoints* along = &rule->along;
     for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
         const real way = gauss_place(k) * half_length;
-        along.s[k] = middle + way;
-        along.start[k] = beside.at + beside.onwards * way;
-        along.weight[k] = half_length * gauss_weight(k);
+        along->s[k] = middle + way;
+        along->start[k] = beside.at + beside.onwards * way;
+        along->weight[k] = half_length * gauss_weight(k);
     }
     Closing closing;
     closing.fresh = 0;
@@ -313,11 +329,11 @@ SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half
     closing.rate_t0 = old.rate;
     closing.rate = closing.depth = closing.depth_t0 = 0;
     closing.deepens = 0;
-    const LanePlaces lanes = own_places_in_lanes(scene, along.s, along.start);
-    const Pushed pushed = push_points(scene, &along, lanes, closing, c, out, points);
-    real least = pushed.deepest.gap, most = max_r(max_r(pushed.gap[0], pushed.gap[1]), max_r(pushed.gap[2], pushed.gap[3]));
+    own_places_in_lanes(scene, along->s, along->start, &rule->lanes);
+    const Pushed pushed = push_points(scene, rule, closing, c, out, points);
+    real least = pushed.deepest.gap, most = max_r(max_r(rule->gap[0], rule->gap[1]), max_r(rule->gap[2], rule->gap[3]));
     if (most < SEL_FAR) {
-        const real first = at_end(pushed.gap, 0, 1, 2, 3), last = at_end(pushed.gap, 3, 2, 1, 0);
+        const real first = at_end(rule->gap, 0, 1, 2, 3), last = at_end(rule->gap, 3, 2, 1, 0);
         least = min_r(least, min_r(first, last));
         most = max_r(most, max_r(first, last));
     }
@@ -330,7 +346,7 @@ SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     out->depth = -least;
     const real low = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low : (real)-1;
-    if (most <= SEL_WHOLE * least && min_r(along.start[0], along.start[3]) > low) now->contact.flags |= SEL_CONTACT_WHOLE;
+    if (most <= SEL_WHOLE * least && min_r(along->start[0], along->start[3]) > low) now->contact.flags |= SEL_CONTACT_WHOLE;
     CellTouch touch;
     touch.moment = pushed.moment;
     touch.length = 2 * half_length;

@@ -194,105 +194,106 @@ typedef struct LanePlaces {
 } LanePlaces;
 
 // Nothing is known of one rod with itself: where b begins depends on s there.
-SEL_FN LanePlaces no_places(void)
-{
-    LanePlaces out;
-    out.known = out.known_t0 = 0;
-    return out;
-}
+SEL_FN void no_places(SEL_OUT LanePlaces* out) { out->known = out->known_t0 = 0; }
 
 #if SEL_LANES == 8
 SEL_FN int all_known(const real* missed) { return missed[0] == 0 && missed[1] == 0 && missed[2] == 0 && missed[3] == 0; }
 
 // @param s, start  [4]     on_a, on_b  the pieces that these are on
-SEL_LANES_FN LanePlaces places_on(const InstrumentScene* scene, const real* s, const real* start, const LanePieces* on_a,
-                                  const LanePieces* on_b)
+SEL_LANES_FN void places_on(const InstrumentScene* scene, const real* s, const real* start, const LanePieces* on_a,
+                            const LanePieces* on_b, SEL_OUT LanePlaces* out)
 {
-    LanePlaces out;
     const GapPart part = scene->part;
     const LaneNearest near = nearest_in_lanes(numbers8(s, s), numbers8(start, start), on_a, on_b, real8_of(part.low),
                                               halves8(part.high, min_r(part.high, (real)(scene->b_t0.count - 1))));
     const real8 reach = real8_of(part.reach_a), other = real8_of(part.reach_b);
     real flags[8];
     put8(near.missed ? real8_of(1) : real8_of(0), flags);
-    put8(near.u + on_a->origin, out.of_a);
-    put8(near.t + on_b->origin, out.at);
-    put8(part.touch == SEL_TOUCH_INSIDE ? other - reach - near.distance : near.distance - reach - other, out.gap);
-    out.known = all_known(flags);
-    out.known_t0 = all_known(flags + 4);
-    return out;
+    put8(near.u + on_a->origin, out->of_a);
+    put8(near.t + on_b->origin, out->at);
+    put8(part.touch == SEL_TOUCH_INSIDE ? other - reach - near.distance : near.distance - reach - other, out->gap);
+    out->known = all_known(flags);
+    out->known_t0 = all_known(flags + 4);
 }
 
 // Positions of four points on one piece of a, beside one of b.
 // @param s, start  [4] material coordinates on a, where on b to look     of_a  where on a, near
-SEL_FN LanePlaces places_in_lanes(const InstrumentScene* scene, const real* s, const real* start, real of_a)
+SEL_FN void places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, real of_a, SEL_OUT LanePlaces* out)
 {
-    if (scene->part.touch == SEL_TOUCH_SELF) return no_places();
+    if (scene->part.touch == SEL_TOUCH_SELF) {
+        no_places(out);
+        return;
+    }
     const real middle = (real)0.5 * (start[0] + start[3]);
     const real then = spline_at_near(scene->a_t0, (real)0.5 * (s[0] + s[3]), scene->edge);
     const LanePieces on_a = on_two_pieces(curve_piece(scene->a, of_a), curve_piece(scene->a_t0, then));
     const LanePieces on_b = on_two_pieces(curve_piece(scene->b, middle), curve_piece(scene->b_t0, middle));
-    return places_on(scene, s, start, &on_a, &on_b);
+    places_on(scene, s, start, &on_a, &on_b, out);
 }
 
 // Positions of four points, each on its own pieces. @param of_a, of_a_t0, beside  [4] where on the curves of a and of b, near
-SEL_FN LanePlaces places_of(const InstrumentScene* scene, const real* s, const real* start, const real* of_a, const real* of_a_t0,
-                            const real* beside)
+SEL_FN void places_of(const InstrumentScene* scene, const real* s, const real* start, const real* of_a, const real* of_a_t0,
+                      const real* beside, SEL_OUT LanePlaces* out)
 {
     const LanePieces on_a = on_pieces_at(scene->a, scene->a_t0, of_a, of_a_t0),
                      on_b = on_pieces_at(scene->b, scene->b_t0, beside, beside);
-    return places_on(scene, s, start, &on_a, &on_b);
+    places_on(scene, s, start, &on_a, &on_b, out);
 }
-
-#else
-// The same, one after another.
-SEL_FN LanePlaces places_of(const InstrumentScene* scene, const real* s, const real* start, const real* of_a, const real* of_a_t0,
-                            const real* beside)
-{
-    LanePlaces out;
-    const GapPart part = scene->part;
-    out.known = out.known_t0 = 1;
-    SEL_ROLLED
-    for (uint k = 0; k < 8; ++k) {
-        const int then = k >= 4;
-        const uint j = k % 4;
-        const CurvePiece a = curve_piece(*(then ? &scene->a_t0 : &scene->a), then ? of_a_t0[j] : of_a[j]),
-                         b = curve_piece(*(then ? &scene->b_t0 : &scene->b), beside[j]);
-        const LanePieces on_a = on_own_pieces(&a), on_b = on_own_pieces(&b);
-        const real high = then ? min_r(part.high, (real)(scene->b_t0.count - 1)) : part.high;
-        const LaneNearest near = nearest_in_lanes(s[j], start[j], &on_a, &on_b, part.low, high);
-        out.of_a[k] = near.u + on_a.origin;
-        out.at[k] = near.t + on_b.origin;
-        out.gap[k] = part.touch == SEL_TOUCH_INSIDE ? part.reach_b - part.reach_a - near.distance
-                                                    : near.distance - part.reach_a - part.reach_b;
-        if (near.missed && then) out.known_t0 = 0;
-        if (near.missed && !then) out.known = 0;
-    }
-    return out;
-}
-
-// Positions of four points beside one piece of b.
-SEL_FN LanePlaces places_in_lanes(const InstrumentScene* scene, const real* s, const real* start, real of_a)
-{
-    if (scene->part.touch == SEL_TOUCH_SELF) return no_places();
-    const real middle = (real)0.5 * (start[0] + start[3]);
-    const real then = spline_at_near(scene->a_t0, (real)0.5 * (s[0] + s[3]), scene->edge);
-    const real now4[4] = {of_a, of_a, of_a, of_a}, then4[4] = {then, then, then, then}, beside[4] = {middle, middle, middle, middle};
-    return places_of(scene, s, start, now4, then4, beside);
-}
-#endif
 
 // Positions of four points anywhere.
-SEL_FN LanePlaces own_places_in_lanes(const InstrumentScene* scene, const real* s, const real* start)
+SEL_FN void own_places_in_lanes(const InstrumentScene* scene, const real* s, const real* start, LanePlaces* out)
 {
-    if (scene->part.touch == SEL_TOUCH_SELF) return no_places();
+    if (scene->part.touch == SEL_TOUCH_SELF) {
+        no_places(out);
+        return;
+    }
     real now[4], then[4];
     for (uint k = 0; k < 4; ++k) {
         now[k] = spline_at_near(scene->a, s[k], scene->edge);
         then[k] = spline_at_near(scene->a_t0, s[k], scene->edge);
     }
-    return places_of(scene, s, start, now, then, start);
+    places_of(scene, s, start, now, then, start, out);
 }
+
+#else
+// One of four points at one of two times. @param k  4 and beyond: at the start of the step     of_a, beside  where on the curves, near
+SEL_FN void place_of(const InstrumentScene* scene, uint k, real s, real start, real of_a, real beside, SEL_OUT LanePlaces* out)
+{
+    const int then = k >= 4;
+    const GapPart part = scene->part;
+    const CurvePiece a = curve_piece(then ? scene->a_t0 : scene->a, of_a), b = curve_piece(then ? scene->b_t0 : scene->b, beside);
+    const LanePieces on_a = on_own_pieces(&a), on_b = on_own_pieces(&b);
+    const real high = then ? min_r(part.high, (real)(scene->b_t0.count - 1)) : part.high;
+    const LaneNearest near = nearest_in_lanes(s, start, &on_a, &on_b, part.low, high);
+    out->of_a[k] = near.u + on_a.origin;
+    out->at[k] = near.t + on_b.origin;
+    out->gap[k] =
+        part.touch == SEL_TOUCH_INSIDE ? part.reach_b - part.reach_a - near.distance : near.distance - part.reach_a - part.reach_b;
+    if (near.missed && then) out->known_t0 = 0;
+    if (near.missed && !then) out->known = 0;
+}
+
+// The same, one after another.
+SEL_FN void places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, real of_a, SEL_OUT LanePlaces* out)
+{
+    const real middle = (real)0.5 * (start[0] + start[3]);
+    const real then = spline_at_near(scene->a_t0, (real)0.5 * (s[0] + s[3]), scene->edge);
+    out->known = out->known_t0 = scene->part.touch != SEL_TOUCH_SELF;
+    if (!out->known) return;
+    SEL_ROLLED for (uint k = 0; k < 8; ++k) place_of(scene, k, s[k % 4], start[k % 4], k < 4 ? of_a : then, middle, out);
+}
+
+SEL_FN void own_places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, SEL_OUT LanePlaces* out)
+{
+    out->known = out->known_t0 = scene->part.touch != SEL_TOUCH_SELF;
+    if (!out->known) return;
+    SEL_ROLLED for (uint k = 0; k < 8; ++k)
+    {
+        const real of_a = spline_at_near(k < 4 ? scene->a : scene->a_t0, s[k % 4], scene->edge);
+        place_of(scene, k, s[k % 4], start[k % 4], of_a, start[k % 4], out);
+    }
+}
+#endif
 
 SEL_END
 #endif

@@ -12,11 +12,14 @@
 
 SEL_BEGIN
 
-// What each of the stages calls once (instrument_stages.h), and a processor's one kernel in a place of its own.
+// SEL_STAGE_FN: what a processor's one kernel has in a place of its own, and stages (instrument_stages.h) in line: arguments by address
+// would lie in a card's scratch memory. SEL_ONCE: SEL_ROLLED in stages alone.
 #if SEL_SUMS_IN_MEMORY
     #define SEL_STAGE_FN SEL_FN
+    #define SEL_ONCE SEL_ROLLED
 #else
     #define SEL_STAGE_FN SEL_CALL
+    #define SEL_ONCE
 #endif
 
 // The two rods at the trial and at the start of the step.
@@ -59,7 +62,7 @@ SEL_FN void find_point(const InstrumentScene* scene, real s, real start, CellPoi
     measure_slope(scene, point);
 }
 
-SEL_CALL void set_point(const InstrumentScene* scene, real s, real start, CellPoint* point)
+SEL_STAGE_FN void set_point(const InstrumentScene* scene, real s, real start, CellPoint* point)
 {
     find_point(scene, s, start, point);
 }
@@ -98,13 +101,69 @@ SEL_FN CellMark mark_of(const CellPoint* point)
     return mark;
 }
 
+#if SEL_SUMS_IN_MEMORY
+// @return gap, its slope, where on b
+SEL_CALL vec3 mark_of_values(SEL_GLOBAL const real* a_position, SEL_GLOBAL const real* a_material, uint a_count,
+                                                      SEL_GLOBAL const real* b_position, SEL_GLOBAL const real* b_material,
+                                                      uint b_count, uint edge, uint kind, real low, real high, real reach_a,
+                                                      real reach_b, real rim, real s, real start)
+{
+    InstrumentScene scene;
+    scene.a.position = a_position;
+    scene.a.material = a_material;
+    scene.a.count = a_count;
+    scene.b.position = b_position;
+    scene.b.material = b_material;
+    scene.b.count = b_count;
+    scene.edge = edge;
+    scene.part.touch = kind & 1u ? SEL_TOUCH_INSIDE : SEL_TOUCH_OUTSIDE;  // of one rod with itself `low` is known
+    scene.part.low_ends = kind >> 1 & 1u;
+    scene.part.high_ends = kind >> 2;
+    scene.part.low = low;
+    scene.part.high = high;
+    scene.part.reach_a = reach_a;
+    scene.part.reach_b = reach_b;
+    scene.part.rim = rim;
+    CellPoint point;
+    find_point(&scene, s, start, &point);
+    return make_vec3(point.gap, point.slope, point.g.at);
+}
+
+SEL_FN CellMark called_mark(real s, vec3 got)
+{
+    CellMark mark;
+    mark.s = s;
+    mark.gap = got.x;
+    mark.slope = got.y;
+    mark.at = got.z;
+    return mark;
+}
+
+// A mark of the rods a and b as they are at one time. On a card it is called with values alone: a scene whose address is handed over lies
+// in scratch memory, and in line it would be 13 kB each time.
+SEL_FN CellMark mark_between_rods(const InstrumentScene* scene, SplineView a, SplineView b, real s, real start)
+{
+    const GapPart part = part_for(scene, b, s);
+    const uint kind =
+        (uint)(part.touch == SEL_TOUCH_INSIDE) | (uint)(part.low_ends != 0) << 1 | (uint)(part.high_ends != 0) << 2;
+    const vec3 got = mark_of_values(a.position, a.material, a.count, b.position, b.material, b.count, scene->edge, kind, part.low,
+                                     part.high, part.reach_a, part.reach_b, part.rim, s, start);
+    return called_mark(s, got);
+}
+
+SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
+{
+    return mark_between_rods(scene, scene->a, scene->b, s, start);
+}
+#else
 // In line, find_point() is left without the gap's Hessian.
-SEL_CALL CellMark cell_mark(const InstrumentScene* scene, real s, real start)
+SEL_STAGE_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
 {
     CellPoint point;
     find_point(scene, s, start, &point);
     return mark_of(&point);
 }
+#endif
 
 // A mark between two others, a share of the path from the first to the second: looked for where these say that it is.
 SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)
@@ -150,7 +209,8 @@ SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark
     const vec3 centre = spline_sum(scene->b, b.node, b.w), normal = spline_sum(scene->b, b.node, b.d);
     const real from = spline_at_near(scene->a, left.s, scene->edge), until = spline_at_near(scene->a, right.s, scene->edge);
     real beyond[3];
-    for (int k = 0; k < 3; ++k) {
+    SEL_ONCE for (int k = 0; k < 3; ++k)
+    {
         const SplinePlace a = spline_place(from + (real)0.5 * (real)k * (until - from), scene->a.count);
         beyond[k] = dot3(spline_sum(scene->a, a.node, a.w) - centre, normal);
     }
@@ -164,7 +224,8 @@ SEL_FN CellMark cut_at(const InstrumentScene* scene, CellMark left, CellMark rig
 {
     const real onwards = right.at > left.at ? (real)1 : (real)-1, plane = share_at_plane(scene, left, right, knot);
     CellMark best = left;
-    for (int k = 0; k < SEL_CUT_STEPS; ++k) {
+    SEL_ONCE for (int k = 0; k < SEL_CUT_STEPS; ++k)
+    {
         real share = k % 2 == 0 ? clamp_r((knot - left.at) / (right.at - left.at), (real)0.01, (real)0.99) : (real)0.5;
         if (k == 0 && plane >= 0) share = plane;
         best = cell_mark(scene, left.s + share * (right.s - left.s), k == 0 ? knot : left.at);
@@ -204,7 +265,8 @@ SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until
     if (left.gap >= SEL_FAR || right.gap >= SEL_FAR) return;
     const real onwards = right.at > left.at ? (real)1 : (real)-1;
     const real plane = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low + (real)1e-3 : (real)-1;  // at is never less
-    for (uint k = 0; k + 1 < SEL_CELL_PIECES && left.at != right.at; ++k) {
+    SEL_ONCE for (uint k = 0; k + 1 < SEL_CELL_PIECES && left.at != right.at; ++k)
+    {
         const real from = left.at + 2 * SEL_NO_CUT * onwards;
         real knot = next_knot(scene->b, from, right.at);
         if ((plane - from) * onwards > 0 && (knot - plane) * onwards > 0) knot = plane;
@@ -223,7 +285,8 @@ SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right
     cuts->at[0] = left;
     cuts->pieces = 0;
     real at = spline_at_near(scene->a, left.s, scene->edge);
-    for (int more = 1; more;) {
+    SEL_ONCE for (int more = 1; more;)
+    {
         at = next_knot(scene->a, at, last);
         more = at != last;
         const CellMark end = more ? cell_mark(scene, spline_material(scene->a, at), cuts->at[cuts->pieces].at) : right;
@@ -240,7 +303,8 @@ SEL_FN real most_curved(SplineView rod, real from, real until)
     real most = 0;
     if (rod.count < 3) return most;
     const real low = max_r(min_r(from, until) + (real)0.5, 1), high = min_r(max_r(from, until) + (real)0.5, (real)rod.count - 2);
-    for (uint i = (uint)low; i <= (uint)high; ++i) {
+    SEL_ONCE for (uint i = (uint)low; i <= (uint)high; ++i)
+    {
         const vec3 x = node_at(rod, i), e = x - node_at(rod, i - 1), f = node_at(rod, i + 1) - x, turn = cross3(e, f);
         const real ee = dot3(e, e), ff = dot3(f, f), shorter = min_r(ee, ff), ef = dot3(e, f);
         if (ef <= 0 || 4 * ef * ef < ee * ff) return SEL_FAR;
@@ -310,7 +374,8 @@ SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark 
     if (left.slope >= 0) return left;
     if (right.slope <= 0) return right;
     CellMark best = left.gap < right.gap ? left : right;
-    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+    SEL_ONCE for (int k = 0; k < SEL_CELL_STEPS; ++k)
+    {
         const GapCubic cubic = cubic_between(left, right);
         const int smooth = k % 3 < 2 && left.gap < SEL_FAR && right.gap < SEL_FAR;
         const real share = smooth ? root_between(3 * cubic.c[3], 2 * cubic.c[2], cubic.c[1]) : (real)0.5;
@@ -329,7 +394,8 @@ SEL_FN real zero_between(CellMark in, CellMark out)
     const GapCubic cubic = cubic_between(in, out);
     const real chord = in.gap / (in.gap - out.gap);
     real u = chord;
-    for (int k = 0; k < 3; ++k) {
+    SEL_ONCE for (int k = 0; k < 3; ++k)
+    {
         const real value = cubic.c[0] + (cubic.c[1] + (cubic.c[2] + cubic.c[3] * u) * u) * u;
         const real slope = cubic.c[1] + (2 * cubic.c[2] + 3 * cubic.c[3] * u) * u;
         if (!(slope > 0)) return chord;
@@ -342,7 +408,8 @@ SEL_FN real zero_between(CellMark in, CellMark out)
 SEL_FN CellMark gap_zero(const InstrumentScene* scene, CellMark in, CellMark out)
 {
     const real enough = SEL_ZERO * fabs(in.gap);
-    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+    SEL_ONCE for (int k = 0; k < SEL_CELL_STEPS; ++k)
+    {
         const real share = k % 3 < 2 && out.gap < SEL_FAR ? zero_between(in, out) : (real)0.5;
         const CellMark middle = mark_between(scene, in, out, share);
         if (fabs(middle.gap) <= enough) return middle;
@@ -392,7 +459,8 @@ SEL_STAGE_FN void look_through(const InstrumentScene* scene, CellEnds ends, SEL_
     real room = ends.room;
     if (room <= 0) {
         cut_cell(scene, first, last, &cell->cuts);
-        for (uint k = 0; k < cell->cuts.pieces; ++k) {
+        SEL_ONCE for (uint k = 0; k < cell->cuts.pieces; ++k)
+        {
             cell->least[k] = least_gap(scene, cell->cuts.at[k], cell->cuts.at[k + 1]);
             if (cell->least[k].gap < cell->least[cell->deepest].gap) cell->deepest = k;
         }

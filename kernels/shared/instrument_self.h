@@ -96,11 +96,42 @@ SEL_FN CellPoint self_point(const SelfScene* self, real s)
     return point;
 }
 
+#if SEL_SUMS_IN_MEMORY
+// See mark_of_values().
+SEL_CALL vec3 self_mark_of_values(SEL_GLOBAL const real* position, SEL_GLOBAL const real* material,
+                                                           uint count, uint edge, real from, real until, real apart, real reach_a,
+                                                           real reach_b, real s)
+{
+    SelfScene self;
+    self.scene.a.position = position;
+    self.scene.a.material = material;
+    self.scene.a.count = count;
+    self.scene.b = self.scene.a;
+    self.scene.edge = edge;
+    self.scene.apart = apart;
+    self.scene.part.touch = SEL_TOUCH_SELF;
+    self.scene.part.reach_a = reach_a;
+    self.scene.part.reach_b = reach_b;
+    self.scene.part.rim = 0;
+    self.from = from;
+    self.until = until;
+    const CellPoint point = self_point(&self, s);
+    return make_vec3(point.gap, point.slope, point.g.at);
+}
+
+SEL_FN CellMark self_mark(const SelfScene* self, real s)
+{
+    const InstrumentScene* scene = &self->scene;
+    return called_mark(s, self_mark_of_values(scene->a.position, scene->a.material, scene->a.count, scene->edge, self->from, self->until,
+                                              scene->apart, scene->part.reach_a, scene->part.reach_b, s));
+}
+#else
 SEL_FN CellMark self_mark(const SelfScene* self, real s)
 {
     const CellPoint point = self_point(self, s);
     return mark_of(&point);
 }
+#endif
 
 // Stretches of b that are nearer to a point than the radii.
 typedef struct SelfLobes {
@@ -139,7 +170,7 @@ SEL_FN real lobe_bottom(SeenPiece piece, real falls, real rises)
 }
 
 // Adds nearer points between two places of a piece; `open`: the last lobe continues at the first of them.
-SEL_FN void add_lobes(SeenPiece piece, real left, real right, real reach, int* open, SelfLobes* lobes)
+SEL_FN void add_lobes(SeenPiece piece, real left, real right, real reach, int* open, SEL_OUT SelfLobes* lobes)
 {
     const real reach2 = reach * reach;
     const int in_left = square_at(piece, left) < reach2, in_right = square_at(piece, right) < reach2;
@@ -161,21 +192,20 @@ SEL_FN void add_lobes(SeenPiece piece, real left, real right, real reach, int* o
     *open = in_right;
 }
 
-SEL_FN SelfLobes lobes_of(SplineView b, vec3 x, real low, real high, real reach)
+SEL_FN void find_lobes(SplineView b, vec3 x, real low, real high, real reach, SEL_OUT SelfLobes* lobes)
 {
-    SelfLobes lobes;
-    lobes.count = 0;
+    lobes->count = 0;
     int open = 0;
     for (real from = low; from < high;) {
         const SeenPiece piece = seen_piece(b, x, from);
         const real until = min_r(piece.high, high), step = (until - from) / SEL_SELF_STRETCHES;
-        for (int k = 0; k < SEL_SELF_STRETCHES; ++k) {
+        SEL_ONCE for (int k = 0; k < SEL_SELF_STRETCHES; ++k)
+        {
             const real right = k + 1 == SEL_SELF_STRETCHES ? until : from + (real)(k + 1) * step;
-            add_lobes(piece, from + (real)k * step, right, reach, &open, &lobes);
+            add_lobes(piece, from + (real)k * step, right, reach, &open, lobes);
         }
         from = until > from ? until : high;
     }
-    return lobes;
 }
 
 // ---- which part of the cell touches ------------------------------------------------------------------------------------------
@@ -224,7 +254,7 @@ typedef struct SelfTouch {
 } SelfTouch;
 
 // @param joined  0: another rule begins at `left`
-SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int joined, SelfTouch* touch)
+SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int joined, SEL_OUT SelfTouch* touch)
 {
     const CellMark least = self_least(self, left, right);
     if (least.gap < touch->deepest.gap) touch->deepest = least;
@@ -256,32 +286,37 @@ typedef struct SelfMarks {
     CellMark least;
 } SelfMarks;
 
-SEL_FN void mark_cell(const SelfScene* self, int first, SelfMarks* marks)
+SEL_FN void mark_cell(const SelfScene* self, int first, SEL_OUT SelfMarks* marks)
 {
     const real length = self->s1 - self->s0;
-    for (int k = first; k <= SEL_SELF_PARTS; k += 2) {
+    SEL_ONCE for (int k = first; k <= SEL_SELF_PARTS; k += 2)
+    {
         marks->at[k] = self_mark(self, self->s0 + (real)k / SEL_SELF_PARTS * length);
         if (k == 0 || marks->at[k].gap < marks->least.gap) marks->least = marks->at[k];
     }
 }
 
-// @param follows  gap up to which it counts how a cell that touches nothing closes [m]
-SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
+// @param follows  gap up to which it counts how a cell that touches nothing closes [m]     @return 0: it is clear
+SEL_FN int mark_self(const SelfScene* self, real follows, SEL_OUT SelfMarks* marks, SEL_OUT SelfTouch* touch)
 {
-    SelfTouch touch;
-    touch.count = 0;
+    touch->count = 0;
     const real length = self->s1 - self->s0;
-    SelfMarks marks;
-    for (int first = 0; first < 2; ++first) {
-        mark_cell(self, first, &marks);
-        touch.deepest = marks.least;
-        touch.clear = marks.least.gap < SEL_FAR ? marks.least.gap - dip_between(self, (real)(2 - first) * length / SEL_SELF_PARTS)
-                                                : (real)0;
-        if (touch.clear > follows) return touch;
+    SEL_ONCE for (int first = 0; first < 2; ++first)
+    {
+        mark_cell(self, first, marks);
+        touch->deepest = marks->least;
+        touch->clear = marks->least.gap < SEL_FAR
+                           ? marks->least.gap - dip_between(self, (real)(2 - first) * length / SEL_SELF_PARTS)
+                           : (real)0;
+        if (touch->clear > follows) return 0;
     }
-    for (int k = 0; k < SEL_SELF_PARTS; ++k)
-        add_touch(self, marks.at[k], marks.at[k + 1], k % (SEL_SELF_PARTS / SEL_SELF_RULES) != 0, &touch);
-    return touch;
+    return 1;
+}
+
+SEL_FN void touch_self(const SelfScene* self, SEL_OUT const SelfMarks* marks, SEL_OUT SelfTouch* touch)
+{
+    SEL_ONCE for (int k = 0; k < SEL_SELF_PARTS; ++k)
+        add_touch(self, marks->at[k], marks->at[k + 1], k % (SEL_SELF_PARTS / SEL_SELF_RULES) != 0, touch);
 }
 
 // ---- forces ---------------------------------------------------------------------------------------------------------------------
@@ -298,15 +333,15 @@ SEL_FN LawContext pair_law(const LawContext* c, real reach, real spread)
 // Sums over all pairs of points, weighted with their forces.
 typedef struct SelfSums {
     real along_a, along_b;  // material coordinates [N m]
-    vec3 n;                 // [N]
+    real n[3];              // [N]; not a vec3, whose size is not the same on a card
     real metres;            // that touch, as a strand beside a straight one would
 } SelfSums;
 
 // How fast the least gap at a point closes.
-SEL_FN real closing_rate(const InstrumentScene* scene, const CellPoint* point, real inv_dt)
+SEL_FN real closing_rate(const InstrumentScene* scene, CellMark point, real inv_dt)
 {
-    const real gap_t0 = gap_at_start(scene, point->s, point->g.at);
-    return point->gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - point->gap) * inv_dt : (real)0;
+    const real gap_t0 = gap_at_start(scene, point.s, point.at);
+    return point.gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - point.gap) * inv_dt : (real)0;
 }
 
 // The factor that damping puts on the elastic force at one point of a, and how it grows with the depth: damped_force() of contact_law.h.
@@ -339,7 +374,7 @@ SEL_FN real critical_speed(real depth, real line_mass, QuadratureModel m)
 
 // One pair of points: `weight` metres of a times metres of b.
 SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, real weight, SelfDamping damping, const LawContext* law,
-                      SelfSums* sums, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+                      SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &self->scene;
     point.g = no_gap(at);
@@ -356,7 +391,9 @@ SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, r
     out->stored += elastic * depth / (law->m.exponent + 1);
     sums->along_a += force * point.s;
     sums->along_b += force * spline_material(scene->b, at);
-    sums->n = sums->n + force * point.g.n;
+    sums->n[0] += force * point.g.n.x;
+    sums->n[1] += force * point.g.n.y;
+    sums->n[2] += force * point.g.n.z;
 }
 
 // ---- quadrature ------------------------------------------------------------------------------------------------------------------
@@ -404,21 +441,29 @@ SEL_FN RulePoint inner_point(uint k)
 // ---- all of a cell ----------------------------------------------------------------------------------------------------------------
 
 // All that one point of a pushes; `weight` metres of it.
-SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closing, const LawContext* law, SelfSums* sums,
-                       SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closing, const LawContext* law, SEL_OUT SelfLobes* lobes,
+                       SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &self->scene;
-    const CellPoint point = self_point(self, s);
+    const CellMark mark = self_mark(self, s);
     real from, until, touching = 0;
-    if (point.gap >= 0 || !self_range(self, s, &from, &until)) return;
-    const SelfDamping damping = damping_at(closing_rate(scene, &point, law->par.inv_dt), closing, law);
+    if (mark.gap >= 0 || !self_range(self, s, &from, &until)) return;
+    const SelfDamping damping = damping_at(closing_rate(scene, mark, law->par.inv_dt), closing, law);
     if (damping.factor <= 0) return;
+    CellPoint point;
+    point.s = s;
+    point.gap = mark.gap;
+    point.slope = mark.slope;
+    point.a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
     const vec3 x = spline_sum(scene->a, point.a.node, point.a.w);
     const real reach = scene->part.reach_a + scene->part.reach_b;
-    const SelfLobes lobes = lobes_of(scene->b, x, from, until, reach);
-    for (uint k = 0; k < lobes.count; ++k) {
-        const real middle = (real)0.5 * (lobes.from[k] + lobes.until[k]), half_length = (real)0.5 * (lobes.until[k] - lobes.from[k]);
-        for (uint q = 0; q < rule_points(law->m.exponent - 1); ++q) {
+    find_lobes(scene->b, x, from, until, reach, lobes);
+    SEL_ONCE for (uint k = 0; k < lobes->count; ++k)
+    {
+        const real middle = (real)0.5 * (lobes->from[k] + lobes->until[k]),
+                   half_length = (real)0.5 * (lobes->until[k] - lobes->from[k]);
+        SEL_ONCE for (uint q = 0; q < rule_points(law->m.exponent - 1); ++q)
+        {
             const RulePoint rule = rule_point(q, law->m.exponent - 1);
             const real at = middle + half_length * rule.u;
             const SplinePlace place = spline_place(at, scene->b.count);
@@ -430,13 +475,14 @@ SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closi
             push_pair(self, point, x, at, weight * metres, damping, law, sums, out, points);
         }
     }
-    sums->metres += weight * min_r(touching / (2 * sqrt(-2 * reach * point.gap)), 1);
+    sums->metres += weight * min_r(touching / (2 * sqrt(-2 * reach * mark.gap)), 1);
 }
 
 // Where the force of all pairs acts: what friction goes by.
 SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, real gap)
 {
     const InstrumentScene* scene = &self->scene;
+    const vec3 n = make_vec3(sums.n[0], sums.n[1], sums.n[2]);
     CellPoint middle;
     middle.s = sums.along_a / force;
     middle.gap = gap;
@@ -446,53 +492,88 @@ SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, r
     middle.g.gap = gap;
     middle.g.b = spline_place(middle.g.at, scene->b.count);
     middle.g.centre = spline_sum(scene->b, middle.g.b.node, middle.g.b.w);
-    middle.g.n = (1 / sqrt(dot3(sums.n, sums.n))) * sums.n;
+    middle.g.n = (1 / sqrt(dot3(n, n))) * n;
     return middle;
 }
 
 // The state of a cell that touches nothing: how it closes.
-SEL_FN void follow_self(const SelfScene* self, const SelfTouch* touch, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
+SEL_FN void follow_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
 {
     const CellPoint bottom = self_point(self, touch->deepest.s);
     Closing closing;
-    closing.rate = closing.approach = closing_rate(&self->scene, &bottom, inv_dt);
+    closing.rate = closing.approach = closing_rate(&self->scene, mark_of(&bottom), inv_dt);
     write_deepest(&self->scene, deep_point(&self->scene, &bottom), closing, epoch, now);
 }
 
-// As cell_force() of instrument_cell.h.
-SEL_FN void self_force(const SelfScene* self, const SelfTouch* touch, real spread, real line_mass, ContactState old, int fresh, LawContext* c,
-                       SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+// How a cell that touches closes where it is deepest.
+SEL_FN Closing self_closing(const SelfScene* self, SEL_OUT const SelfTouch* touch, real line_mass, ContactState old, int fresh,
+                            const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
 {
     const InstrumentScene* scene = &self->scene;
     const CellPoint bottom = self_point(self, touch->deepest.s);
-    Closing closing = cell_closing(scene, cell_point(scene, bottom.s, bottom.g.at), old, fresh, c);
+    Closing closing = cell_closing(scene, cell_mark(scene, bottom.s, bottom.g.at), old, fresh, c);
     write_deepest(scene, deep_point(scene, &bottom), closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     closing.approach = max_r(closing.approach, critical_speed(closing.depth_t0, line_mass, c->m));
-    const LawContext law = pair_law(c, scene->part.reach_a + scene->part.reach_b, spread);
+    return closing;
+}
+
+// What such a cell exerts.
+SEL_FN void push_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, real spread, Closing closing, const LawContext* c,
+                      SEL_OUT SelfLobes* lobes, SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out,
+                      SEL_GLOBAL InstrumentPoint* points)
+{
+    const LawContext law = pair_law(c, self->scene.part.reach_a + self->scene.part.reach_b, spread);
     const real whole = (real)0.5 * (1 - (real)1e-9) * (self->s1 - self->s0) / SEL_SELF_RULES;
-    SelfSums sums;
-    sums.along_a = sums.along_b = sums.metres = 0;
-    sums.n = make_vec3(0, 0, 0);
-    for (uint k = 0; k < touch->count; ++k) {
+    sums->along_a = sums->along_b = sums->metres = sums->n[0] = sums->n[1] = sums->n[2] = 0;
+    SEL_ONCE for (uint k = 0; k < touch->count; ++k)
+    {
         const real middle = (real)0.5 * (touch->from[k] + touch->until[k]), half_length = (real)0.5 * (touch->until[k] - touch->from[k]);
         const int inner = half_length >= whole;
-        for (uint q = 0; q < (inner ? SEL_INNER_POINTS : rule_points(c->m.exponent - 1)); ++q) {
+        SEL_ONCE for (uint q = 0; q < (inner ? SEL_INNER_POINTS : rule_points(c->m.exponent - 1)); ++q)
+        {
             const RulePoint rule = inner ? inner_point(q) : rule_point(q, c->m.exponent - 1);
-            push_lobes(self, middle + half_length * rule.u, half_length * rule.weight, closing, &law, &sums, out, points);
+            push_lobes(self, middle + half_length * rule.u, half_length * rule.weight, closing, &law, lobes, sums, out, points);
         }
     }
+}
+
+// Its state, and friction, once it has pushed. @param gap  where it is deepest
+SEL_FN void rub_self(const SelfScene* self, SelfSums sums, real gap, ContactState old, int fresh, LawContext* c,
+                     SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
+{
     if (out->count == 0) return;
     now->length = out->length = sums.metres;
     now->contact.flags |= SEL_CONTACT_ACTIVE;
     now->contact.normal_force = out->normal_sum;
-    if (c->par.friction == SEL_FRICTION_NONE || dot3(sums.n, sums.n) <= 0) return;
+    if (c->par.friction == SEL_FRICTION_NONE || sums.n[0] * sums.n[0] + sums.n[1] * sums.n[1] + sums.n[2] * sums.n[2] <= 0) return;
     CarriedState carried;
     carried.old = old;
     carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
     c->m.weight = sums.metres;
-    rub_at(scene, self_middle(self, sums, out->normal_sum, bottom.gap), carried, c, now, out);
+    rub_at(&self->scene, self_middle(self, sums, out->normal_sum, gap), carried, c, now, out);
 }
+
+#if !SEL_SUMS_IN_MEMORY
+SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
+{
+    SelfMarks marks;
+    SelfTouch touch;
+    if (mark_self(self, follows, &marks, &touch)) touch_self(self, &marks, &touch);
+    return touch;
+}
+
+// As cell_force() of instrument_block.h.
+SEL_FN void self_force(const SelfScene* self, const SelfTouch* touch, real spread, real line_mass, ContactState old, int fresh,
+                       LawContext* c, InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
+    const Closing closing = self_closing(self, touch, line_mass, old, fresh, c, now, out);
+    SelfLobes lobes;
+    SelfSums sums;
+    push_self(self, touch, spread, closing, c, &lobes, &sums, out, points);
+    rub_self(self, sums, now->contact.gap, old, fresh, c, now, out);
+}
+#endif
 
 SEL_END
 #endif

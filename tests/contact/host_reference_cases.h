@@ -124,6 +124,24 @@ void evaluate_case()
     REQUIRE(sliding > 100);
 }
 
+void evaluate_narrow_case()
+{
+    std::size_t both = 0;
+    for (const std::size_t n : {64u, 257u}) {
+        Scene s(n, true);
+        const std::vector<uint> list = up_to(n);
+        const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
+        REQUIRE(*std::max_element(found.counts.begin(), found.counts.end()) <= s.par.slots);
+        const Evaluated host = host_evaluate(s, s.par, list, found),
+                        device = device_evaluate(s, s.par, list, found, n == 64 ? Queue::Inline : Queue::Pool);
+        CAPTURE(n);
+        CHECK(first_difference(device.forces, host.forces) == -1);
+        CHECK(first_difference(device.states, host.states) == -1);
+        both += std::count_if(host.forces.begin(), host.forces.end(), [](const ContactForce& f) { return f.contacts == 2; });
+    }
+    REQUIRE(both > 100);
+}
+
 void evaluate_multiplier_case()
 {
     std::size_t touched = 0, blocked = 0, sliding = 0;
@@ -205,8 +223,7 @@ void multipliers_case()
 void sweep_case()
 {
     sel_device::Context& context = sel_reference::reference_context(float32);
-    sel_device::Kernel clearance(context, "contact/barrier_path.cl", "contact_clearance"),
-        sweep(context, "contact/barrier_path.cl", "contact_sweep");
+    sel_device::Kernel sweep(context, "contact/barrier_path.cl", "contact_sweep");
     std::size_t stopped = 0, near_wall = 0;
     for (const std::size_t n : counts_to_try) {
         const Queue queue = n % 2 ? Queue::Inline : Queue::Pool;
@@ -234,9 +251,9 @@ void sweep_case()
         const GuardedWall wall(context, queue, s);
         Guarded<real> gap_out(context, queue, std::vector<real>(n)), way_out(context, queue, std::vector<real>(n));
         Guarded<ContactState> t0(context, queue, s.states_t0);
-        const sel_device::Buffer stages = sel_reference::stage_records(context, n);
-        clearance.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                         wall, now, t0.buffer(), gap_out.buffer(), stages);
+        sel_reference::GapKernels(context, n).launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(),
+                                                     candidates.buffer(), counts.buffer(), wall, now, t0.buffer(),
+                                                     gap_out.buffer());
         sweep.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
                      wall, before, now, way_out.buffer());
         CAPTURE(n);

@@ -24,7 +24,8 @@ struct Draw {
     uint below(uint n) { return std::uniform_int_distribution<uint>(0, n - 1)(rng); }
 };
 
-// Three wires of 7, 40 and 2 nodes along the tube's wall: touching, pressing through, and apart.
+// Three wires of 7, 40 and 2 nodes along the tube's wall: touching, pressing through, and apart. In a narrow lumen: along its axis, and
+// so thick that both sides touch.
 struct Scene {
     Draw draw;
     std::vector<float> hi, hi_t0;
@@ -48,11 +49,11 @@ struct Scene {
         return point_view(at, models[at], places[at], near_wall_view(view(), candidates.data() + at * par.slots, counts[at]));
     }
 
-    explicit Scene(std::size_t points)
+    explicit Scene(std::size_t points, bool narrow = false)
     {
         nodes.resize(wall.nodes.size() / sizeof(TreeNode));
         std::memcpy(nodes.data(), wall.nodes.data(), wall.nodes.size());
-        for (uint n : {7u, 40u, 2u}) add_wire(n);
+        for (uint n : {7u, 40u, 2u}) add_wire(n, narrow);
         hi.insert(hi.end(), {0, 0, 0});  // one past the end, as DeviceNodes has it
         for (int k = 0; k < 3; ++k) lo.push_back(0);
         theta.push_back(0);
@@ -62,6 +63,8 @@ struct Scene {
         for (real& x : lo_t0) x += static_cast<real>(draw(-3e-6, 3e-6));
         for (real& x : theta_t0) x += static_cast<real>(draw(-0.01, 0.01));
         for (std::size_t k = 0; k < points; ++k) add_point(k);
+        if (narrow)  // the facets are planes 0.98 to 1.01 of its radius from the axis
+            for (QuadratureModel& m : models) m.radius = static_cast<real>(1.01 * wall.radius);
         par.slots = 64;
         par.friction = SEL_FRICTION_STICK_SLIP;
         par.inv_dt = 1000;
@@ -69,12 +72,13 @@ struct Scene {
         par.smooth_speed = static_cast<real>(1e-3);
     }
 
-    void add_wire(uint n)
+    void add_wire(uint n, bool narrow)
     {
         const double angle = draw(0, 6.28), from = draw(-0.012, 0), twist = draw(-1, 1);
         for (uint i = 0; i < n; ++i) {
             if (i + 1 < n) edges.push_back(static_cast<uint>(theta.size()));
-            const double x = from + 0.012 * i / n, rho = wall.radius - 0.4445e-3 * draw(0.3, 1.15), a = angle + twist * i / n;
+            const double x = from + 0.012 * i / n,
+                         rho = narrow ? draw(0, 1e-5) : wall.radius - 0.4445e-3 * draw(0.3, 1.15), a = angle + twist * i / n;
             for (double p : {x, rho * std::cos(a), rho * std::sin(a)}) {
                 hi.push_back(static_cast<float>(p));
                 lo.push_back(static_cast<real>(p - hi.back()));

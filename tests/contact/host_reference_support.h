@@ -13,7 +13,7 @@
 namespace seldinger::test {
 
 using seldinger::ForceKernels;
-using seldinger::stage_records;
+using seldinger::GapKernels;
 
 /// A tube with bumps, slivers, doubled and zero-area triangles, as DeviceWall holds it.
 struct ReferenceWall {

@@ -15,6 +15,7 @@ TEST_SUITE("contact/host_reference")
     TEST_CASE("host reference: contact_distance") { distance_case(); }
     TEST_CASE("host reference: contact_evaluate") { evaluate_case(); }
     TEST_CASE("host reference: contact_evaluate with an exponent that needs pow") { evaluate_pow_case(); }
+    TEST_CASE("host reference: contact_evaluate in a lumen as narrow as the wire") { evaluate_narrow_case(); }
     TEST_CASE("host reference: contact_evaluate with laws that have multipliers, and the barrier") { evaluate_multiplier_case(); }
     TEST_CASE("host reference: contact_start and contact_multipliers") { multipliers_case(); }
     TEST_CASE("host reference: contact_clearance and contact_sweep") { sweep_case(); }

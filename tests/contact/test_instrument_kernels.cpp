@@ -182,7 +182,7 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
     for (std::size_t i = 0; i < list.size(); ++i) {
         const uint k = list[i], cell = k / SEL_INSTRUMENT_SLOTS;
         if (slots[k].touch == SEL_TOUCH_SELF) {
-            InstrumentState now = no_instrument_state();
+            InstrumentState now;
             instrument_self_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(), s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par,
                                   &now, &forces[i], points.data() + SEL_INSTRUMENT_POINTS * i);
             states[k] = now;
@@ -194,21 +194,18 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
         counts.sliding += (f.flags & SEL_FORCE_SLIDING) != 0;
         counts.partly += f.count > 0 && f.length < 0.99 * s.cells->rods[s.cells->rod_of[cell]].spacing;
     }
-    InstrumentKernels kernels(context, "contact/instruments.cl");
-    kernels.provide(list.size());
-    device::Kernel self_kernel(context, "contact/instruments.cl", "instruments_evaluate_self", device::Items::Branching);
     Guarded<uint> device_list(context, queue, list);
     Guarded<InstrumentSlot> device_slots(context, queue, slots);
     Guarded<InstrumentForce> device_forces(context, queue, std::vector<InstrumentForce>(list.size()));
     Guarded<InstrumentPoint> device_points(context, queue, std::vector<InstrumentPoint>(points.size()));
-    const auto evaluate = [&](auto& kernel, std::size_t items) {
-        kernel.launch(queue, items, s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
+    for (const InstrumentKernels::Of of : {InstrumentKernels::Of::Others, InstrumentKernels::Of::Itself}) {
+        InstrumentKernels kernels(context, "contact/instruments.cl", of);
+        kernels.provide(list.size());
+        kernels.launch(queue, kernels.items(list.size()), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
                       on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
                       on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
                       device_forces.buffer(), device_points.buffer());
-    };
-    evaluate(kernels, kernels.items(list.size()));
-    evaluate(self_kernel, list.size());
+    }
     const std::vector<InstrumentForce> by_device = device_forces.read();
     const std::vector<InstrumentPoint> points_by_device = device_points.read();
     for (std::size_t k = 0; k < list.size(); ++k) {

@@ -61,7 +61,7 @@ struct Strands {
             s[k] = middle + 2e-4 * (k - 1.5);
             start[k] = edge + 0.1 + 0.07 * (k - 1.5) + 0.02;
         }
-        out = places_in_lanes(&scene, s, start, spline_at(scene.a, middle));
+        places_in_lanes(&scene, s, start, spline_at(scene.a, middle), &out);
         return out.known;
     }
 };
@@ -117,7 +117,8 @@ TEST_CASE("instrument lanes: nothing is known across a knot, at the mouth, of on
     strands.scene.part.touch = SEL_TOUCH_INSIDE;
     const double knot = spline_material(strands.scene.a, edge + 0.5);
     for (int k = 0; k < 4; ++k) s[k] = knot + 2e-4 * (k - 1.5);
-    CHECK_FALSE(places_in_lanes(&strands.scene, s, start, edge + 0.49).known);
+    places_in_lanes(&strands.scene, s, start, edge + 0.49, &lanes);
+    CHECK_FALSE(lanes.known);
 }
 
 }  // namespace test_instrument_lanes

@@ -76,7 +76,8 @@ Exerted as_whole(const Lying& lying, int cell)
     CellBeside beside;
     const double middle = spacing * (cell + 0.5);
     REQUIRE(beside_other(&scene, middle, middle / edge, &beside));
-    out.touch = push_whole(&scene, middle, 0.5 * spacing, beside, no_contact_state(), &lying.c, &out.state, &out.force,
+    CellRule rule;
+    out.touch = push_whole(&scene, middle, 0.5 * spacing, beside, no_contact_state(), &lying.c, &rule, &out.state, &out.force,
                            out.points.data());
     return out;
 }
@@ -89,7 +90,8 @@ Exerted in_pieces(const Lying& lying, int cell)
     look_through(&scene, cell_ends(&scene, spacing * cell, spacing * (cell + 1), spacing * (cell + 0.5) / edge), &pieces,
                  &out.force);
     REQUIRE(out.force.depth > 0);
-    out.touch = push_pieces(&scene, &pieces, no_contact_state(), 0, &lying.c, &out.state, &out.force, out.points.data());
+    CellRule rule;
+    out.touch = push_pieces(&scene, &pieces, no_contact_state(), 0, &lying.c, &rule, &out.state, &out.force, out.points.data());
     return out;
 }
 

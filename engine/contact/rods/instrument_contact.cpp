@@ -69,8 +69,8 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       cells_(setup),
       system_of_(setup.system_of),
       first_wire_(firsts(setup.system_of)),
-      evaluate_(context, programs::instruments),
-      evaluate_self_(context, programs::instruments, "instruments_evaluate_self", device::Items::Branching),
+      evaluate_(context, programs::instruments, InstrumentKernels::Of::Others),
+      evaluate_self_(context, programs::instruments, InstrumentKernels::Of::Itself),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity()),
       rods_buffer_(context, cells_.rods.size() * sizeof(InstrumentRod)),
@@ -257,13 +257,13 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     const auto of_itself = static_cast<std::size_t>(std::count_if(picked_.begin(), picked_.end(), [&](std::uint32_t slot) {
         return slots_host_[slot].touch == SEL_TOUCH_SELF;
     }));
-    const auto evaluate = [&](auto& kernel, std::size_t items) {
-        kernel.launch(queue, items, params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_, nodes_t0_,
-                      states_t0_, states_, forces, points_buffer_);
+    const auto evaluate = [&](InstrumentKernels& kernels) {
+        kernels.provide(picked_.size());
+        kernels.launch(queue, kernels.items(picked_.size()), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_,
+                       nodes_, nodes_t0_, states_t0_, states_, forces, points_buffer_);
     };
-    evaluate_.provide(picked_.size());
-    if (of_itself < picked_.size()) evaluate(evaluate_, evaluate_.items(picked_.size()));
-    if (of_itself > 0) evaluate(evaluate_self_, picked_.size());
+    if (of_itself < picked_.size()) evaluate(evaluate_);
+    if (of_itself > 0) evaluate(evaluate_self_);
 }
 
 /// Rods, nodes and slots of this step, for the first launch after a search.

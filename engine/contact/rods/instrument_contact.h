@@ -107,8 +107,7 @@ private:
     InstrumentCells cells_;
     std::vector<int> system_of_, first_wire_;  // [wires], [systems + 1]
     std::vector<InstrumentSums> sums_;         // [systems]
-    InstrumentKernels evaluate_;
-    device::Kernel evaluate_self_;
+    InstrumentKernels evaluate_, evaluate_self_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
     std::vector<std::uint8_t> straight_;  // [wires] at the search, so much that it cannot touch itself
