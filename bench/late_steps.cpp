@@ -4,6 +4,8 @@
 //     late_steps SCENE.toml --replay FILE [--repeat 1] [--set table.key=value]…       takes the kept steps again
 //     … [--trials FILE]                                                                a row for each trial of the kept steps
 //     … [--cut N]                                                                      steps whose time is up at the trial N (World::cut_when)
+//     … [--session FILE]                                                               moves the hubs as this record of a live session has it
+//     … [--steps N]                                                                    the first N steps only
 //
 // A run prints the distributions of Newton iterations, trials and processor time per step, and keeps the steps of most iterations
 // with the state before each. A replay takes the same steps by another program or another law (--set contact.friction=none): what
@@ -14,6 +16,7 @@
 #include "core/file_io.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
+#include "session/session_record.h"
 #include "world/world.h"
 
 #include <fmt/format.h>
@@ -24,7 +27,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace {
@@ -39,11 +44,12 @@ double thread_time()
 }
 
 struct Options {
-    std::string scene, keep, replay, trials;
+    std::string scene, keep, replay, trials, session;
     std::vector<std::string> overrides;
     std::size_t worst = 200;
     int repeat = 1;
     int cut = 0;  // 0: never
+    long steps = std::numeric_limits<long>::max();
 };
 
 Options read_options(int argc, char** argv)
@@ -58,8 +64,10 @@ Options read_options(int argc, char** argv)
         else if (word == "--keep") options.keep = value();
         else if (word == "--replay") options.replay = value();
         else if (word == "--trials") options.trials = value();
+        else if (word == "--session") options.session = value();
         else if (word == "--repeat") options.repeat = std::max(1, std::atoi(value().c_str()));
         else if (word == "--cut") options.cut = std::max(0, std::atoi(value().c_str()));
+        else if (word == "--steps") options.steps = std::max(1L, std::atol(value().c_str()));
         else if (word == "--set") options.overrides.push_back(value());
         else if (options.scene.empty() && word[0] != '-') options.scene = word;
         else throw Error(ExitCode::BadScene, word + ": unknown. The head of bench/late_steps.cpp says what there is");
@@ -67,6 +75,39 @@ Options read_options(int argc, char** argv)
     if (options.scene.empty()) throw Error(ExitCode::BadScene, "give a scene file");
     return options;
 }
+
+/// Where the hubs go: by the scene's key frames, or as a session's record has it.
+class Hubs {
+public:
+    Hubs(const Scene& scene, const std::string& record, long most) : keys_(scene), steps_(std::min(most, scene.steps()))
+    {
+        if (record.empty()) return;
+        record_ = read_record(record);
+        steps_ = std::min(most, record_->steps());
+        for (const RecordEntry& entry : record_->entries)
+            if (entry.kind == RecordEntry::Kind::Reset || entry.kind == RecordEntry::Kind::CutShort)
+                throw Error(ExitCode::BadFile, record + ": holds resets or steps cut short; expected neither");
+    }
+
+    [[nodiscard]] long steps() const { return steps_; }
+
+    /// @param step  from 1 on
+    const Control& control(const World& world, long step)
+    {
+        if (!record_) return keys_.control();
+        const std::vector<double>& hubs = record_->entries[static_cast<std::size_t>(step - 1)].hubs;
+        for (int w = 0; w < world.wire_count(); ++w)
+            if (world.setup().wires[static_cast<std::size_t>(w)].feed.on)
+                at_.move_to(w, hubs[2 * static_cast<std::size_t>(w)], hubs[2 * static_cast<std::size_t>(w) + 1]);
+        return at_;
+    }
+
+private:
+    KeyFrames keys_;
+    std::optional<SessionRecord> record_;
+    Control at_;
+    long steps_;
+};
 
 // ---- what contact does from one trial to another ------------------------------------------------------------------------------
 
@@ -331,15 +372,14 @@ std::vector<Step> read_kept(const std::string& file)
     return steps;
 }
 
-void take_again(World& world, const Scene& scene, std::vector<Step>& steps, bool look, int repeat, int cut)
+void take_again(World& world, const Scene& scene, Hubs& hubs, std::vector<Step>& steps, bool look, int repeat, int cut)
 {
-    const KeyFrames keys(scene);
     Recorder recorder(world, look, cut);
     for (Step& kept : steps) {
         std::vector<double> times;
         for (int k = 0; k < repeat; ++k) {
             world.restore_state(kept.before);
-            Step taken = recorder.take(keys.control(), scene.dt, kept.number);
+            Step taken = recorder.take(hubs.control(world, kept.number), scene.dt, kept.number);
             times.push_back(taken.time);
             taken.before = std::move(kept.before);
             kept = std::move(taken);
@@ -349,9 +389,8 @@ void take_again(World& world, const Scene& scene, std::vector<Step>& steps, bool
     }
 }
 
-std::vector<Step> run_scene(World& world, const Scene& scene, std::vector<Step>& kept, std::size_t worst, int cut)
+std::vector<Step> run_scene(World& world, const Scene& scene, Hubs& hubs, std::vector<Step>& kept, std::size_t worst, int cut)
 {
-    const KeyFrames keys(scene);
     Recorder recorder(world, false, cut);
     std::vector<Step> steps;
     int least = 2;  // iterations of a step that is kept
@@ -361,9 +400,9 @@ std::vector<Step> run_scene(World& world, const Scene& scene, std::vector<Step>&
         kept.resize(worst);
         least = kept.back().iterations;
     };
-    for (long k = 1; k <= scene.steps(); ++k) {
+    for (long k = 1; k <= hubs.steps(); ++k) {
         std::vector<std::uint8_t> before = world.save_state();
-        steps.push_back(recorder.take(keys.control(), scene.dt, k));
+        steps.push_back(recorder.take(hubs.control(world, k), scene.dt, k));
         if (steps.back().iterations <= least) continue;
         kept.push_back(steps.back());
         kept.back().before = std::move(before);
@@ -378,20 +417,21 @@ int run(const Options& options)
 {
     const Scene scene = read_scene(options.scene, options.overrides);
     World world(make_setup(scene));
+    Hubs hubs(scene, options.session, options.steps);
     std::vector<Step> kept;
     if (options.replay.empty()) {
-        print_steps(run_scene(world, scene, kept, options.worst, options.cut));
+        print_steps(run_scene(world, scene, hubs, kept, options.worst, options.cut));
         if (!options.keep.empty()) write_kept(options.keep, kept);
         fmt::print("state        {}\n\nthe {} of most iterations, taken again:\n", world.state_hash(), kept.size());
     } else {
         kept = read_kept(options.replay);
     }
     if (kept.empty()) return 0;
-    take_again(world, scene, kept, true, 1, options.cut);
+    take_again(world, scene, hubs, kept, true, 1, options.cut);
     print_causes(kept);
     if (!options.trials.empty()) write_trials(options.trials, kept);
     fmt::print("\n");
-    take_again(world, scene, kept, false, options.repeat, options.cut);
+    take_again(world, scene, hubs, kept, false, options.repeat, options.cut);
     print_steps(kept);
     return 0;
 }

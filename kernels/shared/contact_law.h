@@ -214,6 +214,39 @@ SEL_FN SlipTangent add_rubbing(vec3 n, Pressure pressure, ContactState old, Mult
     return add_friction_force(n, load, held_from, &holding, now, out);
 }
 
+// Friction turns with the normal n, over a ridge of the wall and in a valley between its facets. With the normal's change by a move of
+// the axis point, dn = -(1 - n n^T) hessian dx / |g|,
+//   d(slip) = -((move + anchor).dn) n - (move.n) dn - r spin t x dn + r ((dn.turn) t - (t.dn) turn)
+// (friction_law.h), d(f) = -across d(slip) - (along - across) d (d.d(slip)), and torque and couple change with f and with n.
+SEL_FN void add_friction_turn(ContactPoint contact, vec3 n, SlipTangent tangent, const LawContext* c, SEL_OUT ContactForce* out)
+{
+    const real* h = contact.hessian;
+    const vec3 g = contact.normal;
+    const real size2 = dot3(g, g);
+    const int turns = h[0] != 0 || h[3] != 0 || h[5] != 0;
+    if (!tangent.acts || c->par.known || !turns || size2 < SEL_FACING * SEL_FACING) return;
+    const PointMotion mv = c->mv;
+    const real r = c->m.radius, lever = r / mv.length, shrink = 1 / sqrt(size2);
+    const vec3 t = mv.tangent, d = tangent.along_slip, slip = tangent.size * d, f = -tangent.across * slip;
+    const vec3 carried = mv.move + (slip - surface_move(n, c));
+    for (int j = 0; j < 3; ++j) {
+        const vec3 column = j == 0 ? make_vec3(h[0], h[1], h[2]) : j == 1 ? make_vec3(h[1], h[3], h[4]) : make_vec3(h[2], h[4], h[5]);
+        const vec3 dn = -shrink * (column - dot3(column, n) * n);
+        const vec3 du = -dot3(carried, dn) * n - dot3(mv.move, n) * dn - (r * mv.spin) * cross3(t, dn) +
+                        r * (dot3(dn, mv.turn) * t - dot3(t, dn) * mv.turn);
+        const vec3 df = -tangent.across * du - ((tangent.along - tangent.across) * dot3(d, du)) * d;
+        const vec3 dc = lever * (dot3(df, t) * n + dot3(f, t) * dn - dot3(t, dn) * f - dot3(t, n) * df);
+        out->skew[j] -= df.x;
+        out->skew[3 + j] -= df.y;
+        out->skew[6 + j] -= df.z;
+        out->skew[9 + j] += r * (dot3(df, cross3(t, n)) + dot3(f, cross3(t, dn)));
+        out->skew_wx[j] -= dc.x;
+        out->skew_wx[3 + j] -= dc.y;
+        out->skew_wx[6 + j] -= dc.z;
+    }
+    out->flags |= SEL_FORCE_SLIDING;
+}
+
 SEL_FN void add_resistance(ContactPoint contact, Pressure pressure, ContactState old, const LawContext* c,
                            SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
 {
@@ -228,7 +261,9 @@ SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old,
     const Pressure pressure = add_pressure(contact, axis, old, multiplier, c, now, out);
     if (!pressure.acts) return;
     const vec3 n = make_vec3(now->normal[0], now->normal[1], now->normal[2]);
-    add_friction_tangent(n, contact.normal, add_rubbing(n, pressure, old, multiplier, c, now, out), c, out);
+    const SlipTangent rubbing = add_rubbing(n, pressure, old, multiplier, c, now, out);
+    add_friction_tangent(n, contact.normal, rubbing, c, out);
+    add_friction_turn(contact, n, rubbing, c, out);
     add_resistance(contact, pressure, old, c, now, out);
 }
 

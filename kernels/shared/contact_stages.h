@@ -142,7 +142,9 @@ SEL_FN void stage_tangent(StagedPoint of, uint side, NodeView nodes, NodeView no
 {
     if (!stage->pressure.acts || !stage->tangent.acts) return;
     const LawContext c = staged_context(of, nodes, nodes_t0);
-    add_friction_tangent(staged_normal(states + (stage->record ^ side)), stage->side[side].normal, stage->tangent, &c, out);
+    const vec3 n = staged_normal(states + (stage->record ^ side));
+    add_friction_tangent(n, stage->side[side].normal, stage->tangent, &c, out);
+    add_friction_turn(stage->side[side], n, stage->tangent, &c, out);
 }
 
 SEL_FN void stage_roll(StagedPoint of, uint side, NodeView nodes, NodeView nodes_t0, SEL_OUT ContactStage* stage,

@@ -172,6 +172,7 @@ SEL_FN void exert(SEL_OUT ContactForce* out, vec3 f, SlipRow row)
 // What friction's tangent is made of.
 typedef struct SlipTangent {
     vec3 along_slip;     // d: direction of the slip, in the wall's plane
+    real size;           // of the slip [m]
     real along, across;  // stiffness along it and across [N/m]
     real skew;           // -df/dx = skew d g^T while the contact slides: the normal force changes [N/m]
     int acts, slides;
@@ -181,7 +182,7 @@ SEL_FN SlipTangent no_slip_tangent(void)
 {
     SlipTangent none;
     none.along_slip = make_vec3(0, 0, 0);
-    none.along = none.across = none.skew = 0;
+    none.size = none.along = none.across = none.skew = 0;
     none.acts = none.slides = 0;
     return none;
 }
@@ -211,6 +212,7 @@ SEL_FN SlipTangent add_friction_force(vec3 n, NormalLoad load, CarriedState carr
     out->friction_sum += law.force;
     if (!law.stuck) out->sliding_sum += law.force;
     tangent.along_slip = d;
+    tangent.size = size;
     tangent.along = size > 0 ? law.along : law.across;
     tangent.across = law.across;
     tangent.acts = !lagged;
@@ -228,8 +230,6 @@ SEL_FN void add_friction_tangent(vec3 n, vec3 g, SlipTangent tangent, const LawC
     add_slip(out, tangent.along, row);
     add_slip(out, tangent.across, slip_row(cross3(n, tangent.along_slip), n, c->m.radius, c->mv));
     if (!tangent.slides) return;
-    // The rotation of the normal between two facets is neglected. With it late steps converge faster, but a catheter's hook that is dragged along
-    // a wall (apps/training, "renal") takes 512 sub-steps a step
     add_skew(out, tangent.skew, row, g);
     out->flags |= SEL_FORCE_SLIDING;
 }

@@ -5,8 +5,10 @@
 // with shares lambda >= 0 of sum 1. Its gradient is sum_i lambda_i n_i. The maximum is unique, because the eps are negative
 // definite for shares of sum 0 (a Bernstein function of squared distances), so the force turns without a jump at corners of three facets too. For two planes it is
 //     depth_0 + max(0, eps - (depth_0 - depth_1))^2 / (4 eps),
-// whose width vanishes with the angle between them, with a bias of at most eps/4. A plane with depth_j <= depth_0 - eps_0j has no
-// share (triangle inequality of distances, which the eps are beyond 4 smoothing rad), so the list of planes may begin and end there.
+// whose width vanishes with the angle between them, with a bias of at most eps/4. Shares of other planes k draw a plane j in by
+// sum_k lambda_k (eps_jk - eps_0k) <= smoothing r |n_j - n_0|, since eps grows with |n_i - n_j| by at most smoothing r. So a plane with
+// depth_j <= depth_0 - smoothing r |n_j - n_0| has no share, and the list of planes may begin and end there. With eps_0j as the limit
+// the normal would jump by 1e-3 rad where plane j comes to two planes that are nearly as deep.
 //
 // Flat valleys, of an angle phi below 4 smoothing: the nearest point of the neighbour is the edge, which does not count, until its
 // plane is less deep by d phi^2/2 only, d the axis' distance. There its share must begin with 0: eps <= r phi^2/4, for any d >= r/2.
@@ -103,7 +105,7 @@ SEL_FN int is_joined(SEL_OUT const NeighbourPlanes* planes, SEL_OUT const Contac
     const vec3 none = make_vec3(0, 0, 0);
     *out = wall_plane(facing.facet, facing.n - first->normal, ball.radius - facing.d - first->depth, t);
     if (is_same_direction(facing.facet, planes->plane[0].facet) || is_same_direction(out->turn, none)) return 0;
-    return joint_width(out->turn, none, ball) + out->depth > 0;
+    return ball.smoothing * ball.radius * sqrt(dot3(out->turn, out->turn)) + out->depth > 0;
 }
 
 // Which plane is missed least when `found` comes to a full list: the shallower of the two whose directions differ least. The first

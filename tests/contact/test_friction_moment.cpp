@@ -173,15 +173,27 @@ TEST_SUITE("contact/friction_moment")
         }
     }
 
-    TEST_CASE("derivative: the tangent in both nodes and the spin, in stick and in slip")
+    TEST_CASE("derivative: the tangent in both nodes and the spin, in stick and in slip, on a floor and over a ridge")
     {
-        const FreeEdge edge;
+        FreeEdge floor, ridge;
+        ridge.soup = {};
+        ridge.soup.add(v3(-0.01, 0, 0), v3(0.01, 0, 0), v3(0, 0.01, -0.004));
+        ridge.soup.add(v3(-0.01, 0, 0), v3(0, -0.01, -0.004), v3(0.01, 0, 0));
         for (const double slip : {2e-8, 1e-5}) {
-            CAPTURE(slip);
-            const Q q = moved(edge, slip);
-            REQUIRE(((edge.at(q).flags & SEL_FORCE_SLIDING) != 0) == (slip > 1e-6));
-            // left out: that the couple's direction turns with the edge, f r / l^2, of a stiffness f / slip and more
-            CHECK(tangent_error(edge, q) <= 2e-6 + slip / 2e-3);
+            double error[2];
+            for (const int over_ridge : {0, 1}) {
+                CAPTURE(slip);
+                CAPTURE(over_ridge);
+                const FreeEdge& edge = over_ridge ? ridge : floor;
+                const Q q = moved(edge, slip);
+                ContactState now[2];
+                (void)edge.at(q, now);
+                REQUIRE((now[0].flags & SEL_CONTACT_ACTIVE) != 0);
+                REQUIRE(((now[0].flags & SEL_CONTACT_STUCK) == 0) == (slip > 1e-6));
+                // left out: that the couple's direction turns with the edge, f r / l^2, of a stiffness f / slip and more
+                CHECK((error[over_ridge] = tangent_error(edge, q)) <= 2e-6 + slip / 2e-3);
+            }
+            CHECK(error[1] <= 1.2 * error[0]);  // the same is left out over the ridge, where force and couple turn with the normal
         }
     }
 }

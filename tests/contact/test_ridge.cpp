@@ -1,9 +1,12 @@
-// Tangent of contact over a ridge and a corner of the wall, where the normal turns as the wire moves past (opposite_wall.h, add_ridge).
+// Tangent of contact over a ridge and a corner of the wall, where the normal turns as the wire moves past (opposite_wall.h, add_ridge; contact_law.h,
+// add_friction_turn).
 
 #include "contact/one_quadrature_point.h"
 #include "contact/wall_fixture.h"
 
 #include <doctest/doctest.h>
+
+#include <utility>
 
 namespace test_ridge {
 
@@ -14,8 +17,7 @@ namespace {
 
 constexpr double r = 4e-4;
 
-/// A point law without friction.
-OneQuadraturePoint over(const Soup& soup)
+OneQuadraturePoint over(const Soup& soup, uint friction)
 {
     QuadratureModel m{};
     m.weight = m.length = 1e-3;
@@ -23,9 +25,10 @@ OneQuadraturePoint over(const Soup& soup)
     m.stiffness = 1e8;
     m.exponent = 1.5;
     m.friction_stiffness = 1e5;
+    m.mu_static = m.mu_sliding = 0.3;
     m.speed_floor = 1e-3;
     OneQuadraturePoint point(m);
-    point.par.friction = SEL_FRICTION_NONE;
+    point.par.friction = friction;
     point.soup = soup;
     return point;
 }
@@ -76,7 +79,7 @@ TEST_CASE("derivative: the tangent has how the normal turns over a ridge and a c
         for (const double y : {0.0, 5e-5, -8e-5}) {
             const double z = std::sqrt(0.975 * r * 0.975 * r - y * y);
             const std::array<double, 4> q = {2e-5, y, z, 0.4};
-            const OneQuadraturePoint point = over(soup);
+            const OneQuadraturePoint point = over(soup, SEL_FRICTION_NONE);
             REQUIRE(point.at(q).contacts == 1);
             CHECK(tangent_error(point, q) < 1e-5);
         }
@@ -89,11 +92,29 @@ TEST_CASE("derivative: two ridges that are joined have their parts by their shar
     for (const double y : {0.0, 1e-7, -2e-7}) {
         CAPTURE(y);
         const std::array<double, 4> q = {2e-5, y, std::sqrt(0.975 * r * 0.975 * r - 1e-8), 0.4};
-        const OneQuadraturePoint point = over(two_roofs());
+        const OneQuadraturePoint point = over(two_roofs(), SEL_FRICTION_NONE);
         const ContactPoint contact = contacts_at(point.soup, v3(q[0], q[1], q[2]), r).first;
         REQUIRE(std::abs(contact.normal.y) < 0.2);  // either alone has 0.26
         CHECK(tangent_error(point, q) < 1e-3);
     }
+}
+
+// Without how friction turns mu of the normal's part is missing: f/d over a ridge, f |turn|/(2 eps) in a valley.
+TEST_CASE("derivative: friction turns with the normal, over a ridge and in a valley, in stick and in slip")
+{
+    for (const auto& [soup, y] : {std::pair(facets(-0.5), 5e-5), {pyramid(), -8e-5}, {facets(0.2), 1e-7}})
+        for (const uint law : {SEL_FRICTION_STICK_SLIP, SEL_FRICTION_SMOOTH})
+            for (const double slip : {2e-8, 2e-5}) {
+                CAPTURE(law);
+                CAPTURE(slip);
+                OneQuadraturePoint point = over(soup, law);
+                const double z = y == 1e-7 ? 0.975 * r * std::sqrt(1.04) : std::sqrt(0.975 * r * 0.975 * r - y * y);
+                const std::array<double, 4> q = {2e-5, y, z, 0.4};
+                point.start = v3(q[0] - slip, q[1] - 0.3 * slip, q[2] + 0.1 * slip);
+                point.theta0 = q[3] - 0.5 * slip / r;
+                REQUIRE(point.at(q).contacts == 1);
+                CHECK(tangent_error(point, q) < 1e-5);
+            }
 }
 
 TEST_CASE("property: a flat floor has no curvature")

@@ -122,6 +122,32 @@ TEST_SUITE("contact/smooth_maximum")
         }
     }
 
+    // A narrow facet between two others, as wide as makes the left one begin to count where the other two are equally deep. The normal
+    // turns by at most twice the rate of the two outer facets (as above).
+    TEST_CASE("property: the normal does not jump where a third facet begins to count between two that have shares")
+    {
+        for (const auto& [left, right] : {std::pair(0.0225, 0.0656), {0.005, 0.1}, {0.05, 0.1}, {0.1, 0.1}}) {
+            CAPTURE(left);
+            CAPTURE(right);
+            const double wide = height * (left + right) / 2 + joint_width(left, r, smoothing) / left;
+            Soup soup;
+            add_strip(soup, -2e-3, 2e-3 * left, 2e-3, -2e-3 * left);
+            add_strip(soup, 0, 0, wide, 0);
+            add_strip(soup, wide, 0, 2e-3, 2e-3 * right);
+            const double turn = left + right, step = 2e-9;
+            const double rate = 2 * (std::sqrt(turn * turn + 4 * smoothing * smoothing) + 2 * smoothing) / (2 * smoothing * r);
+            double most = 0;
+            vec3 last{};
+            for (int k = -10000; k <= 10000; ++k) {
+                const vec3 now = contacts_at(soup, v3(wide - height * right / 2 + k * step, 0, height), r).first.normal;
+                if (k > -10000) most = std::max(most, norm(now - last));
+                last = now;
+            }
+            CHECK(most <= rate * step);
+            CHECK(most > 0);
+        }
+    }
+
     TEST_CASE("derivative: the second derivatives are those of the normal, however many facets have a share")
     {
         for (const auto& [facets, x] : {std::pair(3, -0.1), {3, 0.15}, {4, 0.05}, {6, 0.02}, {12, 0.005}}) {
