@@ -26,13 +26,16 @@ void WallPatch::use(std::shared_ptr<const WallFactor> factor)
 void WallPatch::trim()
 {
     std::vector<int> stay;
-    for (const bool solved : {true, false})
-        for (std::size_t k = 0; k < vertices_.size(); ++k)
-            if (asked_[k] && (solved_[k] != 0) == solved) stay.push_back(static_cast<int>(k));
-    if (vertices_.size() <= 2 * stay.size()) {
+    for (std::size_t k = 0; k < vertices_.size(); ++k)
+        if (asked_[k]) stay.push_back(static_cast<int>(k));
+    if (2 * vertices_.size() <= 3 * stay.size()) {
         asked_.assign(asked_.size(), 0);
         return;
     }
+    std::sort(stay.begin(), stay.end(), [&](int a, int b) {
+        const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+        return solved_[i] != solved_[j] ? solved_[i] > solved_[j] : vertices_[i] < vertices_[j];
+    });
     const int room = least_room(static_cast<int>(stay.size()));
     std::vector<double> blocks(static_cast<std::size_t>(room) * static_cast<std::size_t>(room) * 9);
     std::vector<std::int32_t> vertices;

@@ -17,8 +17,8 @@ public:
     /// Uses this factor from now on and forgets the columns of another one.
     void use(std::shared_ptr<const WallFactor> factor);
     [[nodiscard]] const WallFactor& factor() const { return *factor_; }
-    /// Between steps: forgets vertices that have not been asked for since the last call, once they are more than half. Those with
-    /// columns come first then, so that now() and wall_compliance() read memory in one piece.
+    /// Between steps: forgets vertices that have not been asked for since the last call, once they are more than a third. Those with
+    /// columns come first then, in order, so that WallDynamics::now and wall_compliance read memory from one end to the other.
     void trim();
     /// Place of a vertex among those that have been asked for; holds until trim().
     [[nodiscard]] int slot(std::int32_t vertex)

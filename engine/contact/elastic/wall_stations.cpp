@@ -43,18 +43,11 @@ void WallStations::provide(int nodes)
     clear_.resize(nodes);
 }
 
-void WallStations::copy(const WallStations& other)
+void WallStations::copy(const WallStations& other, int first, int last)
 {
-    stations_ = other.stations_;
-    feet_ = other.feet_;
-    clear_ = other.clear_;
-}
-
-void WallStations::swap(WallStations& other)
-{
-    stations_.swap(other.stations_);
-    feet_.swap(other.feet_);
-    clear_.swap(other.clear_);
+    std::copy(other.stations_.begin() + first, other.stations_.begin() + last, stations_.begin() + first);
+    std::copy(other.feet_.begin() + first, other.feet_.begin() + last, feet_.begin() + first);
+    std::copy(other.clear_.begin() + first, other.clear_.begin() + last, clear_.begin() + first);
 }
 
 /// The nearest point of the unmoved surface to y, from where it was looked for last.
