@@ -194,6 +194,10 @@ template <int sides>
 void BlockCholesky::down(const Panel& panel, double* const* y, double* const* t) const
 {
     const int stride = panel.stride, own = 3 * panel.columns;
+    bool any = false;  // a force on a few blocks reaches their ancestors alone
+    for (int s = 0; s < sides; ++s)
+        any = any || std::any_of(y[s] + 3 * panel.first, y[s] + 3 * panel.first + own, [](double value) { return value != 0; });
+    if (!any) return;
     for (int s = 0; s < sides; ++s) {
         std::memcpy(t[s], y[s] + 3 * panel.first, static_cast<std::size_t>(own) * sizeof(double));
         std::memset(t[s] + own, 0, static_cast<std::size_t>(stride - own) * sizeof(double));

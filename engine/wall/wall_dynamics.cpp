@@ -93,12 +93,8 @@ void WallDynamics::next_block()
     limited_ = false;
     rounds_ = {};
     const bool moved = h_ > 0 && largest(start_) > 0;
-    if (moved) {
-        wall_.add_memory_force(h_, start_, y);
-        WallSolveWork scratch;
-        factor_->solve(y, scratch);
-    }
-    const bool slow = !large_ || add_excess(y);
+    if (moved) wall_.add_memory_force(h_, start_, y);
+    const bool slow = add_answers(y, moved);
     singly_ = std::max(0, singly_ - done);
     if (large_ && done == block_steps && largest_miss(y) > missed_excess * largest(start_)) singly_ = block_steps;
     // at a constant step the memory's change over the block that is done is taken on; the first one knows none
@@ -116,18 +112,34 @@ void WallDynamics::next_block()
     forget();
 }
 
-/// y -= M^-1 r(w0). @return whether it is so small that a block of steps may take it on
-bool WallDynamics::add_excess(std::vector<double>& y)
+/// y = M^-1 (y - r(w0)). @param moved  else y is 0. @return whether M^-1 r is so small that a block of steps may take it on
+bool WallDynamics::add_answers(std::vector<double>& y, bool moved)
 {
+    WallSolveWork scratch;
+    if (!large_) {
+        if (moved) factor_->solve(y, scratch);
+        return true;
+    }
     std::vector<double> excess(y.size(), 0.0);
     wall_.take_excess_force(*large_, start_, excess);
-    WallSolveWork scratch;
-    factor_->solve(excess, scratch);
+    if (moved) factor_->solve(y, excess, scratch);
+    else factor_->solve(excess, scratch);
     const double most = largest(excess), limit = most_excess * largest(start_);
     limited_ = !(most <= limit);
     const double part = limited_ ? limit / most : 1;
     for (std::size_t i = 0; i < y.size(); ++i) y[i] += part * excess[i];
     return most <= small_excess * largest(start_);
+}
+
+/// In order of vertices: the sum of now() does not depend on when they were touched first.
+void WallDynamics::list_pushes() const
+{
+    pushes_.clear();
+    for (const std::int32_t u : touched_) {
+        pushes_.push_back({patch_.slot(u), at(pushed_, u)});
+        patch_.provide(pushes_.back().slot);
+    }
+    pushes_at_ = stamp_;
 }
 
 Vec3 WallDynamics::now(std::int32_t vertex) const
@@ -137,12 +149,11 @@ Vec3 WallDynamics::now(std::int32_t vertex) const
     const std::size_t first = 3 * static_cast<std::size_t>(vertex);
     if (known_at_[static_cast<std::size_t>(vertex)] == stamp_) return Vec3(&known_[first]);
     Vec3 w = keep_ * at(start_, vertex) + ahead_ * (at(memory_, vertex) + at(load_, vertex)) + slope_ * at(change_, vertex);
+    if (pushes_at_ != stamp_) list_pushes();
     const int slot = patch_.slot(vertex);
-    for (const std::int32_t u : touched_) {  // in order of vertices: the sum does not depend on when they were touched first
-        const int from = patch_.slot(u);
-        patch_.provide(from);
-        const double *g = patch_.block(slot, from), *f = &pushed_[3 * static_cast<std::size_t>(u)];
-        for (int r = 0; r < 3; ++r) w[r] += g[3 * r] * f[0] + g[3 * r + 1] * f[1] + g[3 * r + 2] * f[2];
+    for (const SlotPush& push : pushes_) {
+        const double* g = patch_.block(slot, push.slot);
+        for (int r = 0; r < 3; ++r) w[r] += g[3 * r] * push.force[0] + g[3 * r + 1] * push.force[1] + g[3 * r + 2] * push.force[2];
     }
     w.store(&known_[first]);
     known_at_[static_cast<std::size_t>(vertex)] = stamp_;

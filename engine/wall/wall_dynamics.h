@@ -77,7 +77,7 @@ public:
 private:
     void start_block(double h);
     void next_block();
-    bool add_excess(std::vector<double>& y);
+    bool add_answers(std::vector<double>& y, bool moved);
     /// Of the last block's extrapolation, against y at its end.
     [[nodiscard]] double largest_miss(const std::vector<double>& y) const;
     void accelerate(std::vector<double>& step);
@@ -86,6 +86,7 @@ private:
         return list.empty() ? Vec3(Vec3::Zero()) : Vec3(&list[3 * static_cast<std::size_t>(vertex)]);
     }
     void forget() const;
+    void list_pushes() const;
     void forget_motion();
 
     const ElasticWall& wall_;
@@ -114,7 +115,12 @@ private:
     mutable WallPatch patch_;
     mutable std::vector<double> known_;            // now() of vertices that were asked for [3V]
     mutable std::vector<std::uint32_t> known_at_;  // [V] stamp
-    mutable std::uint32_t stamp_ = 1;
+    mutable std::uint32_t stamp_ = 1, pushes_at_ = 0;
+    struct SlotPush {
+        int slot;
+        Vec3 force;
+    };
+    mutable std::vector<SlotPush> pushes_;  // F by slots of the patch, in order of vertices; of the stamp pushes_at_
     std::vector<double> scratch_;
 };
 

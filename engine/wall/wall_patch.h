@@ -17,13 +17,16 @@ public:
     /// Uses this factor from now on and forgets the columns of another one.
     void use(std::shared_ptr<const WallFactor> factor);
     [[nodiscard]] const WallFactor& factor() const { return *factor_; }
-    /// Between steps: forgets all of them if there are many and most are not touched.
+    /// Between steps: forgets vertices that have not been asked for since the last call, once they are more than a third. Those with
+    /// columns come first then, in order, so that WallDynamics::now and wall_compliance read memory from one end to the other.
     void trim();
-    /// Place of a vertex among those that have been asked for.
+    /// Place of a vertex among those that have been asked for; holds until trim().
     [[nodiscard]] int slot(std::int32_t vertex)
     {
-        const int known = slots_[static_cast<std::size_t>(vertex)];
-        return known >= 0 ? known : add(vertex);
+        int known = slots_[static_cast<std::size_t>(vertex)];
+        if (known < 0) known = add(vertex);
+        asked_[static_cast<std::size_t>(known)] = 1;
+        return known;
     }
     /// Its column is solved for, if it has not been.
     void provide(int slot)
@@ -45,6 +48,7 @@ private:
     std::vector<int> slots_;              // [V] -1: not asked for
     std::vector<std::int32_t> vertices_;  // [slots]
     std::vector<std::uint8_t> solved_;    // [slots]
+    std::vector<std::uint8_t> asked_;     // [slots] since the last trim()
     int room_ = 0;
     std::vector<double> blocks_;  // [room][room][9]
 };

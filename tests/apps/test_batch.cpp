@@ -1,6 +1,7 @@
 // `seldinger batch`: every run of a sweep as if it had been run alone, whatever the worlds, threads and stops.
 
 #include "apps/app_fixture.h"
+#include "support/approx.h"
 
 #include <array>
 #include <map>
@@ -52,6 +53,7 @@ TEST_SUITE("apps/batch")
         CHECK(printed["runs"] == 8);
         CHECK(printed["done"] == 8);
         CHECK(printed["worlds"] == 2);
+        CHECK_FALSE(printed.contains("wall_bands"));
         CHECK(printed["wire_steps"] == 4 * (150 + 300));
         const auto rows = results(folder.path / "B");
         REQUIRE(rows.size() == 8);
@@ -74,6 +76,26 @@ TEST_SUITE("apps/batch")
             contacts += alone["contacts_max"].get<int>();
         }
         CHECK(contacts > 8);
+    }
+
+    TEST_CASE("property: bands of an elastic wall are those of `run` without nodes and step, and the summary says so")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.1));
+        folder.write("s.toml", "[vary]\n\"contact.mu_sliding\" = [0.1]\n");
+        const std::string wall = " --set vessel.wall=elastic --set vessel.wall_edge_m=0.004";
+        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B --quiet" + wall).code == 0);
+        REQUIRE(run_app(folder, "run t.toml -o R --quiet --set contact.mu_sliding=0.1" + wall).code == 0);
+        CHECK(summary_of(folder.path / "B").contains("wall_bands"));
+        const auto alone = summary_of(folder.path / "R");
+        const Row row = results(folder.path / "B").at(0);
+        for (const std::string name : {"wall_move_max_band", "wall_stress_max_band"}) {
+            CAPTURE(name);
+            const auto& band = alone.at(name);
+            REQUIRE(band.at("nodes").get<double>() > 0);
+            const bool moves = name == "wall_move_max_band";
+            CHECK(std::stod(row.at(name + (moves ? "_m" : "_pa"))) == about(std::hypot(band.at("mesh").get<double>(), band.at("geometry").get<double>())));
+        }
     }
 
     TEST_CASE("property: what is kept of each run is what that run alone writes, in one piece, in parts and by a farm")

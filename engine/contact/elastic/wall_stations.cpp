@@ -43,11 +43,11 @@ void WallStations::provide(int nodes)
     clear_.resize(nodes);
 }
 
-void WallStations::take_from(WallStations&& copy)
+void WallStations::copy(const WallStations& other, int first, int last)
 {
-    stations_ = std::move(copy.stations_);
-    feet_ = std::move(copy.feet_);
-    clear_ = std::move(copy.clear_);
+    std::copy(other.stations_.begin() + first, other.stations_.begin() + last, stations_.begin() + first);
+    std::copy(other.feet_.begin() + first, other.feet_.begin() + last, feet_.begin() + first);
+    std::copy(other.clear_.begin() + first, other.clear_.begin() + last, clear_.begin() + first);
 }
 
 /// The nearest point of the unmoved surface to y, from where it was looked for last.
@@ -134,7 +134,7 @@ void wall_compliance(const WallStations& stations, std::span<const int> rows, Wa
     const std::size_t m = 3 * rows.size();
     w.resize(m * m);
     // slots of control vertices in the order in which stations share in them, and places of each station's among these
-    thread_local std::vector<int> touched, place, order, first;
+    thread_local std::vector<int> touched, place, order, first, columns;
     touched.clear();
     order.clear();
     first.assign(1, 0);
@@ -160,13 +160,16 @@ void wall_compliance(const WallStations& stations, std::span<const int> rows, Wa
         const LoopStencil& sj = stations[rows[j]].weights;
         for (int k = first[j]; k < first[j + 1]; ++k) known = std::max(known, order[k] + 1);
         std::fill_n(answer.begin(), 9 * known, 0.0);
-        for (int t = 0; t < known; ++t)
+        columns.clear();
+        for (int k = first[j]; k < first[j + 1]; ++k) columns.push_back(9 * touched[order[k]]);
+        for (int t = 0; t < known; ++t) {
+            const double* row = patch.block(touched[t], 0);
+            double* to = &answer[9 * static_cast<std::size_t>(t)];
             for (int k = 0; k < sj.size; ++k) {
-                const double* g = patch.block(touched[t], touched[order[first[j] + k]]);
-                double* to = &answer[9 * static_cast<std::size_t>(t)];
-                const double share = sj.n[k];
+                const double *g = row + columns[k], share = sj.n[k];
                 for (int c = 0; c < 9; ++c) to[c] += share * g[c];
             }
+        }
         for (std::size_t i = 0; i <= j; ++i) {
             const LoopStencil& si = stations[rows[i]].weights;
             double block[9] = {};

@@ -56,8 +56,8 @@ public:
     WallStations(const ElasticWall& wall, int nodes);
 
     void provide(int nodes);
-    /// Everything of a copy made before.
-    void take_from(WallStations&& copy);
+    /// Nodes `first` to `last` of another one of the same wall.
+    void copy(const WallStations& other, int first, int last);
     /// Finds the foot of a node at x anew, unless it is there already.   @param before  y of the accepted state, null: not known
     void place(int node, const Vec3& x, const Vec3* before, const WallDynamics& wall, double radius);
     /// Forgets nodes `first` to `last`, which have been removed.

@@ -20,7 +20,7 @@ struct WallTrial {
 };
 
 struct YieldingWall::System {
-    System(const ElasticWall& wall, int first) : stations(wall, 0), first_node(first), dynamics(wall) {}
+    System(const ElasticWall& wall, int first) : stations(wall, 0), kept(wall, 0), first_node(first), dynamics(wall) {}
 
     // ---- trials ----
     [[nodiscard]] WallTrial& trial() { return trials_[now_]; }
@@ -64,7 +64,7 @@ struct YieldingWall::System {
     [[nodiscard]] Mat3 back(int node) const { return stations[node].near ? stations[node].back : Mat3(Mat3::Identity()); }
 
     std::vector<int> wires;
-    WallStations stations;
+    WallStations stations, kept;  // kept: while rows() reads
     std::vector<WallEnd> ends;  // [nodes] of the accepted state
     std::vector<std::optional<Vec3>> before;  // [nodes] y to go on from; none: not known
     int first_node;  // of the system in the concatenated arrays

@@ -80,6 +80,7 @@ YieldingWall::YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodA
         System& system = of(w);
         system.wires.push_back(w);
         system.stations.provide(system.stations.count() + rods.capacity(w));
+        system.kept.provide(system.stations.count());
         system.ends.resize(system.stations.count());
         system.before.resize(system.ends.size());
         system.y_start.resize(3 * static_cast<std::size_t>(system.stations.count()));

@@ -386,8 +386,15 @@ void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
 std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
 {
     // reading leaves no trace: the last bits of a foot depend on the start of its search
-    std::vector<WallStations> before;
-    for (const auto& system : systems_) before.push_back(system->stations);
+    const auto copy = [&](bool back) {
+        for (const auto& system : systems_)
+            for (const int w : system->wires) {
+                const int first = rods.node_begin(w) - system->first_node, last = first + rods.node_count(w);
+                if (back) system->stations.copy(system->kept, first, last);
+                else system->kept.copy(system->stations, first, last);
+            }
+    };
+    copy(false);
     for (int w = 0; w < rods.wire_count(); ++w) carry_back(rods, w);
     std::vector<ContactRow> list = contact_.rows(unmoved_);
     for (ContactRow& row : list) {
@@ -401,7 +408,7 @@ std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
         };
         row.point += (1 - t) * moved(edge) + t * moved(edge + 1);
     }
-    for (std::size_t s = 0; s < systems_.size(); ++s) systems_[s]->stations.take_from(std::move(before[s]));
+    copy(true);
     return list;
 }
 
