@@ -133,6 +133,8 @@ def main():
         run("batch", "coaxial.toml", "--vary", "instrument_sweep.toml", "-o", "instruments")
         take("results.csv", set(header(folder / "instruments/results.csv")) - {"instrument.0.density"})
         summary = set(keys_of(json.loads((folder / "batch/summary.json").read_text(encoding="utf-8"))))
+        run("batch", "elastic.toml", "--vary", "sweep.toml", "-o", "walls", "--set", "scene.duration_s=0.2")  # pressed on the wall
+        summary |= set(keys_of(json.loads((folder / "walls/summary.json").read_text(encoding="utf-8"))))
         take("results.csv", summary - written["summary.json"])  # what a batch's has beside a run's
         run("stability", "swing.toml", "--vary", "wire.density=7000,7900", "--methods", "default", "--quick", "-o", "stability")
         take("stability.csv", header(folder / "stability/stability.csv"))

@@ -92,9 +92,11 @@ TEST_SUITE("apps/batch")
         for (const std::string name : {"wall_move_max_band", "wall_stress_max_band"}) {
             CAPTURE(name);
             const auto& band = alone.at(name);
-            REQUIRE(band.at("nodes").get<double>() > 0);
-            const bool moves = name == "wall_move_max_band";
-            CHECK(std::stod(row.at(name + (moves ? "_m" : "_pa"))) == about(std::hypot(band.at("mesh").get<double>(), band.at("geometry").get<double>())));
+            const std::string unit = name == "wall_move_max_band" ? "_m" : "_pa";
+            const double without = std::hypot(band.at("mesh").get<double>(), band.at("geometry").get<double>());
+            if (unit == "_m") REQUIRE(alone.at(name + unit).get<double>() > 1.02 * without);
+            // a run reads the whole wall with each row of its trace, a batch does not: 0.2 % here
+            CHECK(std::stod(row.at(name + unit)) == about(without).epsilon(0.005));
         }
     }
 

@@ -1,6 +1,7 @@
 // Factors of K + C/h: against Eigen's, two at once, columns, symmetry, holds, and a wall that could fly away.
 #include "core/error.h"
 #include "support/approx.h"
+#include "wall/wall_patch.h"
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>
@@ -55,6 +56,34 @@ TEST_SUITE("wall/wall_compliance")
                     worst = std::max(worst, std::abs(x[i] - y[i])), size = std::max(size, std::abs(y[i]));
                 CHECK(worst < 1e-10 * size);  // condition about 1e4
             }
+    }
+
+    TEST_CASE("property: blocks of a patch are those of the columns, whatever it has forgotten in between")
+    {
+        const LoopSurface s(tube(0.012, 0.06, 12, 12));
+        const WallCompliance wall(Shell(s, ShellSpec{}));
+        const auto factor = wall.factor(1e-3);
+        WallPatch patch(wall.vertex_count());
+        patch.use(factor);
+        const auto ask = [&](int first, int last) {
+            for (int v = last; v-- > first;)
+                if (const int slot = patch.slot(v); v % 3 == 0) patch.provide(slot);
+        };
+        ask(0, wall.vertex_count());
+        patch.trim();
+        ask(20, 60);
+        patch.trim();  // forgets all others
+        ask(50, 80);
+        for (const int from : {21, 57, 75, 100}) {
+            patch.provide(patch.slot(from));
+            const std::span<const double> columns = factor->columns(from);
+            for (const int at : {20, 21, 59, 79, 101})
+                for (int r = 0; r < 3; ++r)
+                    for (int c = 0; c < 3; ++c) {
+                        const int slot = patch.slot(at);
+                        CHECK(patch.block(slot, patch.slot(from))[3 * r + c] == columns[columns.size() / 3 * static_cast<std::size_t>(c) + static_cast<std::size_t>(3 * at + r)]);
+                    }
+        }
     }
 
     TEST_CASE("property: two at once, columns and repeated factors give the same bits")
