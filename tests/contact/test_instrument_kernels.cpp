@@ -65,7 +65,8 @@ Vec3 place(int rod, double s)
     if (rod == 0) return {0.04 - s, 0, 0};
     if (rod == 1) return {0.05 - s, 0.2e-3 * std::sin(200 * s), 0.16e-3 * std::cos(170 * s)};
     const double turn = s / 1.2e-3;
-    return {0.02 + 2.2e-4 * turn / 6.28 + 0.05 * s, 0.9e-3 + 1.2e-3 * std::cos(turn), 1.2e-3 * std::sin(turn)};
+    // its turns lie 0.45 to 0.57 mm apart, and touch below 0.5
+    return {0.02 + 2.2e-4 * turn / 6.28 + (0.03 + 0.4 * s) * s, 0.9e-3 + 1.2e-3 * std::cos(turn), 1.2e-3 * std::sin(turn)};
 }
 
 Bundle make_scene(unsigned seed)
@@ -159,7 +160,7 @@ std::vector<InstrumentSlot> slots_of(const Bundle& s)
 }
 
 struct Counts {
-    int inside = 0, outside = 0, self = 0, pushing = 0, whole = 0, sliding = 0, partly = 0;
+    int inside = 0, outside = 0, self = 0, self_pushing = 0, pushing = 0, whole = 0, sliding = 0, partly = 0;
 };
 
 Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s, const OnDevice& on,
@@ -189,6 +190,7 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
         }
         const InstrumentForce& f = forces[i];
         (slots[k].touch == SEL_TOUCH_INSIDE ? counts.inside : slots[k].touch == SEL_TOUCH_SELF ? counts.self : counts.outside)++;
+        counts.self_pushing += slots[k].touch == SEL_TOUCH_SELF && f.count > 0;
         counts.pushing += f.count > 0;
         counts.whole += f.count > 0 && (states[k].contact.flags & SEL_CONTACT_WHOLE);
         counts.sliding += (f.flags & SEL_FORCE_SLIDING) != 0;
@@ -232,6 +234,7 @@ TEST_SUITE("contact/instrument_kernels")
             REQUIRE(one.inside > 20);
             REQUIRE(one.outside > 3);
             REQUIRE(one.self > 5);
+            REQUIRE(one.self_pushing > 5);
             REQUIRE(one.pushing > 10);
             REQUIRE(one.partly > 3);
             // a second step from where the first one ended, with the states that it left
