@@ -106,7 +106,8 @@ private:
 
     // whether a trial is taken (step_acceptance.cpp)
     void backtrack(double open);
-    void shorten(double alpha, bool into_valley = false);
+    void shorten(double alpha, double valley = 0);
+    [[nodiscard]] double across_valley(double slope) const;
     [[nodiscard]] bool acceptable();
     [[nodiscard]] bool natural_test(bool slope_falls, double slope);
     void correct();
@@ -132,7 +133,7 @@ private:
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false, refused_ = false;
-    bool in_valley_ = false;  // the trial was shortened into a valley
+    double valley_ = 0;       // the trial was shortened into a valley of this width, as a part of the direction; 0: it was not
     bool due_ = false, cut_short_ = false, base_can_be_ = false;
     int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1;
