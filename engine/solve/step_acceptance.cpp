@@ -11,6 +11,7 @@ namespace {
 
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_jumps = 8;
+constexpr int most_grown = 3;  // trials whose correction grows that are taken for their derivative along d: more go round in a circle
 constexpr double least_share = 0.1;  // of a valley's half that a trial is in, so that the tangent knows it [-]
 constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
 
@@ -59,7 +60,11 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
     correct();
     contraction_ = problem.norm(correction_) / direction_norm_;
     corrected_ = true;
-    if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
+    const bool grows = contraction_ > 1;
+    if (contraction_ <= 1 - alpha_ / 4 || (slope_falls && !(grows && times_grown_ >= most_grown))) {
+        times_grown_ += grows;
+        return true;
+    }
     // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
     if ((valley_ > 0 || crossed_.entered) && problem.residual_share() <= base_share_) return true;
     if (crossed_.share < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
