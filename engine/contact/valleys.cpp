@@ -78,6 +78,7 @@ KinksPassed Valleys::crossed(int wire, std::span<const ContactState> states, con
         if (state.normal_force * turn > most) {
             most = state.normal_force * turn;
             passed.share = before / (before + beyond);
+            passed.width = 2 * eps / (before + beyond);
         }
         of.crossings.push_back({record, edge, quadrature_.places[record / 2].bary, stiffness * rest * across, across, stiffness});
     });

@@ -37,7 +37,7 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
     move_limit_ = std::numeric_limits<double>::infinity();
     phase_ = Phase::Guess;
     non_finite_ = shortened_ = settling_ = due_ = cut_short_ = base_can_be_ = false;
-    iterations_ = first_iteration_ = evaluations_ = backtracks_ = mode_perturbations_ = jumps_passed_ = 0;
+    iterations_ = first_iteration_ = evaluations_ = backtracks_ = mode_perturbations_ = jumps_passed_ = times_grown_ = 0;
     contraction_ = 0;
     for (WireProblem* wire : problem.solved()) {
         move_limit_ = std::min(move_limit_, terms.most_move(wire->wire));

@@ -222,7 +222,7 @@ void NewtonSystem::launch()
     slope_ = problem.residual_along(direction_);
     const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
     first_alpha_ = 1;
-    in_valley_ = false;
+    valley_ = 0;
     if (move > move_limit_) first_alpha_ = move_limit_ / move;
     if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
     set_trial(first_alpha_);

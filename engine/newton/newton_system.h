@@ -11,7 +11,8 @@
 // Step length (step_acceptance.cpp). There is no potential (friction), and no residual norm fits stretching and bending at once. A
 // trial is taken when one of two conditions holds. Either the simplified Newton correction A^-1 R(q + alpha d) of those mixed
 // equations, in metres, has shrunk against d (the natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution).
-// Or the derivative along d has: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more
+// Or the derivative along d has: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Where the correction has grown, the derivative is
+// believed three times in a step, because more such trials go round in a circle. Else alpha is reduced. No edge turns by more
 // than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of these,
 // which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
 // evaluation then meets the terms' own curvature only. A contact that goes over a valley of the wall, from facet to facet, leaves
@@ -106,7 +107,8 @@ private:
 
     // whether a trial is taken (step_acceptance.cpp)
     void backtrack(double open);
-    void shorten(double alpha, bool into_valley = false);
+    void shorten(double alpha, double valley = 0);
+    [[nodiscard]] double across_valley(double slope) const;
     [[nodiscard]] bool acceptable();
     [[nodiscard]] bool natural_test(bool slope_falls, double slope);
     void correct();
@@ -132,9 +134,9 @@ private:
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false, refused_ = false;
-    bool in_valley_ = false;  // the trial was shortened into a valley
+    double valley_ = 0;       // the trial was shortened into a valley of this width, as a part of the direction; 0: it was not
     bool due_ = false, cut_short_ = false, base_can_be_ = false;
-    int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0;
+    int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0, times_grown_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0, base_share_ = 0;
     KinksPassed crossed_;

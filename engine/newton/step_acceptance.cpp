@@ -11,6 +11,8 @@ namespace {
 
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_jumps = 8;
+constexpr int most_grown = 3;  // trials whose correction grows that are taken for their derivative along d: more go round in a circle
+constexpr double least_share = 0.1;  // of a valley's half that a trial is in, so that the tangent knows it [-]
 constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
 
 }  // namespace
@@ -27,10 +29,10 @@ void NewtonSystem::backtrack(double open)
     set_guess(++backtracks_ < 6 ? 0.5 * guess_fraction_ : 0.0);
 }
 
-/// @param into_valley  so that contact lies in the valley that it went over
-void NewtonSystem::shorten(double alpha, bool into_valley)
+/// @param valley  width of the valley that contact went over and shall lie in
+void NewtonSystem::shorten(double alpha, double valley)
 {
-    in_valley_ = into_valley;
+    valley_ = valley;
     if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
     if (alpha < smallest_alpha) {
         give_up();
@@ -58,11 +60,19 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
     correct();
     contraction_ = problem.norm(correction_) / direction_norm_;
     corrected_ = true;
-    if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
+    const bool grows = contraction_ > 1;
+    if (contraction_ <= 1 - alpha_ / 4 || (slope_falls && !(grows && times_grown_ >= most_grown))) {
+        times_grown_ += grows;
+        return true;
+    }
     // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
-    if ((in_valley_ || crossed_.entered) && problem.residual_share() <= base_share_) return true;
+    if ((valley_ > 0 || crossed_.entered) && problem.residual_share() <= base_share_) return true;
     if (crossed_.share < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
-        shorten(std::max(crossed_.share, 0.1) * alpha_, true);
+        shorten(std::max(crossed_.share, 0.1) * alpha_, crossed_.width * alpha_);
+        return false;
+    }
+    if (const double back = across_valley(slope); back > 0) {
+        shorten(alpha_ - back);
         return false;
     }
     for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
@@ -70,6 +80,17 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
     const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
     shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
     return false;
+}
+
+/// The trial lies in the middle of a valley, where the force has turned by half of what it turns across. The derivative along d has
+/// changed its sign, so the balance lies nearer: where, on the valley's half, the derivative vanishes that is linear there and (1 - alpha) of the
+/// base's where the valley begins. @return how far back that is; 0 without a valley
+double NewtonSystem::across_valley(double slope) const
+{
+    const double begins = (1 - alpha_) * slope_;
+    if (!(valley_ > 0) || slope * slope_ >= 0 || alpha_ <= valley_ / 2) return 0;
+    const double share = begins / (begins - slope);
+    return (1 - std::max(share, least_share)) * valley_ / 2;
 }
 
 /// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step

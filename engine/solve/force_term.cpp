@@ -27,6 +27,7 @@ TermEnergies& TermEnergies::operator+=(const TermEnergies& other)
 
 KinksPassed& KinksPassed::operator+=(const KinksPassed& other)
 {
+    if (other.share < share) width = other.width;
     share = std::min(share, other.share);
     entered = entered || other.entered;
     return *this;

@@ -87,6 +87,7 @@ struct TermEnergies {
 /// in a kink of the wall.
 struct KinksPassed {
     double share = 1;      // of the way at which one has gone over a kink; 1: none has
+    double width = 0;      // of the kink, on that way
     bool entered = false;  // one has come to lie in a kink that it did not lie in before
     KinksPassed& operator+=(const KinksPassed& other);
 };

@@ -49,6 +49,7 @@ public:
         state.flags = SEL_CONTACT_ACTIVE;
         state.epoch = epoch;
     }
+    KinksPassed passed() { return valleys_.crossed(0, states_, list_, smoothing); }
     double share() { return valleys_.crossed(0, states_, list_, smoothing).share; }
     bool entered() { return valleys_.crossed(0, states_, list_, smoothing).entered; }
     bool crossed() { return share() < 1; }
@@ -118,13 +119,16 @@ TEST_SUITE("contact/valleys")
         }
     }
 
-    TEST_CASE("analytic: the share of the way at which the valley is crossed")
+    // depths differ by 2 sin(tilt) y, and a valley is 2 eps of these wide
+    TEST_CASE("analytic: the share of the way at which the valley is crossed, and its width")
     {
         OverPlanes point(1);
         point.move_to(3e-6);
         point.take();
         point.move_to(-9e-6);
         CHECK(point.share() == about(0.25).epsilon(1e-6));
+        const double turn = 2 * std::sin(tilt), eps = smoothing * r * (std::hypot(turn, 2 * smoothing) - 2 * smoothing);
+        CHECK(point.passed().width == about(2 * eps / (turn * 12e-6)).epsilon(1e-6));
     }
 
     TEST_CASE("property: nothing is missing on one facet, within the smooth maximum, and over a ridge")
