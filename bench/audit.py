@@ -51,7 +51,7 @@ AXES = "axis = [1.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n"
 ARC = 'shape = "arc"\nradius_m = 0.0055\nbend_radius_m = 0.05\nangle_deg = 100\nlead_in_m = 0.04\nlead_out_m = 0.06\n'
 SIPHON = 'shape = "arc"\nradius_m = 0.0018\nbend_radius_m = 0.006\nangle_deg = 180\nlead_in_m = 0.02\nlead_out_m = 0.04\n' + AXES
 CATHETER, GUIDE = [(0, 0.02), (2, 0.03), (4, 0.11)], [(0, 0.03), (2, 0.14), (4, 0.14)]  # keys: (s, m)
-# Seed 0: set-ups of version 0.2.0 whose readings were off. The vessel as text, without its triangles if they are generated
+# Seed 0: set-ups whose readings were off in an earlier version. The vessel as text, without its triangles if they are generated
 EARLIER = [
     {"shape": "aortic-arch", "wire": "lunderquist-035", "mu": 0.2, "dt": 0.001, "nodes": 41, "from": 0.13, "way": 0.17, "duration": 3.4},
     {"shape": "tube", "radius": 0.004, "wire": "terumo-angled-035", "mu": 0.02, "dt": 0.00025, "nodes": 101, "from": 0.01, "way": 0.11, "duration": 2.2},
