@@ -40,7 +40,7 @@ public:
     /// Time at which the last move, turn or ramp comes to its end [s]; 0 without any.
     [[nodiscard]] double moving_until() const;
     /// Times [s] through which an equilibrium follows holds and links to the ends of their moves, turns and ramps; the last is
-    /// infinity. The first is 0: work is counted from an equilibrium on.
+    /// infinity. Where something moves, the first is 0: work is counted from an equilibrium on.
     /// Between two of them no hold or link moves by more than 0.5 % of `length` [m] or turns by more than 45 degrees.
     [[nodiscard]] std::vector<double> path(double length) const;
     /// Distance between where hold k was asked for and the node that took it [m].

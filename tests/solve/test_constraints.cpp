@@ -174,13 +174,14 @@ TEST_SUITE("solve/constraints")
         HoldSpec turned = clamp_base();
         turned.turn = {{0, 0}, {2, 2 * pi}};  // 45 degrees a part
         std::vector<double> parts = path(turned);
-        REQUIRE(parts.size() == 8);
-        CHECK(parts[0] == about(0.25).epsilon(1e-12));
-        CHECK(std::isinf(parts[7]));
+        REQUIRE(parts.size() == 9);  // from time 0, where work begins
+        CHECK(parts[0] == 0);
+        CHECK(parts[1] == about(0.25).epsilon(1e-12));
+        CHECK(std::isinf(parts[8]));
         turned.move = {{1, 0, 0, 0}, {2, 0, 0, 0.001}};  // two parts of half a hundredth of the length, fewer than the turn's
         parts = path(turned);
-        REQUIRE(parts.size() == 8);
-        CHECK(parts[3] == 1);  // a key is never stepped over
+        REQUIRE(parts.size() == 9);
+        CHECK(parts[4] == 1);  // a key is never stepped over
     }
 }
 
