@@ -16,7 +16,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::string_view checkpoint_magic = "SELCKPT3";
+constexpr std::string_view checkpoint_magic = "SELCKPT4";
 
 template <class T>
 void put_list(std::vector<std::uint8_t>& bytes, const T& list)
@@ -74,7 +74,7 @@ bool is_sound(const LoadTally& t)
 
 bool is_sound(const EndTouch& t)
 {
-    return t.rows >= 0 && t.rows <= most_counted && t.wire >= 0 && t.wire < ExitTally::most_wires && is_time(t.time) && is_place(t.tip);
+    return t.rows >= 0 && t.rows <= most_counted && t.wire >= 0 && is_time(t.time) && is_place(t.tip);
 }
 
 bool is_sound(const ExitTally& t)

@@ -13,6 +13,8 @@
 
 namespace seldinger {
 
+static_assert(ExitTally::most_wires >= most_scene_instruments);
+
 namespace {
 
 /// Whether a point of its plane lies within the rim: its corners go round it once.

@@ -20,7 +20,7 @@ struct Scene;
 
 /// Plain bytes, so that a checkpoint carries it as it is.
 struct ExitTally {
-    static constexpr int most_wires = 8, most_exits = 16;  // more are not watched
+    static constexpr int most_wires = 16, most_exits = 16;  // of a scene; further exits are not kept
     struct Exit {
         std::int32_t wire = 0, opening = 0;
         double left = 0, back = 0;  // [s]; back 0: it has not come back

@@ -56,6 +56,8 @@ struct TaskSpec {
     double time = 0, fluoroscopy = 0;        // likewise [s]
 };
 
+inline constexpr std::size_t most_scene_instruments = 16;
+
 /// One instrument of a scene, and what [[hold]], [[load]] and [[link]] say of it.
 struct SceneInstrument {
     std::string label;  // `name` of its [[instrument]]; empty: it is the one of [wire] and [feed]

@@ -18,8 +18,6 @@ struct LayeredScene {
     std::size_t included = 0, included_bytes = 0;            // files that were included so far, those in others too
 };
 
-inline constexpr std::size_t most_scene_instruments = 16;
-
 /// A file of the catalogue, its keys checked by name. @throws Error BadFile, BadScene
 [[nodiscard]] toml::table read_instrument(const std::filesystem::path& file);
 

@@ -1,6 +1,7 @@
 // Tips that leave through openings: which and when; and paths that are no exit.
 #include "run/exits.h"
 
+#include "run/checkpoint.h"
 #include "scene/scene.h"
 #include "support/approx.h"
 #include "support/world_fixture.h"
@@ -73,6 +74,22 @@ TEST_SUITE("run/exits")
         double time = 0;
         for (const Vec3& p : way) watch_exits(tally, tip_at(p), tube.openings, tube.vessel.mesh, time += 1);
         CHECK(tally.count == 0);
+    }
+
+    TEST_CASE("property: every instrument that a scene may have is watched, and each may be the one that pressed on a closed end")
+    {
+        const Tube tube;
+        RunTally run;
+        const int last = static_cast<int>(most_scene_instruments) - 1;
+        std::vector<Vec3> tips(most_scene_instruments, Vec3(0.05, 0, 0));
+        watch_exits(run.exits, tips, tube.openings, tube.vessel.mesh, 1);
+        tips.back() = {0.11, 0, 0};
+        watch_exits(run.exits, tips, tube.openings, tube.vessel.mesh, 2);
+        CHECK(outside_through(run.exits, last) == tube.at(0.1));
+        run.end_touch.wire = last;
+        CHECK(is_sound(run, 1));
+        run.end_touch.wire = -1;
+        CHECK_FALSE(is_sound(run, 1));
     }
 
     TEST_CASE("property: more exits than are kept end no run")
