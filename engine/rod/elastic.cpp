@@ -247,9 +247,13 @@ struct Walk {
             s.aa = s.ab = s.bb = Lanes{};
         }
         if (lanes && first + lane_count > rod.n - 1) {  // beyond the hub
-            Lanes* all = s.ee;
             const LaneMask inner = first_lanes(rod.n - 1 - first);
-            for (std::size_t k = 0; k < sizeof s / sizeof(Lanes); ++k) all[k] = inner ? all[k] : Lanes{};
+            const auto keep_inner = [inner](std::span<Lanes> entries) {
+                for (Lanes& entry : entries) entry = inner ? entry : Lanes{};
+            };
+            for (Lanes(*block)[9] : {&s.ee, &s.ef, &s.ff}) keep_inner(*block);
+            for (Lanes3* block : {&s.ea, &s.eb, &s.fa, &s.fb}) keep_inner(block->v);
+            for (Lanes* entry : {&s.aa, &s.ab, &s.bb}) keep_inner({entry, 1});
         }
         const auto set = [](Lanes& to, int l, double value) { to[l] = value; };
         const auto more = [](Lanes& to, int l, double value) { to[l] += value; };
