@@ -1,6 +1,6 @@
 #pragma once
-// Forces on the wires as the solver sees them: one interface for all that adds to residual and tangent (contact with the wall or
-// with another instrument), and the list of them in Newton's method.
+// Forces on the wires that have to find what they act on, that jump, or that couple wires (contact, friction, holds of a group): one
+// interface for what they add to residual and tangent. Weight, damping and springs of one wire: solve/external_loads.h.
 //
 // A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step and in each sub-step:
 //
@@ -63,7 +63,7 @@ struct TermTrial {
     std::span<const std::uint8_t> active;  // [wires] these
     // at the accepted state, from the velocities known there: which have taken the wire from `before` to it within h
     const TrialState* before = nullptr;
-    bool linearised = false;  // for one Newton step: force and tangent are those of a function linear in the move (contact_law.h)
+    bool linearised = false;  // for one Newton step: force and tangent are those of a function linear in the move (kernels/shared/friction_law.h)
 };
 
 /// Work of contact on a wire in a step, relative to the touched body, by its laws [J].
@@ -118,7 +118,8 @@ public:
     // ---- start of a step ----
     /// Remembers the start of the step.
     virtual void begin_step(RodArrays& /*rods*/, Settling /*how*/) {}
-    /// Takes the present node set (after feeding); nothing acts on wires with live[w] == 0 (still in the introducer).
+    /// Takes the present node set (after feeding); nothing acts on wires with live[w] == 0 (still in the introducer,
+    /// or not in this sub-step).
     virtual void prepare(RodArrays& /*rods*/, std::span<const std::uint8_t> /*live*/) {}
 
     // ---- at a trial ----
