@@ -58,9 +58,8 @@ struct EnergyAudit {
     TermEnergies terms;                                  // likewise, of all of a common centreline
 };
 
-/// Fraction of the energy exchanged as in EnergyLimits; floor: 0.1 % of the energy that lifts the whole wire by its own length and
-/// bends it to a radius of that.
-[[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
+/// EnergyLimits::floor of a wire [J]: 0.1 % of the energy that lifts all of it by its own length and bends it to a radius of that.
+[[nodiscard]] double energy_floor(const WireSpec& wire, const Vec3& gravity);
 
 /// Before a sub-step: changes of the wire by splits and merges since the last one.
 void audit_remeshing(WorldData& world, int wire);

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "world/merged.h"
+#include "world/setup_check.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,6 @@
 #include "device/device.h"
 #include "repair/repair.h"
 #include "world/step_stages.h"
-#include "world/world.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 
 #include "core/parallel.h"
 #include "world/step_stages.h"
-#include "world/world_rod.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,25 +40,15 @@ int parts_of(WorldData& world, int w, double dt)
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
 }
 
-void constrain(WorldData& world, int w, double t)
-{
-    const RodView rod = world.rod(w);
-    if (const MergedGroup* group = world.groups.of(w)) return constrain_member(world, *group, w, t);
-    world.holds[w].fill(t, rod, world.constraints(w));
-    if (world.feed(w).on) add_feed_constraints(world.feed(w), rod, world.constraints(w));
-}
-
 /// All instruments of a rod, when its line's turn comes.
 void feed_rod(const WorldRod& rod, double step, double h)
 {
     WorldData& world = rod.world();
-    const int w = rod.line();
-    if (rod.group()) lead_group(world, *rod.group(), h);
-    audit_remeshing(world, w);
+    rod.lead(h);
+    audit_remeshing(world, rod.line());
     if (!rod.feed().on) return;
     const FeedingAudit feeding(rod);
-    if (rod.group()) feed_group(world, *rod.group(), step, h);
-    else feed_to(rod.feed(), rod.hub().at(world.state.wires[w].time + step), rod.bounds(), world.state.rods, w, h);
+    rod.push(step, h);
     feeding.after();
 }
 
@@ -94,8 +83,8 @@ std::span<const StepParts> feed_parts(WorldData& world, double dt, StepReport& r
         StepParts most;
         for (const int w : world.systems.wires_of(s)) {
             most.count = std::max(most.count, parts_of(world, w, dt));
-            if (const MergedGroup* group = world.groups.of(w); group && w == group->line())
-                most.cut = lead_change_after(world, *group, dt);
+            const double cut = world.is_line(w) ? WorldRod(world, w).lead_change(dt) : 0;
+            if (cut > 0 && !(most.cut > 0 && most.cut < cut)) most.cut = cut;
         }
         for (const int w : world.systems.wires_of(s)) {
             parts[w] = most;
@@ -121,7 +110,7 @@ void hold_and_load(WorldData& world, const SubStep& sub)
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
         world.work.live[w] = world.work.active[w] = sub.wires[w] && world.state.is_solved(w);
         if (!sub.wires[w]) return;
-        constrain(world, w, world.state.wires[w].time + sub.h);
+        constrain_at(world, w, world.state.wires[w].time + sub.h);
         if (!world.state.wires[w].carried.empty()) carry(world.rod(w), world.state.wires[w].carried, world.work.length, world.constraints(w));
         if (!world.is_line(w)) return;
         MomentumStart& start = world.work.wires[w].start;
@@ -129,8 +118,8 @@ void hold_and_load(WorldData& world, const SubStep& sub)
     });
 }
 
-void constrain_now(WorldData& world, int w) { constrain(world, w, world.state.wires[w].time); }
+void constrain_now(WorldData& world, int w) { constrain_at(world, w, world.state.wires[w].time); }
 
-void constrain_at(WorldData& world, int w, double t) { constrain(world, w, t); }
+void constrain_at(WorldData& world, int w, double t) { WorldRod(world, world.line_of(w)).constrain(w, t); }
 
 }  // namespace seldinger

@@ -4,7 +4,6 @@
 #include "core/clock.h"
 #include "wall/elastic_wall.h"
 #include "world/step_stages.h"
-#include "world/world_rod.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,6 @@
 #include "contact/contact_system.h"
 #include "contact/rods/instrument_contact.h"
 #include "world/step_stages.h"
-#include "world/world_rod.h"
 
 #include <algorithm>
 

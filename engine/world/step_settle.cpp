@@ -2,9 +2,7 @@
 // until none is needed.
 
 #include "core/clock.h"
-#include "world/world_rod.h"
 #include "world/step_stages.h"
-#include "world/world.h"
 
 #include <algorithm>
 #include <cmath>

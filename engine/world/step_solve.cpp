@@ -6,7 +6,6 @@
 #include "core/prefetch.h"
 #include "rod/no_state.h"
 #include "world/step_stages.h"
-#include "world/world.h"
 
 #include <algorithm>
 

@@ -3,12 +3,9 @@
 
 #include "control.h"
 #include "output.h"
-#include "world/sub_steps.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
 namespace seldinger {
-
-class WorldRod;  // world_rod.h
 
 // ---- step_feed.cpp: input of the hubs
 
@@ -55,9 +52,6 @@ void carry_on(WorldState& state);
 
 /// Readings of a wire at the end of a sub-step of h [s]; 0: an equilibrium.
 void read_results(WorldData& world, int wire, double h);
-/// Force and torque of the hand at each of a rod's K > 1 instruments [N], [N m], + pushes and turns right-handed about the direction
-/// of insertion.
-void read_hands(const WorldRod& rod);
 /// After it, where hand stiffness is watched.
 void read_hand_stiffness(WorldData& world, int wire);
 
@@ -72,17 +66,10 @@ bool adapt_rod(const WorldRod& rod, double dt, bool may_merge);
 /// Takes the surplus of rest length that splits and merges have left out of a wire of constant length, as far as it fades in dt.
 void fade_surplus_of(WorldData& world, int wire, double dt);
 
-// ---- step_check.cpp, step_settle.cpp, merged.cpp, merged_read.cpp
+// ---- step_check.cpp, step_settle.cpp
 
 /// Non-finite values, and points beyond the wall, after a step of dt [s]; 0: an equilibrium.
 void check_state(WorldData& world, double dt, StepReport& report);
-/// Where the instruments lie in their rods now, for contact.
-void set_exposures(WorldData& world);
-/// Nothing is pushed while an equilibrium is looked for.
-void stop_hands(WorldData& world);
-/// Each instrument of a rod of several alone, from its own tip to the hub: the view of World::rod(). After a step, and where the state
-/// was put back.
-void show_instruments(WorldData& world);
 /// Static equilibrium with contact (scheme "static", start "settled").
 void find_equilibrium(WorldData& world, StepReport& report, const std::function<void(int system, double time)>& passed);
 

@@ -5,7 +5,6 @@
 #include "vessel/mesh_edges.h"
 #include "vessel/mesh_limits.h"
 #include "wall/wall_model.h"
-#include "world/merged.h"
 #include "world/setup_check.h"
 #include "world/world.h"
 

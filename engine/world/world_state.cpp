@@ -2,9 +2,7 @@
 // attempt and putting it back.
 
 #include "core/state_walk.h"
-#include "world/merged.h"
-#include "world/step_stages.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
 #include <cmath>
 
