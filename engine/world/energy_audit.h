@@ -31,7 +31,6 @@
 
 namespace seldinger {
 
-class StateWalk;   // core/state_walk.h
 struct WorldData;  // world/world.h
 class WorldRod;    // world/world_rod.h
 
@@ -87,8 +86,5 @@ void count_equilibrium(WorldData& world, int wire);
 [[nodiscard]] bool energy_adds_up(WorldData& world, int wire, double h);
 /// The same has been accepted.
 void accept_energy(WorldData& world, int wire, double h);
-
-/// State from which a run resumes. Part of the saved state, but not of the hashed one: it affects no motion.
-void walk_audit(StateWalk& walk, EnergyAudit& audit);
 
 }  // namespace seldinger

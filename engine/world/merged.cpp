@@ -13,13 +13,6 @@
 
 namespace seldinger {
 
-const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire)
-{
-    for (const CoaxialSpec& spec : setup.coaxial)
-        if (spec.model == CoaxialSpec::Model::Merged && std::ranges::find(spec.order, wire) != spec.order.end()) return &spec;
-    return nullptr;
-}
-
 namespace {
 
 /// Edge of the line of a group.
@@ -338,6 +331,7 @@ void make_groups(WorldData& world)
     for (const CoaxialSpec& spec : world.setup.coaxial) {
         if (spec.model != CoaxialSpec::Model::Merged) continue;
         MergedGroup& group = *groups.list.emplace_back(std::make_unique<MergedGroup>());
+        group.spec = &spec;
         group.shared.wires = spec.order;
         group.feed.edge = merged_edge(world.setup, spec);
         group.nodes = merged_nodes(world.setup, spec);
@@ -368,7 +362,7 @@ void make_group_friction(WorldData& world)
 {
     WorldForces& forces = world.forces;
     for (const auto& group : world.groups.list) {
-        const CoaxialSpec& spec = *merged_spec_of(world.setup, group->line());
+        const CoaxialSpec& spec = *group->spec;
         const double pressed = spec.lumen_friction ? 1 : 0;
         const CoaxialFrictionSpec friction{spec.drag, spec.viscous, pressed * spec.mu_static, pressed * spec.mu_sliding};
         if (!friction.any()) continue;

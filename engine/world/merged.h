@@ -36,6 +36,7 @@
 namespace seldinger {
 
 struct MergedGroup {
+    const CoaxialSpec* spec = nullptr;  // of WorldData::setup
     CoaxialGroup shared;
     FeedState feed;  // of the line, as of one wire; its advance is the leader's
     int leader = 0;  // place in the group
@@ -53,8 +54,6 @@ struct MergedGroup {
     [[nodiscard]] bool adapts() const { return nodes.nodes == 0; }
 };
 
-/// The merged group that a wire is in, or null.
-[[nodiscard]] const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire);
 /// Before a sub-step of h [s]: whoever is in farthest leads.
 void lead_group(WorldData& world, MergedGroup& group, double h);
 /// How long it takes from now until another instrument gets ahead of the leader; 0: not within dt, or so near one of its ends that

@@ -8,8 +8,6 @@ namespace seldinger {
 /// What World's constructor asks first.
 /// @throws Error BadScene: a setup that no world can be made from; the line names member, expected value and fix
 void check_setup(const WorldSetup& setup);
-/// Its part about instruments that share one centreline (`merged`).
-void check_merged(const WorldSetup& setup);
 
 /// A contact cannot need less force to start sliding than to continue: the rule for every pair of coefficients.
 [[nodiscard]] constexpr bool friction_in_order(double mu_static, double mu_sliding) { return mu_static >= mu_sliding; }
