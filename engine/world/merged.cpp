@@ -4,7 +4,7 @@
 
 #include "contact/contact_system.h"
 #include "contact/rods/coaxial_friction.h"
-#include "rod/coaxial_nodes.h"
+#include "nodes/coaxial_nodes.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"
 

@@ -13,7 +13,7 @@
 #include "engine.h"
 #include "newton/momentum.h"
 #include "newton/solver.h"
-#include "rod/adapt.h"
+#include "nodes/adapt.h"
 #include "solve/constraints.h"
 #include "solve/feed.h"
 #include "vessel/inside.h"

@@ -2,9 +2,9 @@
 
 #include "contact/contact_sums.h"
 #include "contact/contact_system.h"
-#include "contact/rods/instrument_contact.h"
 #include "contact/elastic/yielding_wall.h"
-#include "rod/adapt.h"
+#include "contact/rods/instrument_contact.h"
+#include "nodes/adapt.h"
 #include "rod/curvature.h"
 #include "wall/elastic_wall.h"
 #include "world/node_errors.h"

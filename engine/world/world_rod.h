@@ -3,7 +3,7 @@
 // its feed is the rod's. Stages of a step ask the rod, so each is written once. What only K > 1 instruments have (offsets, a leader,
 // hands that slide on each other) is in merged.h.
 
-#include "rod/coaxial_nodes.h"
+#include "nodes/coaxial_nodes.h"
 #include "world/merged.h"
 
 namespace seldinger {

@@ -17,7 +17,7 @@
 // edge < (0.65)^3 = 0.27 edge_error. Since e changes by 4 to 8 with a factor of 2 in h, the nodes of a resting wire come to rest
 // too.
 
-#include "rod/split.h"
+#include "nodes/split.h"
 
 #include <limits>
 
@@ -52,7 +52,7 @@ struct NodeDemands {
     double touching_edge = std::numeric_limits<double>::infinity();
     std::span<const std::uint8_t> bowed = {};  // [n] nodes that stay for what lies under them
     bool fed = false;        // the base edge belongs to feeding (solve/feed.h), which makes it from 0 to h long
-    // of instruments that share a centreline (rod/coaxial_nodes.h); else a wire's own
+    // of instruments that share a centreline (nodes/coaxial_nodes.h); else a wire's own
     std::span<const Vec3> moment = {};     // [n] bending moments M [N m]
     std::span<const double> turning = {};  // [n] error of the tip by twist, of an edge of length h times 12/h^2 [1/m]
 };
@@ -136,7 +136,7 @@ private:
     std::vector<NodeChange> changes_;
 };
 
-/// Carries the changes out: momentum, axial force and twist are kept (rod/split.h).
+/// Carries the changes out: momentum, axial force and twist are kept (nodes/split.h).
 /// @return rest length added [m]
 double apply_changes(const RodNodes& rod, std::span<const NodeChange> changes);
 

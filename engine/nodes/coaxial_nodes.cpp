@@ -1,8 +1,8 @@
-// Moments and torques of instruments that share a centreline, and what rod/split.cpp asks of them.
+// Moments and torques of instruments that share a centreline, and what nodes/split.cpp asks of them.
 
-#include "rod/coaxial_nodes.h"
+#include "nodes/coaxial_nodes.h"
 
-#include "rod/adapt.h"
+#include "nodes/adapt.h"
 #include "rod/coaxial_stencil.h"
 
 #include <algorithm>

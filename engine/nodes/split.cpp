@@ -1,6 +1,6 @@
 // Splits and merges edges, and keeps forces and momentum of the rod.
 
-#include "rod/split.h"
+#include "nodes/split.h"
 
 #include "core/check.h"
 #include "rod/clamp.h"

@@ -1,6 +1,6 @@
 // What a split or a merge keeps where a wire is bent in space and no two of its edges are alike: twist, spin, natural curvature.
+#include "nodes/split.h"
 #include "rod/rod_fixture.h"
-#include "rod/split.h"
 
 #include <doctest/doctest.h>
 
@@ -71,7 +71,7 @@ double curvature_of(const RodView& rod)
 
 }  // namespace
 
-TEST_SUITE("rod/split")
+TEST_SUITE("nodes/split")
 {
     // The twist of the node that goes is shared out by the lengths. The merged edge's director, carried from a chord that lies
     // otherwise, changes the reference twist at both of its ends. Its angle can take back one change or half of the sum.

@@ -1,6 +1,6 @@
 // Chooses edges to split and nodes to merge, by the measures of adapt.h.
 
-#include "rod/adapt.h"
+#include "nodes/adapt.h"
 
 #include "core/check.h"
 #include "rod/curvature.h"

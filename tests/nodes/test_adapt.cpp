@@ -1,6 +1,6 @@
-// engine/rod/adapt.cpp: refined edges, coarsened edges, kept edges; and that it ends.
+// engine/nodes/adapt.cpp: refined edges, coarsened edges, kept edges; and that it ends.
 
-#include "rod/adapt.h"
+#include "nodes/adapt.h"
 #include "rod/rod_fixture.h"
 
 #include <doctest/doctest.h>
@@ -100,7 +100,7 @@ double bend(double s)
 
 }  // namespace
 
-TEST_SUITE("rod/adapt")
+TEST_SUITE("nodes/adapt")
 {
     // On a circle the moment is constant: only the first two terms of e(h) are left, and e(h) = edge_error gives h in closed
     // form.

@@ -1,8 +1,8 @@
 // Splitting and merging edges: nothing that the wire carries may jump.
 
 #include "math/eigen.h"
+#include "nodes/split.h"
 #include "rod/rod_fixture.h"
-#include "rod/split.h"
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
@@ -88,7 +88,7 @@ struct ArcWire : OneWire {
 
 }  // namespace
 
-TEST_SUITE("rod/split")
+TEST_SUITE("nodes/split")
 {
     TEST_CASE("property: axial force, momentum and spin momentum stay as they were")
     {

@@ -1,5 +1,5 @@
 // The error by which nodes are judged, against its formula, term by term; and edges that touch.
-#include "rod/adapt.h"
+#include "nodes/adapt.h"
 #include "rod/rod_fixture.h"
 
 #include <doctest/doctest.h>
@@ -29,9 +29,9 @@ struct StraightWire : OneWire {
 
 }  // namespace
 
-TEST_SUITE("rod/adapt")
+TEST_SUITE("nodes/adapt")
 {
-    // e(h) = l D h^2/(12 B) + T h^2/12: D the jump of shear and T the turning of an edge's two nodes, half of each (rod/adapt.h). The tip's error by shear
+    // e(h) = l D h^2/(12 B) + T h^2/12: D the jump of shear and T the turning of an edge's two nodes, half of each (nodes/adapt.h). The tip's error by shear
     // has |M_j+1 - M_j| h^2/(6 B) besides, of the place of angles, and that by twist another direction. One material has no offsets.
     TEST_CASE("analytic: errors of shear and of twist add up over the edges, and each edge is as long as its own allows")
     {
