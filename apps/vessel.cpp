@@ -11,8 +11,8 @@
 #include "repair/repair.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "shapes/subdivide.h"
 #include "vessel/inlets.h"
-#include "vessel/subdivide.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
-#include "vessel/subdivide.h"
+#include "shapes/subdivide.h"
 #include "vessel/tree.h"
 
 #include <fmt/format.h>

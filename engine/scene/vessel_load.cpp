@@ -8,9 +8,9 @@
 #include "io/mesh_file.h"
 #include "repair/repair.h"
 #include "scene/vessel_cache.h"
-#include "vessel/aortic_arch.h"
+#include "shapes/aortic_arch.h"
+#include "shapes/shapes.h"
 #include "vessel/extract_centreline.h"
-#include "vessel/shapes.h"
 #include "wall/wall_resolution.h"
 
 #include <fmt/format.h>

@@ -25,6 +25,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"rod", {"device", "math", "core", "shared"}},
     {"nodes", {"rod", "math", "core"}},
     {"vessel", {"device", "math", "core", "shared"}},
+    {"shapes", {"vessel", "math", "core"}},
     {"repair", {"vessel", "core"}},
     {"surface", {"vessel", "math", "core"}},
     {"wall", {"surface", "vessel", "math", "core"}},
@@ -37,7 +38,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"world", {"api", "contact", "contact/rods", "contact/elastic", "newton", "solve", "wall", "nodes", "rod", "repair", "vessel", "device", "math", "core", "shared"}},
     {"step", {"world", "core"}},
     {"io", {"vessel", "math", "core"}},
-    {"scene", {"io", "world", "api", "contact", "solve", "wall", "rod", "repair", "vessel", "math", "core"}},
+    {"scene", {"io", "world", "api", "contact", "solve", "wall", "rod", "repair", "shapes", "vessel", "math", "core"}},
     {"xray", {"vessel", "math", "core"}},
     {"view", {"io", "rod", "vessel", "math", "core"}},
     {"pictures", {"view", "xray", "io", "repair", "vessel", "core"}},
@@ -45,7 +46,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"batch", {"run", "scene", "io", "api", "vessel", "core"}},
     {"models", {"run", "scene", "api", "solve", "surface", "wall", "math", "core"}},
     {"plan", {"models", "core"}},
-    {"lab", {"models", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "repair", "vessel", "device", "math", "core"}},
+    {"lab", {"models", "run", "scene", "io", "api", "contact", "solve", "wall", "rod", "repair", "shapes", "vessel", "device", "math", "core"}},
     {"session", {"run", "scene", "io", "api", "core"}},
 };
 

@@ -4,9 +4,9 @@
 #include "io/mesh_file.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "shapes/shapes.h"
 #include "support/approx.h"
 #include "vessel/inside.h"
-#include "vessel/shapes.h"
 #include "wall/wall_resolution.h"
 
 #include <doctest/doctest.h>

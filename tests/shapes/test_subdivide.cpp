@@ -1,10 +1,10 @@
 // Loop subdivision: limits, counts, and the invariants of a tube.
 
 #include "repair/repair.h"
+#include "shapes/shapes.h"
+#include "shapes/subdivide.h"
 #include "support/approx.h"
 #include "vessel/mesh_edges.h"
-#include "vessel/shapes.h"
-#include "vessel/subdivide.h"
 #include "vessel/triangle_geometry.h"
 
 #include <doctest/doctest.h>
@@ -49,7 +49,7 @@ double sharpest(const WallMesh& mesh)
 
 }  // namespace
 
-TEST_SUITE("vessel/subdivide")
+TEST_SUITE("shapes/subdivide")
 {
     TEST_CASE("property: four triangles of each, the same topology and orientation, openings in their planes")
     {

@@ -1,5 +1,5 @@
 // Tube, arc and plane as triangle meshes.
-#include "vessel/shapes.h"
+#include "shapes/shapes.h"
 
 #include "core/error.h"
 #include "vessel/triangle_geometry.h"

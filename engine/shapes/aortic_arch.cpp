@@ -1,8 +1,8 @@
 // The aorta's axis and radii, and the mesh made of them.
-#include "vessel/aortic_arch.h"
+#include "shapes/aortic_arch.h"
 
 #include "core/error.h"
-#include "vessel/swept_lumen.h"
+#include "shapes/swept_lumen.h"
 #include "vessel/triangle_geometry.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // From the implicit lumen to an even triangle mesh.
 #include "core/check.h"
+#include "shapes/swept_lumen.h"
 #include "vessel/mesh_edges.h"
-#include "vessel/swept_lumen.h"
 #include "vessel/triangle_geometry.h"
 
 #include <algorithm>

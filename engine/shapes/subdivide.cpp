@@ -1,5 +1,5 @@
 // One round of Loop subdivision: new vertices on edges, old ones moved, rims by the cubic B-spline of their own points.
-#include "vessel/subdivide.h"
+#include "shapes/subdivide.h"
 
 #include "vessel/mesh_edges.h"
 

@@ -16,7 +16,7 @@ namespace test_shapes {
 using namespace seldinger;
 using namespace seldinger::test;
 
-TEST_SUITE("vessel/shapes")
+TEST_SUITE("shapes/shapes")
 {
     TEST_CASE("analytic: the tube of experiment 1 has its radius, length, count and openings")
     {

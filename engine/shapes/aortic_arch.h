@@ -12,7 +12,7 @@
 //                  the arch's plane at 50.3 degrees to the sagittal plane.
 // Lengths of the straight parts, branch directions and fillets are ours.
 
-#include "vessel/shapes.h"
+#include "shapes/shapes.h"
 
 namespace seldinger {
 

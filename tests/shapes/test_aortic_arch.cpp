@@ -3,8 +3,8 @@
 #include "mesh_fixtures.h"
 #include "repair/repair.h"
 #include "scene/vessel_load.h"
+#include "shapes/aortic_arch.h"
 #include "support/approx.h"
-#include "vessel/aortic_arch.h"
 #include "vessel/inlets.h"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ namespace test_aortic_arch {
 using namespace seldinger;
 using namespace seldinger::test;
 
-TEST_SUITE("vessel/aortic_arch")
+TEST_SUITE("shapes/aortic_arch")
 {
     TEST_CASE("property: one surface of genus 0 with five openings of the published diameters")
     {

@@ -1,5 +1,5 @@
 // The implicit function of blended tubes.
-#include "vessel/swept_lumen.h"
+#include "shapes/swept_lumen.h"
 
 #include <algorithm>
 #include <cmath>
