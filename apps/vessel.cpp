@@ -10,7 +10,7 @@
 #include "io/mesh_file.h"
 #include "repair/repair.h"
 #include "scene/scene.h"
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 #include "shapes/subdivide.h"
 #include "vessel/inlets.h"
 

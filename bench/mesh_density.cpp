@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "shapes/subdivide.h"
 #include "vessel/tree.h"
 

@@ -5,6 +5,7 @@
 #include "run/checkpoint.h"
 #include "run/joint_readings.h"
 #include "run/wall_path.h"
+#include "setup/scene_setup.h"
 
 #include <fmt/format.h>
 

@@ -9,6 +9,7 @@
 #include "run/key_frames.h"
 #include "run/recorder.h"
 #include "scene/scene_difference.h"
+#include "setup/scene_setup.h"
 #include "support/temporary_folder.h"
 #include "support/tries.h"
 

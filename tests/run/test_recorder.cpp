@@ -6,6 +6,7 @@
 #include "io/vtp_write.h"
 #include "run/key_frames.h"
 #include "run/recorder.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 #include "world/world.h"
 

@@ -1,8 +1,8 @@
 // The parametric aortic arch: topology, quality, dimensions, determinism.
 #include "core/error.h"
-#include "mesh_fixtures.h"
+#include "vessel/mesh_fixtures.h"
 #include "repair/repair.h"
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 #include "shapes/aortic_arch.h"
 #include "support/approx.h"
 #include "vessel/inlets.h"

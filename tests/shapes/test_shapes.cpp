@@ -1,8 +1,8 @@
 // Generated walls: sizes, counts, orientation, exact centrelines.
 #include "core/error.h"
-#include "mesh_fixtures.h"
+#include "vessel/mesh_fixtures.h"
 #include "repair/repair.h"
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 #include "support/approx.h"
 #include "vessel/mesh_edges.h"
 

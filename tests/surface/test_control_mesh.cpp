@@ -1,7 +1,7 @@
 // Control meshes of generated and of patients' walls: topology, sizes, angles, distance; the choice of the edge; refusals.
 #include "core/error.h"
 #include "repair/repair.h"
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 #include "shapes/aortic_arch.h"
 #include "shapes/subdivide.h"
 #include "shapes/swept_lumen.h"

@@ -1,7 +1,7 @@
 #pragma once
 // Which of a vessel's inlets a physician would take, and why.
 
-#include "scene/first_scene.h"
+#include "setup/first_scene.h"
 #include "vessel/inlets.h"
 
 #include <string>

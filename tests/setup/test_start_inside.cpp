@@ -1,10 +1,11 @@
 // A placed wire whose axis begins beyond the wall: moved into the lumen where it is clear on which side it belongs, else refused.
 
-#include "scene/start_inside.h"
+#include "setup/start_inside.h"
 
 #include "core/error.h"
 #include "scene/scene.h"
-#include "scene/vessel_load.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
@@ -115,7 +116,7 @@ double least_clearance(const World& world, const LumenQuery& lumen)
 
 }  // namespace
 
-TEST_SUITE("scene/start_inside")
+TEST_SUITE("setup/start_inside")
 {
     TEST_CASE("property: a wire that pierces a ridge between two nodes starts beside it, and its steps converge")
     {

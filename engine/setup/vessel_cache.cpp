@@ -1,5 +1,5 @@
 // Prepared vessels to and from the bytes of a cache entry: key, checksum, arrays.
-#include "scene/vessel_cache.h"
+#include "setup/vessel_cache.h"
 
 #include "core/cache_folder.h"
 #include "core/content_hash.h"

@@ -1,5 +1,5 @@
 // Finds where a placed axis lies beyond the wall. A shallow stretch is moved into the lumen, with a note; a deep one is refused.
-#include "scene/start_inside.h"
+#include "setup/start_inside.h"
 
 #include "rod/place.h"
 

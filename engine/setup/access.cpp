@@ -1,5 +1,5 @@
 // Compares ends by width, height and the vessel behind them.
-#include "scene/access.h"
+#include "setup/access.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -4,7 +4,7 @@
 // An entry belongs to the content of the mesh file, its unit, and this very build of the program: another build makes its own.
 // Its bytes carry the key and a checksum; an entry that is damaged or not ours is removed with a note and made again.
 
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 
 #include <cstdint>
 #include <optional>

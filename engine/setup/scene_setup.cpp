@@ -1,12 +1,12 @@
 // From a scene to the parts of a World: loads the vessel, places the feed, checks that wire and vessel fit each other.
-#include "scene/scene.h"
+#include "setup/scene_setup.h"
 
 #include "core/error.h"
 #include "io/mesh_file.h"
 #include "rod/place.h"
 #include "scene/scene_names.h"
-#include "scene/start_inside.h"
-#include "scene/vessel_load.h"
+#include "setup/start_inside.h"
+#include "setup/vessel_load.h"
 #include "vessel/inlets.h"
 #include "vessel/inside.h"
 

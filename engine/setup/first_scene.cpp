@@ -1,5 +1,5 @@
 // Sizes decide: a vessel's lumen is millimetres wide and its tree decimetres long, whatever numbers a file has.
-#include "scene/first_scene.h"
+#include "setup/first_scene.h"
 
 #include "core/error.h"
 #include "core/printable.h"

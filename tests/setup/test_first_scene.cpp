@@ -1,5 +1,5 @@
 // What `seldinger init` says of the way that it proposes.
-#include "scene/first_scene.h"
+#include "setup/first_scene.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -3,7 +3,8 @@
 #include "core/error.h"
 #include "io/mesh_file.h"
 #include "scene/scene.h"
-#include "scene/vessel_load.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 #include "shapes/shapes.h"
 #include "support/approx.h"
 #include "vessel/inside.h"
@@ -75,7 +76,7 @@ const char* const arc = "shape = \"arc\"\nradius_m = 0.005\nbend_radius_m = 0.04
 
 }  // namespace
 
-TEST_SUITE("scene/scene_setup")
+TEST_SUITE("setup/scene_setup")
 {
     TEST_CASE("property: a mesh in the wrong unit is refused with the one that fits")
     {

@@ -2,8 +2,9 @@
 #include "core/error.h"
 #include "io/mesh_file.h"
 #include "repair/repair.h"
-#include "scene/access.h"
 #include "scene/scene.h"
+#include "setup/access.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 #include "vessel/mesh_fixtures.h"
 
@@ -62,7 +63,7 @@ const Vec3 head = Vec3::UnitZ(), back = Vec3::UnitY();
 
 }  // namespace
 
-TEST_SUITE("scene/access")
+TEST_SUITE("setup/access")
 {
     TEST_CASE("property: an aorta with its legs is entered from a femoral end, an arch from the descending end")
     {

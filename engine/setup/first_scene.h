@@ -1,7 +1,7 @@
 #pragma once
 // A first scene for a mesh without further information: its unit by its sizes, an inlet, a wire of the catalogue that fits.
 
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 #include "vessel/inlets.h"
 
 #include <filesystem>

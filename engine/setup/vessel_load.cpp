@@ -1,5 +1,5 @@
 // A vessel from its description.
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 
 #include "core/error.h"
 #include "engine.h"
@@ -7,7 +7,7 @@
 #include "io/file_remarks.h"
 #include "io/mesh_file.h"
 #include "repair/repair.h"
-#include "scene/vessel_cache.h"
+#include "setup/vessel_cache.h"
 #include "shapes/aortic_arch.h"
 #include "shapes/shapes.h"
 #include "vessel/extract_centreline.h"
