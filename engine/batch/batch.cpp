@@ -2,7 +2,7 @@
 #include "batch/batch.h"
 
 #include "core/error.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 #include "run/joint_readings.h"
 #include "run/wall_path.h"
 #include "setup/scene_setup.h"

@@ -44,11 +44,12 @@ const std::map<std::string, std::set<std::string>> below = {
     {"view", {"io", "rod", "vessel", "math", "core"}},
     {"pictures", {"view", "xray", "io", "repair", "vessel", "core"}},
     {"run", {"setup", "scene", "io", "world", "api", "contact", "solve", "wall", "nodes", "rod", "repair", "vessel", "math", "core"}},
-    {"batch", {"run", "setup", "scene", "io", "api", "vessel", "core"}},
+    {"record", {"run", "scene", "io", "api", "math", "core"}},
+    {"batch", {"record", "run", "setup", "scene", "io", "api", "vessel", "core"}},
     {"models", {"run", "setup", "scene", "api", "solve", "surface", "wall", "math", "core"}},
     {"plan", {"models", "core"}},
     {"lab", {"models", "run", "setup", "scene", "io", "api", "contact", "solve", "wall", "rod", "repair", "shapes", "vessel", "device", "math", "core"}},
-    {"session", {"run", "scene", "io", "api", "core"}},
+    {"session", {"record", "run", "scene", "io", "api", "core"}},
 };
 
 std::string folder_of(const fs::path& relative)

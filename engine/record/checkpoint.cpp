@@ -1,5 +1,5 @@
 // Packs a run's state, tally and file sizes into checkpoint.bin and checks every length on the way back.
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 
 #include "core/bytes.h"
 #include "core/fnv1a.h"

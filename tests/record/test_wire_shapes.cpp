@@ -1,5 +1,5 @@
 // Points at even arc lengths along polylines.
-#include "run/wire_shapes.h"
+#include "record/wire_shapes.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@ namespace test_wire_shapes {
 
 using namespace seldinger;
 
-TEST_SUITE("run/wire_shapes")
+TEST_SUITE("record/wire_shapes")
 {
     TEST_CASE("analytic: a corner of edges of 1 and 3 in five points; one point, and points that coincide")
     {

@@ -8,7 +8,7 @@
 // NAME.pvd show each one alone.
 
 #include "core/file_io.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 #include "run/closed_ends.h"
 #include "run/grid_error.h"
 

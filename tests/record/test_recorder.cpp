@@ -2,10 +2,10 @@
 
 #include "core/error.h"
 #include "io/vtp_read.h"
-#include "run/checkpoint.h"
 #include "io/vtp_write.h"
+#include "record/checkpoint.h"
+#include "record/recorder.h"
 #include "run/key_frames.h"
-#include "run/recorder.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 #include "world/world.h"
@@ -64,7 +64,7 @@ constexpr const char* through =
 
 }  // namespace
 
-TEST_SUITE("run/recorder")
+TEST_SUITE("record/recorder")
 {
     TEST_CASE("twin: what VtpWriter writes, the reader of the pictures reads, bit for bit")
     {

@@ -5,9 +5,9 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/fnv1a.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
+#include "record/recorder.h"
 #include "run/key_frames.h"
-#include "run/recorder.h"
 #include "scene/scene_difference.h"
 #include "setup/scene_setup.h"
 #include "support/temporary_folder.h"
@@ -120,7 +120,7 @@ void seal(const fs::path& file, const Bytes& payload)
 
 }  // namespace
 
-TEST_SUITE("run/checkpoint mutants")
+TEST_SUITE("record/checkpoint mutants")
 {
     TEST_CASE("property: a saved state with any number altered is refused or run, and the world stays what it was")
     {

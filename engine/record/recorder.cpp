@@ -1,13 +1,13 @@
 // The files of a running run: frames with their .pvd lists, summary.json, the checkpoint. Rows and tables:
 // recorder_tables.cpp.
-#include "run/recorder.h"
+#include "record/recorder.h"
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "record/wire_shapes.h"
 #include "run/frames.h"
 #include "run/joint_readings.h"
 #include "scene/scene_difference.h"
-#include "run/wire_shapes.h"
 
 #include <fmt/format.h>
 #include <algorithm>

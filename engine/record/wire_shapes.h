@@ -2,7 +2,7 @@
 // Shapes of instruments as arrays: points at even arc lengths, of one shape or of all frames of a run.
 
 #include "math/vec3.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 
 #include <cstddef>
 #include <filesystem>

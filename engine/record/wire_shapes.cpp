@@ -1,5 +1,5 @@
 // Resamples polylines, and gathers the frames of a run.
-#include "run/wire_shapes.h"
+#include "record/wire_shapes.h"
 
 #include "core/error.h"
 #include "core/file_io.h"
