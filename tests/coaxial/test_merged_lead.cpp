@@ -2,8 +2,8 @@
 
 #include "coaxial/merged_fixture.h"
 #include "control.h"
+#include "stages/step_stages.h"
 #include "world/merged.h"
-#include "world/step_stages.h"
 #include "world/sub_steps.h"
 
 #include <doctest/doctest.h>

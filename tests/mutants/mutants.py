@@ -21,7 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = {"rod": ["engine/rod/*.cpp", "engine/nodes/*.cpp"], "solve": ["engine/solve/*.cpp", "engine/newton/*.cpp"], "contact": ["engine/contact/*.cpp", "engine/contact/*/*.cpp"], "wall": ["engine/wall/*.cpp", "engine/surface/*.cpp"],
-         "step": ["engine/world/step*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp", "engine/world/*rod.cpp"]}
+         "step": ["engine/stages/*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp", "engine/world/*rod.cpp"]}
 # rooms of tests in the order in which they may know; what is in no list has nothing to do with it
 TESTS = {"rod": "rod nodes coaxial solve step scene run contact failure", "solve": "solve rod step coaxial contact scene run failure wall",
          "contact": "contact coaxial step solve failure scene run", "wall": "wall contact failure solve step",

@@ -2,7 +2,7 @@
 
 #include "contact/contact_system.h"
 #include "contact/rods/instrument_contact.h"
-#include "world/step_stages.h"
+#include "stages/step_stages.h"
 
 #include <algorithm>
 

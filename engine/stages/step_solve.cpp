@@ -5,7 +5,7 @@
 #include "core/parallel.h"
 #include "core/prefetch.h"
 #include "rod/no_state.h"
-#include "world/step_stages.h"
+#include "stages/step_stages.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // The feed stage: the control's input for the hubs, and holds, loads and links for the rest of the wire.
 
 #include "core/parallel.h"
-#include "world/step_stages.h"
+#include "stages/step_stages.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 
 #include "contact/elastic/yielding_wall.h"
 #include "core/clock.h"
+#include "stages/step_stages.h"
 #include "wall/elastic_wall.h"
-#include "world/step_stages.h"
 
 #include <algorithm>
 #include <cmath>

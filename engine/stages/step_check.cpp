@@ -4,7 +4,7 @@
 #include "contact/elastic/yielding_wall.h"
 #include "device/device.h"
 #include "repair/repair.h"
-#include "world/step_stages.h"
+#include "stages/step_stages.h"
 
 #include <algorithm>
 #include <cmath>

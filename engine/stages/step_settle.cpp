@@ -2,7 +2,7 @@
 // until none is needed.
 
 #include "core/clock.h"
-#include "world/step_stages.h"
+#include "stages/step_stages.h"
 
 #include <algorithm>
 #include <cmath>
