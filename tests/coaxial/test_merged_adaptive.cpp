@@ -3,7 +3,6 @@
 #include "coaxial/merged_fixture.h"
 #include "world/merged.h"
 #include "nodes/coaxial_nodes.h"
-#include "stages/step_stages.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
