@@ -3,11 +3,12 @@
 #include "command_line.h"
 #include "commands.h"
 #include "scene/scene.h"
-#include "scene/vessel_load.h"
-#include "world/setup_check.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 #include "vessel/inlets.h"
 #include "vessel/parts.h"
 #include "wall/wall_resolution.h"
+#include "world/setup_check.h"
 
 #include <fmt/format.h>
 

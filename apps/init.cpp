@@ -6,9 +6,10 @@
 #include "core/file_io.h"
 #include "core/printable.h"
 #include "io/file_remarks.h"
-#include "scene/access.h"
-#include "scene/first_scene.h"
 #include "scene/scene.h"
+#include "setup/access.h"
+#include "setup/first_scene.h"
+#include "setup/scene_setup.h"
 #include "vessel/branches.h"
 #include "vessel/parts.h"
 

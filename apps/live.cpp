@@ -9,6 +9,7 @@
 #include "session/session.h"
 #include "session/web_policy.h"
 #include "session/web_server.h"
+#include "setup/scene_setup.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>

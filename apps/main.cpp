@@ -6,7 +6,7 @@
 #include "core/printable.h"
 #include "device/kernel_cache.h"
 #include "engine.h"
-#include "scene/vessel_cache.h"
+#include "setup/vessel_cache.h"
 #include "stop_signal.h"
 
 #include <fcntl.h>

@@ -1,9 +1,9 @@
 #pragma once
 // One line on stderr that follows a run; nothing when stderr is not a terminal.
 
-#include "core/clock.h"
-#include "run/recorder.h"
 #include "batch/batch.h"
+#include "core/clock.h"
+#include "record/recorder.h"
 
 namespace seldinger::apps {
 

@@ -3,7 +3,7 @@
 
 #include "core/check.h"
 #include "core/file_io.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 
 #include <fmt/format.h>
 

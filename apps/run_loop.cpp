@@ -8,6 +8,7 @@
 #include "replay.h"
 #include "run/scene_run.h"
 #include "run/wall_path.h"
+#include "setup/scene_setup.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>

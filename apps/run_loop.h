@@ -2,7 +2,7 @@
 // From a scene to a finished folder: the loop that steps, records, saves and stops.
 
 #include "core/error.h"
-#include "run/recorder.h"
+#include "record/recorder.h"
 #include "scene/scene.h"
 
 #include <filesystem>

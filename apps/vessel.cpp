@@ -10,9 +10,9 @@
 #include "io/mesh_file.h"
 #include "repair/repair.h"
 #include "scene/scene.h"
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
+#include "shapes/subdivide.h"
 #include "vessel/inlets.h"
-#include "vessel/subdivide.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

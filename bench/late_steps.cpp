@@ -17,6 +17,7 @@
 #include "run/key_frames.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
+#include "setup/scene_setup.h"
 #include "world/world.h"
 
 #include <fmt/format.h>

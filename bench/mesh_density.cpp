@@ -10,7 +10,8 @@
 #include "core/error.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
-#include "vessel/subdivide.h"
+#include "setup/scene_setup.h"
+#include "shapes/subdivide.h"
 #include "vessel/tree.h"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 #pragma once
-// The exact test after the broad phase of a library that has none: the kernels' (kernels/shared/segment.h).
+// The exact test after the broad phase of a library that has none (wide/segment_triangle.h).
 
 #include "peers.h"
 
-#include "shared/segment.h"
+#include "wide/segment_triangle.h"
 
 namespace peers {
 

@@ -13,7 +13,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "vessel/aortic_arch.h"
+#include "shapes/aortic_arch.h"
 
 #include <fmt/format.h>
 

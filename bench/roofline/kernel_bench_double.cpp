@@ -4,7 +4,7 @@
 
 #include "contact/contact_system.h"
 #include "roofline/kernel_bench_time.h"
-#include "vessel/shapes.h"
+#include "shapes/shapes.h"
 
 namespace seldinger::kernel_bench {
 

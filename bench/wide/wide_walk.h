@@ -2,11 +2,11 @@
 //
 // Boxes are tested in float relative to the query, with a margin that outweighs every rounding on the way: they leave out too
 // little, never too much. The result is decided on the triangles alone, in `real`, by the same operations as one triangle at a
-// time (triangle.h, segment.h).
+// time (kernels/shared/triangle.h, segment_triangle.h).
 #ifndef SEL_SHARED_WIDE_WALK_H
 #define SEL_SHARED_WIDE_WALK_H
-#include "shared/lanes.h"
-#include "shared/segment.h"
+#include "wide/segment_triangle.h"
+#include "wide/wide_lanes.h"
 #include "wide/wide_types.h"
 
 SEL_BEGIN

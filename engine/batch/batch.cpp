@@ -2,9 +2,10 @@
 #include "batch/batch.h"
 
 #include "core/error.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 #include "run/joint_readings.h"
 #include "run/wall_path.h"
+#include "setup/scene_setup.h"
 
 #include <fmt/format.h>
 

@@ -3,11 +3,11 @@
 // lockstep, with one launch per stage for all. Other runs get worlds of their own, one after the other. A run's bits are those
 // of the run alone.
 
-#include "core/bytes.h"
-#include "run/scene_run.h"
-#include "scene/vessel_load.h"
 #include "batch/batch_keep.h"
 #include "batch/batch_table.h"
+#include "core/bytes.h"
+#include "run/scene_run.h"
+#include "setup/vessel_load.h"
 
 #include <limits>
 #include <memory>

@@ -1,11 +1,11 @@
 #pragma once
 // The results of a batch: one row per run, as CSV and as NumPy's .npz.
 
+#include "batch/sweep.h"
+#include "record/wire_shapes.h"
 #include "run/exits.h"
 #include "run/summary.h"
-#include "run/wire_shapes.h"
 #include "vessel/branches.h"
-#include "batch/sweep.h"
 
 #include <array>
 #include <cstdint>

@@ -4,7 +4,8 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "run/key_frames.h"
-#include "scene/vessel_load.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 #include "lab/stability_meshes.h"
 
 #include "io/mesh_file.h"
-#include "vessel/shapes.h"
-#include "vessel/swept_lumen.h"
+#include "shapes/shapes.h"
+#include "shapes/swept_lumen.h"
 
 #include <fmt/format.h>
 #include <cmath>

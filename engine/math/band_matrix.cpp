@@ -34,7 +34,7 @@ BandMatrix::Storage::Storage(int max_size)
     factor.resize(max_size / node_size + 2);
 }
 
-BandMatrix::BandMatrix(int max_size)
+BandMatrix::BandMatrix(int max_size) : max_size_(max_size)
 {
     SEL_ASSERT(max_size % node_size == 0);
     scratch_.resize(max_size + beside);
@@ -42,9 +42,8 @@ BandMatrix::BandMatrix(int max_size)
 
 void BandMatrix::reset(int size)
 {
-    const int most = static_cast<int>(scratch_.size()) - beside;
-    SEL_ASSERT(size % node_size == 0 && size <= most);
-    provide(rows_, own_.rows, static_cast<std::size_t>(most) * stride + row_end);
+    SEL_ASSERT(size % node_size == 0 && size <= max_size_);
+    provide(rows_, own_.rows, static_cast<std::size_t>(max_size_) * stride + row_end);
     size_ = size;
     std::fill_n(rows_, static_cast<std::size_t>(size) * stride, 0.0);
 }
@@ -66,7 +65,7 @@ double BandMatrix::row_scale(int i) const
 // row 0 needs at column 4b+11.
 void BandMatrix::load_upper()
 {
-    provide(factor_, own_.factor, (scratch_.size() - beside) / node_size + 2);
+    provide(factor_, own_.factor, max_size_ / node_size + 2);
     const int nodes = size_ / node_size;
     for (int b = 0; b < nodes; ++b)
         for (int p = 0; p < 4; ++p) std::memcpy(factor_[b].upper[p], row(4 * b + p) + half_bandwidth - p, 12 * sizeof(double));

@@ -118,6 +118,7 @@ private:
     void load_lower();
     [[nodiscard]] double row_scale(int i) const;  // largest magnitude in row i; 1 when all are zero
 
+    int max_size_ = 0;
     int negative_pivots_ = 0;
     bool fourth_ = true;
     Storage own_;

@@ -165,7 +165,7 @@ std::string label(const Model& model)
 
 namespace {
 
-/// What a world of several instruments refuses, which the scene reader does not know (world_check.cpp, merged_check.cpp).
+/// What a world of several instruments refuses, which the scene reader does not know (world_check.cpp).
 std::string why_not_together(const Scene& scene)
 {
     const bool newton = scene.integrator.scheme == Scheme::Newton || scene.integrator.scheme == Scheme::Static;

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "run/joint_readings.h"
 #include "run/key_frames.h"
+#include "setup/scene_setup.h"
 
 #include <fmt/format.h>
 #include <algorithm>

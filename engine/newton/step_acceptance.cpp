@@ -83,8 +83,8 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
 }
 
 /// The trial lies in the middle of a valley, where the force has turned by half of what it turns across. The derivative along d has
-/// changed its sign, so the balance lies nearer: where, on the valley's half, the derivative vanishes that is linear there and (1 - alpha) of the
-/// base's where the valley begins. @return how far back that is; 0 without a valley
+/// changed its sign, so the balance lies nearer: where, on the valley's half, the derivative vanishes that is linear there and
+/// (1 - alpha) of the base's where the valley begins. @return how far back that is; 0 without a valley
 double NewtonSystem::across_valley(double slope) const
 {
     const double begins = (1 - alpha_) * slope_;

@@ -29,13 +29,9 @@ SystemProblem::SystemProblem(int first_wire, std::span<const int> capacities, co
 
 void SystemProblem::join(CoaxialGroup& group)
 {
-    int capacity = 0;
-    for (int k = 0; k < group.count(); ++k) {
-        WireProblem& wire = *wires_[group.wires[k] - first_wire_];
-        wire.role = k == 0 ? WireRole::Line : WireRole::Passenger;
-        capacity = std::max(capacity, wire.frames.capacity);
-    }
-    coaxial_.push_back(std::make_unique<CoaxialProblem>(group, capacity));
+    std::vector<WireProblem*> members;
+    for (const int w : group.wires) members.push_back(wires_[w - first_wire_].get());
+    coaxial_.push_back(std::make_unique<CoaxialProblem>(group, std::move(members)));
     solved_coaxial_.reserve(coaxial_.size());
 }
 
@@ -66,10 +62,8 @@ void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> cons
     for (WireProblem* wire : solved_) wire->begin_frames(step.spec, leave);
     solved_coaxial_.clear();
     for (const auto& group : coaxial_) {
-        if (!active[group->group().line()]) continue;
-        std::array<WireProblem*, most_coaxial> members{};
-        for (int k = 0; k < group->group().count(); ++k) members[k] = wires_[group->group().wires[k] - first_wire_].get();
-        group->begin({members.data(), static_cast<std::size_t>(group->group().count())});
+        if (!active[group->line().wire]) continue;
+        group->begin();
         solved_coaxial_.push_back(group.get());
     }
 }
@@ -287,7 +281,7 @@ double SystemProblem::elastic_energy(const WireProblem& wire) const
 {
     if (wire.role == WireRole::Alone) return seldinger::elastic_energy(wire.rod, wire.clamps, wire.frames);
     for (const CoaxialProblem* group : solved_coaxial_)
-        if (group->group().line() == wire.wire) return group->energy();
+        if (&group->line() == &wire) return group->energy();
     return 0;
 }
 
@@ -295,14 +289,14 @@ StepLosses SystemProblem::losses(const WireProblem& wire) const
 {
     StepLosses losses = wire.losses();
     for (CoaxialProblem* group : solved_coaxial_)
-        if (group->group().line() == wire.wire) losses.strain_work = group->strain_work();
+        if (&group->line() == &wire) losses.strain_work = group->strain_work();
     return losses;
 }
 
 CoaxialHands SystemProblem::coaxial_hands(int line) const
 {
     for (const CoaxialProblem* group : solved_coaxial_)
-        if (group->group().line() == line) return group->hands();
+        if (group->line().wire == line) return group->hands();
     return {};
 }
 

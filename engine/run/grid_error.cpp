@@ -1,9 +1,9 @@
 // Errors of forces by edges and facets, from bending energy and contacts.
 #include "run/grid_error.h"
 
-#include "rod/adapt.h"
-#include "world/node_errors.h"
+#include "nodes/adapt.h"
 #include "vessel/wall_mesh.h"
+#include "world/node_errors.h"
 
 #include <algorithm>
 #include <cmath>

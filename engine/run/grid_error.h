@@ -4,13 +4,13 @@
 // In a lumen the wall prescribes the wire's shape, so that forces are derivatives of the bending energy U, which is quadratic in the
 // deflections d of the wire: U = K d^2/2, F = K d.
 //
-//     edges     energy wrong by dU in the same shape: a stiffness wrong by dU/U, so   dF/F = dU/U       (rod/adapt.h)
+//     edges     energy wrong by dU in the same shape: a stiffness wrong by dU/U, so   dF/F = dU/U       (nodes/adapt.h)
 //     facets    a wall that lies o nearer to the axis than a smooth one gives U back as the work of the normal forces F_i on it,
 //               dU = sum F_i o_i, of a deflection that is wrong by dd/d = dU/(2 U), so  dF/F = sum F_i o_i/(2 U)
 //     facets    a normal n_i that differs from the smooth wall's m_i pushes along the wire's tangent t_i:  dF = sum F_i (n_i - m_i).t_i
 //
 // These are errors of what pushes the wire back along its path, dU/ds. Each contact is borne by the spans beside it, up to the next regions of
-// contact, and by passes_span (rod/adapt.h) of those behind them: the error of its normal force is that of their energy, and of the work of the normal forces there. Friction goes by the normal forces, the force on a patch by its region's.
+// contact, and by passes_span (nodes/adapt.h) of those behind them: the error of its normal force is that of their energy, and of the work of the normal forces there. Friction goes by the normal forces, the force on a patch by its region's.
 //
 //     creases   a wire in the crease of two facets is borne by both. With the angle a between each facet's normal and the direction in which
 //               they push together, the sum of their forces is 1/cos a of the force of a smooth wall (contact_law.h reports the sum)

@@ -35,7 +35,7 @@
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
 // Twins have the run's nodes and wall. What edges and facets do is estimated from the state at the end of each window: the tip's
-// error by the wire's shape (rod/adapt.h), that of forces by energy and contacts (run/grid_error.h). They are
+// error by the wire's shape (nodes/adapt.h), that of forces by energy and contacts (run/grid_error.h). They are
 // sums of magnitudes, as if all edges and facets erred alike, and have no factor for safety.
 // These shares and that of the step are independent: a band is the root of the sum of their squares.
 //

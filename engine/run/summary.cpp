@@ -5,7 +5,7 @@
 #include "io/json_text.h"
 #include "run/force_text.h"
 #include "run/frames.h"
-#include "scene/vessel_load.h"
+#include "setup/vessel_load.h"
 #include "vessel/inlets.h"
 
 #include <fmt/format.h>

@@ -15,8 +15,6 @@
 
 namespace seldinger {
 
-struct LoadedVessel;  // scene/vessel_load.h
-
 enum class Until { Time, Rest, Reached };
 
 /// [contact] of a scene: friction is a property of the wire's sections (WireSection), these are what a section has that says
@@ -129,16 +127,6 @@ inline constexpr long steps_at_rest = 10;
 /// The scene as TOML with every default written out and mesh paths relative to `folder`, where the text is to be saved.
 /// Reading it back gives the same Scene, bit for bit.
 [[nodiscard]] std::string write_scene(const Scene& scene, const std::filesystem::path& folder);
-
-/// Loads the vessel, places the feed and checks that wire and vessel fit each other.
-/// @param device_index  as in `seldinger devices`; -1: the default
-/// @param report  out, may be null: findings and repairs of the import
-/// @throws Error BadFile, BadScene
-[[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1, RepairReport* report = nullptr);
-
-/// One world for several scenes, each its own system, that agree in everything but their instruments, [feed], [[hold]], [[load]],
-/// [[link]] and the coefficients of [contact]. @param vessel  of these scenes, loaded
-[[nodiscard]] WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int device_index);
 
 /// Bending, twisting and stretching stiffness of a round solid wire: B = E pi r^4 / 4, C = G pi r^4 / 2 with
 /// G = E / (2 (1 + nu)), EA = E pi r^2. Overwrites the three in `section` from its youngs, poisson and radius.

@@ -3,7 +3,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 
 #include <fmt/format.h>
 #include <pthread.h>

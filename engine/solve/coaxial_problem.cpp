@@ -6,20 +6,18 @@
 
 namespace seldinger {
 
-CoaxialProblem::CoaxialProblem(CoaxialGroup& group, int capacity)
+CoaxialProblem::CoaxialProblem(CoaxialGroup& group, std::vector<WireProblem*> wires)
     : group_(group),
-      hessian_(capacity, group.count()),
-      gradient_(static_cast<std::size_t>(CoaxialDofs{group.count()}.count(capacity))),
-      trial_(static_cast<std::size_t>(CoaxialDofs{group.count()}.count(capacity)))
+      wires_(std::move(wires)),
+      hessian_(line().frames.capacity, group.count()),
+      gradient_(static_cast<std::size_t>(CoaxialDofs{group.count()}.count(line().frames.capacity))),
+      trial_(gradient_.size())
 {
-    wires_.reserve(group.wires.size());
+    for (WireProblem* wire : wires_) wire->role = wire == &line() ? WireRole::Line : WireRole::Passenger;
 }
 
-bool CoaxialProblem::has(int wire) const { return std::ranges::find(group_.wires, wire) != group_.wires.end(); }
-
-void CoaxialProblem::begin(std::span<WireProblem* const> wires)
+void CoaxialProblem::begin()
 {
-    wires_.assign(wires.begin(), wires.end());
     const int n = line().rod.n, clamped = RodDofs::unused(n);
     for (int k = 0; k < group_.count(); ++k) {
         WireUnknowns& q = wires_[k]->q;

@@ -16,14 +16,12 @@ namespace seldinger {
 
 class CoaxialProblem {
 public:
-    CoaxialProblem(CoaxialGroup& group, int capacity);
-
-    /// Whether this wire is one of the group's.
-    [[nodiscard]] bool has(int wire) const;
-    [[nodiscard]] const CoaxialGroup& group() const { return group_; }
-    /// After the wires have begun: prescribed angles, and what passengers take over from the line.
     /// @param wires  the group's, in its order
-    void begin(std::span<WireProblem* const> wires);
+    CoaxialProblem(CoaxialGroup& group, std::vector<WireProblem*> wires);
+
+    [[nodiscard]] WireProblem& line() const { return *wires_.front(); }
+    /// After the wires have begun: prescribed angles, and what passengers take over from the line.
+    void begin();
     /// Takes a passenger's positions from the line, at the trial.
     void mirror();
     /// Elastic forces at the trial into the wires' residuals, and the torques of dead moments on passengers' spins.
@@ -47,7 +45,6 @@ public:
     [[nodiscard]] CoaxialHands hands() const;
 
 private:
-    [[nodiscard]] WireProblem& line() const { return *wires_.front(); }
     [[nodiscard]] CoaxialTrial trial() const;
     /// @param at  outlives it
     [[nodiscard]] CoaxialShape shape(const CoaxialTrial& at) const { return {group_.rod, line().rod, at, group_.base, line().frames}; }

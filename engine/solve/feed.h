@@ -19,8 +19,8 @@
 // speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
 // the surplus back at once.
 
+#include "nodes/split.h"
 #include "rod/elastic.h"
-#include "rod/split.h"
 #include "solve/solve_spec.h"
 #include "solve/wire_constraints.h"
 

@@ -2,7 +2,6 @@
 
 #include "world/energy_audit.h"
 
-#include "world/step_stages.h"
 #include "world/world_rod.h"
 
 #include <algorithm>
@@ -14,7 +13,7 @@ namespace seldinger {
 
 namespace {
 
-constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see energy_limits
+constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see energy_floor
 
 /// Forces at the end of a step are those that its equations hold at; else means over the step are.
 bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit && spec.scheme != Scheme::Static; }
@@ -245,7 +244,7 @@ void take_into_ledger(WorldData& world, int wire, const WorkDone& work)
 
 }  // namespace
 
-EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity)
+double energy_floor(const WireSpec& wire, const Vec3& gravity)
 {
     constexpr int parts = 100;
     double mass = 0, stiffest = 0;
@@ -254,9 +253,7 @@ EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity)
         mass += section.density * std::numbers::pi * section.radius * section.radius * wire.length / parts;
         stiffest = std::max(stiffest, section.bend_stiffness);
     }
-    EnergyLimits limits;
-    limits.floor = floor_share * (mass * gravity.norm() * wire.length + stiffest / wire.length);
-    return limits;
+    return floor_share * (mass * gravity.norm() * wire.length + stiffest / wire.length);
 }
 
 void audit_remeshing(WorldData& world, int wire)
@@ -317,7 +314,7 @@ void begin_audits(WorldData& world)
     if (world.state.steps > 0 || !world.forces.terms.empty()) return;
     for (int w = 0; w < world.wire_count(); ++w) {
         if (world.audit(w).known || !world.state.is_solved(w) || !world.is_line(w)) continue;
-        constrain_now(world, w);
+        WorldRod(world, w).constrain(w, world.state.wires[w].time);
         begin_audit(world, w, true);
     }
 }

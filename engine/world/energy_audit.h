@@ -31,7 +31,6 @@
 
 namespace seldinger {
 
-class StateWalk;   // core/state_walk.h
 struct WorldData;  // world/world.h
 class WorldRod;    // world/world_rod.h
 
@@ -58,9 +57,8 @@ struct EnergyAudit {
     TermEnergies terms;                                  // likewise, of all of a common centreline
 };
 
-/// Fraction of the energy exchanged as in EnergyLimits; floor: 0.1 % of the energy that lifts the whole wire by its own length and
-/// bends it to a radius of that.
-[[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
+/// EnergyLimits::floor of a wire [J]: 0.1 % of the energy that lifts all of it by its own length and bends it to a radius of that.
+[[nodiscard]] double energy_floor(const WireSpec& wire, const Vec3& gravity);
 
 /// Before a sub-step: changes of the wire by splits and merges since the last one.
 void audit_remeshing(WorldData& world, int wire);
@@ -88,8 +86,5 @@ void count_equilibrium(WorldData& world, int wire);
 [[nodiscard]] bool energy_adds_up(WorldData& world, int wire, double h);
 /// The same has been accepted.
 void accept_energy(WorldData& world, int wire, double h);
-
-/// State from which a run resumes. Part of the saved state, but not of the hashed one: it affects no motion.
-void walk_audit(StateWalk& walk, EnergyAudit& audit);
 
 }  // namespace seldinger

@@ -1,26 +1,21 @@
 // Instruments that share one centreline: placed, fed, held.
 
-#include "contact/contact_system.h"
-#include "world/merged.h"
+#include "world/world_rod.h"
 
+#include "contact/contact_system.h"
 #include "contact/rods/coaxial_friction.h"
-#include "rod/coaxial_nodes.h"
+#include "nodes/coaxial_nodes.h"
 #include "rod/place.h"
 #include "solve/line_holds.h"
-#include "world/step_stages.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace seldinger {
 
-const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire)
-{
-    for (const CoaxialSpec& spec : setup.coaxial)
-        if (spec.model == CoaxialSpec::Model::Merged && std::ranges::find(spec.order, wire) != spec.order.end()) return &spec;
-    return nullptr;
-}
+namespace {
 
+/// Edge of the line of a group.
 double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec)
 {
     double edge = INFINITY;
@@ -28,6 +23,7 @@ double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec)
     return edge;
 }
 
+/// Bounds of the line's edges where they are adaptive, `nodes` = 0: all instruments ask for that.
 WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec)
 {
     WireSpec line;
@@ -45,16 +41,13 @@ WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec)
     return line;
 }
 
+/// Most nodes of the line of a group.
 int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec)
 {
-    double longest = 0;
-    for (const int w : spec.order) longest = std::max(longest, setup.wires[w].wire.length);
     const WireSpec nodes = merged_nodes(setup, spec);
     const double shortest = nodes.nodes == 0 ? nodes.min_edge : merged_edge(setup, spec);
-    return static_cast<int>(std::ceil(1.01 * longest / shortest)) + 6;
+    return static_cast<int>(std::ceil(1.01 * nodes.length / shortest)) + 6;
 }
-
-namespace {
 
 const WireSpec& spec_of(const WorldSetup& setup, const MergedGroup& group, int k)
 {
@@ -186,8 +179,7 @@ void change_leader(WorldData& world, MergedGroup& group, int leader, double h)
     world.state.wires[group.line()].remesh_energy += elastic_now(world.state.rods, group) - before;
 }
 
-}  // namespace
-
+/// Into the introducer, with as much inside as the feeds say.
 void place_group(WorldData& world, MergedGroup& group)
 {
     const WorldSetup& setup = world.setup;
@@ -222,6 +214,8 @@ void place_group(WorldData& world, MergedGroup& group)
     set_inside(world.state, group);
     refresh_group(world, group);
 }
+
+}  // namespace
 
 void refresh_group(WorldData& world, MergedGroup& group)
 {
@@ -319,6 +313,16 @@ void set_exposures(WorldData& world)
     }
 }
 
+MergedGroups::MergedGroups() = default;
+MergedGroups::~MergedGroups() = default;
+
+void set_group_capacities(const WorldSetup& setup, std::span<int> capacities)
+{
+    for (const CoaxialSpec& spec : setup.coaxial)
+        for (const int w : spec.order)
+            if (spec.model == CoaxialSpec::Model::Merged) capacities[w] = merged_capacity(setup, spec);
+}
+
 void make_groups(WorldData& world)
 {
     MergedGroups& groups = world.groups;
@@ -327,6 +331,7 @@ void make_groups(WorldData& world)
     for (const CoaxialSpec& spec : world.setup.coaxial) {
         if (spec.model != CoaxialSpec::Model::Merged) continue;
         MergedGroup& group = *groups.list.emplace_back(std::make_unique<MergedGroup>());
+        group.spec = &spec;
         group.shared.wires = spec.order;
         group.feed.edge = merged_edge(world.setup, spec);
         group.nodes = merged_nodes(world.setup, spec);
@@ -334,21 +339,30 @@ void make_groups(WorldData& world)
             groups.place[w] = static_cast<int>(groups.list.size()) - 1;
             groups.line[w] = group.line();
         }
-        NodeAdapter& adapter = world.adapter(group.line());
-        adapter.on = group.adapts();
-        if (adapter.on) adapter.planner = NodePlanner(group.nodes, world.state.rods.capacity(group.line()));
-        place_group(world, group);
+    }
+}
+
+void place_groups(WorldData& world)
+{
+    MergedGroups& groups = world.groups;
+    for (const auto& group : groups.list) {
+        NodeAdapter& adapter = world.adapter(group->line());
+        adapter.on = group->adapts();
+        if (adapter.on) adapter.planner = NodePlanner(group->nodes, world.state.rods.capacity(group->line()));
+        place_group(world, *group);
     }
     if (groups.list.empty()) return;
     groups.shown = std::make_unique<RodArrays>(world.state.rods);
     groups.shown_from.assign(world.setup.wires.size(), 0);
 }
 
+namespace {
+
 void make_group_friction(WorldData& world)
 {
     WorldForces& forces = world.forces;
     for (const auto& group : world.groups.list) {
-        const CoaxialSpec& spec = *merged_spec_of(world.setup, group->line());
+        const CoaxialSpec& spec = *group->spec;
         const double pressed = spec.lumen_friction ? 1 : 0;
         const CoaxialFrictionSpec friction{spec.drag, spec.viscous, pressed * spec.mu_static, pressed * spec.mu_sliding};
         if (!friction.any()) continue;
@@ -370,6 +384,15 @@ void make_line_holds(WorldData& world)
         forces.line_holds->add(group->shared, held);
     }
     if (forces.line_holds) forces.terms.add(*forces.line_holds);
+}
+
+}  // namespace
+
+void join_groups(WorldData& world)
+{
+    for (const auto& group : world.groups.list) world.solver->join(group->shared);
+    make_group_friction(world);
+    make_line_holds(world);
 }
 
 }  // namespace seldinger

@@ -36,6 +36,7 @@
 namespace seldinger {
 
 struct MergedGroup {
+    const CoaxialSpec* spec = nullptr;  // of WorldData::setup
     CoaxialGroup shared;
     FeedState feed;  // of the line, as of one wire; its advance is the leader's
     int leader = 0;  // place in the group
@@ -53,23 +54,6 @@ struct MergedGroup {
     [[nodiscard]] bool adapts() const { return nodes.nodes == 0; }
 };
 
-/// @throws Error BadScene: instruments that `merged` does not support
-void check_merged(const WorldSetup& setup);
-/// Edge of the line of a group, and its most nodes.
-[[nodiscard]] double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec);
-[[nodiscard]] int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec);
-/// Bounds of the line's edges where they are adaptive, `nodes` = 0: all instruments ask for that.
-[[nodiscard]] WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec);
-/// The merged group that a wire is in, or null.
-[[nodiscard]] const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire);
-
-/// The groups of the setup, with their lines placed.
-void make_groups(WorldData& world);
-/// Force terms of the groups that ask for friction between their instruments, and of those with holds.
-void make_group_friction(WorldData& world);
-void make_line_holds(WorldData& world);
-/// Into the introducer, with as much inside as the feeds say.
-void place_group(WorldData& world, MergedGroup& group);
 /// Before a sub-step of h [s]: whoever is in farthest leads.
 void lead_group(WorldData& world, MergedGroup& group, double h);
 /// How long it takes from now until another instrument gets ahead of the leader; 0: not within dt, or so near one of its ends that

@@ -3,7 +3,6 @@
 #include "contact/rods/coaxial_friction.h"
 #include "contact/contact_system.h"
 #include "world/node_errors.h"
-#include "world/step_stages.h"
 #include "world/world_rod.h"
 
 #include <algorithm>

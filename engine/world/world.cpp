@@ -5,9 +5,8 @@
 #include "core/error.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
-#include "world/merged.h"
 #include "world/setup_check.h"
-#include "world/step_stages.h"
+#include "world/world_rod.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,10 +49,8 @@ int node_capacity(const WireSetup& setup)
 std::vector<int> capacities(const WorldSetup& setup)
 {
     std::vector<int> list;
-    for (std::size_t w = 0; w < setup.wires.size(); ++w) {
-        const CoaxialSpec* merged = merged_spec_of(setup, static_cast<int>(w));
-        list.push_back(merged ? merged_capacity(setup, *merged) : node_capacity(setup.wires[w]));
-    }
+    for (const WireSetup& wire : setup.wires) list.push_back(node_capacity(wire));
+    set_group_capacities(setup, list);
     return list;
 }
 
@@ -75,13 +72,6 @@ WorldSetup checked(WorldSetup setup)
     return setup;
 }
 
-}  // namespace
-
-MergedGroups::MergedGroups() = default;
-MergedGroups::~MergedGroups() = default;
-
-namespace {
-
 /// Places each wire as its scene says, with its holds. Instruments of a group get no rods here.
 void place_wires(WorldData& world)
 {
@@ -91,7 +81,7 @@ void place_wires(WorldData& world)
         WireSetup& wire = world.setup.wires[w];
         RodArrays& rods = world.state.rods;
         close_ring(wire);
-        if (merged_spec_of(world.setup, w)) {  // its holds are taken once its line has been placed
+        if (!world.is_alone(w)) {  // its holds are taken once its line has been placed
             rods.set_node_count(w, 2);
             world.holds.emplace_back(std::span<const HoldSpec>(), wire.loads, wire.links, rods.view(w), wire.wire.length);
             continue;
@@ -134,18 +124,19 @@ WorldData::WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall)
       state(capacities(setup)),
       forces(setup, std::move(wall))
 {
-    place_wires(*this);
     make_groups(*this);
+    place_wires(*this);
+    place_groups(*this);
     solver = std::make_unique<Solver>(state.rods, setup.integrator, setup.gravity, setup.systems);
-    for (const auto& group : groups.list) solver->join(group->shared);
     forces.make_contacts(setup, systems, state.rods);
-    make_group_friction(*this);
     work.constraints.resize(wire_count());
-    make_line_holds(*this);
+    join_groups(*this);
     provide_work(*this);
-    for (int w = 0; w < wire_count(); ++w) audit(w).limits = energy_limits(setup.wires[w].wire, setup.gravity);
-    for (const auto& group : groups.list)
-        for (const int w : group->wires().subspan(1)) audit(group->line()).limits.floor += audit(w).limits.floor;
+    for (int w = 0; w < wire_count(); ++w) {
+        if (!is_line(w)) continue;
+        double& floor = audit(w).limits.floor = 0;
+        for (const int one : WorldRod(*this, w).wires()) floor += energy_floor(setup.wires[one].wire, setup.gravity);
+    }
     show_instruments(*this);
 }
 

@@ -13,7 +13,7 @@
 #include "engine.h"
 #include "newton/momentum.h"
 #include "newton/solver.h"
-#include "rod/adapt.h"
+#include "nodes/adapt.h"
 #include "solve/constraints.h"
 #include "solve/feed.h"
 #include "vessel/inside.h"
@@ -159,9 +159,14 @@ struct WorldData {
     [[nodiscard]] int wire_count() const { return state.rods.wire_count(); }
     /// The wire whose arrays hold the nodes of this one's rod (world_rod.h).
     [[nodiscard]] int line_of(int wire) const { return groups.has(wire) ? groups.line[wire] : wire; }
+    [[nodiscard]] bool is_alone(int wire) const { return !groups.has(wire); }
     /// Whether it is that wire: alone in its rod, or the line of a group.
     [[nodiscard]] bool is_line(int wire) const { return line_of(wire) == wire; }
     [[nodiscard]] RodView rod(int wire) { return state.rods.view(wire); }
+    /// An instrument by itself, from its own tip to the hub.
+    [[nodiscard]] RodView shown(int wire) { return (groups.has(wire) ? *groups.shown : state.rods).view(wire); }
+    /// Edge of its rod that its tip is on.
+    [[nodiscard]] int shown_from(int wire) const { return groups.has(wire) ? groups.shown_from[wire] : 0; }
     [[nodiscard]] FeedState& feed(int wire) { return state.feed(wire); }
     [[nodiscard]] const FeedState& feed(int wire) const { return state.feed(wire); }
     [[nodiscard]] EnergyAudit& audit(int wire) { return state.wires[wire].audit; }

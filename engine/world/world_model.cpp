@@ -5,8 +5,7 @@
 #include "rod/place.h"
 #include "wall/elastic_wall.h"
 #include "wall/wall_compliance.h"
-#include "world/merged.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
 #include <fmt/format.h>
 
@@ -16,24 +15,16 @@ namespace seldinger {
 
 namespace {
 
-std::string describe_nodes(const WireSetup& setup)
+std::string describe_nodes(const WorldRod& rod)
 {
-    const WireSpec& spec = setup.wire;
-    if (spec.nodes > 0) return fmt::format("uniform, {} over the whole length (asked for)", spec.nodes);
-    if (!nodes_adapt(setup))
-        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; this detection sits on nodes or edges)",
-                           1e3 * uniform_edge(spec));
-    return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (asked for)", 1e3 * spec.min_edge,
-                       1e3 * spec.max_edge, 1e6 * spec.edge_error);
-}
-
-std::string describe_nodes(const MergedGroup& group)
-{
-    const WireSpec& spec = group.nodes;
-    if (!group.adapts())
-        return fmt::format("uniform edges of {:.3g} mm (instruments of one centreline)", 1e3 * group.feed.edge);
-    return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (instruments of one centreline)",
-                       1e3 * spec.min_edge, 1e3 * spec.max_edge, 1e6 * spec.edge_error);
+    const WireSpec& spec = rod.bounds();
+    const bool several = rod.wires().size() > 1;
+    if (rod.adapts())
+        return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each ({})", 1e3 * spec.min_edge,
+                           1e3 * spec.max_edge, 1e6 * spec.edge_error, several ? "instruments of one centreline" : "asked for");
+    if (!several && spec.nodes > 0) return fmt::format("uniform, {} over the whole length (asked for)", spec.nodes);
+    return fmt::format("uniform edges of {:.3g} mm ({})", 1e3 * (several ? rod.feed().edge : uniform_edge(spec)),
+                       several ? "instruments of one centreline" : "0.4 of max_edge_m; this detection sits on nodes or edges");
 }
 
 // Spins of wire 0, as all of model() describes it.
@@ -72,10 +63,10 @@ std::string describe_coaxial_friction(const WorldSetup& setup)
 
 std::vector<std::pair<std::string, std::string>> World::model() const
 {
-    const WorldData& world = *data_;
+    WorldData& world = *data_;
     const WireSetup& wire = world.setup.wires[0];
     std::vector<std::pair<std::string, std::string>> list;
-    list.emplace_back("nodes", world.groups.has(0) ? describe_nodes(*world.groups.of(0)) : describe_nodes(wire));
+    list.emplace_back("nodes", describe_nodes(WorldRod(world, world.line_of(0))));
     if (!wire.start.empty()) list.emplace_back("start", wire.start);
     if (!wire.inlet.empty()) list.emplace_back("inlet", wire.inlet);
     static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};

@@ -2,12 +2,11 @@
 
 #include "contact/contact_sums.h"
 #include "contact/contact_system.h"
-#include "contact/rods/instrument_contact.h"
 #include "contact/elastic/yielding_wall.h"
-#include "rod/adapt.h"
+#include "contact/rods/instrument_contact.h"
+#include "nodes/adapt.h"
 #include "rod/curvature.h"
 #include "wall/elastic_wall.h"
-#include "world/merged.h"
 #include "world/node_errors.h"
 #include "world/world.h"
 
@@ -28,10 +27,7 @@ double World::time() const { return data_->state.time; }
 double World::time(int wire) const { return data_->state.wires[wire].time; }
 long World::step_count() const { return data_->state.steps; }
 const WorldSetup& World::setup() const { return data_->setup; }
-ConstRodView World::rod(int wire) const
-{
-    return data_->groups.has(wire) ? data_->groups.shown->view(wire) : data_->state.rods.view(wire);
-}
+ConstRodView World::rod(int wire) const { return data_->shown(wire); }
 const WireReport& World::report(int wire) const { return data_->output.reports[wire]; }
 
 void World::retire(int system) { data_->systems.retire(system); }
@@ -119,14 +115,22 @@ const std::vector<ContactRow>& World::contacts() const
     return data_->output.rows;
 }
 
+namespace {
+
+/// Force of contact on the nodes of an instrument by itself. Values on the node before a tip within its line belong to the edge with the
+/// tip.
+std::span<const Vec3> shown_contact(WorldData& world, int wire)
+{
+    const std::span<const Vec3> all = world.output.results[wire].nodal_contact;
+    return all.subspan(static_cast<std::size_t>(world.shown_from(wire)), static_cast<std::size_t>(world.shown(wire).n));
+}
+
+}  // namespace
+
 std::vector<Vec3> World::nodal_contact_force(int wire) const
 {
-    const auto& all = data_->output.results[wire].nodal_contact;
-    // values on the node before a tip within its line belong to the edge with the tip
-    const int from = data_->groups.has(wire) ? data_->groups.shown_from[wire] : 0;
-    std::vector<Vec3> force(static_cast<std::size_t>(rod(wire).n), Vec3::Zero());
-    for (std::size_t i = 0; i < force.size() && from + i < all.size(); ++i) force[i] = all[from + i];
-    return force;
+    const std::span<const Vec3> force = shown_contact(*data_, wire);
+    return {force.begin(), force.end()};
 }
 
 // A wire is at rest when a static solve says so, or when its kinetic energy is a hundred-millionth of the energies it exchanges
@@ -166,7 +170,7 @@ void read_shape(const ConstRodView& rod, std::span<const Vec3> contact_force, Wi
 {
     const auto n = static_cast<std::size_t>(rod.n);
     into.material_s.assign(rod.material_s.begin(), rod.material_s.begin() + rod.n);
-    into.contact_force.assign(contact_force.begin(), contact_force.begin() + rod.n);
+    into.contact_force.assign(contact_force.begin(), contact_force.end());
     for (auto* array : {&into.radius, &into.curvature, &into.spin}) array->resize(n);
     for (auto* array : {&into.director, &into.position, &into.velocity}) array->resize(n);
     for (int i = 0; i < rod.n; ++i) {
@@ -280,8 +284,7 @@ void World::read(Output& into, unsigned parts) const
         wire.at_rest = at_rest(w);
         wire.retired = data_->systems.is_retired(w);
         wire.tip = rod(w).pos(0);
-        if (parts & Output::Shape)
-            read_shape(rod(w), data_->groups.has(w) ? nodal_contact_force(w) : data_->output.results[w].nodal_contact, wire);
+        if (parts & Output::Shape) read_shape(rod(w), shown_contact(*data_, w), wire);
     }
     if (parts & Output::Contacts) {
         gather_loads(*data_);

@@ -2,8 +2,6 @@
 
 #include "world/world_rod.h"
 
-#include "world/step_stages.h"
-
 #include <algorithm>
 
 namespace seldinger {
@@ -31,10 +29,30 @@ void measure(WorldData& world, MergedGroup& group, NodeDemands& demands)
 
 }  // namespace
 
+void WorldRod::lead(double h) const
+{
+    if (group_) lead_group(world_, *group_, h);
+}
+
+double WorldRod::lead_change(double dt) const { return group_ ? lead_change_after(world_, *group_, dt) : 0; }
+
+void WorldRod::push(double step, double h) const
+{
+    if (group_) return feed_group(world_, *group_, step, h);
+    feed_to(feed(), hub().at(world_.state.wires[line_].time + step), bounds(), world_.state.rods, line_, h);
+}
+
+void WorldRod::constrain(int wire, double t) const
+{
+    if (group_) return constrain_member(world_, *group_, wire, t);
+    world_.holds[wire].fill(t, view(), world_.constraints(wire));
+    if (feed().on) add_feed_constraints(feed(), view(), world_.constraints(wire));
+}
+
 void WorldRod::refresh() const
 {
     if (group_) refresh_group(world_, *group_);
-    else constrain_now(world_, line_);
+    else constrain(line_, world_.state.wires[line_].time);
 }
 
 double WorldRod::elastic_energy() const

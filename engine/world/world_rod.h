@@ -3,7 +3,7 @@
 // its feed is the rod's. Stages of a step ask the rod, so each is written once. What only K > 1 instruments have (offsets, a leader,
 // hands that slide on each other) is in merged.h.
 
-#include "rod/coaxial_nodes.h"
+#include "nodes/coaxial_nodes.h"
 #include "world/merged.h"
 
 namespace seldinger {
@@ -30,6 +30,16 @@ public:
     /// Bounds of its edges.
     [[nodiscard]] const WireSpec& bounds() const { return group_ ? group_->nodes : world_.setup.wires[line_].wire; }
 
+    // ---- input of its hubs
+    /// Before a sub-step of h [s]: of several instruments the one that is in farthest leads.
+    void lead(double h) const;
+    /// Where a step of dt is to be cut, as another instrument gets ahead of the leader; 0: nowhere [s].
+    [[nodiscard]] double lead_change(double dt) const;
+    /// Advances and turns all hubs to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
+    void push(double step, double h) const;
+    /// Constraints of one of its instruments at time t.
+    void constrain(int wire, double t) const;
+
     // ---- of the accepted state
     /// After nodes or feeds have changed: constraints of a wire; offsets, angles and integrals of a group.
     void refresh() const;
@@ -53,5 +63,22 @@ private:
     MergedGroup* group_;  // null: one wire
     int line_;
 };
+
+// ---- rods of K > 1 instruments, all at once: merged.cpp, merged_read.cpp
+
+/// Capacities of their wires; the groups of the setup; their lines placed, once each wire has arrays; their unknowns joined, and the force
+/// terms of friction and holds made, after those of contact.
+void set_group_capacities(const WorldSetup& setup, std::span<int> capacities);
+void make_groups(WorldData& world);
+void place_groups(WorldData& world);
+void join_groups(WorldData& world);
+/// Where the instruments lie in their rods now, for contact.
+void set_exposures(WorldData& world);
+/// Nothing is pushed while an equilibrium is looked for.
+void stop_hands(WorldData& world);
+/// Force and torque of the hand at each instrument of such a rod [N], [N m], + pushes and turns right-handed about the direction of insertion.
+void read_hands(const WorldRod& rod);
+/// Each instrument alone, from its own tip to the hub: the view of World::rod(). After a step, and where the state was put back.
+void show_instruments(WorldData& world);
 
 }  // namespace seldinger

@@ -2,9 +2,7 @@
 // attempt and putting it back.
 
 #include "core/state_walk.h"
-#include "world/merged.h"
-#include "world/step_stages.h"
-#include "world/world.h"
+#include "world/world_rod.h"
 
 #include <cmath>
 
@@ -101,6 +99,22 @@ void walk_wire(StateWalk& walk, WorldData& world, int wire)
         check_saved_feed(own.feed, world.setup.wires[wire].wire.length, alone ? &rod : nullptr);
     }
     if (!alone && world.is_line(wire)) walk_group(walk, *world.groups.of(wire));
+}
+
+// Affects no motion, and so is not part of the hashed state.
+void walk_audit(StateWalk& walk, EnergyAudit& audit)
+{
+    const StateRow energy{"an energy", "J", "accept"};
+    std::uint8_t known = audit.known;
+    walk({"an energy's flag", "", "accept"}, known);
+    audit.known = known != 0;
+    walk.numbers(energy, audit.balance);
+    walk.numbers(energy, audit.ledger);
+    for (double* value : {&audit.wire_then, &audit.elastic_then, &audit.moving, &audit.remeshed}) walk(energy, *value);
+    walk({"a hand's force", "N", "accept"}, audit.hand_force);
+    walk({"a feed's speed", "m/s", "accept"}, audit.speed);
+    for (auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns})
+        walk.list<std::int32_t>({"a reaction", "N, m/s, N m, rad", "accept"}, *list);
 }
 
 void walk_wires(StateWalk& walk, WorldData& world, std::span<const int> wires, bool with_audits)

@@ -1,12 +1,13 @@
 // Steps a world, hands out copies of its state, saves and restores it.
 #include "handle.h"
 
+#include "batch/batch.h"
 #include "core/bytes.h"
 #include "run/joint_readings.h"
-#include "scene/scene_difference.h"
-#include "scene/vessel_load.h"
 #include "run/wall_path.h"
-#include "batch/batch.h"
+#include "scene/scene_difference.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 
 #include <unistd.h>
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include "coaxial/merged_fixture.h"
 #include "world/merged.h"
-#include "rod/coaxial_nodes.h"
+#include "nodes/coaxial_nodes.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>

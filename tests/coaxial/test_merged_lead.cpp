@@ -2,13 +2,15 @@
 
 #include "coaxial/merged_fixture.h"
 #include "control.h"
+#include "stages/step_stages.h"
 #include "world/merged.h"
-#include "world/step_stages.h"
 #include "world/sub_steps.h"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace test_merged_lead {
@@ -81,6 +83,29 @@ TEST_SUITE("coaxial/merged lead")
             }
             CHECK(whole == about(1.0).epsilon(1e-12));
             if (parts.cut > 0) CHECK(cut_at == about(parts.cut).epsilon(1e-12));
+        }
+    }
+
+    TEST_CASE("property: of two groups in one system the one whose leader changes first cuts the step")
+    {
+        for (const auto& [a, b] : {std::pair(0.4, 1.2), {1.2, 0.4}, {0.3, 0.7}, {0.7, 0.3}, {1.2, 1.3}}) {
+            CAPTURE(a);
+            const Crossing first(a), second(b);
+            WorldSetup setup = first.setup;
+            for (const WireSetup& wire : second.setup.wires) setup.wires.push_back(wire);
+            setup.coaxial.push_back(second.setup.coaxial[0]);
+            setup.coaxial[1].order = {2, 3};
+            setup.systems = {4};
+            World world(setup);
+            WorldData& data = data_of(world);
+            Control control = first.control();
+            control.follow(2, second.catheter);
+            control.follow(3, second.wire);
+            take_control(data, control, Crossing::dt);
+            StepReport report;
+            const double cut = a > 1 && b > 1 ? 0 : lead_change_after(data, *data.groups.list[a < b ? 0 : 1], Crossing::dt);
+            CHECK((cut > 0) == (std::min(a, b) < 1));
+            for (const StepParts& parts : feed_parts(data, Crossing::dt, report)) CHECK(parts.cut == cut);
         }
     }
 

@@ -2,7 +2,7 @@
 #include "contact/host_reference_support.h"
 
 #include "contact/contact_system.h"
-#include "vessel/shapes.h"
+#include "shapes/shapes.h"
 
 #include <cmath>
 #include <memory>

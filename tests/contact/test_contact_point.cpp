@@ -2,7 +2,7 @@
 
 #include "contact/wall_fixture.h"
 
-#include "vessel/shapes.h"
+#include "shapes/shapes.h"
 
 #include <algorithm>
 #include <numbers>

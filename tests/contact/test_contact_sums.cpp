@@ -2,7 +2,7 @@
 
 #include "contact/contact_sums.h"
 #include "contact/edge_sums.h"
-#include "world/step_stages.h"
+#include "stages/step_stages.h"
 #include "support/world_fixture.h"
 #include "world/world.h"
 

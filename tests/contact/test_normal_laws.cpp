@@ -4,8 +4,8 @@
 
 #include "contact/wall_law.h"
 #include "core/error.h"
+#include "shapes/shapes.h"
 #include "shared/contact_law.h"
-#include "vessel/shapes.h"
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,9 @@
 // Nodes of the tree in place of lists of triangles: the nodes that are left out must not matter, and few must remain.
 
 #include "contact/wall_fixture.h"
+#include "shapes/shapes.h"
+#include "shapes/subdivide.h"
 #include "shared/clearance.h"
-#include "vessel/shapes.h"
-#include "vessel/subdivide.h"
 #include "vessel/tree.h"
 
 #include <cstring>

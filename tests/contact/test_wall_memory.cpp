@@ -1,8 +1,8 @@
 // What a quadrature point remembers of the wall (kernels/shared/wall_memory.h): the same contact points, bit by bit.
 
 #include "contact/wall_fixture.h"
+#include "shapes/shapes.h"
 #include "shared/wall_memory.h"
-#include "vessel/shapes.h"
 #include "vessel/tree.h"
 
 #include <doctest/doctest.h>

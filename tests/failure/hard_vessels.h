@@ -2,9 +2,9 @@
 // Vessels that are hard on contact: a box channel, a stenosis, a bifurcation with its carina, two channels side by side.
 
 #include "repair/repair.h"
+#include "shapes/swept_lumen.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/mesh_fixtures.h"
-#include "vessel/swept_lumen.h"
 
 #include "support/world_fixture.h"
 

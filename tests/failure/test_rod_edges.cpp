@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

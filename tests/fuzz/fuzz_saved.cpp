@@ -6,7 +6,7 @@
 #include "batch/farm.h"
 #include "models/errors.h"
 #include "models/result_table.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
 #include "support/temporary_folder.h"

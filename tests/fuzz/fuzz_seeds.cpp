@@ -5,7 +5,7 @@
 #include "batch/farm.h"
 #include "engine.h"
 #include "models/trajectory.h"
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 #include "session/hand_packet.h"
 #include "session/session_record.h"
 #include "support/temporary_folder.h"

@@ -3,7 +3,8 @@
 
 #include "engine.h"
 #include "run/scene_run.h"
-#include "scene/vessel_load.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 #include "support/shared_folder.h"
 
 #include <doctest/doctest.h>

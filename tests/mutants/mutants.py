@@ -20,10 +20,10 @@ import argparse, json, os, random, re, resource, shlex, shutil, subprocess, sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = {"rod": ["engine/rod/*.cpp"], "solve": ["engine/solve/*.cpp", "engine/newton/*.cpp"], "contact": ["engine/contact/*.cpp", "engine/contact/*/*.cpp"], "wall": ["engine/wall/*.cpp", "engine/surface/*.cpp"],
-         "step": ["engine/world/step*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp", "engine/world/*rod.cpp"]}
+ROOMS = {"rod": ["engine/rod/*.cpp", "engine/nodes/*.cpp"], "solve": ["engine/solve/*.cpp", "engine/newton/*.cpp"], "contact": ["engine/contact/*.cpp", "engine/contact/*/*.cpp"], "wall": ["engine/wall/*.cpp", "engine/surface/*.cpp"],
+         "step": ["engine/stages/*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp", "engine/world/*rod.cpp"]}
 # rooms of tests in the order in which they may know; what is in no list has nothing to do with it
-TESTS = {"rod": "rod coaxial solve step scene run contact failure", "solve": "solve rod step coaxial contact scene run failure wall",
+TESTS = {"rod": "rod nodes coaxial solve step scene run contact failure", "solve": "solve rod step coaxial contact scene run failure wall",
          "contact": "contact coaxial step solve failure scene run", "wall": "wall contact failure solve step",
          "step": "step coaxial solve scene run failure contact", "": "io scene run view batch plan lab"}
 LEFT_OUT = re.compile(r"^(golden|apps|docs|package|device|bench)/|checkpoint_mutants|test_limits|test_touching_wires")
@@ -106,8 +106,8 @@ def by_hand():
         if len(where) != 1:
             sys.exit(f"tests/mutants/by_hand.txt: got {len(where)} lines of {file} with `{before}`; expected one. Fix: bring the row up to date.")
         line = lines[where[0]]
-        room = Path(file).parent.name
-        yield dict(file=file, line=where[0] + 1, kind="by hand", room=room if room in TESTS else "step" if room == "world" else "", before=line.strip(),
+        room = {"nodes": "rod", "world": "step", "stages": "step"}.get(Path(file).parent.name, Path(file).parent.name)
+        yield dict(file=file, line=where[0] + 1, kind="by hand", room=room if room in TESTS else "", before=line.strip(),
                    after=line.replace(before, after).strip(), text=line.replace(before, after))
 
 

@@ -1,8 +1,8 @@
 // What splits and merges of a common centreline bent in space do to each instrument's twist and spin.
 #include "newton/momentum.h"
+#include "nodes/coaxial_nodes.h"
 #include "rod/clamp.h"
 #include "rod/coaxial_fixture.h"
-#include "rod/coaxial_nodes.h"
 
 #include <doctest/doctest.h>
 
@@ -111,7 +111,7 @@ void check_merge(int node, bool base)
 
 }  // namespace
 
-TEST_SUITE("rod/coaxial_nodes")
+TEST_SUITE("nodes/coaxial_nodes")
 {
     TEST_CASE("property: a merge changes every instrument's twist at both ends of the merged edge alike")
     {

@@ -3,6 +3,7 @@
 
 #include "run/bent_feed.h"
 #include "run/key_frames.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

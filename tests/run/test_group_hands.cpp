@@ -3,6 +3,7 @@
 #include "run/key_frames.h"
 #include "scene/scene.h"
 #include "run/step_twin.h"
+#include "setup/scene_setup.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

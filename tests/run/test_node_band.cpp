@@ -2,6 +2,7 @@
 
 #include "run/bent_feed.h"
 #include "run/key_frames.h"
+#include "setup/scene_setup.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -3,6 +3,7 @@
 
 #include "run/joint_readings.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

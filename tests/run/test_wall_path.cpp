@@ -2,6 +2,7 @@
 
 #include "scene/scene.h"
 #include "run/wall_path.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -2,6 +2,7 @@
 
 #include "engine.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 

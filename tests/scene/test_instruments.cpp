@@ -2,10 +2,11 @@
 // docs/instruments.md.
 #include "core/error.h"
 #include "engine.h"
-#include "scene/instruments.h"
 #include "run/key_frames.h"
+#include "scene/instruments.h"
 #include "scene/scene.h"
-#include "scene/vessel_load.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -3,7 +3,8 @@
 #include "core/error.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
-#include "scene/vessel_load.h"
+#include "setup/scene_setup.h"
+#include "setup/vessel_load.h"
 #include "support/error_text.h"
 
 #include <doctest/doctest.h>

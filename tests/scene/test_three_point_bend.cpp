@@ -2,6 +2,7 @@
 
 #include "scene/instruments.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -5,6 +5,7 @@
 #include "session/hand_channel.h"
 #include "session/hand_packet.h"
 #include "session/session.h"
+#include "setup/scene_setup.h"
 
 #include <arpa/inet.h>
 #include <doctest/doctest.h>

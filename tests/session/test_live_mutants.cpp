@@ -6,6 +6,7 @@
 #include "session/web_server.h"
 
 #include "session/session_fixture.h"
+#include "setup/scene_setup.h"
 #include "support/tries.h"
 
 #include <doctest/doctest.h>

@@ -4,6 +4,7 @@
 #include "session/session.h"
 
 #include "session/session_fixture.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 #include "support/tries.h"

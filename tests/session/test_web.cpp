@@ -6,6 +6,7 @@
 
 #include "session/session.h"
 #include "session/session_fixture.h"
+#include "setup/scene_setup.h"
 #include "support/skip.h"
 
 #include <sys/resource.h>

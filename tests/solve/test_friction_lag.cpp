@@ -1,8 +1,8 @@
 // A wire turned at its base while a wall holds it back all along: how much torque that takes, how far the tip lags, and the dead
 // band when the turning is reversed. Contact and friction are those of the engine, on a plane.
 #include "contact/contact_system.h"
+#include "shapes/shapes.h"
 #include "solve/wire_fixture.h"
-#include "vessel/shapes.h"
 #include "world/world.h"
 
 #include <algorithm>

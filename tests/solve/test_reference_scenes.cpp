@@ -4,6 +4,7 @@
 
 #include "engine.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

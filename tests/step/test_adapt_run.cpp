@@ -1,6 +1,6 @@
 // Adaptive nodes in a run: hand force, saved states, holds, length.
 
-#include "world/step_stages.h"
+#include "stages/step_stages.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "engine.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "support/temporary_folder.h"
 
 #include <doctest/doctest.h>

@@ -2,6 +2,7 @@
 
 #include "run/key_frames.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>

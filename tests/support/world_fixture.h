@@ -1,9 +1,9 @@
 #pragma once
 // Worlds for tests: wires in a tube or over a plane, fed or placed.
 
+#include "shapes/shapes.h"
 #include "support/approx.h"
 #include "support/fed_world.h"
-#include "vessel/shapes.h"
 #include "world/world.h"
 
 #include <cmath>

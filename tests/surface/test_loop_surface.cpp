@@ -1,8 +1,8 @@
 // The limit surface of Loop subdivision: its functions, derivatives, rims, and the closest point.
 #include "core/error.h"
+#include "shapes/subdivide.h"
 #include "support/approx.h"
 #include "surface/loop_surface.h"
-#include "vessel/subdivide.h"
 #include "wall/wall_fixtures.h"
 
 #include <doctest/doctest.h>

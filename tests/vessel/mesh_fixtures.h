@@ -1,7 +1,7 @@
 #pragma once
 // Meshes made by hand for tests of the vessel.
 
-#include "vessel/shapes.h"
+#include "shapes/shapes.h"
 #include "vessel/triangle_geometry.h"
 #include "vessel/wall_mesh.h"
 

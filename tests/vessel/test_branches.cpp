@@ -1,6 +1,6 @@
 // Branches of a centreline: their numbers, their mouths, and the one that a point lies in.
+#include "shapes/aortic_arch.h"
 #include "support/approx.h"
-#include "vessel/aortic_arch.h"
 #include "vessel/branches.h"
 
 #include <doctest/doctest.h>

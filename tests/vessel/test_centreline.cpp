@@ -1,8 +1,8 @@
 // The extracted axis of generated vessels, whose axes are known, and the tree's own methods.
 #include "mesh_fixtures.h"
 #include "repair/repair.h"
+#include "shapes/aortic_arch.h"
 #include "support/approx.h"
-#include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
 

@@ -2,8 +2,8 @@
 
 #include "vessel/ridges.h"
 
+#include "shapes/shapes.h"
 #include "support/approx.h"
-#include "vessel/shapes.h"
 
 #include <doctest/doctest.h>
 

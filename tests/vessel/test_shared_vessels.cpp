@@ -1,8 +1,8 @@
 // The eight public patient vessels of the shared reference data: they load, are repaired where they are broken, and their
 // centrelines agree with the table beside them. Skipped where the data are not there.
-#include "mesh_fixtures.h"
 #include "io/mesh_file.h"
-#include "scene/vessel_load.h"
+#include "mesh_fixtures.h"
+#include "setup/vessel_load.h"
 #include "support/approx.h"
 #include "support/shared_folder.h"
 #include "vessel/inlets.h"

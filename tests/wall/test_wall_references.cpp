@@ -5,6 +5,7 @@
 #include "support/approx.h"
 #include "engine.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

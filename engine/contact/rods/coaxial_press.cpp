@@ -2,7 +2,7 @@
 
 #include "contact/rods/coaxial_friction.h"
 
-#include "rod/coaxial_nodes.h"
+#include "nodes/coaxial_nodes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -72,9 +72,9 @@ public:
     /// the next step stress is without what the mesh cuts off under the instruments (wall/wall_resolution.h).
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
-    /// How far the finite length of a wire's edges has its tip from its position, estimated from its shape (rod/adapt.h) [m].
+    /// How far the finite length of a wire's edges has its tip from its position, estimated from its shape (nodes/adapt.h) [m].
     [[nodiscard]] double node_error(int wire) const;
-    /// Bending energy of a wire, and how far the finite length of its edges has it from that of a smooth one (rod/adapt.h). Zeros for an
+    /// Bending energy of a wire, and how far the finite length of its edges has it from that of a smooth one (nodes/adapt.h). Zeros for an
     /// instrument without nodes, because it shares another's centreline.
     [[nodiscard]] BendingError bending_error(int wire) const;
     /// How the last step() or settle() went.

@@ -42,7 +42,7 @@ struct CoaxialSpec {
     bool lumen_friction = false;  // merged: also mu times the force between them at their clearance (contact/rods/coaxial_friction.h)
 };
 
-/// What a world is made from. The vessel has been read and repaired already (io/mesh_file.h, repair/repair.h, vessel/shapes.h).
+/// What a world is made from. The vessel has been read and repaired already (io/mesh_file.h, repair/repair.h, shapes/shapes.h).
 struct WorldSetup {
     Vec3 gravity = {0, 0, -9.81};  // [m/s^2]
     bool start_settled = false;    // the first settle() lets every contact stick: the wire rests where it lies

@@ -1,0 +1,93 @@
+// The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
+
+#include "contact/contact_sums.h"
+#include "contact/elastic/yielding_wall.h"
+#include "device/device.h"
+#include "repair/repair.h"
+#include "stages/step_stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+// Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
+// touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
+// it (a sample that passes the wall has touched it before, and says so).
+bool needs_audit(WorldData& world, int wire, double dt)
+{
+    const Detection detection = world.setup.wires[wire].contact.detection;
+    if (!world.forces.wall || detection == Detection::Swept || !world.state.is_solved(wire)) return false;
+    if (detection != Detection::Capsule) return world.state.steps % 10 == 0;
+    const RodView rod = world.rod(wire);
+    double fastest = 0;
+    for (int i = 0; i < rod.n; ++i) fastest = std::max(fastest, rod.vel(i).norm());
+    return fastest * dt > 0.5 * rod.radius[0];
+}
+
+void audit_outside(WorldData& world, int wire)
+{
+    if (!world.output.lumen) {
+        const bool open = world.setup.vessel.shape != VesselShape::Plane;  // a plane's edge is no opening
+        world.output.lumen =
+            std::make_unique<LumenQuery>(world.setup.mesh, open ? describe(world.setup.mesh).loops : std::vector<BoundaryLoop>{});
+    }
+    const RodView rod = world.rod(wire);
+    if (world.forces.yielding) world.forces.yielding->carry_back(world.state.rods, wire);
+    double& outside = world.output.results[wire].contact.outside;
+    // where the wall was before it moved
+    const RodView seen = world.forces.unmoved_rods ? world.forces.unmoved_rods->view(wire) : rod;
+    const auto look = [&](const Vec3& p) {
+        const LumenPlace place = world.output.lumen->locate(p);
+        if (place.opening < 0) outside = std::max(outside, -place.signed_distance);
+    };
+    for (int j = 0; j + 1 < rod.n; ++j) {
+        look(seen.pos(j));
+        look((seen.pos(j) + seen.pos(j + 1)) / 2);
+    }
+}
+
+bool is_finite(const RodView& rod)
+{
+    for (int i = 0; i < rod.n; ++i)
+        if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) return false;
+    return true;
+}
+
+/// A reading can overflow where the state does not: whoever steps a world gets a flag instead of a NaN in a table.
+bool is_finite(const WireResult& r)
+{
+    const double all = r.hand_force + r.hand_torque + r.contact.normal + r.contact.friction + r.kinetic + r.elastic + r.gravitational;
+    return std::isfinite(all) && r.base_force.allFinite();
+}
+
+/// The samples that readings are taken from against the forces that the solver balanced (contact/contact_sums.h).
+bool samples_add_up(const WorldData& world, int wire)
+{
+    const WireLoads &wall = world.output.wall_loads[wire], &others = world.output.instrument_loads[wire];
+    return add_up(wall.normal + others.normal, wall.friction + others.friction, wall.samples.size() + others.samples.size(),
+                  world.output.results[wire].contact, world.forces.context && world.forces.context->float32());
+}
+
+}  // namespace
+
+void check_state(WorldData& world, double dt, StepReport& report)
+{
+    world.state.time = std::ranges::max_element(world.state.wires, {}, &WireState::time)->time;
+    world.output.loads_known = false;
+    gather_loads(world);
+    for (int w = 0; w < world.wire_count(); ++w) {
+        if (world.systems.is_retired(w)) continue;
+        if (!is_finite(world.rod(w)) || !is_finite(world.output.results[w])) note(world, report, w, StepNonFinite);
+        // readings of a failed wire belong to another state than the one that was restored
+        if (!world.output.reports[w].failed() && !samples_add_up(world, w)) note(world, report, w, StepContactSums);
+        if (needs_audit(world, w, dt)) audit_outside(world, w);
+        if (world.forces.yielding && world.forces.yielding->move_share(world.systems.of(w)) > 1)
+            note(world, report, w, StepWallFar);
+        if (world.output.results[w].contact.outside > 0) note(world, report, w, StepWallPenetration);
+    }
+}
+
+}  // namespace seldinger
