@@ -18,8 +18,11 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 Valleys::Touch Valleys::touch_of(std::uint32_t record, const ContactState& state) const
 {
     const QuadraturePlace& place = quadrature_.places[record / 2];
-    return {record, vec(state.normal),
-            (1 - place.bary) * nodes_.position(place.edge) + place.bary * nodes_.position(place.edge + 1), -state.gap, state.normal_force,
+    return {record,
+            vec(state.normal),
+            (1 - place.bary) * nodes_.position(place.edge) + place.bary * nodes_.position(place.edge + 1),
+            -state.gap,
+            state.normal_force,
             false};
 }
 
@@ -92,7 +95,8 @@ std::span<const Kink> Valleys::from_base(int wire, int first_node)
     Wire& of = wires_[static_cast<std::size_t>(wire)];
     of.kinks.clear();
     for (const Crossing& c : of.crossings)
-        of.kinks.push_back({static_cast<int>(sums_.edge_node[c.edge]) - first_node, c.bary, c.across, c.base_force, c.rest, c.width});
+        of.kinks.push_back(
+            {static_cast<int>(sums_.edge_node[c.edge]) - first_node, c.bary, c.across, c.base_force, c.rest, c.width});
     return of.kinks;
 }
 

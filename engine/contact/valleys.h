@@ -62,9 +62,9 @@ private:
         std::uint32_t record;
         int edge;  // among the sums
         double bary;
-        Vec3 force;        // that is missing [N]
-        Vec3 across;       // w
-        double stiffness;  // along w w^T [N/m]
+        Vec3 force;                      // that is missing [N]
+        Vec3 across;                     // w
+        double stiffness;                // along w w^T [N/m]
         double base_force, rest, width;  // as the base sees it: see Kink
     };
     struct Wire {

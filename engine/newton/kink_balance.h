@@ -24,9 +24,9 @@ struct KinkBalance {
     static constexpr int most = 16;
     struct Met {
         Kink kink;
-        int first;           // unknown of its wire
-        double free_move;    // w . d there [m]
-        double force = 0;    // p [N]
+        int first;         // unknown of its wire
+        double free_move;  // w . d there [m]
+        double force = 0;  // p [N]
     };
 
     /// w . x where the contact is.

@@ -145,7 +145,8 @@ TEST_SUITE("contact/valleys")
         CHECK(kink.node == 0);
         CHECK(kink.bary == bary);
         CHECK(kink.force == force);
-        const double turn = 2 * std::sin(tilt), eps = smoothing * r * (std::hypot(turn, 2 * smoothing) - 2 * smoothing), half = eps / turn;
+        const double turn = 2 * std::sin(tilt), eps = smoothing * r * (std::hypot(turn, 2 * smoothing) - 2 * smoothing),
+                     half = eps / turn;
         const auto share = [&](double to) { return (kink.rest + kink.across.dot(Vec3(0, to - y, 0))) / kink.width; };
         CHECK(std::abs(share(half)) < 1e-6);
         CHECK(share(0) == about(0.5).epsilon(1e-6));
