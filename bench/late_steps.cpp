@@ -3,6 +3,7 @@
 //     late_steps SCENE.toml [--worst 200] [--keep FILE] [--set table.key=value]…      runs the scene
 //     late_steps SCENE.toml --replay FILE [--repeat 1] [--set table.key=value]…       takes the kept steps again
 //     … [--trials FILE]                                                                a row for each trial of the kept steps
+//     … [--least N]                                                                    causes and trials of all steps of N iterations and more
 //     … [--cut N]                                                                      steps whose time is up at the trial N (World::cut_when)
 //     … [--session FILE]                                                               moves the hubs as this record of a live session has it
 //     … [--steps N]                                                                    the first N steps only
@@ -49,7 +50,8 @@ struct Options {
     std::vector<std::string> overrides;
     std::size_t worst = 200;
     int repeat = 1;
-    int cut = 0;  // 0: never
+    int cut = 0;    // 0: never
+    int least = 0;  // 0: the kept steps
     long steps = std::numeric_limits<long>::max();
 };
 
@@ -68,6 +70,7 @@ Options read_options(int argc, char** argv)
         else if (word == "--session") options.session = value();
         else if (word == "--repeat") options.repeat = std::max(1, std::atoi(value().c_str()));
         else if (word == "--cut") options.cut = std::max(0, std::atoi(value().c_str()));
+        else if (word == "--least") options.least = std::max(0, std::atoi(value().c_str()));
         else if (word == "--steps") options.steps = std::max(1L, std::atol(value().c_str()));
         else if (word == "--set") options.overrides.push_back(value());
         else if (options.scene.empty() && word[0] != '-') options.scene = word;
@@ -390,9 +393,10 @@ void take_again(World& world, const Scene& scene, Hubs& hubs, std::vector<Step>&
     }
 }
 
-std::vector<Step> run_scene(World& world, const Scene& scene, Hubs& hubs, std::vector<Step>& kept, std::size_t worst, int cut)
+std::vector<Step> run_scene(World& world, const Scene& scene, Hubs& hubs, std::vector<Step>& kept, const Options& options)
 {
-    Recorder recorder(world, false, cut);
+    const std::size_t worst = options.worst;
+    Recorder recorder(world, options.least > 0, options.cut);
     std::vector<Step> steps;
     int least = 2;  // iterations of a step that is kept
     const auto thin_out = [&] {
@@ -421,7 +425,14 @@ int run(const Options& options)
     Hubs hubs(scene, options.session, options.steps);
     std::vector<Step> kept;
     if (options.replay.empty()) {
-        print_steps(run_scene(world, scene, hubs, kept, options.worst, options.cut));
+        std::vector<Step> all = run_scene(world, scene, hubs, kept, options);
+        print_steps(all);
+        if (options.least > 0) {
+            std::erase_if(all, [&](const Step& s) { return s.iterations < options.least; });
+            fmt::print("\n{} steps of {} iterations and more:\n", all.size(), options.least);
+            print_causes(all);
+            if (!options.trials.empty()) write_trials(options.trials, all);
+        }
         if (!options.keep.empty()) write_kept(options.keep, kept);
         fmt::print("state        {}\n\nthe {} of most iterations, taken again:\n", world.state_hash(), kept.size());
     } else {
@@ -430,7 +441,7 @@ int run(const Options& options)
     if (kept.empty()) return 0;
     take_again(world, scene, hubs, kept, true, 1, options.cut);
     print_causes(kept);
-    if (!options.trials.empty()) write_trials(options.trials, kept);
+    if (!options.trials.empty() && options.least == 0) write_trials(options.trials, kept);
     fmt::print("\n");
     take_again(world, scene, hubs, kept, false, options.repeat, options.cut);
     print_steps(kept);

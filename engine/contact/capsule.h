@@ -24,6 +24,7 @@ public:
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
     [[nodiscard]] TermAnswer answer(int wire, Ask what) override;
     void take(int wire, Base base, std::span<double> kinks) override;
+    [[nodiscard]] std::span<const Kink> kinks(int wire) override { return valleys_.from_base(wire, rods_.node_begin(wire)); }
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
     void commit(std::span<const std::uint8_t> active) override;

@@ -18,8 +18,12 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 Valleys::Touch Valleys::touch_of(std::uint32_t record, const ContactState& state) const
 {
     const QuadraturePlace& place = quadrature_.places[record / 2];
-    return {record, vec(state.normal),
-            (1 - place.bary) * nodes_.position(place.edge) + place.bary * nodes_.position(place.edge + 1), -state.gap, false};
+    return {record,
+            vec(state.normal),
+            (1 - place.bary) * nodes_.position(place.edge) + place.bary * nodes_.position(place.edge + 1),
+            -state.gap,
+            state.normal_force,
+            false};
 }
 
 /// f(edge, touch, state) of each contact of a wire.
@@ -80,9 +84,20 @@ KinksPassed Valleys::crossed(int wire, std::span<const ContactState> states, con
             passed.share = before / (before + beyond);
             passed.width = 2 * eps / (before + beyond);
         }
-        of.crossings.push_back({record, edge, quadrature_.places[record / 2].bary, stiffness * rest * across, across, stiffness});
+        of.crossings.push_back({record, edge, quadrature_.places[record / 2].bary, stiffness * rest * across, across, stiffness,
+                                was->force, eps - before, 2 * eps});
     });
     return passed;
+}
+
+std::span<const Kink> Valleys::from_base(int wire, int first_node)
+{
+    Wire& of = wires_[static_cast<std::size_t>(wire)];
+    of.kinks.clear();
+    for (const Crossing& c : of.crossings)
+        of.kinks.push_back(
+            {static_cast<int>(sums_.edge_node[c.edge]) - first_node, c.bary, c.across, c.base_force, c.rest, c.width});
+    return of.kinks;
 }
 
 void Valleys::admit(int wire, int first_node, std::span<double> residual)

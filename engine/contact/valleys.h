@@ -35,6 +35,7 @@ public:
         for (Wire& wire : wires_) {
             wire.base.reserve(128);
             wire.crossings.reserve(16);
+            wire.kinks.reserve(16);
         }
     }
 
@@ -45,6 +46,8 @@ public:
     /// Whether contacts at the trial have gone over a valley since the base, or into one. Share: of the way there at which the one
     /// with the largest turn of its force has.
     KinksPassed crossed(int wire, std::span<const ContactState> states, const ActiveList& list, double smoothing);
+    /// The valleys that crossed() found, as the base sees them; valid until the next call.
+    [[nodiscard]] std::span<const Kink> from_base(int wire, int first_node);
     /// Adds the valleys that crossed() found: the missing forces to the residual, tangents to the sums.
     void admit(int wire, int first_node, std::span<double> residual);
 
@@ -52,20 +55,22 @@ private:
     struct Touch {
         std::uint32_t record;
         Vec3 normal, axis;
-        double depth;
+        double depth, force;
         bool admitted;  // the direction from here knows of its valley
     };
     struct Crossing {
         std::uint32_t record;
         int edge;  // among the sums
         double bary;
-        Vec3 force;        // that is missing [N]
-        Vec3 across;       // w
-        double stiffness;  // along w w^T [N/m]
+        Vec3 force;                      // that is missing [N]
+        Vec3 across;                     // w
+        double stiffness;                // along w w^T [N/m]
+        double base_force, rest, width;  // as the base sees it: see Kink
     };
     struct Wire {
         std::vector<Touch> base;  // in order of their records
         std::vector<Crossing> crossings;
+        std::vector<Kink> kinks;
         bool admitted = false;
     };
     [[nodiscard]] Touch touch_of(std::uint32_t record, const ContactState& state) const;

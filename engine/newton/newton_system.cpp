@@ -158,7 +158,7 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
         phase_ = Phase::Done;
         return true;
     }
-    if (jump == Jump::Passed || acceptable()) return false;
+    if (jump == Jump::Passed || acceptable(terms)) return false;
     if (at_kink()) phase_ = Phase::Done;
     return true;
 }
@@ -223,6 +223,7 @@ void NewtonSystem::launch()
     const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
     first_alpha_ = 1;
     valley_ = 0;
+    redirected_ = false;
     if (move > move_limit_) first_alpha_ = move_limit_ / move;
     if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
     set_trial(first_alpha_);

@@ -16,8 +16,8 @@
 // than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of these,
 // which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
 // evaluation then meets the terms' own curvature only. A contact that goes over a valley of the wall, from facet to facet, leaves
-// its curvature's sight: where a trial has, the direction from it leads to the valley (contact/valleys.h). Where instruments touch,
-// the factors may serve for the next direction too: the correction of the test is that direction (keeps_factors).
+// its curvature's sight: where a trial has, the direction from it leads to the valley (contact/valleys.h). Where the step's first
+// trial fails for that, all its valleys are balanced together first (kink_balance.h). Where instruments touch, the factors may serve for the next direction too: the correction of the test is that direction (keeps_factors).
 //
 // Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, just large enough to make the exact matrix positive definite, turns
 // each iteration into a step of pseudo-time, judged by that step's equations. It leaves saddles and snaps through folds, and is
@@ -109,8 +109,10 @@ private:
     void backtrack(double open);
     void shorten(double alpha, double valley = 0);
     [[nodiscard]] double across_valley(double slope) const;
-    [[nodiscard]] bool acceptable();
-    [[nodiscard]] bool natural_test(bool slope_falls, double slope);
+    [[nodiscard]] bool acceptable(const ForceTerms& terms);
+    [[nodiscard]] bool natural_test(bool slope_falls, double slope, const ForceTerms& terms);
+    [[nodiscard]] bool redirect(const ForceTerms& terms);
+    void take_redirection_back();
     void correct();
     [[nodiscard]] Jump jump_of_force(const ForceTerms& terms);
     [[nodiscard]] bool at_kink() const;
@@ -134,12 +136,13 @@ private:
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false, refused_ = false;
+    bool redirected_ = false;  // the trial has been, to the balance of the kinks: correction_ is what this changed
     double valley_ = 0;       // the trial was shortened into a valley of this width, as a part of the direction; 0: it was not
     bool due_ = false, cut_short_ = false, base_can_be_ = false;
     int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0, times_grown_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0, base_share_ = 0;
-    KinksPassed crossed_;
+    KinksPassed crossed_, before_redirection_;
     std::vector<double> base_, base_residual_, direction_, correction_, guess_;  // [unknowns]
     std::span<double> scratch_;                                                  // in the workspace
 };

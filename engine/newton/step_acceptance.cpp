@@ -1,5 +1,6 @@
 // Decides whether a Newton trial is accepted, and otherwise which fraction of the direction is tried next.
 
+#include "newton/kink_balance.h"
 #include "newton/newton_system.h"
 
 #include <algorithm>
@@ -43,11 +44,16 @@ void NewtonSystem::shorten(double alpha, double valley)
 }
 
 /// The tests at the top of newton_system.h; a shorter trial, or one of a larger shift, is set when they fail.
-bool NewtonSystem::acceptable()
+bool NewtonSystem::acceptable(const ForceTerms& terms)
 {
+    if (redirected_) {
+        if (problem.residual_share() <= base_share_) return true;
+        take_redirection_back();
+        return false;
+    }
     const double slope = problem.residual_along(direction_);
     const bool slope_falls = std::abs(slope) <= std::max(0.9, 1 - alpha_ / 2) * std::abs(slope_);
-    if (!options_.pseudo_transient) return natural_test(slope_falls, slope);
+    if (!options_.pseudo_transient) return natural_test(slope_falls, slope, terms);
     if (slope_falls || slope <= 0) return true;
     raise_shift();
     return false;
@@ -55,7 +61,7 @@ bool NewtonSystem::acceptable()
 
 // |correction at alpha| <= (1 - alpha/4) |d|. Else from what the linear equations did not foresee of the correction, which grows
 // with alpha^2: omega = 2 |correction - (1 - alpha) d|/(alpha^2 |d|^2) gives the next alpha = 1/(omega |d|).
-bool NewtonSystem::natural_test(bool slope_falls, double slope)
+bool NewtonSystem::natural_test(bool slope_falls, double slope, const ForceTerms& terms)
 {
     correct();
     contraction_ = problem.norm(correction_) / direction_norm_;
@@ -67,6 +73,7 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
     }
     // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
     if ((valley_ > 0 || crossed_.entered) && problem.residual_share() <= base_share_) return true;
+    if (redirect(terms)) return false;
     if (crossed_.share < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
         shorten(std::max(crossed_.share, 0.1) * alpha_, crossed_.width * alpha_);
         return false;
@@ -80,6 +87,54 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
     const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
     shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
     return false;
+}
+
+/// Sets a trial where all kinks are balanced that the step's first one has gone over. In later iterations of a step, where balances
+/// of kinks lead from one to the next, it would go round in a circle. @return whether it has
+bool NewtonSystem::redirect(const ForceTerms& terms)
+{
+    if (crossed_.share == 1 || alpha_ != 1 || iterations_ - first_iteration_ > 1) return false;
+    KinkBalance balance;
+    int found = 0;
+    for (const WireProblem* wire : problem.solved()) {
+        const int first = static_cast<int>(wire->q.start.data() - problem.start.data());
+        terms.for_each_kink(wire->wire, [&](const Kink& kink) {
+            if (found++ < KinkBalance::most) balance.met[balance.count++] = {kink, first, 0, 0};
+        });
+    }
+    if (found == 0 || found > KinkBalance::most) return false;
+    const auto solve = [&](std::span<double> x) {
+        for (int i = 0; i < problem.size(); ++i)
+            if (problem.prescribed[i]) x[i] = 0;
+        model_.solve(x);
+    };
+    const std::span<double> column = part(scratch_), change = part(correction_);
+    for (int k = 0; k < found; ++k) {
+        std::fill(column.begin(), column.end(), 0.0);
+        KinkBalance::add(balance.met[k], 1, column);
+        solve(column);
+        for (int l = 0; l < found; ++l) balance.compliance[KinkBalance::most * l + k] = KinkBalance::along(balance.met[l], column);
+        balance.met[k].free_move = KinkBalance::along(balance.met[k], direction_);
+    }
+    balance.solve();
+    std::fill(change.begin(), change.end(), 0.0);
+    for (int k = 0; k < found; ++k) KinkBalance::add(balance.met[k], -balance.met[k].force, change);
+    solve(change);
+    for (int i = 0; i < problem.size(); ++i) {
+        direction_[i] += change[i];
+        problem.trial[i] += change[i];
+    }
+    problem.correct_tension(correction_);
+    before_redirection_ = crossed_;
+    return redirected_ = true;
+}
+
+/// The balance of the kinks leaves more than the base: into the valley of the largest turn, on the direction as it was.
+void NewtonSystem::take_redirection_back()
+{
+    for (int i = 0; i < problem.size(); ++i) direction_[i] -= correction_[i];
+    redirected_ = false;
+    shorten(std::max(before_redirection_.share, 0.1), before_redirection_.width);
 }
 
 /// The trial lies in the middle of a valley, where the force has turned by half of what it turns across. The derivative along d has

@@ -92,6 +92,15 @@ struct KinksPassed {
     KinksPassed& operator+=(const KinksPassed& other);
 };
 
+/// A kink that a contact has gone over, as the base sees it (newton/kink_balance.h).
+struct Kink {
+    int node;            // of the wire: the contact is between it and the next one
+    double bary;         // at (1 - bary) of the first and bary of the second
+    Vec3 across;         // w [-]
+    double force;        // f, at the base [N]
+    double rest, width;  // of z [m]
+};
+
 /// What a term is asked of a wire; what costs more is asked for alone.
 enum class Ask { Trial, Kinks, Energies };
 
@@ -134,6 +143,8 @@ public:
                         bool /*symmetric*/) const
     {
     }
+    /// Kinks that Ask::Kinks has found to be passed; valid until the next call.
+    [[nodiscard]] virtual std::span<const Kink> kinks(int /*wire*/) { return {}; }
     enum class Base { Trial, Start };
     /// The next trials start from the wire's last evaluated one, or again from the start of the step.
     /// @param kinks  not empty: a residual, to which is added what leads the direction from the trial to the kinks that Ask::Kinks has
@@ -178,6 +189,13 @@ public:
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const;
     void take(int wire, ForceTerm::Base base, std::span<double> kinks = {}) const;
+    /// f(kink) of each that Ask::Kinks has found.
+    template <class F>
+    void for_each_kink(int wire, const F& f) const
+    {
+        for (ForceTerm* term : list_)
+            for (const Kink& kink : term->kinks(wire)) f(kink);
+    }
     /// Each term renews its own data. @param again  [wires] overwritten: those to be solved on
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) const;
     void commit(std::span<const std::uint8_t> active) const;

@@ -53,6 +53,7 @@ public:
     double share() { return valleys_.crossed(0, states_, list_, smoothing).share; }
     bool entered() { return valleys_.crossed(0, states_, list_, smoothing).entered; }
     bool crossed() { return share() < 1; }
+    Kink kink() { return valleys_.from_base(0, 0).front(); }
     void take() { valleys_.take(0, states_, list_); }
     /// What is admitted: force that is missing where the point is, and stiffness, of the axis point.
     std::pair<Vec3, Mat3> admit()
@@ -129,6 +130,27 @@ TEST_SUITE("contact/valleys")
         CHECK(point.share() == about(0.25).epsilon(1e-6));
         const double turn = 2 * std::sin(tilt), eps = smoothing * r * (std::hypot(turn, 2 * smoothing) - 2 * smoothing);
         CHECK(point.passed().width == about(2 * eps / (turn * 12e-6)).epsilon(1e-6));
+    }
+
+    // z is 0 where the valley begins and 1 where it ends, which is as far beyond the line
+    TEST_CASE("analytic: a kink's share of the second facet, as the base sees it")
+    {
+        constexpr double y = 3e-6;
+        OverPlanes point(1);
+        point.move_to(y);
+        point.take();
+        point.move_to(-9e-6);
+        REQUIRE(point.crossed());
+        const Kink kink = point.kink();
+        CHECK(kink.node == 0);
+        CHECK(kink.bary == bary);
+        CHECK(kink.force == force);
+        const double turn = 2 * std::sin(tilt), eps = smoothing * r * (std::hypot(turn, 2 * smoothing) - 2 * smoothing),
+                     half = eps / turn;
+        const auto share = [&](double to) { return (kink.rest + kink.across.dot(Vec3(0, to - y, 0))) / kink.width; };
+        CHECK(std::abs(share(half)) < 1e-6);
+        CHECK(share(0) == about(0.5).epsilon(1e-6));
+        CHECK(share(-half) == about(1.0).epsilon(1e-6));
     }
 
     TEST_CASE("property: nothing is missing on one facet, within the smooth maximum, and over a ridge")

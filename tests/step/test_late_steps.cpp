@@ -50,13 +50,14 @@ double in_groove(double share)
 
 // Experiment 2 in the project's arch. Without the curvature of ridges in the tangent and directions that lead into valleys, 1.8 %
 // of its steps take more than six iterations, and ten are halved; with both 0.3 %, and none. Where a force jumps at corners of three
-// facets, or an edge is joined with its own facet, some take 30; else 9. The bounds are between them.
+// facets, or an edge is joined with its own facet, some take 30; else 9. The bounds are between them. More than four
+// iterations are taken by 0.5 %; by 1.3 % if the valleys that a step's first trial goes over are not balanced together.
 TEST_CASE("property: steps over a faceted wall seldom take many iterations")
 {
     const Scene scene = read_scene(std::filesystem::path(SEL_SOURCE_DIR) / "assets/scenes/experiment2.toml");
     World world(make_setup(scene));
     const KeyFrames keys(scene);
-    long late = 0, halved = 0, refused = 0, trials = 0;
+    long late = 0, over_four = 0, halved = 0, refused = 0, trials = 0;
     int most = 0;
     data_of(world).solver->watch([&](const NewtonTrial& trial) {
         ++trials;
@@ -66,13 +67,16 @@ TEST_CASE("property: steps over a faceted wall seldom take many iterations")
         const StepReport report = step(world, keys.control(), scene.dt);
         REQUIRE_FALSE(report.failed());
         late += report.newton_iterations > 6;
+        over_four += report.newton_iterations > 4;
         most = std::max(most, report.newton_iterations);
         halved += report.sub_steps > 1;
     }
     CAPTURE(late);
+    CAPTURE(over_four);
     CAPTURE(halved);
     CAPTURE(most);
     CHECK(late < scene.steps() / 500);
+    CHECK(over_four < scene.steps() / 110);
     CHECK(most < 18);
     CHECK(halved < 5);
     CHECK(trials > scene.steps());  // each step is told of
