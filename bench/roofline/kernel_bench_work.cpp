@@ -157,9 +157,10 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
         for (std::size_t e = 0; e < edges; ++e)
             for (uint k = 0; k < pair_counts[e]; ++k) {
                 real bary;
+                ContactForce force;
                 const LayerPair pair{static_cast<uint>(e), found[e * slots + k], 0, 0};
-                (void)evaluate_pair(pair, s.layer_edges[e], s.par, s.now(), s.before(), wall.vertices.data(), s.states_t0[0],
-                                    states.data(), &bary);
+                evaluate_pair(pair, s.layer_edges[e], s.par, s.now(), s.before(), wall.vertices.data(), s.states_t0[0],
+                              states.data(), &force, &bary);
             }
         return layer_pairs;
     });

@@ -1,5 +1,6 @@
 // Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
 //   launch  engine/contact/rods/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
+#define SEL_LAW_FN SEL_STAGE_CALL
 #include "shared/instrument_stages.h"
 #include "shared/kernel.h"
 

@@ -1,6 +1,6 @@
 // The published layer detection: pairs of an edge, and their forces. Their sums: edge_sums.cl.
 //   launch  engine/contact/layer.cpp       test  tests/contact/test_layer.cpp, tests/contact/test_host_reference.cpp
-#define SEL_SUMS_IN_MEMORY 0  // rare: not in stages (shared/contact_stages.h)
+#define SEL_LAW_FN SEL_STAGE_CALL
 #include "shared/kernel.h"
 #include "shared/layer.h"
 
@@ -23,20 +23,24 @@ SEL_WALK_KERNEL void layer_find(const ContactParams par, __global const LayerEdg
 //   item    one pair, ordered by edge and triangle
 //   reads   pairs [item_count]; edges; wall; nodes, at the trial and at the start of the step; states_t0 of the last step's pairs
 //   writes  states, forces, barys [item_count]
-SEL_KERNEL void layer_evaluate(const ContactParams par, __global const LayerPair* restrict pairs,
+SEL_WALK_KERNEL void layer_evaluate(const ContactParams par, __global const LayerPair* restrict pairs,
                                __global const LayerEdge* restrict edges, SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS(node),
                                SEL_NODE_ARGUMENTS(node_t0), __global const ContactState* restrict states_t0,
                                __global ContactState* restrict states, __global ContactForce* restrict forces,
                                __global real* restrict barys)
 {
     const uint item = get_global_id(0);
-    if (item < par.item_count) {
-        const LayerPair pair = pairs[item];
-        const LayerEdge edge = edges[pair.edge];
-        real bary;
-        const ContactState old = pair.last != SEL_NO_EDGE ? states_t0[pair.last] : empty_pair(pair.triangle, edge.reach);
-        write_force(evaluate_pair(pair, edge, par, SEL_NODES(node), SEL_NODES(node_t0), wall_vertices, old, states + item, &bary),
-                    forces + item);
-        barys[item] = bary;
-    }
+    if (item >= par.item_count) return;
+    const LayerPair pair = pairs[item];
+    const LayerEdge edge = edges[pair.edge];
+    const ContactState old = pair.last != SEL_NO_EDGE ? states_t0[pair.last] : empty_pair(pair.triangle, edge.reach);
+#if SEL_SUMS_IN_MEMORY
+    evaluate_pair(pair, edge, par, SEL_NODES(node), SEL_NODES(node_t0), wall_vertices, old, states + item, forces + item, barys + item);
+#else
+    ContactState now;
+    ContactForce force;
+    evaluate_pair(pair, edge, par, SEL_NODES(node), SEL_NODES(node_t0), wall_vertices, old, &now, &force, barys + item);
+    states[item] = now;
+    write_force(force, forces + item);
+#endif
 }

@@ -215,11 +215,13 @@ SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real in
         if (!due[k] || missed[k] != 0 || missed[k + SEL_BLOCK] != 0) continue;
         due[k] = 0;
         DeepPoint nearest;
-        nearest.x = make_vec3(x[0][k], x[1][k], x[2][k]);
-        nearest.n = make_vec3(n[0][k], n[1][k], n[2][k]);
-        nearest.gap = gap[k];
-        nearest.s = s[k];
-        nearest.at = place[k];
+        for (uint i = 0; i < 3; ++i) {
+            nearest.x[i] = x[i][k];
+            nearest.n[i] = n[i][k];
+        }
+        nearest.mark.gap = gap[k];
+        nearest.mark.s = s[k];
+        nearest.mark.at = place[k];
         write_deepest(&cells[k].scene, nearest, following(gap[k], gap[k + SEL_BLOCK], inv_dt), cells[k].epoch, &now[k]);
     }
 }
@@ -257,8 +259,9 @@ SEL_FN void cell_force(const SlotCell* its, CellEnds ends, int ends_known, Instr
     }
     LawContext c = slot_law(its->surface_a, its->surface_b, pair, fresh, its->epoch, par);
     CellRule rule;
-    const CellTouch touch = whole ? push_whole(scene, middle, (real)0.5 * length, beside, *old, &c, &rule, now, force, points)
-                                  : push_pieces(scene, &pieces, *old, fresh, &c, &rule, now, force, points);
+    CellTouch touch;
+    if (whole) push_whole(scene, middle, (real)0.5 * length, beside, *old, &c, &rule, &touch, now, force, points);
+    else push_pieces(scene, &pieces, *old, fresh, &c, &rule, &touch, now, force, points);
     if (force->count > 0) finish_cell(scene, touch, *old, fresh, &c, now, force);
 }
 

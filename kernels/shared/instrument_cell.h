@@ -28,7 +28,7 @@ SEL_FN vec3 point_near(SplineView rod, real s, uint edge)
 SEL_STAGE_FN real gap_at_start(const InstrumentScene* scene, real s, real start)
 {
 #if SEL_SUMS_IN_MEMORY
-    return mark_between_rods(scene, scene->a_t0, scene->b_t0, s, start).gap;
+    return point_between_rods(scene, scene->a_t0, scene->b_t0, s, start).s0;
 #else
     return instrument_gap(scene->b_t0, point_near(scene->a_t0, s, scene->edge), start, part_for(scene, scene->b_t0, s)).gap;
 #endif
@@ -87,23 +87,6 @@ typedef struct GaussPoints {
     real s[SEL_PIECE_POINTS], start[SEL_PIECE_POINTS], weight[SEL_PIECE_POINTS];
 } GaussPoints;
 
-// Where a cell is deepest: on a's axis, and the direction there.
-typedef struct DeepPoint {
-    vec3 x, n;
-    real gap, s, at;  // at: along b's curve
-} DeepPoint;
-
-SEL_FN DeepPoint deep_point(const InstrumentScene* scene, const CellPoint* point)
-{
-    DeepPoint deep;
-    deep.x = spline_sum(scene->a, point->a.node, point->a.w);
-    deep.n = point->g.n;
-    deep.gap = point->gap;
-    deep.s = point->s;
-    deep.at = point->g.at;
-    return deep;
-}
-
 // A stretch's points while it is integrated.
 typedef struct CellRule {
     GaussPoints along;
@@ -111,44 +94,45 @@ typedef struct CellRule {
     real gap[SEL_PIECE_POINTS];
 } CellRule;
 
-// What the points of a stretch have exerted.
-typedef struct Pushed {
-    real moment;  // sum of force times s
-    DeepPoint deepest;
-} Pushed;
-
-// @param rule  gap is written
-SEL_FN Pushed push_points(const InstrumentScene* scene, SEL_OUT CellRule* rule, Closing closing, const LawContext* c,
-                          SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+// @param deepest  of the points, is written, and so is rule->gap; 0: nobody asks     @return sum of force times s
+SEL_FN real push_points(const InstrumentScene* scene, SEL_OUT CellRule* rule, SEL_OUT DeepPoint* deepest, int fresh,
+                        real approach, const LawContext* c, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     SEL_OUT const GaussPoints* along = &rule->along;
     SEL_OUT const LanePlaces* lanes = &rule->lanes;
-    Pushed pushed;
-    pushed.moment = 0;
+    real moment = 0;
     SEL_ONCE for (uint k = 0; k < SEL_PIECE_POINTS; ++k)
     {
         const real before = out->normal_sum;
+        CellPlace place;
+        place.of_a = lanes->of_a[k];
+        place.near.at = lanes->at[k];
+        place.near.bound = 0;  // what lanes find is short of b's ends and its mouth
+        if (!lanes->known) find_place(scene, along->s[k], along->start[k], &place);
         CellPoint point;
-        if (lanes->known) set_point_at(scene, along->s[k], lanes->of_a[k], lanes->at[k], &point);
-        else set_point(scene, along->s[k], along->start[k], &point);
-        rule->gap[k] = point.gap;
-        if (k == 0 || point.gap < pushed.deepest.gap) pushed.deepest = deep_point(scene, &point);
+        set_point_at(scene, scene->part, along->s[k], place, &point);
+        if (deepest) rule->gap[k] = point.gap;
+        if (deepest && (k == 0 || point.gap < deepest->mark.gap)) *deepest = deep_point(scene, &point);
         if (point.gap >= 0) continue;
-        Closing here = closing;
-        here.depth = -point.gap;
+        Closing here;
+        here.fresh = fresh;
+        here.approach = approach;
+        here.depth = here.depth_t0 = -point.gap;
+        here.rate = here.rate_t0 = 0;
+        here.deepens = 0;
         if (c->par.inv_dt > 0 && c->m.damping > 0) {
             const real gap_t0 = lanes->known_t0 ? lanes->gap[SEL_PIECE_POINTS + k] : gap_at_start(scene, along->s[k], point.g.at);
             here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
             here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
         }
         push_at(&point, along->weight[k], here, c, out, points);
-        pushed.moment += (out->normal_sum - before) * along->s[k];
+        moment += (out->normal_sum - before) * along->s[k];
     }
-    return pushed;
+    return moment;
 }
 
 // The normal force between two ends of the touching part of a piece. @return its moment: sum of force times s
-SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
+SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, int fresh, real approach, const LawContext* c,
                        SEL_OUT CellRule* rule, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const real half_length = (real)0.5 * (right.s - left.s), middle = (real)0.5 * (left.s + right.s);
@@ -159,7 +143,7 @@ SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark rig
         along->weight[k] = half_length * gauss_weight(k);
     }
     places_in_lanes(scene, along->s, along->start, spline_at_near(scene->a, middle, scene->edge), &rule->lanes);
-    return push_points(scene, rule, closing, c, out, points).moment;
+    return push_points(scene, rule, 0, fresh, approach, c, out, points);
 }
 
 SEL_FN InstrumentState no_instrument_state(void)
@@ -202,14 +186,16 @@ SEL_FN Closing cell_closing(const InstrumentScene* scene, CellMark deepest, Cont
 SEL_FN void write_deepest(const InstrumentScene* scene, DeepPoint at, Closing closing, uint epoch, SEL_OUT InstrumentState* now)
 {
     now->contact.epoch = epoch;
-    now->contact.gap = at.gap;
+    now->contact.gap = at.mark.gap;
     now->contact.rate = closing.rate;
     now->contact.approach = closing.approach;
-    store_vec(now->contact.normal, at.n);
-    store_vec(now->contact.point, at.x - (scene->part.reach_a + at.gap) * at.n);
-    now->along_a = at.s;
-    now->along_b = spline_material(scene->b, at.at);
-    now->contact.triangle = edge_near(scene->b, now->along_b, (uint)at.at);
+    for (uint k = 0; k < 3; ++k) {
+        now->contact.normal[k] = at.n[k];
+        now->contact.point[k] = at.x[k] - (scene->part.reach_a + at.mark.gap) * at.n[k];
+    }
+    now->along_a = at.mark.s;
+    now->along_b = spline_material(scene->b, at.mark.at);
+    now->contact.triangle = edge_near(scene->b, now->along_b, (uint)at.mark.at);
 }
 
 // What of a cell that touches nothing is known to the next step: how it closes. (Its approach speed is taken when it touches.)
@@ -224,14 +210,15 @@ SEL_FN Closing following(real gap, real gap_t0, real inv_dt)
 SEL_STAGE_FN void follow_cell(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
 {
     const CellMark least = cell->least[cell->deepest];
-    const CellPoint bottom = cell_point(scene, least.s, least.at);
-    write_deepest(scene, deep_point(scene, &bottom), following(bottom.gap, gap_at_start(scene, bottom.s, bottom.g.at), inv_dt),
-                  epoch, now);
+    const DeepPoint bottom = cell_bottom(scene, least);
+    write_deepest(scene, bottom, following(bottom.mark.gap, gap_at_start(scene, bottom.mark.s, bottom.mark.at), inv_dt), epoch,
+                  now);
 }
 
 // A cell's contact: sum of force times s, metres that touch, middle of the contact on b.
 typedef struct CellTouch {
     real moment, length, at;
+    DeepPoint deepest;  // of a cell that is taken as a whole
 } CellTouch;
 
 #define SEL_WHOLE ((real)0.25)  // of the deepest: a cell that is as deep all along is taken as a whole
@@ -248,29 +235,27 @@ SEL_FN int touches_whole(const InstrumentScene* scene, SEL_OUT const CellPieces*
 }
 
 // What a cell that touches exerts, piece by piece.
-SEL_STAGE_FN CellTouch push_pieces(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, ContactState old, int fresh,
-                               const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out,
-                               SEL_GLOBAL InstrumentPoint* points)
+SEL_STAGE_FN void push_pieces(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, ContactState old, int fresh,
+                              const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT CellTouch* touch, SEL_OUT InstrumentState* now,
+                              SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const CellMark least = cell->least[cell->deepest];
-    const CellPoint bottom = cell_point(scene, least.s, least.at);
-    const Closing closing = cell_closing(scene, mark_of(&bottom), old, fresh, c);
-    write_deepest(scene, deep_point(scene, &bottom), closing, c->mv.epoch, now);
+    const DeepPoint bottom = cell_bottom(scene, least);
+    const Closing closing = cell_closing(scene, bottom.mark, old, fresh, c);
+    write_deepest(scene, bottom, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
-    CellTouch touch;
-    touch.moment = touch.length = 0;
-    touch.at = least.at;
+    touch->moment = touch->length = 0;
+    touch->at = least.at;
     SEL_ONCE for (uint k = 0; k < cell->cuts.pieces; ++k)
     {
         if (cell->least[k].gap >= 0) continue;
         const CellMark left = cell->cuts.at[k], right = cell->cuts.at[k + 1];
         const CellMark from = left.gap < 0 ? left : gap_zero(scene, cell->least[k], left);
         const CellMark until = right.gap < 0 ? right : gap_zero(scene, cell->least[k], right);
-        touch.moment += push_along(scene, from, until, closing, c, rule, out, points);
-        touch.length += until.s - from.s;
+        touch->length += until.s - from.s;
+        touch->moment += push_along(scene, from, until, fresh, closing.approach, c, rule, out, points);
     }
     if (touches_whole(scene, cell)) now->contact.flags |= SEL_CONTACT_WHOLE;
-    return touch;
 }
 
 // What the cubic through the values at four Gauss points is at an end of the cell. @param k0, k1, k2, k3  the points, from that end on
@@ -300,8 +285,7 @@ SEL_FN CellBeside beside_lumen(const InstrumentScene* scene, SEL_GLOBAL const In
 // @param start  where on b to look     @return 0: there is nothing beside it
 SEL_FN int beside_other(const InstrumentScene* scene, real middle, real start, CellBeside* beside)
 {
-    CellPoint point;
-    set_point(scene, middle, start, &point);
+    const CellPoint point = cell_point(scene, middle, start);
     if (point.gap >= SEL_FAR) return 0;
     const vec3 along_a = spline_sum(scene->a, point.a.node, point.a.d),
                along_b = spline_sum(scene->b, point.g.b.node, point.g.b.d);
@@ -312,9 +296,9 @@ SEL_FN int beside_other(const InstrumentScene* scene, real middle, real start, C
 
 // What a cell that touched all along at the start of the step exerts.
 // @param middle  of the cell [m]
-SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half_length, CellBeside beside, ContactState old,
-                            const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out,
-                            SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void push_whole(const InstrumentScene* scene, real middle, real half_length, CellBeside beside, ContactState old,
+                       const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT CellTouch* touch, SEL_OUT InstrumentState* now,
+                       SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     SEL_OUT GaussPoints* along = &rule->along;
     for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
@@ -323,35 +307,31 @@ SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half
         along->start[k] = beside.at + beside.onwards * way;
         along->weight[k] = half_length * gauss_weight(k);
     }
+    own_places_in_lanes(scene, along->s, along->start, &rule->lanes);
+    touch->length = 2 * half_length;
+    touch->at = beside.at;
     Closing closing;
     closing.fresh = 0;
     closing.approach = max_r(old.approach, c->m.speed_floor);
     closing.rate_t0 = old.rate;
-    closing.rate = closing.depth = closing.depth_t0 = 0;
-    closing.deepens = 0;
-    own_places_in_lanes(scene, along->s, along->start, &rule->lanes);
-    const Pushed pushed = push_points(scene, rule, closing, c, out, points);
-    real least = pushed.deepest.gap, most = max_r(max_r(rule->gap[0], rule->gap[1]), max_r(rule->gap[2], rule->gap[3]));
+    touch->moment = push_points(scene, rule, &touch->deepest, closing.fresh, closing.approach, c, out, points);
+    const DeepPoint deepest = touch->deepest;
+    real least = deepest.mark.gap, most = max_r(max_r(rule->gap[0], rule->gap[1]), max_r(rule->gap[2], rule->gap[3]));
     if (most < SEL_FAR) {
         const real first = at_end(rule->gap, 0, 1, 2, 3), last = at_end(rule->gap, 3, 2, 1, 0);
         least = min_r(least, min_r(first, last));
         most = max_r(most, max_r(first, last));
     }
-    const real gap_t0 = gap_at_start(scene, pushed.deepest.s, pushed.deepest.at);
+    const real gap_t0 = gap_at_start(scene, deepest.mark.s, deepest.mark.at);
     closing.depth = -least;
-    closing.depth_t0 = gap_t0 < SEL_FAR ? pushed.deepest.gap - gap_t0 - least : closing.depth;
+    closing.depth_t0 = gap_t0 < SEL_FAR ? deepest.mark.gap - gap_t0 - least : closing.depth;
     closing.deepens = closing.depth > closing.depth_t0;
     closing.rate = (closing.depth - closing.depth_t0) * c->par.inv_dt;
-    write_deepest(scene, pushed.deepest, closing, c->mv.epoch, now);
+    write_deepest(scene, deepest, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     out->depth = -least;
     const real low = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low : (real)-1;
     if (most <= SEL_WHOLE * least && min_r(along->start[0], along->start[3]) > low) now->contact.flags |= SEL_CONTACT_WHOLE;
-    CellTouch touch;
-    touch.moment = pushed.moment;
-    touch.length = 2 * half_length;
-    touch.at = beside.at;
-    return touch;
 }
 
 // The state of a cell that has pushed, and its friction.

@@ -10,15 +10,6 @@
 
 SEL_BEGIN
 
-// A macro, since `to` may be in any memory.
-#define store_vec(to, v)              \
-    do {                              \
-        const vec3 stored = (v);      \
-        (to)[0] = stored.x;           \
-        (to)[1] = stored.y;           \
-        (to)[2] = stored.z;           \
-    } while (0)
-
 // One rod's surface at the contact: what its nodes do to it.
 typedef struct SurfaceMotion {
     SplinePlace place;

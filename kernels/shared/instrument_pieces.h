@@ -51,39 +51,34 @@ SEL_FN void measure_slope(const InstrumentScene* scene, CellPoint* point)
     point->slope = dot3(point->g.n, along) / sqrt(dot3(along, along));
 }
 
-// Where a point is nearest to b is looked for from `start`.
+// Where a point of the cell is on a, and the nearest on b.
+typedef struct CellPlace {
+    real of_a;
+    Closest near;
+} CellPlace;
+
+// @param start  where on b to look
+SEL_FN CellPlace searched_place(const InstrumentScene* scene, GapPart part, real s, real start)
+{
+    CellPlace place;
+    place.of_a = spline_at_near(scene->a, s, scene->edge);
+    const SplinePlace a = spline_place(place.of_a, scene->a.count);
+    place.near = closest_on(scene->b, spline_sum(scene->a, a.node, a.w), start, part.low, part.high);
+    return place;
+}
+
+SEL_FN void set_point_at(const InstrumentScene* scene, GapPart part, real s, CellPlace place, CellPoint* point)
+{
+    point->s = s;
+    point->a = spline_place(place.of_a, scene->a.count);
+    set_gap(scene->b, spline_sum(scene->a, point->a.node, point->a.w), place.near, part, &point->g);
+    measure_slope(scene, point);
+}
+
 SEL_FN void find_point(const InstrumentScene* scene, real s, real start, CellPoint* point)
 {
     const GapPart part = part_for(scene, scene->b, s);
-    point->s = s;
-    point->a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
-    const vec3 x = spline_sum(scene->a, point->a.node, point->a.w);
-    set_gap(scene->b, x, closest_on(scene->b, x, start, part.low, part.high), part, &point->g);
-    measure_slope(scene, point);
-}
-
-SEL_STAGE_FN void set_point(const InstrumentScene* scene, real s, real start, CellPoint* point)
-{
-    find_point(scene, s, start, point);
-}
-
-// Its place on a, and the nearest on b, short of its ends and its mouth, are known.
-SEL_FN void set_point_at(const InstrumentScene* scene, real s, real of_a, real at, CellPoint* point)
-{
-    Closest near;
-    near.at = at;
-    near.bound = 0;
-    point->s = s;
-    point->a = spline_place(of_a, scene->a.count);
-    set_gap(scene->b, spline_sum(scene->a, point->a.node, point->a.w), near, scene->part, &point->g);
-    measure_slope(scene, point);
-}
-
-SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
-{
-    CellPoint point;
-    set_point(scene, s, start, &point);
-    return point;
+    set_point_at(scene, part, s, searched_place(scene, part, s, start), point);
 }
 
 // Data of a point of the cell during the search of the cell.
@@ -101,12 +96,48 @@ SEL_FN CellMark mark_of(const CellPoint* point)
     return mark;
 }
 
+// A macro, since `to` may be in any memory.
+#define store_vec(to, v)         \
+    do {                         \
+        const vec3 stored = (v); \
+        (to)[0] = stored.x;      \
+        (to)[1] = stored.y;      \
+        (to)[2] = stored.z;      \
+    } while (0)
+
+// Where a cell is deepest: on a's axis, and the direction there.
+typedef struct DeepPoint {
+    CellMark mark;
+    real x[3], n[3];  // not vec3, whose size is not the same on a card
+} DeepPoint;
+
+SEL_FN DeepPoint deep_point(const InstrumentScene* scene, const CellPoint* point)
+{
+    DeepPoint deep;
+    deep.mark = mark_of(point);
+    store_vec(deep.x, spline_sum(scene->a, point->a.node, point->a.w));
+    store_vec(deep.n, point->g.n);
+    return deep;
+}
+
 #if SEL_SUMS_IN_MEMORY
-// @return gap, its slope, where on b
-SEL_CALL vec3 mark_of_values(SEL_GLOBAL const real* a_position, SEL_GLOBAL const real* a_material, uint a_count,
-                                                      SEL_GLOBAL const real* b_position, SEL_GLOBAL const real* b_material,
-                                                      uint b_count, uint edge, uint kind, real low, real high, real reach_a,
-                                                      real reach_b, real rim, real s, real start)
+    #ifdef SEL_FLOAT32
+typedef float8 CalledPoint;
+    #else
+typedef double8 CalledPoint;
+    #endif
+
+SEL_FN CalledPoint called_point(const CellPoint* point, CellPlace place)
+{
+    const vec3 n = point->g.n;
+    return (CalledPoint)(point->gap, point->slope, point->g.at, n.x, n.y, n.z, place.of_a, (real)place.near.bound);
+}
+
+// @param kind  touch, low_ends, high_ends     low  of one rod with itself: InstrumentScene.apart
+SEL_CALL CalledPoint point_of_values(SEL_GLOBAL const real* a_position, SEL_GLOBAL const real* a_material, uint a_count,
+                                     SEL_GLOBAL const real* b_position, SEL_GLOBAL const real* b_material, uint b_count,
+                                     uint edge, uint kind, real low, real high, real reach_a, real reach_b, real rim, real s,
+                                     real start)
 {
     InstrumentScene scene;
     scene.a.position = a_position;
@@ -116,54 +147,107 @@ SEL_CALL vec3 mark_of_values(SEL_GLOBAL const real* a_position, SEL_GLOBAL const
     scene.b.material = b_material;
     scene.b.count = b_count;
     scene.edge = edge;
-    scene.part.touch = kind & 1u ? SEL_TOUCH_INSIDE : SEL_TOUCH_OUTSIDE;  // of one rod with itself `low` is known
-    scene.part.low_ends = kind >> 1 & 1u;
-    scene.part.high_ends = kind >> 2;
+    scene.apart = low;
+    scene.part.touch = kind & 3u;
+    scene.part.low_ends = kind >> 2 & 1u;
+    scene.part.high_ends = kind >> 3;
     scene.part.low = low;
     scene.part.high = high;
     scene.part.reach_a = reach_a;
     scene.part.reach_b = reach_b;
     scene.part.rim = rim;
+    const GapPart part = part_for(&scene, scene.b, s);
+    const CellPlace place = searched_place(&scene, part, s, start);
     CellPoint point;
-    find_point(&scene, s, start, &point);
-    return make_vec3(point.gap, point.slope, point.g.at);
+    set_point_at(&scene, part, s, place, &point);
+    return called_point(&point, place);
 }
 
-SEL_FN CellMark called_mark(real s, vec3 got)
+SEL_FN CellMark called_mark(real s, CalledPoint got)
 {
     CellMark mark;
     mark.s = s;
-    mark.gap = got.x;
-    mark.slope = got.y;
-    mark.at = got.z;
+    mark.gap = got.s0;
+    mark.slope = got.s1;
+    mark.at = got.s2;
     return mark;
 }
 
-// A mark of the rods a and b as they are at one time. On a card it is called with values alone: a scene whose address is handed over lies
-// in scratch memory, and in line it would be 13 kB each time.
-SEL_FN CellMark mark_between_rods(const InstrumentScene* scene, SplineView a, SplineView b, real s, real start)
+SEL_FN CellPlace called_place(CalledPoint got)
 {
-    const GapPart part = part_for(scene, b, s);
-    const uint kind =
-        (uint)(part.touch == SEL_TOUCH_INSIDE) | (uint)(part.low_ends != 0) << 1 | (uint)(part.high_ends != 0) << 2;
-    const vec3 got = mark_of_values(a.position, a.material, a.count, b.position, b.material, b.count, scene->edge, kind, part.low,
-                                     part.high, part.reach_a, part.reach_b, part.rim, s, start);
-    return called_mark(s, got);
+    CellPlace place;
+    place.of_a = got.s6;
+    place.near.at = got.s2;
+    place.near.bound = (int)got.s7;
+    return place;
+}
+
+SEL_FN DeepPoint called_deep(const InstrumentScene* scene, real s, CalledPoint got)
+{
+    DeepPoint deep;
+    deep.mark = called_mark(s, got);
+    const SplinePlace a = spline_place(got.s6, scene->a.count);
+    store_vec(deep.x, spline_sum(scene->a, a.node, a.w));
+    store_vec(deep.n, make_vec3(got.s3, got.s4, got.s5));
+    return deep;
+}
+
+// A point of the rods a and b as they are at one time. On a card it is called with values alone: a scene whose address is handed over
+// lies in scratch memory, and in line it would be 13 kB each time.
+SEL_FN CalledPoint point_between_rods(const InstrumentScene* scene, SplineView a, SplineView b, real s, real start)
+{
+    const GapPart part = scene->part;
+    const uint kind = part.touch | (uint)(part.low_ends != 0) << 2 | (uint)(part.high_ends != 0) << 3;
+    const real low = part.touch == SEL_TOUCH_SELF ? scene->apart : part.low;
+    return point_of_values(a.position, a.material, a.count, b.position, b.material, b.count, scene->edge, kind, low, part.high,
+                           part.reach_a, part.reach_b, part.rim, s, start);
 }
 
 SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
 {
-    return mark_between_rods(scene, scene->a, scene->b, s, start);
+    return called_mark(s, point_between_rods(scene, scene->a, scene->b, s, start));
+}
+
+SEL_FN void find_place(const InstrumentScene* scene, real s, real start, CellPlace* place)
+{
+    *place = called_place(point_between_rods(scene, scene->a, scene->b, s, start));
+}
+
+SEL_FN DeepPoint cell_bottom(const InstrumentScene* scene, CellMark near)
+{
+    return called_deep(scene, near.s, point_between_rods(scene, scene->a, scene->b, near.s, near.at));
 }
 #else
 // In line, find_point() is left without the gap's Hessian.
-SEL_STAGE_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
+SEL_CALL CellMark cell_mark(const InstrumentScene* scene, real s, real start)
 {
     CellPoint point;
     find_point(scene, s, start, &point);
     return mark_of(&point);
 }
+
+SEL_CALL void find_place(const InstrumentScene* scene, real s, real start, CellPlace* place)
+{
+    *place = searched_place(scene, part_for(scene, scene->b, s), s, start);
+}
+
+// @param near  of the deepest mark
+SEL_CALL DeepPoint cell_bottom(const InstrumentScene* scene, CellMark near)
+{
+    CellPoint point;
+    find_point(scene, near.s, near.at, &point);
+    return deep_point(scene, &point);
+}
 #endif
+
+SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
+{
+    CellPlace place;
+    CellPoint point;
+    find_place(scene, s, start, &place);
+    set_point_at(scene, part_for(scene, scene->b, s), s, place, &point);
+    return point;
+}
 
 // A mark between two others, a share of the path from the first to the second: looked for where these say that it is.
 SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)

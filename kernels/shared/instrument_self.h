@@ -97,10 +97,9 @@ SEL_FN CellPoint self_point(const SelfScene* self, real s)
 }
 
 #if SEL_SUMS_IN_MEMORY
-// See mark_of_values().
-SEL_CALL vec3 self_mark_of_values(SEL_GLOBAL const real* position, SEL_GLOBAL const real* material,
-                                                           uint count, uint edge, real from, real until, real apart, real reach_a,
-                                                           real reach_b, real s)
+// See point_of_values().
+SEL_CALL CalledPoint self_point_of_values(SEL_GLOBAL const real* position, SEL_GLOBAL const real* material, uint count, uint edge,
+                                          real from, real until, real apart, real reach_a, real reach_b, real s)
 {
     SelfScene self;
     self.scene.a.position = position;
@@ -115,21 +114,33 @@ SEL_CALL vec3 self_mark_of_values(SEL_GLOBAL const real* position, SEL_GLOBAL co
     self.scene.part.rim = 0;
     self.from = from;
     self.until = until;
+    CellPlace place;
+    place.of_a = spline_at_near(self.scene.a, s, edge);
+    place.near.bound = 0;
     const CellPoint point = self_point(&self, s);
-    return make_vec3(point.gap, point.slope, point.g.at);
+    return called_point(&point, place);
 }
 
-SEL_FN CellMark self_mark(const SelfScene* self, real s)
+SEL_FN CalledPoint called_self(const SelfScene* self, real s)
 {
     const InstrumentScene* scene = &self->scene;
-    return called_mark(s, self_mark_of_values(scene->a.position, scene->a.material, scene->a.count, scene->edge, self->from, self->until,
-                                              scene->apart, scene->part.reach_a, scene->part.reach_b, s));
+    return self_point_of_values(scene->a.position, scene->a.material, scene->a.count, scene->edge, self->from, self->until,
+                                scene->apart, scene->part.reach_a, scene->part.reach_b, s);
 }
+
+SEL_FN CellMark self_mark(const SelfScene* self, real s) { return called_mark(s, called_self(self, s)); }
+SEL_FN DeepPoint self_bottom(const SelfScene* self, real s) { return called_deep(&self->scene, s, called_self(self, s)); }
 #else
 SEL_FN CellMark self_mark(const SelfScene* self, real s)
 {
     const CellPoint point = self_point(self, s);
     return mark_of(&point);
+}
+
+SEL_FN DeepPoint self_bottom(const SelfScene* self, real s)
+{
+    const CellPoint point = self_point(self, s);
+    return deep_point(&self->scene, &point);
 }
 #endif
 
@@ -499,10 +510,10 @@ SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, r
 // The state of a cell that touches nothing: how it closes.
 SEL_FN void follow_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
 {
-    const CellPoint bottom = self_point(self, touch->deepest.s);
+    const DeepPoint bottom = self_bottom(self, touch->deepest.s);
     Closing closing;
-    closing.rate = closing.approach = closing_rate(&self->scene, mark_of(&bottom), inv_dt);
-    write_deepest(&self->scene, deep_point(&self->scene, &bottom), closing, epoch, now);
+    closing.rate = closing.approach = closing_rate(&self->scene, bottom.mark, inv_dt);
+    write_deepest(&self->scene, bottom, closing, epoch, now);
 }
 
 // How a cell that touches closes where it is deepest.
@@ -510,9 +521,9 @@ SEL_FN Closing self_closing(const SelfScene* self, SEL_OUT const SelfTouch* touc
                             const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
 {
     const InstrumentScene* scene = &self->scene;
-    const CellPoint bottom = self_point(self, touch->deepest.s);
-    Closing closing = cell_closing(scene, cell_mark(scene, bottom.s, bottom.g.at), old, fresh, c);
-    write_deepest(scene, deep_point(scene, &bottom), closing, c->mv.epoch, now);
+    const DeepPoint bottom = self_bottom(self, touch->deepest.s);
+    Closing closing = cell_closing(scene, cell_mark(scene, bottom.mark.s, bottom.mark.at), old, fresh, c);
+    write_deepest(scene, bottom, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     closing.approach = max_r(closing.approach, critical_speed(closing.depth_t0, line_mass, c->m));
     return closing;

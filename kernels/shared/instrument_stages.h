@@ -121,7 +121,7 @@ SEL_FN void stage_push(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL cons
 {
     if (!stage->pushes || stage->whole) return;
     const StagedLaw law = cell_law(its, pair, states_t0, par);
-    stage->touch = push_pieces(&its->scene, &stage->pieces, law.old, law.fresh, &law.c, &stage->rule, now, force, points);
+    push_pieces(&its->scene, &stage->pieces, law.old, law.fresh, &law.c, &stage->rule, &stage->touch, now, force, points);
 }
 
 SEL_FN void stage_whole(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL const InstrumentState* states_t0,
@@ -130,8 +130,8 @@ SEL_FN void stage_whole(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL con
 {
     if (!stage->pushes || !stage->whole) return;
     const StagedLaw law = cell_law(its, pair, states_t0, par);
-    stage->touch = push_whole(&its->scene, (real)0.5 * (its->s0 + its->s1), (real)0.5 * (its->s1 - its->s0), stage->beside, law.old,
-                              &law.c, &stage->rule, now, force, points);
+    push_whole(&its->scene, (real)0.5 * (its->s0 + its->s1), (real)0.5 * (its->s1 - its->s0), stage->beside, law.old, &law.c,
+               &stage->rule, &stage->touch, now, force, points);
 }
 
 SEL_FN void stage_rub_cell(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL const InstrumentState* states_t0,

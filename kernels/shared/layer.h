@@ -253,34 +253,31 @@ SEL_FN ContactPoint contact_of_ray(RayHit ray, vec3 p, uint triangle)
 }
 
 // Contact of one pair; *bary gets its place on the edge. old, now: its records; of the last step, and written.
-SEL_FN ContactForce evaluate_pair(LayerPair pair, LayerEdge e, ContactParams par, NodeView nodes, NodeView nodes_t0,
-                                  SEL_GLOBAL const float* vertices, ContactState old, SEL_GLOBAL ContactState* now, real* bary)
+SEL_FN void evaluate_pair(LayerPair pair, LayerEdge e, ContactParams par, NodeView nodes, NodeView nodes_t0,
+                          SEL_GLOBAL const float* vertices, ContactState old, SEL_OUT ContactState* now,
+                          SEL_OUT ContactForce* out, SEL_GLOBAL real* bary)
 {
-    ContactForce out = no_force(e.model);
-    out.depth = -e.reach;
-    ContactState state = empty_pair(pair.triangle, e.reach);
+    *out = no_force(e.model);
+    out->depth = -e.reach;
+    *now = empty_pair(pair.triangle, e.reach);
     const AxisPoint start = axis_point(e.node, 0, nodes);
     const Triangle tri = load_triangle(vertices, pair.triangle, start.origin);
     const RayHit ray = ray_against_wire(tri, start.offset, start.edge, e.model.radius);
     *bary = clamp_r(ray.bary, 0, 1);
-    if (ray.hit) {
-        QuadraturePlace place;
-        place.edge = place.edge_t0 = e.node;
-        place.bary = place.bary_t0 = *bary;
-        place.epoch = e.epoch;
-        place.pad = 0;
-        place.radius_reduction = 0;
-        AxisPoint at = start;
-        at.offset = start.offset + *bary * start.edge;
-        LawContext c;
-        c.m = e.model;
-        c.par = par;
-        c.mv = motion_of(place, at, nodes, nodes_t0);
-        add_contact_point(contact_of_ray(ray, at.offset, pair.triangle), at.origin + at.offset, old, no_multiplier(), &c, &state,
-                          &out);
-    }
-    *now = state;
-    return out;
+    if (!ray.hit) return;
+    QuadraturePlace place;
+    place.edge = place.edge_t0 = e.node;
+    place.bary = place.bary_t0 = *bary;
+    place.epoch = e.epoch;
+    place.pad = 0;
+    place.radius_reduction = 0;
+    AxisPoint at = start;
+    at.offset = start.offset + *bary * start.edge;
+    LawContext c;
+    c.m = e.model;
+    c.par = par;
+    c.mv = motion_of(place, at, nodes, nodes_t0);
+    add_contact_point(contact_of_ray(ray, at.offset, pair.triangle), at.origin + at.offset, old, no_multiplier(), &c, now, out);
 }
 
 SEL_END

@@ -26,6 +26,7 @@
 #define SEL_SHARED_MULTIPLIER_LAW_H
 #include "shared/contact_types.h"
 #include "shared/elementary.h"
+#include "shared/normal_law.h"
 
 SEL_BEGIN
 
@@ -51,14 +52,16 @@ SEL_FN real impulse_goal(real depth_t0, real rate_t0, real inv_dt, QuadratureMod
 
 // Depth at which the wall's own law, unhardened, carries `force` per metre: what the half-width of (D10) is reckoned from where
 // the law in use does not sink in.
-SEL_FN real depth_carrying(real force, QuadratureModel m)
+SEL_LAW_FN real depth_of_values(real force, real stiffness, real exponent)
 {
-    const real q = force / m.stiffness;
-    if (m.exponent == (real)1.5) return cube_root(q * q);
-    if (m.exponent == 1) return q;
-    if (m.exponent == 2) return sqrt(q);
-    return pow(q, 1 / m.exponent);
+    const real q = force / stiffness;
+    if (exponent == (real)1.5) return cube_root(q * q);
+    if (exponent == 1) return q;
+    if (exponent == 2) return sqrt(q);
+    return any_power(q, 1 / exponent);
 }
+
+SEL_FN real depth_carrying(real force, QuadratureModel m) { return depth_of_values(force, m.stiffness, m.exponent); }
 
 SEL_END
 #endif

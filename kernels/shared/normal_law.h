@@ -18,42 +18,57 @@ SEL_BEGIN
 #define SEL_HARDENING_END ((real)0.999)  // fraction of depth_max from which the law continues as its tangent
 #define SEL_BLOCKED_AT ((real)0.9995)    // fraction of depth_max beyond which a deepening trial is refused
 
+// How the longer ones of the laws' functions are had: instruments.cl, whose stages have many in line, calls them.
+#ifndef SEL_LAW_FN
+    #define SEL_LAW_FN SEL_FN
+#endif
+
+SEL_LAW_FN real any_power(real x, real exponent) { return pow(x, exponent); }
+
 SEL_FN real depth_power(real depth, real exponent)
 {
     if (exponent == (real)1.5) return depth * sqrt(depth);
     if (exponent == 1) return depth;
     if (exponent == (real)0.5) return sqrt(depth);
     if (exponent == 2) return depth * depth;
-    return pow(depth, exponent);
+    return any_power(depth, exponent);
 }
 
 // h, and its growth h'/h.
-SEL_FN real hardening(real depth, QuadratureModel m, real* growth)
+SEL_FN real hardening(real depth, real limit, real exact, real* growth)
 {
     *growth = 0;
-    if (m.depth_limit <= 0 || depth <= m.depth_exact) return 1;
-    if (m.depth_exact <= 0) {
-        const real h = 1 / (1 - depth / m.depth_limit);
-        *growth = h / m.depth_limit;
+    if (limit <= 0 || depth <= exact) return 1;
+    if (exact <= 0) {
+        const real h = 1 / (1 - depth / limit);
+        *growth = h / limit;
         return h;
     }
-    const real span = m.depth_limit - m.depth_exact, strength = m.depth_limit / span;
-    const real x = (depth - m.depth_exact) / span, rest = 1 - x;
+    const real span = limit - exact, strength = limit / span;
+    const real x = (depth - exact) / span, rest = 1 - x;
     const real h = 1 + strength * x * x / rest;
     *growth = strength * x * (2 - x) / (rest * rest * span * h);
     return h;
 }
 
+// @return the force, its slope, 0
+SEL_LAW_FN vec3 elastic_of_values(real depth, real stiffness, real exponent, real limit, real exact)
+{
+    const real end = limit > 0 ? SEL_HARDENING_END * limit : depth;
+    const real inside = depth < end ? depth : end;
+    const real power = stiffness * depth_power(inside, exponent);
+    real growth;
+    const real force = power * hardening(inside, limit, exact, &growth);
+    const real slope = force * (exponent / inside + growth);
+    return make_vec3(force + slope * (depth - inside), slope, 0);
+}
+
 // Static normal law per metre and its derivative; depth > 0.
 SEL_FN real elastic_normal(real depth, QuadratureModel m, real* slope)
 {
-    const real end = m.depth_limit > 0 ? SEL_HARDENING_END * m.depth_limit : depth;
-    const real inside = depth < end ? depth : end;
-    const real power = m.stiffness * depth_power(inside, m.exponent);
-    real growth;
-    const real force = power * hardening(inside, m, &growth);
-    *slope = force * (m.exponent / inside + growth);
-    return force + *slope * (depth - inside);
+    const vec3 law = elastic_of_values(depth, m.stiffness, m.exponent, m.depth_limit, m.depth_exact);
+    *slope = law.y;
+    return law.x;
 }
 
 // Damped law per metre. rate = (depth - depth_t0) inv_dt.

@@ -73,8 +73,10 @@ SEL_BEGIN
 #endif
 #if SEL_SUMS_IN_MEMORY
     #define SEL_OUT __global
+    #define SEL_STAGE_CALL SEL_CALL  // what stages call, with values alone: an argument's address would be one in scratch memory
 #else
     #define SEL_OUT
+    #define SEL_STAGE_CALL SEL_FN
 #endif
 
 // own products rather than dot() and cross(): a device may fuse or reorder the built-in ones

@@ -66,22 +66,32 @@ SEL_FN vec3 node_at(SplineView rod, uint i)
 }
 
 // sum of weight times node. Nodes without weight are skipped.
-SEL_FN vec3 spline_sum(SplineView rod, uint node, const real* weight)
+SEL_STAGE_CALL vec3 weighted_nodes(SEL_GLOBAL const real* position, uint node, real w0, real w1, real w2)
 {
+    const real weight[3] = {w0, w1, w2};
     vec3 sum = make_vec3(0, 0, 0);
-    for (uint k = 0; k < 3; ++k)
-        if (weight[k] != 0) sum = sum + weight[k] * node_at(rod, node + k);
+    for (uint k = 0; k < 3; ++k) {
+        SEL_GLOBAL const real* x = position + 3 * (node + k);
+        if (weight[k] != 0) sum = sum + weight[k] * make_vec3(x[0], x[1], x[2]);
+    }
     return sum;
 }
 
-SEL_FN real spline_material(SplineView rod, real at)
+SEL_FN vec3 spline_sum(SplineView rod, uint node, const real* weight)
 {
-    const SplinePlace p = spline_place(at, rod.count);
+    return weighted_nodes(rod.position, node, weight[0], weight[1], weight[2]);
+}
+
+SEL_STAGE_CALL real material_at(SEL_GLOBAL const real* material, uint count, real at)
+{
+    const SplinePlace p = spline_place(at, count);
     real s = 0;
     for (uint k = 0; k < 3; ++k)
-        if (p.w[k] != 0) s += p.w[k] * rod.material[p.node + k];
+        if (p.w[k] != 0) s += p.w[k] * material[p.node + k];
     return s;
 }
+
+SEL_FN real spline_material(SplineView rod, real at) { return material_at(rod.material, rod.count, at); }
 
 // Spins of the first two of a place's nodes, those of the two edges whose middles it lies between. Their weights, by the position
 // between these, are the derivative's. (The spin of the edge that a point lies on would jump as the point slides from one to the
@@ -129,8 +139,24 @@ SEL_FN real spline_at_edge(SplineView rod, real s, uint edge)
     return (real)node - (real)0.5 + clamp_r(2 * way / (before + root), 0, 1);
 }
 
-SEL_FN real spline_at(SplineView rod, real s) { return spline_at_edge(rod, s, edge_of_material(rod, s)); }
-SEL_FN real spline_at_near(SplineView rod, real s, uint from) { return spline_at_edge(rod, s, edge_near(rod, s, from)); }
+SEL_STAGE_CALL real place_of_material(SEL_GLOBAL const real* material, uint count, real s)
+{
+    SplineView rod;
+    rod.material = material;
+    rod.count = count;
+    return spline_at_edge(rod, s, edge_of_material(rod, s));
+}
+
+SEL_STAGE_CALL real place_of_material_near(SEL_GLOBAL const real* material, uint count, real s, uint from)
+{
+    SplineView rod;
+    rod.material = material;
+    rod.count = count;
+    return spline_at_edge(rod, s, edge_near(rod, s, from));
+}
+
+SEL_FN real spline_at(SplineView rod, real s) { return place_of_material(rod.material, rod.count, s); }
+SEL_FN real spline_at_near(SplineView rod, real s, uint from) { return place_of_material_near(rod.material, rod.count, s, from); }
 
 // Where on the curve a point's distance is least, near where it is looked for.
 typedef struct Closest {

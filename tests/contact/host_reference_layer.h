@@ -87,9 +87,10 @@ void layer_evaluate_case()
                 const LayerEdge& edge = edges[pairs[k].edge];
                 const ContactState old =
                     pairs[k].last != SEL_NO_EDGE ? s.states_t0[pairs[k].last] : empty_pair(pairs[k].triangle, edge.reach);
-                write_force(evaluate_pair(pairs[k], edge, s.par, s.now(), s.before(), s.wall.vertices.data(), old,
-                                          &host.states[k], &host.barys[k]),
-                            &host.forces[k]);
+                ContactForce force;
+                evaluate_pair(pairs[k], edge, s.par, s.now(), s.before(), s.wall.vertices.data(), old, &host.states[k], &force,
+                              &host.barys[k]);
+                write_force(force, &host.forces[k]);
             }
             ContactParams par = s.par;
             par.item_count = static_cast<uint>(n);

@@ -87,7 +87,7 @@ TEST_CASE("instrument lanes: places and gaps are those of searches one by one")
                     CHECK(std::abs(lanes.at[k] - one.g.at) < 1e-12);
                     CHECK(std::abs(lanes.gap[k] - one.gap) < 1e-15);
                     CellPoint at;
-                    set_point_at(&strands.scene, s[k], lanes.of_a[k], lanes.at[k], &at);
+                    set_point_at(&strands.scene, strands.scene.part, s[k], {lanes.of_a[k], {lanes.at[k], 0}}, &at);
                     CHECK(std::abs(at.slope - one.slope) < 1e-11);
                     CHECK(std::abs(at.g.bend - one.g.bend) < 1e-9 * std::abs(one.g.bend));
                     if (!lanes.known_t0) continue;

@@ -77,8 +77,8 @@ Exerted as_whole(const Lying& lying, int cell)
     const double middle = spacing * (cell + 0.5);
     REQUIRE(beside_other(&scene, middle, middle / edge, &beside));
     CellRule rule;
-    out.touch = push_whole(&scene, middle, 0.5 * spacing, beside, no_contact_state(), &lying.c, &rule, &out.state, &out.force,
-                           out.points.data());
+    push_whole(&scene, middle, 0.5 * spacing, beside, no_contact_state(), &lying.c, &rule, &out.touch, &out.state, &out.force,
+               out.points.data());
     return out;
 }
 
@@ -91,7 +91,7 @@ Exerted in_pieces(const Lying& lying, int cell)
                  &out.force);
     REQUIRE(out.force.depth > 0);
     CellRule rule;
-    out.touch = push_pieces(&scene, &pieces, no_contact_state(), 0, &lying.c, &rule, &out.state, &out.force, out.points.data());
+    push_pieces(&scene, &pieces, no_contact_state(), 0, &lying.c, &rule, &out.touch, &out.state, &out.force, out.points.data());
     return out;
 }
 

@@ -104,9 +104,10 @@ Pairs layer_pairs(const Floor& floor, vec3 a, vec3 b)
     std::vector<ContactState> states(out.count + 1);
     for (std::uint32_t k = 0; k < out.count; ++k) {
         real bary;
-        out.force += evaluate_pair({0, found[k], SEL_NO_EDGE, 0}, e, par, nodes, nodes, floor.tree.vertices.data(),
-                                   empty_pair(found[k], H), &states[k], &bary)
-                         .force[2];
+        ContactForce force;
+        evaluate_pair({0, found[k], SEL_NO_EDGE, 0}, e, par, nodes, nodes, floor.tree.vertices.data(), empty_pair(found[k], H),
+                      &states[k], &force, &bary);
+        out.force += force.force[2];
     }
     return out;
 }
