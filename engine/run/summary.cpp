@@ -7,6 +7,7 @@
 #include "run/frames.h"
 #include "setup/vessel_load.h"
 #include "vessel/inlets.h"
+#include "wall/wall_resolution.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -258,6 +259,15 @@ Json instruments_of(const World& world, const Scene& scene, std::vector<std::str
     return list;
 }
 
+/// The wall with the edges at the place of its largest displacement; 0: it has not moved.
+WallMechanics wall_where_read(const World& world, const Greatest& move)
+{
+    WallMechanics wall = world.wall_mechanics();
+    const bool plane = world.setup().vessel.shape == VesselShape::Plane;
+    wall.edge_touched = move.value > 0 ? edge_of_band(move.band.mesh / move.value, wall.decay, plane) : 0;
+    return wall;
+}
+
 std::vector<std::string> all_warnings(const World& world, const RunTally& tally, const SummaryNotes& notes,
                                       const std::vector<std::string>& lost)
 {
@@ -307,7 +317,7 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                         1e3 * tally.outside_max));
     if (const std::string thick = describe_thick_wall(world.setup().vessel, world.setup().centreline); !thick.empty())
         list.push_back(thick);
-    if (const std::string coarse = describe_coarse_wall(world.wall_mechanics(), world.setup().vessel); !coarse.empty())
+    if (const std::string coarse = describe_coarse_wall(wall_where_read(world, tally.wall_move), world.setup().vessel); !coarse.empty())
         list.push_back(coarse);
     if (tally.unequal_steps > 0)
         list.push_back(share(tally.unequal_steps) +

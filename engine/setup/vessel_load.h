@@ -24,7 +24,7 @@ struct LoadedVessel {
 [[nodiscard]] std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centreline);
 
 /// A warning where the edges of an elastic wall's control mesh are longer than the length over which a dent decays; else nothing.
-/// Errors by wall_mesh_band (docs/wall.md).
+/// Errors by wall_mesh_band (docs/wall.md). @param wall  edge_touched: the edge that is judged
 [[nodiscard]] std::string describe_coarse_wall(const WallMechanics& wall, const VesselSpec& spec);
 
 }  // namespace seldinger

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace seldinger {
 
@@ -15,11 +16,14 @@ namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
 // touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
-// it (a sample that passes the wall has touched it before, and says so).
+// it (a sample that passes the wall has touched it before, and says so). Contact with an elastic wall takes its displacement to be linear over a
+// wire's edge and over a step. Where it is larger than a fifth of the lumen's radius, the axis is looked up beside the wall as it is.
 bool needs_audit(WorldData& world, int wire, double dt)
 {
     const Detection detection = world.setup.wires[wire].contact.detection;
-    if (!world.forces.wall || detection == Detection::Swept || !world.state.is_solved(wire)) return false;
+    if (!world.forces.wall || !world.state.is_solved(wire)) return false;
+    if (world.forces.yielding && world.forces.yielding->move_share(world.systems.of(wire)) > 1) return true;
+    if (detection == Detection::Swept) return false;
     if (detection != Detection::Capsule) return world.state.steps % 10 == 0;
     const RodView rod = world.rod(wire);
     double fastest = 0;
@@ -34,18 +38,17 @@ void audit_outside(WorldData& world, int wire)
         world.output.lumen =
             std::make_unique<LumenQuery>(world.setup.mesh, open ? describe(world.setup.mesh).loops : std::vector<BoundaryLoop>{});
     }
+    std::vector<Vec3> places;  // beside the wall before it moved
     const RodView rod = world.rod(wire);
-    if (world.forces.yielding) world.forces.yielding->carry_back(world.state.rods, wire);
+    if (world.forces.yielding) world.forces.yielding->list_seen(wire, places);
+    for (int j = 0; j + 1 < rod.n && !world.forces.yielding; ++j) {
+        places.push_back(rod.pos(j));
+        places.push_back((rod.pos(j) + rod.pos(j + 1)) / 2);
+    }
     double& outside = world.output.results[wire].contact.outside;
-    // where the wall was before it moved
-    const RodView seen = world.forces.unmoved_rods ? world.forces.unmoved_rods->view(wire) : rod;
-    const auto look = [&](const Vec3& p) {
+    for (const Vec3& p : places) {
         const LumenPlace place = world.output.lumen->locate(p);
         if (place.opening < 0) outside = std::max(outside, -place.signed_distance);
-    };
-    for (int j = 0; j + 1 < rod.n; ++j) {
-        look(seen.pos(j));
-        look((seen.pos(j) + seen.pos(j + 1)) / 2);
     }
 }
 

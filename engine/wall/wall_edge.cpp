@@ -22,7 +22,9 @@ constexpr double most_vertices = 2000;  // below it a column of the compliance c
 constexpr double least_share = 0.6, most_share = 1.0;
 // where it is known where instruments touch
 constexpr double most_elsewhere = 700, most_along_path = 3000;
+constexpr double most_for_dent = 6000;                 // where edges would else be longer than a dent is resolved by
 constexpr double path_share = 0.5, reach_share = 1.0;  // of the decay length: an edge there, and how far from a contact it is wanted
+constexpr double dent_share = 0.9;                     // of the decay length: the longest that is taken for less vertices
 const double vertex_area = 0.5 * std::sqrt(3.0);       // of equilateral triangles, per square of their edge
 
 double vertices_at(const WallSamples& wall, const Centreline& centreline, double edge, double share)
@@ -107,7 +109,9 @@ void add_path(const WallModel& wall, WallEdge& choice)
             sum += each / (vertex_area * std::pow(std::min(of_even[k], edge + of_path[k]), 2));
         return sum;
     };
-    path.edge = vertices(wanted) <= most_along_path ? wanted : solve_falling(wanted, choice.edge, most_along_path, vertices);
+    const auto edge_for = [&](double most) { return vertices(wanted) <= most ? wanted : solve_falling(wanted, choice.edge, most, vertices); };
+    path.edge = edge_for(most_along_path);
+    if (path.edge > dent_share * decay) path.edge = std::max(dent_share * decay, edge_for(most_for_dent));
     if (!(path.edge < 0.9 * choice.edge)) return;
     choice.vertices = vertices(path.edge);
     choice.why = fmt::format("{} where instruments touch in a trial run with a rigid wall, {} elsewhere ({} vertices{})", millimetres(path.edge),

@@ -28,6 +28,8 @@ WallMeshBand wall_mesh_band(double edge, double decay, bool plane)
     return {times * plane_move * ratio * ratio, times * plane_stress * ratio};
 }
 
+double edge_of_band(double move, double decay, bool plane) { return decay * std::sqrt(move / ((plane ? 1 : tube) * plane_move)); }
+
 double linear_theory_band(double move, double thickness, bool plane)
 {
     const double share = move / thickness;

@@ -249,6 +249,45 @@ force_n = [0.0, 0.0, 2.0]
         }
     }
 
+    TEST_CASE("property: coarse control edges are warned about where the wall has moved, and not where nothing has touched it")
+    {
+        const ScratchFolder folder;
+        folder.write("w.toml", R"([scene]
+gravity = [0.0, 0.0, 0.0]
+[wire]
+length_m = 0.02
+radius_m = 4e-4
+density = 8000.0
+bend_nm2 = 1e-5
+twist_nm2 = 1e-5
+stretch_n = 1e4
+nodes = 21
+place = { shape = "straight", base = [-0.01, 0.0, 0.0004] }
+[integrator]
+scheme = "static"
+[[load]]
+at = 0.01
+force_n = [0.0, 0.0, -0.005]
+[vessel]
+shape = "plane"
+size_m = 0.06
+wall = "elastic"
+youngs_pa = 0.5e6
+thickness_m = 0.0009
+support_pa_m = 3e6
+wall_edge_m = 0.005
+)");
+        // the decay length is 2.67 mm, so edges are nearly two of them
+        for (const bool touches : {true, false}) {
+            CAPTURE(touches);
+            const std::string away = touches ? "" : " --set 'wire.place.base=[-0.01, 0.0, 0.01]' --set 'load.0.force_n=[0.0, 0.0, 0.0]'";
+            REQUIRE(run_app(folder, "run w.toml -o D --overwrite" + away).code == 0);
+            const auto summary = summary_of(folder.path / "D");
+            CHECK((summary["wall_move_max_m"].get<double>() > 1e-6) == touches);
+            CHECK((summary["warnings"].dump().find("vessel.wall_edge_m: got control edges of 5") != std::string::npos) == touches);
+        }
+    }
+
     TEST_CASE("analytic: a static scene is one solve; its tip is where the elastica says")
     {
         const ScratchFolder folder;

@@ -195,6 +195,35 @@ TEST_CASE("analytic: the largest stress under a line load is that of a plate on 
     }
 }
 
+// A point load on a plate on its bed, the thick plate's stress at its surface by the equivalent radius 0.325 t [Westergaard 1926; Timoshenko &
+// Woinowsky-Krieger, sec. 57]: 6/t^2 F (1 + nu)/(4 pi) (1/2 - 0.5772 + ln(2 l/(0.325 t))), l^4 = D/k_s. The tip is all that touches.
+TEST_CASE("analytic: the largest stress under a wire's tip is that of a point load on a thick plate, whatever the nodes")
+{
+    constexpr double t = 0.0015, nu = 0.45, youngs = 0.2e6;
+    const double d = youngs * t * t * t / (12 * (1 - nu * nu)), length = std::pow(d / 1e6, 0.25);
+    const double per_load = 6 / (t * t) * (1 + nu) / (4 * std::numbers::pi) * (0.5 - 0.5772 + std::log(2 * length / (0.325 * t)));
+    for (const int nodes : {16, 61, 241}) {
+        CAPTURE(nodes);
+        TestSetup setup = lowered_wire();
+        setup.integrator.scheme = Scheme::Static;
+        setup.vessel.wall_edge = 0.002;
+        TestWire& wire = setup.wires[0];
+        wire.wire.nodes = nodes;
+        wire.holds[0].velocity = Vec3::Zero();
+        LoadSpec push;
+        push.at.kind = WirePoint::Kind::Tip;
+        push.force = Vec3(0, 0, -0.01);
+        wire.loads.push_back(push);
+        World world{WorldSetup(setup)};
+        REQUIRE(!settle(world).failed());
+        const WallReadings now = world.wall_readings();
+        const double exact = per_load * world.readings(0).normal;
+        REQUIRE(exact > 0);
+        CHECK(now.stress_max == about(exact).epsilon(0.1));
+        CHECK(std::abs(now.stress_max - exact) < now.stress_band.sum());
+    }
+}
+
 // Whatever the recorder reads in between rows is under the wires: it must not miss what is largest there.
 TEST_CASE("the readings under the wires are the largest of the wall")
 {

@@ -4,6 +4,9 @@
 #include "run/wall_path.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
+#include "surface/control_mesh.h"
+#include "wall/wall_model.h"
+#include "wall/wall_resolution.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -98,6 +101,24 @@ TEST_CASE("property: the path is the same each time, and none is looked for wher
     for (const Vec3& point : once) CHECK(std::abs(point.z()) < 1e-9);
     CHECK(path_of(pressed_wire(0.1, 0.002), true).empty());
     CHECK(path_of(pressed_wire(0.1, 0), false).empty());
+}
+
+// Touched along all of a plane of 1 m. Thick walls dent over so wide a strip that 3,000 vertices do, if with edges longer than half the decay length.
+// With thin walls they would leave edges longer than 0.9 of it.
+TEST_CASE("property: more than 3,000 vertices are spent only where edges would be longer than 0.9 decay lengths")
+{
+    for (const bool thin : {false, true}) {
+        CAPTURE(thin);
+        WorldSetup setup = make_setup(pressed_wire(1.0, 0));
+        setup.vessel.thickness = thin ? 1.5e-3 : 3e-3;
+        for (int k = 0; k <= 500; ++k) setup.vessel.touched.emplace_back(-0.45 + 0.9 * k / 500, 0, 0);
+        const WallModel wall(setup.vessel, setup.mesh, setup.centreline);
+        const WallEdge chosen = choose_wall_edge(wall);
+        const double share = chosen.path.edge / decay_length(wall);
+        CAPTURE(share);
+        CHECK(chosen.vertices == test::about(thin ? 4500 : 3000).epsilon(thin ? 0.3 : 0.01));
+        CHECK(share == test::about(thin ? 0.9 : 0.7).epsilon(thin ? 1e-9 : 0.2));
+    }
 }
 
 TEST_CASE("the trial run can be ended")

@@ -202,6 +202,10 @@ TEST_SUITE("setup/scene_setup")
         const WallMechanics fine = expected_mechanics(vessel, loaded.mesh, loaded.centreline);
         CHECK(fine.edge == test::about(vessel.wall_edge).epsilon(0.02));
         CHECK(describe_coarse_wall(fine, vessel).empty());
+        // where nothing has moved the wall, no edge is judged
+        WallMechanics untouched = chosen;
+        untouched.edge_touched = 0;
+        CHECK(describe_coarse_wall(untouched, vessel).empty());
         vessel.elastic = false;
         CHECK(describe_coarse_wall(expected_mechanics(vessel, loaded.mesh, loaded.centreline), vessel).empty());
     }

@@ -124,6 +124,16 @@ void WallStations::place(int node, const Vec3& x, const Vec3* before, const Wall
     station.row = -1;
 }
 
+Vec3 WallStations::seen_at(const Vec3& x, Vec3 y, const WallDynamics& wall, double radius) const
+{
+    for (int pass = 0; pass < 2 * most_passes; ++pass) {
+        const Vec3 last = y;
+        y = x - under(foot_of({}, y), y, wall, radius).move;
+        if (length_from(y, last) < settled * radius) break;
+    }
+    return y;
+}
+
 void WallStations::forget(int first, int last)
 {
     for (int i = first; i < last; ++i) stations_[i].near = false;

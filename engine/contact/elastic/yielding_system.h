@@ -56,6 +56,7 @@ struct YieldingWall::System {
     }
     /// Where the accepted state's feet carried a wire's nodes, now at `rod`. @param first  of them among the system's
     void find_before(int first, const RodView& rod);
+    [[nodiscard]] const WallEnd* end_of(int first, int count, int node, const Vec3& x) const;
     /// Sets the shift of a node that is placed.
     void keep_carried(int node, const Vec3& x, double radius);
     /// The accepted state's nodes, to go on from.
@@ -88,8 +89,6 @@ struct YieldingWall::System {
     WallReadings under;         // of the accepted state
 
 private:
-    [[nodiscard]] const WallEnd* end_of(int first, int count, int node, const Vec3& x) const;
-
     WallTrial trials_[2];
     int now_ = 0, base_ = -1;
 };

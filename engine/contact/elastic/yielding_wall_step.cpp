@@ -98,6 +98,24 @@ void YieldingWall::System::note_ends(int first, int count)
     }
 }
 
+void YieldingWall::list_seen(int wire, std::vector<Vec3>& places) const
+{
+    const System& system = of(wire);
+    const ConstRodView rod = rods_.view(wire);
+    const int first = rods_.node_begin(wire) - system.first_node, capacity = static_cast<int>(rod.x.size());
+    places.clear();
+    Vec3 moved = Vec3::Zero();  // of the node before
+    for (int i = 0; i < rod.n; ++i) {
+        const WallEnd* end = system.end_of(first, capacity, i, rod.pos(i));
+        const Vec3 own = end ? Vec3(Vec3(end->x) - Vec3(end->y)) : moved;
+        const double radius = rod.radius[std::min(i, rod.n - 2)];
+        const auto see = [&](const Vec3& x, const Vec3& by) { places.push_back(system.stations.seen_at(x, x - by, system.dynamics, radius)); };
+        if (i > 0) see((rod.pos(i - 1) + rod.pos(i)) / 2, (moved + own) / 2);
+        see(rod.pos(i), own);
+        moved = own;
+    }
+}
+
 void YieldingWall::mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const
 {
     const System& system = of(wire);
@@ -330,7 +348,7 @@ void YieldingWall::read_under(System& system) const
         }
         std::size_t point = 0;
         const double stress = wall_.shell().stress_of(triangle, system.moves, point, system.dynamics.large());
-        const LostPeak lost = wall_.lost_peak(triangle, force_on(k).norm() / bearing_length(system, k));
+        const LostPeak lost = wall_.lost_peak(triangle, line_load(system, k, triangle));
         if (!(stress + lost.stress > now.stress_max)) continue;
         now.stress_max = stress + lost.stress;
         wall_.shell().points()[point].position.store(now.stress_at);
@@ -339,11 +357,24 @@ void YieldingWall::read_under(System& system) const
     if (!system.dynamics.large()) add_geometry(wall_, now.move_max, now);
 }
 
-/// Length of wire over which a node's force on the wall is spread [m]; a point load bears over a decay length.
-double YieldingWall::bearing_length(const System& system, std::size_t row) const
+/// Load per length of wire beside a row [N/m]. A node's force is on its own length of wire, at most a decay length. The mean is over that length, half a
+/// control edge or a thickness, whichever is longest: nearer to a load the wall is no thin plate (LostPeak).
+double YieldingWall::line_load(const System& system, std::size_t row, std::int32_t triangle) const
 {
-    const int wire = system.wire_of_row[row], node = system.rows[row] - (rods_.node_begin(wire) - system.first_node);
-    return std::min(rods_.view(wire).voronoi_length(node), wall_.decay());
+    const int wire = system.wire_of_row[row], first = rods_.node_begin(wire) - system.first_node;
+    const ConstRodView rod = rods_.view(wire);
+    const auto bears_on = [&](int node) { return std::min(wall_.decay(), rod.voronoi_length(node)); };
+    const int node = system.rows[row] - first;
+    const double length = std::max({bears_on(node), 0.5 * std::min(wall_.decay(), wall_.edge_of(triangle)), wall_.shell().spec().thickness});
+    Vec3 load = Vec3::Zero();
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        if (system.wire_of_row[k] != wire) continue;
+        const int other = system.rows[k] - first;
+        const double own = bears_on(other), apart = std::abs(rod.material_s[other] - rod.material_s[node]);
+        const double common = std::clamp(0.5 * (length + own) - apart, 0.0, std::min(length, own));
+        load += common / own * Vec3(&system.trial().force[3 * k]);
+    }
+    return load.norm() / length;
 }
 
 WallReadings YieldingWall::readings(int system, std::span<const double> displacement, std::vector<double>* stress) const
