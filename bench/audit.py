@@ -11,7 +11,7 @@ Each draw has a vessel, an instrument (or a catheter over a wire), friction, ste
     all       all of these at once     near    all of these, each half as fine (steps / 2, edges / 2, triangles x 4)
     off       as default, without the estimate: what that costs
 
-Elastic walls are short arcs, with steps / 2 and edges / 2 at most, and have no bands for facets.
+Elastic walls are short arcs, with edges / 2 at most, and have no bands for facets.
 
 A reading is judged where the refinement stands: |all - near| is at most half of |default - all|, or of the band, or 2 % of the value.
 It is inside where |default - all| is at most its band. `by source` asks the same of a refinement of one source alone.
@@ -94,7 +94,7 @@ def scene_of(s, finer):
     """The scene's text, with what `finer` says refined."""
     parts, split, facets, wall = (finer.get(key, 1) for key in SOURCES)
     if s["elastic"]:  # even meshes of twice as fine edges over a whole wall take 13 GB
-        parts, split, facets, wall = min(parts, 2), min(split, 2), 1, 1.5 if wall > 1 else 1
+        split, facets, wall = min(split, 2), 1, 1.5 if wall > 1 else 1
     if s["nodes"] == "adaptive":
         nodes = 'nodes = "adaptive"' + ("" if split == 1 else f"\nmin_edge_m = {0.001 / split}\nmax_edge_m = {0.01 / split}\nedge_error_m = {2e-6 / split**3}")
     else:

@@ -44,11 +44,12 @@ class Averager {
 public:
     explicit Averager(double wire_length) : length_(wire_length) {}
 
-    void add(const Simulation& simulation, bool look_at_contacts)
+    /// @param part  of the step, that lies within the mean
+    void add(const Simulation& simulation, bool look_at_contacts, double part = 1)
     {
         const WireReadings now = simulation.readings();
-        ++count_;
-        hand_ += now.hand_force, friction_ += now.friction, normal_ += now.normal;
+        weight_ += part;
+        hand_ += part * now.hand_force, friction_ += part * now.friction, normal_ += part * now.normal;
         if (!look_at_contacts) return;
         ++looks_;
         const std::vector<double> up_to = accumulate_forces(simulation.contact_forces(), length_);
@@ -58,8 +59,8 @@ public:
     /// Leaves the averager empty.
     void write(Sample& sample)
     {
-        const double n = std::max(count_, 1);
-        sample.hand_force = hand_ / n, sample.friction = friction_ / n, sample.normal = normal_ / n;
+        const double all = weight_ > 0 ? weight_ : 1;
+        sample.hand_force = hand_ / all, sample.friction = friction_ / all, sample.normal = normal_ / all;
         for (double& force : up_to_) force /= std::max(looks_, 1);
         sample.contact_up_to = std::move(up_to_);
         *this = Averager(length_);
@@ -67,8 +68,8 @@ public:
 
 private:
     double length_;
-    int count_ = 0, looks_ = 0;
-    double hand_ = 0, friction_ = 0, normal_ = 0;
+    int looks_ = 0;
+    double weight_ = 0, hand_ = 0, friction_ = 0, normal_ = 0;
     std::vector<double> up_to_ = std::vector<double>(contact_grid, 0.0);
 };
 
@@ -132,7 +133,9 @@ private:
     {
         const long steps = std::max(1L, static_cast<long>(std::ceil(length / dt_ - 1e-9)));
         const double h = length / static_cast<double>(steps);
-        const long averaged = std::clamp(std::lround(plan_.average / h), 1L, steps);
+        // the first of these steps lies in the mean with a part
+        const double in_mean = std::clamp(plan_.average / h, 1.0, static_cast<double>(steps));
+        const long averaged = std::lround(std::ceil(in_mean - 1e-9));
         const long every = std::max(1L, averaged / contact_looks);
         for (long k = 1; k <= steps; ++k) {
             clock_.start();
@@ -153,7 +156,9 @@ private:
                 return false;
             }
             take_peaks(h, (steps - k) % every == 0);
-            if (k > steps - averaged) average_.add(*simulation_, touches_ && (steps - k) % every == 0);
+            if (k <= steps - averaged) continue;
+            const double part = k == steps - averaged + 1 ? in_mean - static_cast<double>(averaged - 1) : 1.0;
+            average_.add(*simulation_, touches_ && (steps - k) % every == 0, part);
         }
         return true;
     }

@@ -68,13 +68,14 @@ ErrorBand band_of(double value, double twin, int parts, double ratio, double lea
     return made;
 }
 
-/// The band of a force that lets go at its largest is what the time of the release leaves, where that is more.
+/// The band of a force that lets go at its largest is what the time of the release leaves, where that is more: a bound, of which no more is expected
+/// than before.
 void widen(ErrorBand& band, const ReleaseWatch& release)
 {
-    if (release.bound() <= band.band) return;
+    if (release.bound() <= band.step) return;
+    band.step_part *= band.step / release.bound();
     band.step = band.band = release.bound();
     band.let_go = true;
-    band.resolved = StepTwin::is_resolved(band);
 }
 
 /// The load of the next node may lie on the same patch, or not: the band holds both. It is no expected error, and so no reason for a warning.
@@ -334,7 +335,7 @@ void StepTwin::set_end_band(ErrorBand& band, double of_run, double of_twin, cons
     band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.ratio, std::max(others.root(), usual), history) : ErrorBand{of_run, 0, 0, false};
 }
 
-StepTwin::Reached StepTwin::reached(Reading reading, std::size_t which) const
+StepTwin::Reached StepTwin::reached(const Reading& reading) const
 {
     Reached most;
     for (const std::unique_ptr<Examined>& twin : examined_) {
@@ -342,22 +343,26 @@ StepTwin::Reached StepTwin::reached(Reading reading, std::size_t which) const
             return other->found && other->first == twin->first && other->steps == twin->steps && other->parts > twin->parts;
         };
         if (!twin->found || std::ranges::any_of(examined_, is_finer)) continue;
-        const double run = reading(twin->run, which), of_twin = reading(twin->peaks, which);
+        const double run = reading(twin->run), of_twin = reading(twin->peaks);
         most.bound = std::max(most.bound, run + margin(twin->ratio) * (of_twin - run));
         most.twin = std::max(most.twin, of_twin);
     }
     return most;
 }
 
-ErrorBand StepTwin::peak_band(double value, const Examined& twin, Reading reading, const MeanSquare& windows, double history, std::size_t which) const
+ErrorBand StepTwin::peak_band(double value, const Examined& twin, const Reading& reading, Kind kind, const MeanSquare& windows, double history) const
 {
     if (!twin.found) return {value, 0, 0, false};
-    ErrorBand band = band_of(value, reading(twin.peaks, which), twin.parts, twin.ratio, windows.root(), history);
-    const Reached other = reached(reading, which);
-    if (other.bound - value <= band.step) return band;
-    band.step_part = std::max(band.step_part * band.step, other.twin - value) / (other.bound - value);
-    band.step = band.band = other.bound - value;
-    band.twin = std::max(band.twin, other.twin);
+    ErrorBand band = band_of(value, reading(twin.peaks), twin.parts, twin.ratio, windows.root(), history);
+    const Reached other = reached(reading);
+    double expected = band.step_part * band.step;
+    if (other.bound - value > band.step) {
+        expected = std::max(expected, other.twin - value);
+        band.step = band.band = other.bound - value;
+        band.twin = std::max(band.twin, other.twin);
+    }
+    if (kind == Kind::Single) expected = std::abs(band.twin - value);
+    if (band.step > 0) band.step_part = expected / band.step;
     band.resolved = is_resolved(band);
     return band;
 }
@@ -374,7 +379,7 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
     const bool same = best_hand_.steps > 0 && other.best.is(best_hand_);
     const Examined& of_peak = same ? of_hand : examine_largest(other.best, finer);
     const double peak = other.best.peaks.others[k];
-    bands.peak = peak_band(peak, of_peak, [](const Peaks& peaks, std::size_t which) { return which < peaks.others.size() ? peaks.others[which] : 0; }, other.peaks, history, k);
+    bands.peak = peak_band(peak, of_peak, [k](const Peaks& peaks) { return k < peaks.others.size() ? peaks.others[k] : 0; }, Kind::Mean, other.peaks, history);
     if (of_peak.found) widen(bands.peak, other.release);
     complete(bands.end, times(end.grid.energy, bands.end.value), end.grid.normal, of_hand_at(end.grid, k + 1));
     complete(bands.peak, times(other.best.grid.energy, peak), other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
@@ -401,8 +406,7 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
     }
     const Examined& twin = best_patch_.is(best_hand_) ? hand : best_patch_.is(best_friction_) ? friction : examine_halved(best_patch_);
     const double patch = largest_.patch;
-    band = peak_band(patch, twin, [](const Peaks& peaks, std::size_t) { return peaks.patch; }, {}, hand_history * hand_falls_.share());
-    if (twin.found && band.step > 0) band.step_part = std::abs(band.twin - patch) / band.step;
+    band = peak_band(patch, twin, &Peaks::patch, Kind::Single, {}, hand_history * hand_falls_.share());
     complete(band, times(best_patch_.grid.patch, patch), patch);
     add_split(band, best_patch_.grid);
 }
@@ -464,9 +468,9 @@ ErrorEstimate StepTwin::finish(Finer finer)
     const Examined& of_friction = same ? twin_of_hand : examine_largest(best_friction_, finer);
     estimate_.tip = std::max(tips_.root(), of_end.found ? margin(of_end.ratio) * of_end.tip : 0.0);
     set_end(end, of_end);
-    estimate_.hand_peak = peak_band(best_hand_.peaks.hand, twin_of_hand, [](const Peaks& peaks, std::size_t) { return peaks.hand; }, hand_peaks_, hand_history * hand_falls_.share());
-    estimate_.friction_peak = peak_band(best_friction_.peaks.friction, of_friction, [](const Peaks& peaks, std::size_t) { return peaks.friction; }, friction_peaks_,
-                                        friction_history * friction_falls_.share());
+    estimate_.hand_peak = peak_band(best_hand_.peaks.hand, twin_of_hand, &Peaks::hand, Kind::Mean, hand_peaks_, hand_history * hand_falls_.share());
+    estimate_.friction_peak =
+        peak_band(best_friction_.peaks.friction, of_friction, &Peaks::friction, Kind::Mean, friction_peaks_, friction_history * friction_falls_.share());
     if (twin_of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
     const GridErrors &at_end = end.grid, &at_hand = best_hand_.grid, &at_friction = best_friction_.grid;
@@ -535,11 +539,6 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
             list.push_back(fmt::format("{} of {:.3g} N is not resolved by the {}: the band is +- {:.2g} N, {:.2g} N of it by them. Fix: {}", what, band.value,
                                        source == "nodes" ? "wire's nodes" : "wall's facets", band.band, source == "nodes" ? band.nodes : band.facets,
                                        advice_for(e, band.largest_source())));
-        else if (band.let_go)
-            list.push_back(fmt::format("{} of {:.3g} N is a sudden release, after a rise of {:.2g} N in {:.2g} s: its time "
-                                       "differs from run to run and is not resolved by steps of {:.3g} ms, the band is +- {:.2g} N; "
-                                       "compare with other scene.dt_s",
-                                       what, band.value, band.band, ReleaseWatch::release_time, 1e3 * e.dt, band.band));
         else
             list.push_back(fmt::format("{} of {:.3g} N is not resolved by steps of {:.3g} ms: steps of {:.3g} ms give {:.3g} N from the same "
                                        "state, the band is +- {:.2g} N; make scene.dt_s smaller",

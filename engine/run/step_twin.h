@@ -29,7 +29,8 @@
 // largest hand force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th
 // part of the step where that is longer.
 //
-// A largest force that is a release has its own band (run/release_watch.h): a twin releases where the run did.
+// A largest force that is a release has its own band (run/release_watch.h): a twin releases where the run did. That band is a bound, of a release at any other time within
+// 0.1 s. It is no expected error, and so no reason for a warning.
 //
 // It cannot see a history that differed before the window began (a branch missed, an earlier slip).
 // A reference for that is `seldinger plan` or a run with a shorter step.
@@ -66,6 +67,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -82,7 +84,7 @@ struct ErrorBand {
     bool let_go = false;   // the band is that of a release
     int parts = 2;
     double step = 0, nodes = 0, facets = 0;  // shares of the band
-    double step_part = 1 / 1.5;              // of `step`, that the value is believed to be off by: without StepTwin::safety
+    double step_part = 1 / 1.5;              // of `step`, that the value is believed to be off by: without StepTwin::safety, and without what a release may do
     bool known = true;                       // the run has seen where the value comes from
     void sum_up() { band = std::hypot(step, nodes, facets); }
     [[nodiscard]] double expected() const;   // what the value is believed to be off by
@@ -259,15 +261,16 @@ private:
     /// @param pushing  force that pushes by normals of facets are relative to
     /// @param more  by nodes besides [N]
     void complete(ErrorBand& band, const GridShare& grid, double pushing, double more = 0) const;
-    using Reading = double (*)(const Peaks&, std::size_t which);  // which: of several instruments
+    using Reading = std::function<double(const Peaks&)>;
+    enum class Kind { Mean, Single };  // single values of a wire that sticks, slips and strikes have no order in the step
     /// Over all windows compared, with the finest twin of each: the largest that a reading may be with any step, its value in the run plus margin times the
     /// difference of the twin; and the largest of the twins.
     struct Reached {
         double bound = 0, twin = 0;
     };
-    [[nodiscard]] Reached reached(Reading reading, std::size_t which) const;
+    [[nodiscard]] Reached reached(const Reading& reading) const;
     /// @param twin  of the window with the largest value   @param windows  differences of all windows
-    [[nodiscard]] ErrorBand peak_band(double value, const Examined& twin, Reading reading, const MeanSquare& windows, double history, std::size_t which = 0) const;
+    [[nodiscard]] ErrorBand peak_band(double value, const Examined& twin, const Reading& reading, Kind kind, const MeanSquare& windows, double history) const;
     void set_patch(const Examined& hand, const Examined& friction);
     void set_wall();
     void set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer);

@@ -185,6 +185,7 @@ void find_equilibrium(WorldData& world, StepReport& report, const std::function<
             const std::size_t reached = paths[s].next;
             const bool found = go_on(world, s, paths[s], any_failed);
             if (passed && found && paths[s].next > reached && !paths[s].done()) {
+                world.output.loads_known = false;  // those of the equilibrium before
                 show_instruments(world);
                 passed(s, paths[s].reached);
             }

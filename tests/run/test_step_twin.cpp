@@ -168,6 +168,28 @@ TEST_SUITE("run/step_twin")
         CHECK_FALSE(StepTwin::is_resolved(band));
     }
 
+    TEST_CASE("property: a force on a patch is believed to be off by what its twin differs by, and its band has the factor for order 1")
+    {
+        const Scene scene = bend(8e-3);
+        World world(make_setup(scene));
+        const KeyFrames key_frames(scene);
+        StepTwin twin(scene, world, 0);
+        LargestReadings largest;
+        WireOutput loads;
+        for (long k = 0; k < scene.steps(); ++k) {
+            REQUIRE_FALSE(step(world, key_frames.control(), scene.step_length(k)).failed());
+            world.read_loads(0, loads);
+            largest.patch = std::max(largest.patch, loads.on_wall.patch_force);
+            twin.stepped(world, joint_readings(world, 0), k + 1, largest);
+        }
+        const ErrorBand patch = twin.finish(StepTwin::Finer::Never).patch;
+        const double differs = std::abs(patch.twin - patch.value);
+        REQUIRE(differs > 1e-4 * patch.value);
+        CHECK(patch.step_part * patch.step == test::about(differs).epsilon(1e-12));
+        CHECK(patch.step >= 3 * differs * (1 - 1e-12));
+        CHECK(patch.expected() == test::about(std::hypot(differs, StepTwin::usual_share * patch.nodes, StepTwin::usual_share * patch.facets)).epsilon(1e-12));
+    }
+
     TEST_CASE("property: what the step does not resolve is said, with both values")
     {
         ErrorEstimate estimate;
