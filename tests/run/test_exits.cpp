@@ -1,7 +1,7 @@
 // Tips that leave through openings: which and when; and paths that are no exit.
 #include "run/exits.h"
 
-#include "run/checkpoint.h"
+#include "record/checkpoint.h"
 #include "scene/scene.h"
 #include "support/approx.h"
 #include "support/world_fixture.h"

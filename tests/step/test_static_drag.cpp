@@ -1,6 +1,7 @@
 // A static run in contact with friction: its work, and its readings on the way.
 #include "engine.h"
 #include "scene/scene.h"
+#include "setup/scene_setup.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
