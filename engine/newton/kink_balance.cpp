@@ -1,3 +1,4 @@
+// Shares of the facets that meet in each crossed valley, by complementarity.
 #include "newton/kink_balance.h"
 
 #include "math/dof_map.h"
