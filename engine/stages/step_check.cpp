@@ -16,13 +16,13 @@ namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
 // touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
-// it (a sample that passes the wall has touched it before, and says so). Contact with an elastic wall takes its displacement to be linear over a
-// wire's edge and over a step. Where it is larger than a fifth of the lumen's radius, the axis is looked up beside the wall as it is.
-bool needs_audit(WorldData& world, int wire, double dt)
+// it (a sample that passes the wall has touched it before, and says so). Contact with an elastic wall takes its displacement to be
+// linear over a wire's edge and over a step. Where the wall has moved far, the axis is looked up beside the wall as it is.
+bool needs_audit(WorldData& world, int wire, double dt, bool is_wall_far)
 {
     const Detection detection = world.setup.wires[wire].contact.detection;
     if (!world.forces.wall || !world.state.is_solved(wire)) return false;
-    if (world.forces.yielding && world.forces.yielding->move_share(world.systems.of(wire)) > 1) return true;
+    if (is_wall_far) return true;
     if (detection == Detection::Swept) return false;
     if (detection != Detection::Capsule) return world.state.steps % 10 == 0;
     const RodView rod = world.rod(wire);
@@ -40,10 +40,13 @@ void audit_outside(WorldData& world, int wire)
     }
     std::vector<Vec3> places;  // beside the wall before it moved
     const RodView rod = world.rod(wire);
-    if (world.forces.yielding) world.forces.yielding->list_seen(wire, places);
-    for (int j = 0; j + 1 < rod.n && !world.forces.yielding; ++j) {
-        places.push_back(rod.pos(j));
-        places.push_back((rod.pos(j) + rod.pos(j + 1)) / 2);
+    if (world.forces.yielding) {
+        world.forces.yielding->list_seen(wire, places);
+    } else {
+        for (int j = 0; j + 1 < rod.n; ++j) {
+            places.push_back(rod.pos(j));
+            places.push_back((rod.pos(j) + rod.pos(j + 1)) / 2);
+        }
     }
     double& outside = world.output.results[wire].contact.outside;
     for (const Vec3& p : places) {
@@ -86,9 +89,10 @@ void check_state(WorldData& world, double dt, StepReport& report)
         if (!is_finite(world.rod(w)) || !is_finite(world.output.results[w])) note(world, report, w, StepNonFinite);
         // readings of a failed wire belong to another state than the one that was restored
         if (!world.output.reports[w].failed() && !samples_add_up(world, w)) note(world, report, w, StepContactSums);
-        if (needs_audit(world, w, dt)) audit_outside(world, w);
-        if (world.forces.yielding && world.forces.yielding->move_share(world.systems.of(w)) > 1)
-            note(world, report, w, StepWallFar);
+        // more than a fifth of the lumen's radius
+        const bool is_wall_far = world.forces.yielding && world.forces.yielding->move_share(world.systems.of(w)) > 1;
+        if (needs_audit(world, w, dt, is_wall_far)) audit_outside(world, w);
+        if (is_wall_far) note(world, report, w, StepWallFar);
         if (world.output.results[w].contact.outside > 0) note(world, report, w, StepWallPenetration);
     }
 }
