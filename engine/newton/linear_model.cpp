@@ -32,7 +32,7 @@ void LinearModel::set_shift_weights()
         for (int j = 0; j < rod.n - 1; ++j) length += rod.rest_length[j];
         for (int i = 0; i < rod.n; ++i) bend = std::max(bend, rod.bend_stiffness[i]);
         const double unit = 3 * bend / (length * length * length * rod.n);
-        double* weight = shift_weight_.data() + (wire->q.start.data() - problem_.start.data());
+        double* weight = shift_weight_.data() + problem_.first_of(*wire);
         for (int i = 0; i < wire->size(); ++i)
             weight[i] = RodDofs::is_spin(i) ? unit * wire->length_scale * wire->length_scale : unit;
     }

@@ -49,7 +49,7 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
     // one that is solved alone is solved as ever, whoever else is in its system
     const bool accelerated = problem.several_rods() && problem.solved().size() > 1 && problem.solved().front()->time.euler();
     for (const WireProblem* wire : problem.solved()) {
-        double* move = guess_.data() + (wire->q.start.data() - problem.start.data());
+        double* move = guess_.data() + problem.first_of(*wire);
         for (int i = 0; i < wire->size(); ++i) move[i] = wire->time.known_move(i);
         if (accelerated) accelerated_move(*wire, correction_.data() + (move - guess_.data()));
     }

@@ -17,7 +17,8 @@
 // which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
 // evaluation then meets the terms' own curvature only. A contact that goes over a valley of the wall, from facet to facet, leaves
 // its curvature's sight: where a trial has, the direction from it leads to the valley (contact/valleys.h). Where the step's first
-// trial fails for that, all its valleys are balanced together first (kink_balance.h). Where instruments touch, the factors may serve for the next direction too: the correction of the test is that direction (keeps_factors).
+// trial fails for that, all its valleys are balanced together first (kink_balance.h). Where instruments touch, the factors may
+// serve for the next direction too: the correction of the test is that direction (keeps_factors).
 //
 // Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, just large enough to make the exact matrix positive definite, turns
 // each iteration into a step of pseudo-time, judged by that step's equations. It leaves saddles and snaps through folds, and is

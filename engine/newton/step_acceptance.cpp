@@ -97,7 +97,7 @@ bool NewtonSystem::redirect(const ForceTerms& terms)
     KinkBalance balance;
     int found = 0;
     for (const WireProblem* wire : problem.solved()) {
-        const int first = static_cast<int>(wire->q.start.data() - problem.start.data());
+        const int first = problem.first_of(*wire);
         terms.for_each_kink(wire->wire, [&](const Kink& kink) {
             if (found++ < KinkBalance::most) balance.met[balance.count++] = {kink, first, 0, 0};
         });
@@ -171,7 +171,7 @@ NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
     if (alpha_ * problem.largest_surface_move(direction_) > located * problem.smallest_radius()) return Jump::None;
     double change = 0, base = 0;
     for (const WireProblem* wire : problem.solved()) {
-        const double* before = base_residual_.data() + (wire->q.start.data() - problem.start.data());
+        const double* before = problem.of_wire(*wire, base_residual_).data();
         // the base edge of a fed wire may be so short that half a nanometre is newtons of EA/l: its ends are not asked
         const int asked = wire->fed() ? RodDofs::count(wire->rod.n - 2) : wire->size();
         for (int i = 0; i < asked; ++i) {

@@ -142,7 +142,7 @@ void SystemProblem::mixed_residual(std::span<double> out) const
 {
     std::copy_n(residual.begin(), size(), out.begin());
     for (const WireProblem* wire : solved_) {
-        const std::size_t first = static_cast<std::size_t>(wire->q.start.data() - start.data());
+        const std::size_t first = static_cast<std::size_t>(first_of(*wire));
         wire->tension.change_residual(wire->stretch(), out.subspan(first, static_cast<std::size_t>(wire->size())));
     }
 }

@@ -225,7 +225,7 @@ void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const For
     terms_act_ = acted_on(terms);
     if (terms_act_) term_tangent_.reset(count);
     for (WireProblem* wire : solved_) {
-        const int first = static_cast<int>(wire->q.start.data() - start.data());
+        const int first = first_of(*wire);
         BandRows part = linear.band.part(first, wire->size());
         wire->assemble_elastic(mode, symmetric, part);
         if (terms_act_) {

@@ -134,9 +134,11 @@ public:
 
     [[nodiscard]] int size() const { return map.size(); }
     [[nodiscard]] int capacity() const { return static_cast<int>(start.size()); }  // unknowns
+    /// First unknown of a wire among the system's.
+    [[nodiscard]] int first_of(const WireProblem& wire) const { return static_cast<int>(wire.q.start.data() - start.data()); }
     [[nodiscard]] std::span<const double> of_wire(const WireProblem& wire, std::span<const double> d) const
     {
-        return d.subspan(static_cast<std::size_t>(wire.q.start.data() - start.data()), static_cast<std::size_t>(wire.size()));
+        return d.subspan(static_cast<std::size_t>(first_of(wire)), static_cast<std::size_t>(wire.size()));
     }
 
     DofMap map;  // of the wires that take part

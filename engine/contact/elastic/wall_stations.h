@@ -60,8 +60,8 @@ public:
     void copy(const WallStations& other, int first, int last);
     /// Finds the foot of a node at x anew, unless it is there already.   @param before  y of the accepted state, null: not known
     void place(int node, const Vec3& x, const Vec3* before, const WallDynamics& wall, double radius);
-    /// y = x - U(foot of y) of a point of a wire at x, by up to eight passes from `y`: where it is beside the wall that has not moved, by the wall
-    /// as it is now alone.
+    /// y = x - U(foot of y) of a point of a wire at x, by repeated passes from `y`: where it is beside the wall that has not moved, by
+    /// the wall as it is now alone.
     [[nodiscard]] Vec3 seen_at(const Vec3& x, Vec3 y, const WallDynamics& wall, double radius) const;
     /// Forgets nodes `first` to `last`, which have been removed.
     void forget(int first, int last);

@@ -56,8 +56,8 @@ public:
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
     /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.
     void carry_back(RodArrays& rods, int wire);
-    /// Nodes of a wire and middles of its edges, as WallStations::seen_at: what contact takes them for, without what it carries over from step to step
-    /// and between nodes.
+    /// Nodes of a wire and middles of its edges, as WallStations::seen_at: what contact takes them for, without what it carries over
+    /// from step to step and between nodes.
     void list_seen(int wire, std::vector<Vec3>& places) const;
     /// Flags nodes of the accepted state that must stay: between their neighbours the displacement of the wall is not linear. Without
     /// such a node the wire would be mapped back to other points at once, deeper in the wall than its law bears.
