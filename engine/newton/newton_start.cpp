@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace seldinger {
 
@@ -34,13 +33,13 @@ void accelerated_move(const WireProblem& wire, double* move)
 void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
 {
     options_ = options;
-    move_limit_ = std::numeric_limits<double>::infinity();
+    course_ = {};
+    along_ = {};
+    at_base_ = {};
+    at_trial_ = {};
     phase_ = Phase::Guess;
-    non_finite_ = shortened_ = settling_ = due_ = cut_short_ = base_can_be_ = false;
-    iterations_ = first_iteration_ = evaluations_ = backtracks_ = mode_perturbations_ = jumps_passed_ = times_grown_ = 0;
-    contraction_ = 0;
     for (WireProblem* wire : problem.solved()) {
-        move_limit_ = std::min(move_limit_, terms.most_move(wire->wire));
+        course_.move_limit = std::min(course_.move_limit, terms.most_move(wire->wire));
         wire->norm = wire->rounding = 0;
     }
     model_.start(options.shifted, options.pseudo_transient ? 100 : 0);
@@ -58,7 +57,7 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
         for (int i = 0; i < problem.size(); ++i) guess_[i] += correction_[i];
     const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
     double fraction = 1;
-    if (move > move_limit_) fraction = move_limit_ / move;
+    if (move > course_.move_limit) fraction = course_.move_limit / move;
     if (turn * fraction > largest_edge_turn) fraction = largest_edge_turn / turn;
     set_guess(std::isfinite(fraction) && move > 0 ? fraction : 0);
 }
@@ -66,7 +65,7 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
 // A prescribed unknown that the guess all but meets is set exactly; one that it does not becomes part of the first direction.
 void NewtonSystem::set_guess(double fraction)
 {
-    guess_fraction_ = fraction;
+    course_.guess_fraction = fraction;
     const double met = 1e-6 * problem.length_scale();
     for (int i = 0; i < problem.size(); ++i) {
         problem.trial[i] = fraction == 0 ? problem.start[i] : problem.start[i] + fraction * guess_[i];
@@ -78,27 +77,27 @@ void NewtonSystem::set_guess(double fraction)
 void NewtonSystem::resume()
 {
     phase_ = Phase::Guess;
-    guess_fraction_ = 0;
+    course_.guess_fraction = 0;
     model_.shift = 0;
-    shortened_ = false;
-    first_iteration_ = iterations_;
+    along_ = {};
+    course_.first_iteration = course_.iterations;
 }
 
 void NewtonSystem::stop_short()
 {
-    settling_ = options_.best_effort;
-    phase_ = settling_ ? Phase::Done : Phase::Failed;
+    course_.settling = options_.best_effort;
+    phase_ = course_.settling ? Phase::Done : Phase::Failed;
 }
 
 SolveReport NewtonSystem::report(const WireProblem& wire) const
 {
     SolveReport report;
     report.converged = converged();
-    report.best_effort = converged() && settling_ && !cut_short_;
-    report.cut_short = converged() && cut_short_;
-    report.non_finite = non_finite_;
-    report.iterations = iterations_;
-    report.evaluations = evaluations_;
+    report.best_effort = converged() && course_.settling && !course_.cut_short;
+    report.cut_short = converged() && course_.cut_short;
+    report.non_finite = course_.non_finite;
+    report.iterations = course_.iterations;
+    report.evaluations = course_.evaluations;
     report.residual = wire.norm;
     report.tolerance = wire.tolerance + wire.rounding;
     report.force_scale = wire.force_scale;

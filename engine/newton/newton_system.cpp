@@ -42,60 +42,64 @@ void NewtonSystem::prefetch(SolveStage next) const
 
 void NewtonSystem::advance(bool finite, const ForceTerms& terms)
 {
-    if (!seen_ || !*seen_) return decide(finite, terms);
+    if (!seen_ || !*seen_) {
+        decide(finite, terms);
+        return;
+    }
     NewtonTrial trial;
     const bool guess = phase_ == Phase::Guess;
-    trial.iteration = iterations_;
-    trial.alpha = guess ? guess_fraction_ : alpha_;
+    trial.iteration = course_.iterations;
+    trial.alpha = guess ? course_.guess_fraction : along_.alpha;
     trial.move = trial.alpha * problem.largest_move(guess ? guess_ : direction_);
     trial.projected = !guess && model_.projected_steps() > 0;
-    decide(finite, terms);
-    tell(trial);
+    const bool possible = decide(finite, terms);
+    tell(trial, possible);
 }
 
-void NewtonSystem::tell(NewtonTrial trial) const
+void NewtonSystem::tell(NewtonTrial trial, bool possible) const
 {
     using enum NewtonTrial::End;
     trial.residual = problem.residual_share();
-    trial.contraction = corrected_ ? contraction_ : 0;
-    trial.end = phase_ == Phase::Failed ? GivenUp
-                : refused_              ? Refused
-                : took_trial_           ? Taken
-                : running()             ? TooLong
-                : problem.balanced()    ? Solved
-                                        : Settled;
+    trial.contraction = at_trial_.contraction.value_or(0);
+    trial.end = phase_ == Phase::Failed                 ? GivenUp
+                : !possible                             ? Refused
+                : course_.iterations > trial.iteration   ? Taken
+                : running()                             ? TooLong
+                : problem.balanced()                    ? Solved
+                                                        : Settled;
     (*seen_)(trial);
 }
 
-void NewtonSystem::decide(bool finite, const ForceTerms& terms)
+/// @return whether the trial can be: it is finite, and force terms allow it
+bool NewtonSystem::decide(bool finite, const ForceTerms& terms)
 {
-    ++evaluations_;
-    took_trial_ = corrected_ = false;
+    ++course_.evaluations;
+    at_trial_ = {};
     if (finite) problem.ask(terms);
-    refused_ = !finite || !problem.admissible() || !problem.evaluate_residual(terms);
-    if (refused_) {
-        non_finite_ = non_finite_ || !finite;
-        if (settling_) phase_ = Phase::Failed;
+    if (!finite || !problem.admissible() || !problem.evaluate_residual(terms)) {
+        course_.non_finite = course_.non_finite || !finite;
+        if (course_.settling) phase_ = Phase::Failed;
         else backtrack(finite ? problem.open() : 1);
-        return;
+        return false;
     }
     problem.note_residuals();
-    non_finite_ = false;
+    course_.non_finite = false;
     const bool asked = phase_ == Phase::Search && !options_.shifted && !options_.linearised;
-    crossed_ = asked ? problem.crossed(terms) : KinksPassed{};
-    if (ends_when_due() || ends_at_trial(terms)) return;
-    if (iterations_ - first_iteration_ >= options_.max_iterations) {
+    if (asked) at_trial_.crossed = problem.crossed(terms);
+    if (ends_when_due() || ends_at_trial(terms)) return true;
+    if (course_.iterations - course_.first_iteration >= options_.max_iterations) {
         if (at_kink()) phase_ = Phase::Done;
         else give_up();
-        return;
+        return true;
     }
-    const bool keep = crossed_.share == 1 && keeps_factors();
+    const bool keep = at_trial_.crossed.share == 1 && keeps_factors();
     take_base();
-    problem.take(terms, crossed_.share < 1);
+    problem.take(terms, at_trial_.crossed.share < 1);
     if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
     else new_direction(terms);
     launch();
     chord_steps(terms);
+    return true;
 }
 
 /// Whether the last factors serve for the next direction too: it is then the correction that they gave for the trial. They serve
@@ -103,10 +107,10 @@ void NewtonSystem::decide(bool finite, const ForceTerms& terms)
 /// their tangent is incomplete (the motion of Gauss points).
 bool NewtonSystem::keeps_factors() const
 {
-    const bool has_full_correction = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
-    if (!has_full_correction || !problem.keeps_tangent() || iterations_ - first_iteration_ > most_kept) return false;
+    const bool has_full_correction = at_trial_.contraction && phase_ == Phase::Search && along_.alpha == 1 && !options_.shifted && problem.at_prescribed();
+    if (!has_full_correction || !problem.keeps_tangent() || course_.iterations - course_.first_iteration > most_kept) return false;
     // corrections in metres may shrink while forces on a short stiff edge hardly fall: the slower of the two counts
-    const double residual = problem.residual_share(), rate = std::max(contraction_, residual / base_share_);
+    const double residual = problem.residual_share(), rate = std::max(*at_trial_.contraction, residual / at_base_.residual_share);
     return rate <= most_contraction && trials_left(residual, std::max(rate, 1e-6)) <= trials_left(residual, new_factors);
 }
 
@@ -121,15 +125,15 @@ bool NewtonSystem::can_be_state() const
 /// The time is up: ends here, or at the base if that leaves less, where one of them can be a state. @return that is all
 bool NewtonSystem::ends_when_due()
 {
-    if (!due_ || settling_ || options_.shifted || options_.linearised || problem.shares_centrelines() || problem.balanced()) return false;
+    if (!course_.due || course_.settling || options_.shifted || options_.linearised || problem.shares_centrelines() || problem.balanced()) return false;
     const bool here = can_be_state();
-    if (!here && !base_can_be_) return false;
-    cut_short_ = true;
-    if (here && (!base_can_be_ || problem.residual_share() <= base_share_)) {
+    if (!here && !at_base_.can_be_state) return false;
+    course_.cut_short = true;
+    if (here && (!at_base_.can_be_state || problem.residual_share() <= at_base_.residual_share)) {
         phase_ = Phase::Done;
         return true;
     }
-    settling_ = true;
+    course_.settling = true;
     std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
     return true;
 }
@@ -137,7 +141,7 @@ bool NewtonSystem::ends_when_due()
 /// Converged, failed, or a new trial set without a new direction. @return whether that is all
 bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
 {
-    if (settling_) {
+    if (course_.settling) {
         phase_ = Phase::Done;
         return true;
     }
@@ -147,7 +151,7 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
     }
     // one linearised step is always taken: force terms evaluated the start, and their state must be the end's
     if (!options_.linearised && problem.balanced() && problem.at_prescribed()) {
-        if (options_.shifted && mode_perturbations_ < most_mode_perturbations && !model_.stable(terms))
+        if (options_.shifted && course_.mode_perturbations < most_mode_perturbations && !model_.stable(terms))
             perturb_along_softest_mode();
         else if (!may_be_saddle() || !leave_saddle(terms)) phase_ = Phase::Done;
         return true;
@@ -167,7 +171,7 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
 /// Published detection has no such limit, and accepts any step.
 void NewtonSystem::take_linearised()
 {
-    if (alpha_ != 1 && !std::isinf(move_limit_)) return give_up();
+    if (along_.alpha != 1 && !std::isinf(course_.move_limit)) return give_up();
     problem.take_linear_tensions();
     phase_ = Phase::Done;
 }
@@ -176,11 +180,11 @@ void NewtonSystem::take_linearised()
 /// accepted it, and admissible. One more evaluation gives the force terms this trial.
 void NewtonSystem::give_up()
 {
-    if (!options_.best_effort || settling_ || iterations_ == 0 || phase_ != Phase::Search) {
+    if (!options_.best_effort || course_.settling || course_.iterations == 0 || phase_ != Phase::Search) {
         phase_ = Phase::Failed;
         return;
     }
-    settling_ = true;
+    course_.settling = true;
     std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
     problem.set_prescribed();
 }
@@ -189,57 +193,50 @@ void NewtonSystem::take_base()
 {
     const int size = problem.size();
     if (options_.shifted && phase_ == Phase::Search) adapt_shift();
-    base_can_be_ = can_be_state();
+    at_base_.can_be_state = can_be_state();
     problem.set_base();
-    base_share_ = problem.residual_share();
+    at_base_.residual_share = problem.residual_share();
     if (options_.shifted && problem.far_from_reference()) problem.move_reference();
     std::copy_n(problem.trial.begin(), size, base_.begin());
     std::copy_n(problem.residual.begin(), size, base_residual_.begin());
     phase_ = Phase::Search;
-    took_trial_ = true;
-    ++iterations_;
+    ++course_.iterations;
 }
 
 void NewtonSystem::new_direction(const ForceTerms& terms)
 {
-    if (options_.shifted) {
-        model_.factorise_shifted(terms);
-    } else {
-        model_.factorise(shortened_, terms);
-        shortened_ = false;
-    }
+    if (options_.shifted) model_.factorise_shifted(terms);
+    else model_.factorise(along_.alpha < along_.first_alpha, terms);
     model_.correction(problem.residual, part(direction_), 1);
 }
 
 void NewtonSystem::launch()
 {
-    direction_norm_ = problem.norm(direction_);
-    if (!std::isfinite(direction_norm_) || (direction_norm_ == 0 && !options_.linearised)) {
+    along_ = {};
+    along_.norm = problem.norm(direction_);
+    if (!std::isfinite(along_.norm) || (along_.norm == 0 && !options_.linearised)) {
         give_up();
-        non_finite_ = true;
+        course_.non_finite = true;
         return;
     }
-    slope_ = problem.residual_along(direction_);
+    along_.slope = problem.residual_along(direction_);
     const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
-    first_alpha_ = 1;
-    valley_ = 0;
-    redirected_ = false;
-    if (move > move_limit_) first_alpha_ = move_limit_ / move;
-    if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
-    set_trial(first_alpha_);
+    if (move > course_.move_limit) along_.first_alpha = course_.move_limit / move;
+    if (turn * along_.first_alpha > largest_edge_turn) along_.first_alpha = largest_edge_turn / turn;
+    set_trial(along_.first_alpha);
 }
 
 /// Further simplified corrections (chord steps: the factors stay) with force terms linear, while they shrink fast.
 void NewtonSystem::chord_steps(const ForceTerms& terms)
 {
-    if (!running() || alpha_ != 1 || options_.linearised || options_.pseudo_transient) return;
-    double last = direction_norm_;
+    if (!running() || along_.alpha != 1 || options_.linearised || options_.pseudo_transient) return;
+    double last = along_.norm;
     for (int k = 0; k < most_chord_steps; ++k) {
         const bool usable = problem.update() && problem.evaluate_linear_terms(terms, base_);
         if (usable && problem.residual_below(0.5)) return;
         if (usable) correct();
         const double size = problem.norm(correction_);
-        if (!usable || !(size < 0.3 * last) || (model_.shift > 0 && size < 1e-3 * direction_norm_)) return;
+        if (!usable || !(size < 0.3 * last) || (model_.shift > 0 && size < 1e-3 * along_.norm)) return;
         last = size;
         problem.correct_tension(correction_);
         for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];
@@ -248,7 +245,7 @@ void NewtonSystem::chord_steps(const ForceTerms& terms)
 
 void NewtonSystem::set_trial(double alpha)
 {
-    alpha_ = alpha;
+    along_.alpha = alpha;
     problem.predict_tension(direction_, alpha);
     for (int i = 0; i < problem.size(); ++i) problem.trial[i] = base_[i] + alpha * direction_[i];
     if (alpha == 1) problem.set_prescribed();

@@ -31,6 +31,8 @@
 #include "solve/solve_report.h"
 
 #include <functional>
+#include <limits>
+#include <optional>
 #include <vector>
 
 namespace seldinger {
@@ -60,9 +62,9 @@ public:
     void advance(bool finite, const ForceTerms& terms);
 
     /// Whether to end at the next trial that can be a state: see Solver::cut_when().
-    void hurry(bool due) { due_ = due; }
+    void hurry(bool due) { course_.due = due; }
     /// Whether the solve was ended so.
-    [[nodiscard]] bool cut_short() const { return cut_short_; }
+    [[nodiscard]] bool cut_short() const { return course_.cut_short; }
 
     /// Calls `seen` for each trial after its decision. @param seen  outlives this; may be empty
     void watch(const std::function<void(const NewtonTrial&)>& seen) { seen_ = &seen; }
@@ -75,7 +77,7 @@ public:
     void abandon()
     {
         phase_ = Phase::Failed;
-        settling_ = false;
+        course_.settling = false;
     }
 
     [[nodiscard]] bool running() const { return phase_ == Phase::Guess || phase_ == Phase::Search; }
@@ -92,8 +94,8 @@ private:
     void set_guess(double fraction);
 
     // the driver (newton_system.cpp)
-    void decide(bool finite, const ForceTerms& terms);
-    void tell(NewtonTrial trial) const;
+    bool decide(bool finite, const ForceTerms& terms);
+    void tell(NewtonTrial trial, bool possible) const;
     [[nodiscard]] bool ends_at_trial(const ForceTerms& terms);
     [[nodiscard]] bool can_be_state() const;
     [[nodiscard]] bool ends_when_due();
@@ -135,15 +137,31 @@ private:
     const std::function<void(const NewtonTrial&)>* seen_ = nullptr;
     NewtonOptions options_;
     Phase phase_ = Phase::Done;
-    bool settling_ = false;  // taking the best trial instead of failing
-    bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false, refused_ = false;
-    bool redirected_ = false;  // the trial has been, to the balance of the kinks: correction_ is what this changed
-    double valley_ = 0;       // the trial was shortened into a valley of this width, as a part of the direction; 0: it was not
-    bool due_ = false, cut_short_ = false, base_can_be_ = false;
-    int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0, times_grown_ = 0;
-    double move_limit_ = 0, guess_fraction_ = 1;
-    double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0, base_share_ = 0;
-    KinksPassed crossed_, before_redirection_;
+    // each with what it lasts for
+    struct Course {
+        bool settling = false;    // taking the best trial instead of failing
+        bool non_finite = false;  // the last evaluation was
+        bool due = false, cut_short = false;
+        int iterations = 0, first_iteration = 0;  // the latter: after which multipliers were renewed
+        int evaluations = 0, backtracks = 0, mode_perturbations = 0, jumps_passed = 0, times_grown = 0;
+        double move_limit = std::numeric_limits<double>::infinity();  // of a node in one update [m]
+        double guess_fraction = 1;  // of guess_, that the trial has moved by
+    } course_;
+    struct Base {
+        double residual_share = 0;  // of the tolerance
+        bool can_be_state = false;
+    } at_base_;
+    struct Direction {
+        double alpha = 1, first_alpha = 1;  // of the present and of the first trial on it
+        double norm = 0, slope = 0;         // slope: R . direction at the base
+        double valley = 0;        // the trial was shortened into a valley of this width, as a part of the direction; 0: it was not
+        bool redirected = false;  // the trial has been, to the balance of the kinks: correction_ is what this changed
+        KinksPassed before_redirection;
+    } along_;
+    struct Trial {
+        KinksPassed crossed;
+        std::optional<double> contraction;  // correction_ is the trial's, and so much of the direction; none: not asked for
+    } at_trial_;
     std::vector<double> base_, base_residual_, direction_, correction_, guess_;  // [unknowns]
     std::span<double> scratch_;                                                  // in the workspace
 };

@@ -11,7 +11,7 @@ namespace seldinger {
 void NewtonSystem::adapt_shift()
 {
     if (options_.pseudo_transient) model_.shift *= 0.7;
-    else if (alpha_ == first_alpha_) model_.shift *= contraction_ < 0.5 ? 0.1 : 0.5;
+    else if (along_.alpha == along_.first_alpha) model_.shift *= at_trial_.contraction < 0.5 ? 0.1 : 0.5;
     if (model_.shift < LinearModel::smallest_shift) model_.shift = 0;
 }
 

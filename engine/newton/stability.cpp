@@ -12,7 +12,7 @@ namespace seldinger {
 /// leads out of its line. Asked once in a solve.
 bool NewtonSystem::may_be_saddle() const
 {
-    return !options_.shifted && !options_.linearised && model_.projected_steps() > 0 && mode_perturbations_ == 0 &&
+    return !options_.shifted && !options_.linearised && model_.projected_steps() > 0 && course_.mode_perturbations == 0 &&
            problem.motion == Motion::Implicit && !problem.conserving();
 }
 
@@ -31,7 +31,7 @@ bool NewtonSystem::leave_saddle(const ForceTerms& terms)
 /// LinearModel::stable() has assembled.
 void NewtonSystem::perturb_along_softest_mode()
 {
-    ++mode_perturbations_;
+    ++course_.mode_perturbations;
     const int size = problem.size();
     for (int attempt = 0; attempt < 20; ++attempt)
         if (model_.raise_shift(4 * model_.shift) == 0) break;
@@ -51,7 +51,7 @@ void NewtonSystem::perturb_along_softest_mode()
     const double step = (downhill < 0 ? -0.01 : 0.01) * edge / largest;
     for (int i = 0; i < size; ++i) problem.trial[i] += step * direction_[i];
     phase_ = Phase::Guess;
-    guess_fraction_ = 0;
+    course_.guess_fraction = 0;
 }
 
 }  // namespace seldinger

@@ -22,37 +22,36 @@ constexpr double located = 1e-6;  // of the wire's radius: a position known to w
 /// terms know
 void NewtonSystem::backtrack(double open)
 {
-    if (phase_ == Phase::Search) return shorten((open < 1 ? std::clamp(0.9 * open, 0.05, 0.5) : 0.3) * alpha_);
-    if (guess_fraction_ == 0) {
+    if (phase_ == Phase::Search) return shorten((open < 1 ? std::clamp(0.9 * open, 0.05, 0.5) : 0.3) * along_.alpha);
+    if (course_.guess_fraction == 0) {
         give_up();
         return;
     }
-    set_guess(++backtracks_ < 6 ? 0.5 * guess_fraction_ : 0.0);
+    set_guess(++course_.backtracks < 6 ? 0.5 * course_.guess_fraction : 0.0);
 }
 
 /// @param valley  width of the valley that contact went over and shall lie in
 void NewtonSystem::shorten(double alpha, double valley)
 {
-    valley_ = valley;
-    if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
+    along_.valley = valley;
+    if (options_.shifted && alpha < 0.05 * along_.first_alpha) return raise_shift();
     if (alpha < smallest_alpha) {
         give_up();
         return;
     }
-    shortened_ = true;
     set_trial(alpha);
 }
 
 /// The tests at the top of newton_system.h; a shorter trial, or one of a larger shift, is set when they fail.
 bool NewtonSystem::acceptable(const ForceTerms& terms)
 {
-    if (redirected_) {
-        if (problem.residual_share() <= base_share_) return true;
+    if (along_.redirected) {
+        if (problem.residual_share() <= at_base_.residual_share) return true;
         take_redirection_back();
         return false;
     }
     const double slope = problem.residual_along(direction_);
-    const bool slope_falls = std::abs(slope) <= std::max(0.9, 1 - alpha_ / 2) * std::abs(slope_);
+    const bool slope_falls = std::abs(slope) <= std::max(0.9, 1 - along_.alpha / 2) * std::abs(along_.slope);
     if (!options_.pseudo_transient) return natural_test(slope_falls, slope, terms);
     if (slope_falls || slope <= 0) return true;
     raise_shift();
@@ -64,28 +63,28 @@ bool NewtonSystem::acceptable(const ForceTerms& terms)
 bool NewtonSystem::natural_test(bool slope_falls, double slope, const ForceTerms& terms)
 {
     correct();
-    contraction_ = problem.norm(correction_) / direction_norm_;
-    corrected_ = true;
-    const bool grows = contraction_ > 1;
-    if (contraction_ <= 1 - alpha_ / 4 || (slope_falls && !(grows && times_grown_ >= most_grown))) {
-        times_grown_ += grows;
+    const double contraction = problem.norm(correction_) / along_.norm;
+    at_trial_.contraction = contraction;
+    const bool grows = contraction > 1;
+    if (contraction <= 1 - along_.alpha / 4 || (slope_falls && !(grows && course_.times_grown >= most_grown))) {
+        course_.times_grown += grows;
         return true;
     }
     // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
-    if ((valley_ > 0 || crossed_.entered) && problem.residual_share() <= base_share_) return true;
+    if ((along_.valley > 0 || at_trial_.crossed.entered) && problem.residual_share() <= at_base_.residual_share) return true;
     if (redirect(terms)) return false;
-    if (crossed_.share < 1 && alpha_ == first_alpha_) {  // into the valley, whose tangent is the next direction's
-        shorten(std::max(crossed_.share, 0.1) * alpha_, crossed_.width * alpha_);
+    if (at_trial_.crossed.share < 1 && along_.alpha == along_.first_alpha) {  // into the valley, whose tangent is the next direction's
+        shorten(std::max(at_trial_.crossed.share, 0.1) * along_.alpha, at_trial_.crossed.width * along_.alpha);
         return false;
     }
     if (const double back = across_valley(slope); back > 0) {
-        shorten(alpha_ - back);
+        shorten(along_.alpha - back);
         return false;
     }
-    for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
-    const double natural = 0.5 * direction_norm_ * alpha_ * alpha_ / problem.norm(scratch_);
-    const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
-    shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
+    for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - along_.alpha) * direction_[i];
+    const double natural = 0.5 * along_.norm * along_.alpha * along_.alpha / problem.norm(scratch_);
+    const double secant = slope * along_.slope < 0 ? along_.alpha * along_.slope / (along_.slope - slope) : 0.0;
+    shorten(std::clamp(std::max(natural, secant), 0.1 * along_.alpha, 0.5 * along_.alpha));
     return false;
 }
 
@@ -93,7 +92,7 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope, const ForceTerms
 /// of kinks lead from one to the next, it would go round in a circle. @return whether it has
 bool NewtonSystem::redirect(const ForceTerms& terms)
 {
-    if (crossed_.share == 1 || alpha_ != 1 || iterations_ - first_iteration_ > 1) return false;
+    if (at_trial_.crossed.share == 1 || along_.alpha != 1 || course_.iterations - course_.first_iteration > 1) return false;
     KinkBalance balance;
     int found = 0;
     for (const WireProblem* wire : problem.solved()) {
@@ -125,16 +124,16 @@ bool NewtonSystem::redirect(const ForceTerms& terms)
         problem.trial[i] += change[i];
     }
     problem.correct_tension(correction_);
-    before_redirection_ = crossed_;
-    return redirected_ = true;
+    along_.before_redirection = at_trial_.crossed;
+    return along_.redirected = true;
 }
 
 /// The balance of the kinks leaves more than the base: into the valley of the largest turn, on the direction as it was.
 void NewtonSystem::take_redirection_back()
 {
     for (int i = 0; i < problem.size(); ++i) direction_[i] -= correction_[i];
-    redirected_ = false;
-    shorten(std::max(before_redirection_.share, 0.1), before_redirection_.width);
+    along_.redirected = false;
+    shorten(std::max(along_.before_redirection.share, 0.1), along_.before_redirection.width);
 }
 
 /// The trial lies in the middle of a valley, where the force has turned by half of what it turns across. The derivative along d has
@@ -142,10 +141,10 @@ void NewtonSystem::take_redirection_back()
 /// (1 - alpha) of the base's where the valley begins. @return how far back that is; 0 without a valley
 double NewtonSystem::across_valley(double slope) const
 {
-    const double begins = (1 - alpha_) * slope_;
-    if (!(valley_ > 0) || slope * slope_ >= 0 || alpha_ <= valley_ / 2) return 0;
+    const double begins = (1 - along_.alpha) * along_.slope;
+    if (!(along_.valley > 0) || slope * along_.slope >= 0 || along_.alpha <= along_.valley / 2) return 0;
     const double share = begins / (begins - slope);
-    return (1 - std::max(share, least_share)) * valley_ / 2;
+    return (1 - std::max(share, least_share)) * along_.valley / 2;
 }
 
 /// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
@@ -156,7 +155,7 @@ void NewtonSystem::correct()
     if (model_.shift > 0)
         for (int i = 0; i < problem.size(); ++i)
             scratch_[i] += model_.shift * model_.shift_weight(i) * (problem.trial[i] - base_[i]);
-    model_.correction(scratch_, part(correction_), 1 - alpha_);
+    model_.correction(scratch_, part(correction_), 1 - along_.alpha);
 }
 
 /// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the residual is not
@@ -167,8 +166,8 @@ void NewtonSystem::correct()
 /// trial is as good a base as any.
 NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
 {
-    if (!terms.traits().may_jump || options_.shifted || alpha_ == first_alpha_) return Jump::None;
-    if (alpha_ * problem.largest_surface_move(direction_) > located * problem.smallest_radius()) return Jump::None;
+    if (!terms.traits().may_jump || options_.shifted || along_.alpha == along_.first_alpha) return Jump::None;
+    if (along_.alpha * problem.largest_surface_move(direction_) > located * problem.smallest_radius()) return Jump::None;
     double change = 0, base = 0;
     for (const WireProblem* wire : problem.solved()) {
         const double* before = problem.of_wire(*wire, base_residual_).data();
@@ -176,13 +175,13 @@ NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
         const int asked = wire->fed() ? RodDofs::count(wire->rod.n - 2) : wire->size();
         for (int i = 0; i < asked; ++i) {
             if (wire->q.prescribed[i] || RodDofs::is_spin(i)) continue;
-            change = std::max(change, std::abs(wire->q.residual[i] - (1 - alpha_) * before[i]));
+            change = std::max(change, std::abs(wire->q.residual[i] - (1 - along_.alpha) * before[i]));
             base = std::max(base, std::abs(before[i]));
         }
     }
     if (change <= std::max(0.5 * base, 1e-3 * problem.largest_force())) return Jump::None;
-    if (problem.residual_along(direction_) * slope_ < 0) return Jump::Turns;
-    return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
+    if (problem.residual_along(direction_) * along_.slope < 0) return Jump::Turns;
+    return ++course_.jumps_passed <= most_jumps ? Jump::Passed : Jump::None;
 }
 
 /// The correction is below 1e-6 of the wire's radius (half a nanometre). The remaining force is rounding (of a single-precision
@@ -190,7 +189,7 @@ NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
 /// half nanometre, and no position has a smaller residual.
 bool NewtonSystem::at_kink() const
 {
-    if (iterations_ < 4 || options_.shifted) return false;
+    if (course_.iterations < 4 || options_.shifted) return false;
     const double jump = 1e-3 * problem.largest_force();
     const auto small = [&](const WireProblem* wire) { return wire->norm <= std::max(100 * wire->tolerance, jump); };
     return std::all_of(problem.solved().begin(), problem.solved().end(), small) &&

@@ -101,7 +101,7 @@ struct Scene : SceneInstrument {
     [[nodiscard]] double step_length(long taken) const;
     [[nodiscard]] int instrument_count() const { return 1 + static_cast<int>(others.size()); }
     [[nodiscard]] SceneInstrument& instrument(int k) { return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1]; }
-    [[nodiscard]] const SceneInstrument& instrument(int k) const { return const_cast<Scene&>(*this).instrument(k); }
+    [[nodiscard]] const SceneInstrument& instrument(int k) const { return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1]; }
 };
 
 /// When the last thing that the scene prescribes has come to its end [s]; rest before that is a pause.

@@ -19,6 +19,7 @@ inline constexpr int most_steps = 1'000'000'000, most_nodes = 200'000;
 [[nodiscard]] std::vector<Key> wire(SceneInstrument& i);  // with a label: of [[instrument]]
 /// Radius, material and friction of a wire or of a section. @param of_section  absent ones are the shaft's
 [[nodiscard]] std::vector<Key> properties(WireSection& s, bool of_section);
+[[nodiscard]] std::vector<Key> of_instrument(WireSpec& w);  // what one of the catalogue may have: properties, not place or discretisation
 [[nodiscard]] std::vector<Key> section(WireSectionRange& range);
 [[nodiscard]] std::vector<Key> place(WirePlacement& p);
 [[nodiscard]] std::vector<Key> feed(SceneFeed& f, bool inside);  // inside: of an instrument within another one
@@ -49,7 +50,7 @@ struct Table {
 
 /// Stiffness of a wire is a material or these three.
 inline constexpr std::string_view stiffness[] = {"bend_nm2", "twist_nm2", "stretch_n"};
-/// Keys of [wire] that an instrument of the catalogue may have: its properties, not its place or its discretisation.
+/// Names of the keys of [wire] that an instrument of the catalogue may have.
 [[nodiscard]] const std::vector<std::string_view>& of_instruments();
 
 }  // namespace seldinger::keys

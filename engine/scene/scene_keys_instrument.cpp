@@ -21,17 +21,6 @@ void append(std::vector<Key>& keys, const std::vector<Key>& more) { keys.insert(
 
 }  // namespace
 
-const std::vector<std::string_view>& of_instruments()
-{
-    static const std::vector<std::string_view> names = [] {
-        WireSection any;
-        std::vector<std::string_view> list = {"lumen_radius_m", "section", "bend_scale"};
-        for (const Key& key : properties(any, false)) list.push_back(key.name);
-        return list;
-    }();
-    return names;
-}
-
 std::vector<Key> properties(WireSection& s, bool of_section)
 {
     WireSection solid = s;
@@ -57,6 +46,32 @@ std::vector<Key> properties(WireSection& s, bool of_section)
     return keys;
 }
 
+std::vector<Key> of_instrument(WireSpec& w)
+{
+    std::vector<Key> keys = properties(w.shaft, false);
+    append(keys, {
+        {"lumen_radius_m", "m", number(w.lumen_radius, not_negative),
+         "lumen radius of a catheter or sheath, below every outer radius; 0: solid. Other instruments can run in the lumen "
+         "([`[coaxial]`](#coaxial))"},
+        {"bend_scale", "", Special{"(0, ∞)"},
+         "multiplies bending and twisting stiffness of the shaft and all sections, for example of a [preset](#presets) whose stiffness is "
+         "known to a factor", "`1.0`"},
+        {"section", "", Special{"tables"}, "[`[[wire.section]]`](#wiresection)", none},
+    });
+    return keys;
+}
+
+const std::vector<std::string_view>& of_instruments()
+{
+    static const std::vector<std::string_view> names = [] {
+        WireSpec any;
+        std::vector<std::string_view> list;
+        for (const Key& key : of_instrument(any)) list.push_back(key.name);
+        return list;
+    }();
+    return names;
+}
+
 std::vector<Key> wire(SceneInstrument& i)
 {
     WireSpec& w = i.wire;
@@ -74,14 +89,8 @@ std::vector<Key> wire(SceneInstrument& i)
         {"edge_error_m", "m", number(w.edge_error, positive),
          "adaptive nodes: permitted discretisation error per edge, as the tip displacement that it causes"},
     };
-    append(keys, properties(w.shaft, false));
+    append(keys, of_instrument(w));
     append(keys, {
-        {"lumen_radius_m", "m", number(w.lumen_radius, not_negative),
-         "lumen radius of a catheter or sheath, below every outer radius; 0: solid. Other instruments can run in the lumen "
-         "([`[coaxial]`](#coaxial))"},
-        {"bend_scale", "", Special{"(0, ∞)"},
-         "multiplies bending and twisting stiffness of the shaft and all sections, for example of a [preset](#presets) whose stiffness is "
-         "known to a factor", "`1.0`"},
         {"curvature", "", words(w.curvature, curvature_words),
          "integrated curvature of a node whose edges turn by φ: φ, or the published 2 tan(φ/2)"},
         {"place", "", Tables{{place(w.place)}, false},
@@ -91,7 +100,6 @@ std::vector<Key> wire(SceneInstrument& i)
         {"velocity_m_s", "m/s", vector(w.place.velocity), "initial velocity of every node; not with `[feed]`", {}, only_if(!i.feed.on)},
         {"spin_rad_s", "rad/s", number(w.place.spin_rate, any_number),
          "initial spin about the wire's axis; not with `[feed]`", {}, only_if(!i.feed.on)},
-        {"section", "", Special{"tables"}, "[`[[wire.section]]`](#wiresection)", none},
         {"feed", "", Special{"table"},
          "[`[feed]`](#feed) of this instrument. An inner instrument has only `keys` and `behind_m`, since it enters with the outer one",
          none, only_if(!i.label.empty())},

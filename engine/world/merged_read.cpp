@@ -242,7 +242,7 @@ double boundary_error(const MergedGroup& group, const RodView& line, std::span<c
 
 double hand_error(const World& given, int wire)
 {
-    WorldData& world = data_of(const_cast<World&>(given));  // scratch of the group is made anew; the state is only read
+    WorldData& world = data_of(given);
     const MergedGroup* group = world.groups.of(wire);
     if (!group || !group->feed.inside) return 0;
     const WorldRod rod(world, group->line());

@@ -37,7 +37,7 @@ BendingError World::bending_error(int wire) const
 
 BendingError bending_error_between(const World& given, int wire, double from, double to)
 {
-    WorldData& world = data_of(const_cast<World&>(given));  // scratch of a group is made anew; the state is only read
+    WorldData& world = data_of(given);
     if (!world.is_line(wire)) return {};
     const WorldRod one(world, wire);
     const RodView rod = one.view();

@@ -175,8 +175,8 @@ struct WorldData {
     [[nodiscard]] const NodeAdapter& adapter(int wire) const { return work.wires[wire].adapter; }
 };
 
-/// For step.cpp, and for tests that look inside.
-[[nodiscard]] inline WorldData& data_of(World& world) { return *world.data_; }
+/// For step.cpp, for readings that renew the scratch of a group, and for tests that look inside.
+[[nodiscard]] inline WorldData& data_of(const World& world) { return *world.data_; }
 
 /// @throws Error BadScene: dt, or the input of a hub. Nothing has changed then
 void check_request(const WorldData& world, const Control& control, double dt);

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <thread>
 
@@ -87,8 +88,13 @@ TEST_SUITE("session/session")
         CHECK(summary["packets"]["accepted"] == 700);
         CHECK(summary["resets"] == 1);
         CHECK(summary["state_hash"] == hash);
-        // the energy brought in is never less than the energy stored and dissipated, except for contacts that were not foreseen
-        CHECK(summary["coupling"][0]["advance_energy_lowest_j"].get<double>() > -1e-5);
+        // The energy brought in is never less than the energy stored and dissipated, except for a contact that was not foreseen: in the step
+        // that meets it, it gives the wire's mass m an impulse of m v at most, over a way of v T. At the hub's largest speed, where a late
+        // packet makes the hand jump, m v^2 is 0.12 mJ.
+        const WireSection& shaft = scene.wire.shaft;
+        const double mass = shaft.density * std::numbers::pi * shaft.radius * shaft.radius * scene.wire.length;
+        const double speed = advance_coupling.speed_limit;
+        CHECK(summary["coupling"][0]["advance_energy_lowest_j"].get<double>() > -mass * speed * speed);
     }
 
     TEST_CASE("property: in lockstep each request makes one step and is answered by it, and the session does not depend on the clock")

@@ -115,7 +115,7 @@ public:
 
 private:
     explicit World(std::unique_ptr<WorldData> data);
-    friend WorldData& data_of(World& world);  // world/world.h
+    friend WorldData& data_of(const World& world);  // world/world.h
     std::unique_ptr<WorldData> data_;
 };
 
