@@ -170,6 +170,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     settle_bent_starts(table("scene"), scene);
     check_contact_lengths(TableReader(table("contact"), "contact", keys::contact(scene)), scene);
     read_holds_and_loads(root, scene);
+    check_several(root, scene);
     for_each_table(root, "wall_load", "wall_load",
                    [&](const toml::table& load, const std::string& path) { read_wall_load(load, path, scene); });
     if (const toml::table* task = find_table(root, "task")) read_task_table(*task, scene);

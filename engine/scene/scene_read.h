@@ -33,6 +33,8 @@ void read_contrast_table(const toml::table& table, Scene& scene);  // [contrast]
 
 /// [[instrument]] with their feeds, and [coaxial].
 void read_instruments(const toml::table& root, Scene& scene);
+/// What instruments that share a centreline, or touch each other, cannot be joined with. All of that has been read.
+void check_several(const toml::table& root, const Scene& scene);
 
 /// [[hold]], [[load]], [[link]], each to the instrument that it names.
 void read_holds_and_loads(const toml::table& root, Scene& scene);

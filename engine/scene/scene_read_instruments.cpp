@@ -180,4 +180,34 @@ void read_instruments(const toml::table& root, Scene& scene)
     }
 }
 
+void check_several(const toml::table& root, const Scene& scene)
+{
+    const bool merged = scene.coaxial && scene.coaxial->model == CoaxialSpec::Model::Merged;
+    if (!merged && !scene.coaxial && !scene.instruments_touch) return;
+    const auto refuse = [&](std::string_view table, std::string_view key, const std::string& message) {
+        const std::string path = fmt::format("{}.{}", table, key);
+        fail_at(root.at_path(path).node()->source(), path, message);  // it is there: no default is refused
+    };
+    const std::string_view who = merged ? "instruments of one centreline (coaxial.model = \"merged\")" : "instruments that touch each other";
+    const IntegratorSpec& integrator = scene.integrator;
+    if (integrator.scheme == Scheme::Linearised || integrator.scheme == Scheme::Explicit)
+        refuse("integrator", "scheme", fmt::format("does not solve {}; expected \"newton\" or \"static\"", who));
+    if (!merged) {
+        if (scene.contact.precision == Precision::Float32)
+            refuse("contact", "precision", fmt::format("\"float32\" is not for {}; take it out", who));
+        return;
+    }
+    const auto held = [&](int k) { return !scene.instrument(k).holds.empty(); };
+    if (integrator.newmark && std::any_of(scene.coaxial->order.begin(), scene.coaxial->order.end(), held))
+        refuse("integrator", root.at_path("integrator.gamma") ? "gamma" : "beta",
+               "is not for a hold on one of these instruments, where a velocity that the hold removes changes its sign at every step; take beta "
+               "and gamma out, or put a stiff [[link]] in place of the hold");
+    if (integrator.conserve) refuse("integrator", "conserve", fmt::format("is not for {}; take it out, or give beta and gamma", who));
+    if (integrator.damping_stiffness > 0) refuse("integrator", "damping_stiffness_s", fmt::format("is not for {}; take it out", who));
+    if (scene.instruments_touch)
+        refuse("contact", "instruments", fmt::format("is not for {}; take it out, or set coaxial.model = \"separate\"", who));
+    if (scene.vessel.shape != VesselShape::None && scene.contact.detection != Detection::Swept && scene.contact.detection != Detection::Capsule)
+        refuse("contact", "detection", fmt::format("does not serve {}; expected \"swept\" or \"capsule\"", who));
+}
+
 }  // namespace seldinger

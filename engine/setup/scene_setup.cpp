@@ -155,6 +155,7 @@ public:
     {
         const LumenPlace place = lumen().locate(feed.point);
         if (place.inside()) return check_inside_at_start(scene, k, feed, radius);
+        if (!has_lumen_) return;  // behind a plane, which does not push from there
         const Vec3& p = feed.point;
         const std::string where = place.opening >= 0 ? fmt::format("beyond inlet {} of the vessel, {:.4g} mm from its rim",
                                                                    inlet_through(vessel_.report.loops, vessel_.centreline, place.opening),
@@ -186,15 +187,18 @@ private:
             const Vec3 along = last ? (i > 0 ? Vec3(path[i] - path[i - 1]) : feed.direction).normalized() : Vec3((path[i + 1] - path[i]).normalized());
             const double until = last ? feed.advance : std::min(feed.advance, from + (path[i + 1] - path[i]).norm());
             for (double s = from; s < until;) {
-                const LumenPlace at = lumen().locate(path[i] + (s - from) * along);
+                const Vec3 p = path[i] + (s - from) * along;
+                const LumenPlace at = lumen().locate(p);
                 if (at.opening >= 0) return;  // out through an opening: free
-                if (at.signed_distance < 0)
+                if (at.clearance(p) < 0)
                     fail(scene, key_of(scene, k, "feed.keys.advance_m"),
-                         fmt::format("got {:.4g} mm at t = 0, which lie {}; expected them inside the lumen, whose wall is in the way after "
+                         fmt::format("got {:.4g} mm at t = 0, which lie {}; expected them {} the wall, which is in the way after "
                                      "{:.3g} mm. Fix: start with 0 (at most {:.4g} m) and feed the rest{}",
-                                     1e3 * feed.advance, bent ? "along the centreline" : "straight ahead of the inlet", 1e3 * s,
-                                     1e-3 * std::floor(1e3 * std::max(0.0, s - 2 * radius)), bent ? "" : ", or feed.start = \"centreline\""));
-                s += std::max(at.signed_distance, 0.5 * radius);
+                                     1e3 * feed.advance, bent ? "along the centreline" : "straight ahead of the inlet",
+                                     has_lumen_ ? "inside" : "in front of", 1e3 * s,
+                                     1e-3 * std::floor(1e3 * std::max(0.0, s - 2 * radius)),
+                                     bent || !has_lumen_ ? "" : ", or feed.start = \"centreline\""));
+                s += std::max(std::abs(at.signed_distance), 0.5 * radius);
             }
             from = until;
         }
@@ -284,7 +288,7 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
                     fail(scene, key_of(scene, k, "feed.start"),
                          "got \"centreline\" in a group of instruments; expected a single instrument. Fix: start with advance_m = 0 and feed the rest");
                 if (from.feed.along_centreline) wire.feed.path = path_along_centreline(vessel.centreline, wire.feed);
-                if (has_lumen) places.check(scene, k, wire.feed, wire.wire.shaft.radius);
+                if (first.vessel.shape != VesselShape::None) places.check(scene, k, wire.feed, wire.wire.shaft.radius);
             } else if (first.vessel.shape != VesselShape::None) {
                 wire.start = places.check(scene, k, wire.wire);
             } else {

@@ -104,10 +104,7 @@ private:
         at.bary = bary;
         at.point = (1 - bary) * rod().pos(edge) + bary * rod().pos(edge + 1);
         const LumenPlace place = lumen_.locate(at.point);
-        // past an opening is no wall; nor is the air beside a plane of finite size
-        const double off = std::abs((at.point - place.nearest).dot(place.normal));
-        const bool beside = place.border && off < (1 - 1e-6) * -place.signed_distance;
-        at.clearance = place.opening >= 0 || beside ? std::numeric_limits<double>::infinity() : place.signed_distance;
+        at.clearance = place.clearance(at.point);
         const Vec3 away = at.point - place.nearest;
         at.inward =
             away.norm() > 1e-3 * radius(edge) ? Vec3((place.signed_distance < 0 ? -1 : 1) * away.normalized()) : place.normal;

@@ -112,6 +112,12 @@ int LumenQuery::rim_of(const Around& at, bool border) const
     return found == vertex_rim_.begin() || std::prev(found)->first != at.from ? -1 : std::prev(found)->second;
 }
 
+double LumenPlace::clearance(const Vec3& p) const
+{
+    const double off = std::abs((p - nearest).dot(normal));  // less than the distance: past the border, and not behind the sheet
+    return opening >= 0 || (border && off < (1 - 1e-6) * -signed_distance) ? std::numeric_limits<double>::infinity() : signed_distance;
+}
+
 LumenPlace LumenQuery::locate(const Vec3& p, std::uint64_t* visits) const
 {
     LumenPlace place;

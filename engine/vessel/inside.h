@@ -18,6 +18,8 @@ struct LumenPlace {
     int opening = -1;             // >= 0: beyond the plane of that opening, left through it
     bool border = false;          // `nearest` lies where the wall ends
     [[nodiscard]] bool inside() const { return opening < 0 && signed_distance >= 0; }
+    /// signed_distance of that point p; infinity where no wall is in the way: past an opening, and beside the border of a sheet.
+    [[nodiscard]] double clearance(const Vec3& p) const;
 };
 
 /// Exact distances to the rounded wall (tree.h), signed by angle-weighted pseudonormals, which is right at edges and corners of

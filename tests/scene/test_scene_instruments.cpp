@@ -185,6 +185,27 @@ TEST_SUITE("scene/scene_instruments")
         CHECK(read(catheter_and_wire(merged + "mu_static = 0.06\nmu_sliding = 0.05\n")).warnings.empty());
     }
 
+    TEST_CASE("error: what instruments cannot be joined with is named by file and key")
+    {
+        const std::string hold = "[[hold]]\ninstrument = \"wire\"\nat = \"tip\"\nposition = true\n";
+        const std::string tube = "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.5\norigin = [-0.01, 0.0, 0.0]\n";
+        const std::pair<const char*, const char*> merged[] = {{"integrator.scheme", "linearised"}, {"integrator.scheme", "explicit"},
+                                                              {"integrator.conserve", "true"},     {"integrator.damping_stiffness_s", "0.01"},
+                                                              {"contact.instruments", "true"},     {"contact.detection", "nodes"},
+                                                              {"integrator.beta", "0.25"}};
+        for (const auto& [key, value] : merged) {
+            const std::string error = error_of(catheter_and_wire() + hold + tube, {"coaxial.model=merged", std::string(key) + "=" + value});
+            CHECK_MESSAGE(says(error, fmt::format("--set {}={}: {}: ", key, value, key)), error);
+        }
+        const std::pair<const char*, const char*> separate[] = {{"integrator.scheme", "explicit"}, {"contact.precision", "float32"}};
+        for (const auto& [key, value] : separate) {
+            const std::string error = error_of(catheter_and_wire() + tube, {std::string(key) + "=" + value});
+            CHECK_MESSAGE(says(error, fmt::format("--set {}={}: {}: ", key, value, key)), error);
+        }
+        const std::string error = error_of(catheter_and_wire() + "[integrator]\nscheme = \"linearised\"\n");
+        CHECK_MESSAGE(says(error, "two.toml:"), error);
+    }
+
     TEST_CASE("error: one line for what contradicts itself")
     {
         const std::pair<std::string, std::string> wrong[] = {

@@ -232,6 +232,26 @@ TEST_SUITE("setup/access")
         CHECK(said.find("Fix: start with 0") != std::string::npos);
     }
 
+    TEST_CASE("regression: a wire whose first length would begin behind a plane is refused, and one beside it is not")
+    {
+        const auto message_of = [](const char* point) {
+            const std::string text = fmt::format("[scene]\nduration_s = 0.1\ndt_s = 0.001\n[vessel]\nshape = \"plane\"\nsize_m = 0.4\n[wire]\n"
+                                                 "radius_m = 0.00045\ndensity = 6450.0\nyoungs_pa = 1e9\nlength_m = 0.2\nnodes = 21\n[feed]\n"
+                                                 "point = {}\ndirection = [3.0, 0.0, -4.0]\nkeys = [{{t_s = 0.0, advance_m = 0.05}}]\n",
+                                                 point);
+            try {
+                (void)make_setup(read_scene_text(text, "s.toml"));
+            } catch (const Error& error) {
+                return std::string(error.what());
+            }
+            return std::string();
+        };
+        const std::string through = message_of("[0.0, 0.0, 0.02]");  // 20 mm above, at 4 in 5: the plane is 25 mm away
+        CHECK_MESSAGE(through.find("in front of the wall, which is in the way after 25") != std::string::npos, through);
+        CHECK(message_of("[0.0, 0.0, 0.041]").empty());  // ends 1 mm above it
+        CHECK(message_of("[0.19, 0.0, 0.02]").empty());  // is past the border, at 0.2 m, when it gets there
+    }
+
     TEST_CASE("regression: a wire along points of its own length is laid, however its edges cut the corners")
     {
         const auto scene_of = [](const char* length) {
