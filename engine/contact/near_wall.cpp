@@ -88,14 +88,17 @@ device::Queue NearWall::upload_list()
     return at;
 }
 
+Vec3 NearWall::node(uint i) const
+{
+    const float* hi = &nodes_.hi[3 * i];
+    const double* lo = &nodes_.lo[3 * i];
+    return {hi[0] + lo[0], hi[1] + lo[1], hi[2] + lo[2]};
+}
+
 Vec3 NearWall::position(int point) const
 {
     const QuadraturePlace& place = quadrature_.places[point];
-    const double b = place.bary, a = 1 - b;
-    const float* hi = &nodes_.hi[3 * place.edge];
-    const double* lo = &nodes_.lo[3 * place.edge];
-    return {a * (hi[0] + lo[0]) + b * (hi[3] + lo[3]), a * (hi[1] + lo[1]) + b * (hi[4] + lo[4]),
-            a * (hi[2] + lo[2]) + b * (hi[5] + lo[5])};
+    return (1 - place.bary) * node(place.edge) + place.bary * node(place.edge + 1);
 }
 
 bool NearWall::renew(const ContactParams& par)
@@ -136,11 +139,20 @@ bool NearWall::mark(bool all)
 void NearWall::mark_stale(int w, bool all)
 {
     const WireQuadrature& wire = quadrature_.wires[w];
-    stale_count_[w] = 0;
+    int count = 0;
+    uint edge = SEL_NO_EDGE;
+    Vec3 from = Vec3::Zero(), to = Vec3::Zero();
     for (int s = wire.begin; s < wire.begin + wire.live; ++s) {
-        if (all || keep_[s] < 0 || !((position(s) - at_[s]).squaredNorm() <= keep_[s] * keep_[s]))
-            stale_[wire.begin + stale_count_[w]++] = static_cast<std::uint32_t>(s);
+        const QuadraturePlace& place = quadrature_.places[s];
+        if (place.edge != edge) {
+            edge = place.edge;
+            from = node(edge);
+            to = node(edge + 1);
+        }
+        const double moved2 = ((1 - place.bary) * from + place.bary * to - at_[s]).squaredNorm();
+        if (all || keep_[s] < 0 || !(moved2 <= keep_[s] * keep_[s])) stale_[wire.begin + count++] = static_cast<std::uint32_t>(s);
     }
+    stale_count_[w] = count;
     if (!all) take_spheres(w);
 }
 

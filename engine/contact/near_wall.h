@@ -46,7 +46,8 @@ private:
     void launch_find(device::Queue at, std::size_t items, const ContactParams& par);
     void launch_distance(device::Queue at, std::size_t items);
     [[nodiscard]] device::Queue upload_list();
-    [[nodiscard]] Vec3 position(int point) const;  // relative to the wall's centre
+    [[nodiscard]] Vec3 node(uint i) const;         // relative to the wall's centre
+    [[nodiscard]] Vec3 position(int point) const;  // likewise
     [[nodiscard]] double need(int point) const
     {
         return quadrature_.models[point].radius + quadrature_.models[point].reach + lengths_.margin - lengths_.slack;

@@ -50,14 +50,15 @@ void BandMatrix::reset(int size)
 
 double BandMatrix::row_scale(int i) const
 {
-    double most[4] = {};  // side by side, which becomes vectors
+    Vec4d most = {};
     const double* entries = row(i);
-    for (int c = 0; c < stride; c += 4)  // what lies beyond row_width is 0
-        for (int l = 0; l < 4; ++l) {
-            const double size = std::abs(entries[c + l]);
-            most[l] = most[l] < size ? size : most[l];
-        }
-    const double scale = std::max(std::max(most[0], most[2]), std::max(most[1], most[3]));
+    for (int c = 0; c < stride; c += 4) {  // what lies beyond row_width is 0
+        Vec4d size;
+        read_block(entries + c, size);
+        size = magnitude(size);
+        most = most < size ? size : most;
+    }
+    const double scale = largest(most);
     return scale > 0 ? scale : 1.0;
 }
 
@@ -168,6 +169,26 @@ double* aligned(std::vector<double>& scratch)
     return reinterpret_cast<double*>((address + 31) & ~std::uintptr_t{31});
 }
 
+/// From the last node to the first. The two solved last stay in registers: a vector that is loaded where four numbers have just
+/// been stored waits for them. @param unknown  from its right side, the sum over the unknowns behind it, and 1 / pivot
+template <int active, class NodeFactor>
+void substitute_back(const NodeFactor* factor, int nodes, double* x, const auto& unknown)
+{
+    Vec4d near = {}, far = {};
+    for (int b = nodes - 1; b >= 0; --b) {
+        const NodeFactor& f = factor[b];
+        double own[4] = {}, inner[4];
+        for (int p = 0; p < active; ++p) inner[p] = sum(block(f.upper[p] + 4) * near + block(f.upper[p] + 8) * far);
+        for (int p = active - 1; p >= 0; --p) {
+            for (int c = p + 1; c < active; ++c) inner[p] += f.upper[p][c] * own[c];
+            own[p] = unknown(x[4 * b + p], inner[p], f.inverse_pivot[p]);
+        }
+        far = near;
+        near = Vec4d{own[0], own[1], own[2], own[3]};
+        block(x + 4 * b) = near;
+    }
+}
+
 }  // namespace
 
 template <int active>
@@ -191,19 +212,8 @@ void BandMatrix::solve_ldlt_of(std::span<double> rhs_to_x)
         block(x + 4 * b + 4) = near;
         block(x + 4 * b + 8) = far;
     }
-    std::fill_n(x + size_, 8, 0.0);
-    for (int b = nodes - 1; b >= 0; --b) {
-        const NodeFactor& f = factor_[b];
-        double own[4] = {}, from_others[4];
-        const Vec4d near = block(x + 4 * b + 4), far = block(x + 4 * b + 8);
-        for (int p = 0; p < active; ++p) from_others[p] = sum(block(f.upper[p] + 4) * near + block(f.upper[p] + 8) * far);
-        for (int p = active - 1; p >= 0; --p) {
-            double inner = from_others[p];
-            for (int c = p + 1; c < active; ++c) inner += f.upper[p][c] * own[c];
-            own[p] = x[4 * b + p] - f.inverse_pivot[p] * inner;
-        }
-        std::memcpy(x + 4 * b, own, sizeof own);
-    }
+    substitute_back<active>(factor_, nodes, x,
+                            [](double right, double inner, double inverse) { return right - inverse * inner; });
     std::copy_n(x, size_, rhs_to_x.begin());
 }
 
@@ -258,26 +268,22 @@ void BandMatrix::solve_lu_of(std::span<double> rhs_to_x)
     double* x = aligned(scratch_);
     std::copy_n(rhs_to_x.begin(), size_, x);
     std::fill_n(x + size_, 8, 0.0);
+    Vec4d ahead = block(x), next = block(x + 4);  // of this node and the next one, less what those before took from them
     for (int b = 0; b < nodes; ++b) {
         const NodeFactor& f = factor_[b];
-        double* own = x + 4 * b;
+        double own[4] = {ahead[0], ahead[1], ahead[2], ahead[3]};
+        Vec4d far = block(x + 4 * b + 8);
         for (int p = 0; p < active; ++p) {
             for (int q = p + 1; q < active; ++q) own[q] -= f.upper[q][p] * own[p];
-            block(own + 4) -= own[p] * block(f.lower[p]);
-            block(own + 8) -= own[p] * block(f.lower[p] + 4);
+            next -= own[p] * block(f.lower[p]);
+            far -= own[p] * block(f.lower[p] + 4);
         }
+        block(x + 4 * b) = Vec4d{own[0], own[1], own[2], own[3]};
+        ahead = next;
+        next = far;
     }
-    std::fill_n(x + size_, 8, 0.0);
-    for (int b = nodes - 1; b >= 0; --b) {
-        const NodeFactor& f = factor_[b];
-        double* own = x + 4 * b;
-        for (int p = active; p < 4; ++p) own[p] = 0.0;
-        for (int p = active - 1; p >= 0; --p) {
-            double inner = sum(block(f.upper[p] + 4) * block(own + 4) + block(f.upper[p] + 8) * block(own + 8));
-            for (int c = p + 1; c < active; ++c) inner += f.upper[p][c] * own[c];
-            own[p] = (own[p] - inner) * f.inverse_pivot[p];
-        }
-    }
+    substitute_back<active>(factor_, nodes, x,
+                            [](double right, double inner, double inverse) { return (right - inner) * inverse; });
     std::copy_n(x, size_, rhs_to_x.begin());
 }
 

@@ -28,11 +28,18 @@ void BandRows::add_scaled(const BandRows& other, double factor)
 
 void BandRows::multiply(std::span<const double> x, std::span<double> y) const
 {
-    for (int i = 0; i < size_; ++i) {
-        const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
-        double sum = 0;
-        for (int j = first; j <= last; ++j) sum += at(i, j) * x[j];
-        y[i] = sum;
+    constexpr int abreast = node_size;  // rows whose sums, each in order, do not wait for each other
+    for (int i = 0; i < size_; i += abreast) {
+        double sums[abreast] = {};
+        const int first = i - half_bandwidth, last = i + half_bandwidth;
+        if (first >= 0 && last + abreast <= size_) {
+            for (int k = 0; k < row_width; ++k)
+                for (int l = 0; l < abreast; ++l) sums[l] += row(i + l)[k] * x[first + l + k];
+        } else {
+            for (int l = 0; l < abreast; ++l)
+                for (int j = std::max(0, first + l); j <= std::min(size_ - 1, last + l); ++j) sums[l] += at(i + l, j) * x[j];
+        }
+        std::copy_n(sums, abreast, y.begin() + i);
     }
 }
 

@@ -23,16 +23,38 @@ SweptLumen::SweptLumen(std::vector<SweptTube> tubes, double fillet)
     }
 }
 
-FieldValue SweptLumen::of_segment(const SweptTube& tube, std::size_t segment, const Vec3& p)
+namespace {
+
+/// The nearest point of a segment's axis, and the lumen's radius there.
+struct AxisFoot {
+    Vec3 away;  // from there to p [m]
+    double distance, radius;
+};
+
+inline AxisFoot foot_of(const SweptTube& tube, std::size_t segment, const Vec3& p)
 {
     const Vec3 &a = tube.points[segment], &b = tube.points[segment + 1];
     const Vec3 ab = b - a;
     const double t = std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0);
     const Vec3 away = p - (a + t * ab);
-    const double distance = away.norm();
+    return {away, away.norm(), tube.radius[segment] + t * (tube.radius[segment + 1] - tube.radius[segment])};
+}
+
+}  // namespace
+
+double SweptLumen::value_of(const SweptTube& tube, std::size_t segment, const Vec3& p)
+{
+    const AxisFoot foot = foot_of(tube, segment, p);
+    return foot.distance - foot.radius;
+}
+
+FieldValue SweptLumen::of_segment(const SweptTube& tube, std::size_t segment, const Vec3& p)
+{
+    const AxisFoot foot = foot_of(tube, segment, p);
     // the radius' own slope (a few percent) is left out of the gradient: Newton steps along it still converge
-    return {distance - (tube.radius[segment] + t * (tube.radius[segment + 1] - tube.radius[segment])),
-            distance > 0 ? Vec3(away / distance) : Vec3(ab.unitOrthogonal())};
+    return {foot.distance - foot.radius, foot.distance > 0
+                                             ? Vec3(foot.away / foot.distance)
+                                             : Vec3((tube.points[segment + 1] - tube.points[segment]).unitOrthogonal())};
 }
 
 FieldValue SweptLumen::blend(const FieldValue& a, const FieldValue& b) const
@@ -46,17 +68,21 @@ FieldValue SweptLumen::at(const Vec3& p) const
 {
     FieldValue result{std::numeric_limits<double>::infinity(), Vec3::Zero()};
     for (std::size_t t = 0; t < tubes_.size(); ++t) {
-        FieldValue tube{std::numeric_limits<double>::infinity(), Vec3::UnitX()};
+        double least = std::numeric_limits<double>::infinity();
+        std::size_t nearest = 0;
         for (const Chunk& chunk : chunks_[t]) {
             // nothing in the chunk is below its distance; beyond the fillet it cannot matter to the blend either
             const double bound = (p - chunk.centre).norm() - chunk.reach;
-            if (bound >= tube.value || bound > result.value + fillet_) continue;
+            if (bound >= least || bound > result.value + fillet_) continue;
             for (std::size_t i = chunk.first; i < chunk.last; ++i) {
-                const FieldValue value = of_segment(tubes_[t], i, p);
-                if (value.value < tube.value) tube = value;
+                const double value = value_of(tubes_[t], i, p);
+                if (!(value < least)) continue;
+                least = value;
+                nearest = i;
             }
         }
-        if (std::isinf(tube.value)) continue;
+        if (std::isinf(least)) continue;
+        const FieldValue tube = of_segment(tubes_[t], nearest, p);
         result = std::isinf(result.value) ? tube : blend(result, tube);
     }
     return result;

@@ -28,10 +28,12 @@ public:
     [[nodiscard]] const std::vector<SweptTube>& tubes() const { return tubes_; }
     [[nodiscard]] double fillet() const { return fillet_; }
     /// Value of one tube's segment [i, i + 1] alone.
-    [[nodiscard]] static FieldValue of_segment(const SweptTube& tube, std::size_t segment, const Vec3& p);
+    [[nodiscard]] static double value_of(const SweptTube& tube, std::size_t segment, const Vec3& p);
     [[nodiscard]] FieldValue blend(const FieldValue& a, const FieldValue& b) const;
 
 private:
+    [[nodiscard]] static FieldValue of_segment(const SweptTube& tube, std::size_t segment, const Vec3& p);
+
     struct Chunk {  // a run of segments in a sphere, to be skipped when something nearer is known
         std::size_t first, last;
         Vec3 centre;

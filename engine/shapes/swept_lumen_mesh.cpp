@@ -65,7 +65,7 @@ LumenGrid sample(const SweptLumen& lumen, double step)
                 for (int y = from[1]; y <= to[1]; ++y)
                     for (int x = from[0]; x <= to[0]; ++x) {
                         float& v = own[grid.index(x, y, z)];
-                        v = std::min(v, static_cast<float>(SweptLumen::of_segment(tube, s, grid.node(x, y, z)).value));
+                        v = std::min(v, static_cast<float>(SweptLumen::value_of(tube, s, grid.node(x, y, z))));
                     }
         }
         for (std::size_t i = 0; i < count; ++i)
@@ -80,9 +80,19 @@ WallMesh surface_nets(const LumenGrid& grid)
     WallMesh mesh;
     std::vector<std::int32_t> vertex_of(grid.value.size(), -1);  // cell (x, y, z): its lower corner's index
     auto value = [&](int x, int y, int z) { return static_cast<double>(grid.value[grid.index(x, y, z)]); };
+    const std::size_t up_y = grid.index(0, 1, 0), up_z = grid.index(0, 0, 1);
+    auto crossed = [&](int x, int y, int z) {  // has the cell corners on both sides of the wall?
+        int inside = 0;
+        for (const std::size_t row : {std::size_t{0}, up_y, up_z, up_y + up_z}) {
+            const float* corners = &grid.value[grid.index(x, y, z) + row];
+            inside += (corners[0] < 0) + (corners[1] < 0);
+        }
+        return inside != 0 && inside != 8;
+    };
     for (int z = 0; z + 1 < grid.size[2]; ++z)
         for (int y = 0; y + 1 < grid.size[1]; ++y)
             for (int x = 0; x + 1 < grid.size[0]; ++x) {
+                if (!crossed(x, y, z)) continue;
                 Vec3 sum = Vec3::Zero();
                 int crossings = 0;
                 for (int a = 0; a < 8; ++a)
@@ -97,7 +107,6 @@ WallMesh surface_nets(const LumenGrid& grid)
                         sum += (1 - t) * grid.node(pa[0], pa[1], pa[2]) + t * grid.node(pb[0], pb[1], pb[2]);
                         ++crossings;
                     }
-                if (crossings == 0) continue;
                 vertex_of[grid.index(x, y, z)] = static_cast<std::int32_t>(mesh.vertices.size());
                 mesh.vertices.push_back(sum / crossings);
             }
