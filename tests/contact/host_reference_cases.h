@@ -72,7 +72,9 @@ void distance_case()
                     const vec3 v = p - closest_on_triangle(p, tri, &feature);
                     nearest = std::min(nearest, std::sqrt(dot3(v, v)));
                 }
-                CHECK(std::abs(host[k] - nearest) <= (float32 ? 1e-7 : 1e-16));  // the root of most^2
+                const real rounding = static_cast<real>(float32 ? 1e-7 : 1e-16);  // of positions, and of the root of most^2
+                CHECK(host[k] <= nearest + rounding);
+                CHECK(host[k] >= SEL_DISTANCE_PART * nearest - rounding);
             }
             Guarded<uint> items(context, queue, list);
             Guarded<QuadraturePlace> places(context, queue, s.places);
