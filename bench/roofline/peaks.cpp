@@ -2,12 +2,14 @@
 
 #include "roofline/peaks.h"
 
-#include "wide/bench_kernels.h"
+#include "device/kernel_sources.h"
 
 #include <algorithm>
 #include <chrono>
 
 namespace seldinger::device {
+
+const std::vector<KernelSource>& bench_kernels();  // generated, cmake/EmbedKernels.cmake
 
 namespace {
 
@@ -76,7 +78,7 @@ double median_time(const std::function<void()>& call, int repeats, double least,
 
 Peaks measure_peaks(Context& context, Queue queue, int repeats, int mega_bytes)
 {
-    add_bench_kernels();
+    device::add_kernel_sources(device::bench_kernels());
     Peaks peaks;
     peaks.queue = queue == Queue::Inline ? "light" : "heavy";
     context.enter(queue);
