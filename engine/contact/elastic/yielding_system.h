@@ -19,6 +19,12 @@ struct WallTrial {
     Condensed linear;           // unknowns counted over the system's nodes
 };
 
+/// A force on a control vertex, by a wire.
+struct WirePush {
+    int wire;
+    WallDynamics::Push push;
+};
+
 struct YieldingWall::System {
     System(const ElasticWall& wall, int first) : stations(wall, 0), kept(wall, 0), first_node(first), dynamics(wall) {}
 
@@ -86,6 +92,9 @@ struct YieldingWall::System {
     std::vector<double> scratch_q, scratch_m;
     mutable std::vector<double> missed;
     std::vector<WallDynamics::Push> pushed;
+    // of the last equilibrium: what the wires exert, and the work on each wire on the way there [wires] [J]
+    std::vector<WirePush> at_rest;
+    std::vector<double> work_at_rest;
     std::vector<double> moves;  // [3 control vertices] at those that are read [m]
     WallReadings under;         // of the accepted state
 

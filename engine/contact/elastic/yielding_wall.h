@@ -85,6 +85,7 @@ private:
     void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
     void list_pushes(System& system) const;
+    void end_equilibrium(System& system, double farthest) const;
     [[nodiscard]] bool relax(System& system) const;
     void read_under(System& system) const;
     [[nodiscard]] double line_load(const System& system, std::size_t row, std::int32_t triangle) const;

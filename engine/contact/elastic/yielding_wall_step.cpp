@@ -273,6 +273,8 @@ void YieldingWall::balance(const System& system, WallTrial& trial) const
 double YieldingWall::work_from_outside(int wire) const
 {
     const System& system = of(wire);
+    if (system.h == 0 && !system.work_at_rest.empty())
+        return system.work_at_rest[static_cast<std::size_t>(wire - system.wires.front())];
     if (!system.begun) return 0;
     const WallTrial& now = system.trial();
     double sum = 0;
@@ -302,16 +304,38 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
             const Vec3 f = -Vec3(&now.force[3 * k]);
             farthest = std::max(farthest, Vec3(&now.u[3 * k]).norm());
-            if (f.isZero()) continue;
+            if (f.isZero() || system.h == 0) continue;
             const WallStation& station = system.stations[system.rows[k]];
             const Vec3 end = Vec3(&system.u_free[3 * k]) - Vec3(&given[3 * k]);
             system.dynamics.work += f.dot(end - station.start);
         }
-        system.dynamics.end_step(system.pushed, farthest);
+        if (system.h == 0) end_equilibrium(system, farthest);
+        else system.dynamics.end_step(system.pushed, farthest);
         read_under(system);
         for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
     take_times(seconds_since(start));
+}
+
+/// The work on the way from one equilibrium to the next takes means of the forces at both: what linear theory stores, exactly.
+void YieldingWall::end_equilibrium(System& system, double farthest) const
+{
+    std::vector<WirePush> now, all = std::move(system.at_rest);
+    for (std::size_t k = 0, next = 0; k < system.rows.size(); ++k) {
+        if (Vec3(&system.trial().force[3 * k]).isZero()) continue;
+        for (int a = 0; a < system.stations[system.rows[k]].weights.size; ++a) now.push_back({system.wire_of_row[k], system.pushed[next++]});
+    }
+    all.insert(all.end(), now.begin(), now.end());
+    std::vector<Vec3> start;
+    for (const WirePush& by : all) start.push_back(system.dynamics.now(by.push.vertex));
+    system.dynamics.end_step(system.pushed, farthest);
+    system.work_at_rest.assign(system.wires.size(), 0.0);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const double work = 0.5 * all[k].push.force.dot(system.dynamics.now(all[k].push.vertex) - start[k]);
+        system.dynamics.work += work;
+        system.work_at_rest[static_cast<std::size_t>(all[k].wire - system.wires.front())] -= work;
+    }
+    system.at_rest = std::move(now);
 }
 
 /// What the wires exert on the wall's control vertices.
@@ -470,6 +494,7 @@ void YieldingWall::walk_state(StateWalk& walk, int wire)
     const int first = rods_.node_begin(wire) - system.first_node, n = rods_.node_count(wire);
     if (walk.reads()) {
         system.begun = false;
+        system.at_rest.clear();
         system.under = {};
         for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {}, system.ends[i] = {};
     }
