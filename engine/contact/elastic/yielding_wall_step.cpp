@@ -184,8 +184,8 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
     take_times(seconds);
 }
 
-/// The wall's free motion in a step of h. In an equilibrium all nodes near the wall may come to touch; in a step, rows are added where
-/// contact is found.
+/// The wall's free motion in a step of h, and its compliance where it may be touched. Fewer rows, of nodes that touch alone, make more
+/// evaluations where many contacts come and go.
 void YieldingWall::start_step(System& system, double h) const
 {
     system.begun = true;
@@ -196,7 +196,18 @@ void YieldingWall::start_step(System& system, double h) const
     system.dynamics.begin_step(h);
     system.rows.clear();
     system.compliance.clear();
-    for (int i = 0; i < system.stations.count(); ++i) system.stations[i].row = h == 0 ? 0 : -1;
+    for (int i = 0; i < system.stations.count(); ++i) system.stations[i].row = -1;
+    for (const int w : system.wires) {
+        const int first = rods_.node_begin(w) - system.first_node, n = rods_.node_count(w);
+        const double reach = may_touch * rods_.view(w).radius[0];
+        const auto close = [&](int i) {
+            const WallStation& station = system.stations[first + i];
+            return station.near && (h == 0 || station.distance < reach);
+        };
+        for (int i = 0; i < n; ++i)
+            if (system.stations[first + i].near && (close(i) || (i > 0 && close(i - 1)) || (i + 1 < n && close(i + 1))))
+                system.stations[first + i].row = 0;
+    }
     list_rows(system, {});
 }
 
