@@ -98,6 +98,7 @@ void Condensed::reset(int size, std::span<const double> compliance)
     SEL_ASSERT(compliance.size() == static_cast<std::size_t>(size) * size);
     size_ = size;
     w_ = compliance;
+    factored_ = false;
     places_.clear();
     row_of_.assign(static_cast<std::size_t>(size), -1);
     for (SparseRows* rows : {&e_transposed, &f, &d}) rows->clear();
@@ -121,6 +122,18 @@ void Condensed::close()
     for (std::size_t k = 0; k < n; ++k) {
         const double* from = &w_[static_cast<std::size_t>(places_[k]) * size_];
         for (std::size_t l = 0; l < n; ++l) w_rows_[k * n + l] = from[places_[l]];
+    }
+}
+
+void Condensed::widen(int size, std::span<const double> compliance, std::span<const int> to)
+{
+    SEL_ASSERT(to.size() == static_cast<std::size_t>(size_));
+    size_ = size;
+    w_ = compliance;
+    row_of_.assign(static_cast<std::size_t>(size), -1);
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+        places_[k] = to[static_cast<std::size_t>(places_[k])];
+        row_of_[static_cast<std::size_t>(places_[k])] = static_cast<int>(k);
     }
 }
 
@@ -155,8 +168,28 @@ void Condensed::at_rows(std::span<const double> all, std::span<double> rows) con
     for (std::size_t k = 0; k < row_count(); ++k) rows[k] = all[static_cast<std::size_t>(places_[k])];
 }
 
+void Condensed::factor_own() const
+{
+    const auto n = static_cast<int>(row_count());
+    SmallMatrix matrix(n);
+    for (int k = 0; k < n; ++k) matrix(k, k) = 1;
+    for (int k = 0; k < n; ++k)
+        for (const auto& [unknown, value] : d.row(static_cast<std::size_t>(k))) {
+            const double* const w = &w_rows_[static_cast<std::size_t>(k) * row_count()];
+            double* const to = &matrix(unknown, 0);
+            for (int l = 0; l < n; ++l) to[l] += value * w[l];
+        }
+    own_.factor(matrix);
+    factored_ = true;
+}
+
 void Condensed::solve_rows(std::span<double> u) const
 {
+    if (u.size() <= most_direct) {
+        if (!factored_) factor_own();
+        own_.solve_transposed(u);
+        return;
+    }
     thread_local std::vector<double> dv;
     dv.resize(u.size());
     const ConstMatrix w(w_rows_.data(), index(u.size()), index(u.size()));

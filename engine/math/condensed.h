@@ -5,12 +5,14 @@
 //     B x - E u = r                            x: the unknowns of the band [n]
 //     (W^-1 + D) u - F x = 0                   u: the others [m]; W: a dense symmetric compliance, D: a sparse stiffness
 //
-// so that the whole is A = B - E (W^-1 + D)^-1 F. W may be singular: only (I + W D) is ever solved with, by GMRES [Saad86], whose
-// matrix is the identity and a compact rest, which takes few iterations. E = F^T where B and D are symmetric. Most of the m are
-// only there because they may come to be touched: E, F and D have rows for a few, "the rows", and equations are solved for these.
+// so that the whole is A = B - E (W^-1 + D)^-1 F. W may be singular: only (I + W D) is ever solved with, by its LU; beyond
+// `most_direct` rows, and with the band, by GMRES [Saad86], whose matrix is the identity and a compact rest, which takes few
+// iterations. E = F^T where B and D are symmetric. Some of the m are only there because they may come to be touched: E, F and D
+// have rows for the others, "the rows", and equations are solved for these.
 //
 // [Saad86] Saad, Schultz: GMRES. SIAM J. Sci. Stat. Comput. 7(3), 1986. doi:10.1137/0907058
 
+#include "math/small_dense.h"
 #include "math/sparse_rows.h"
 
 #include <functional>
@@ -36,6 +38,9 @@ public:
     [[nodiscard]] int place(std::size_t row) const { return places_[row]; }
     /// All rows are there.
     void close();
+
+    /// The m become more. @param compliance  as of reset() @param to  [m before] place of each among those now, rising
+    void widen(int size, std::span<const double> compliance, std::span<const int> to);
 
     /// The same with the band's unknowns counted from another place.
     void take(const Condensed& other, int shift);
@@ -63,6 +68,8 @@ public:
     void solve_own(std::span<double> u) const;
 
 private:
+    static constexpr std::size_t most_direct = 120;
+    void factor_own() const;
     void take_off(std::span<double> fx_to_u, std::span<double> y) const;
 
     int size_ = 0;
@@ -70,6 +77,8 @@ private:
     std::vector<int> places_;     // [rows] among the m
     std::vector<int> row_of_;     // [m] or -1
     std::vector<double> w_rows_;  // W between rows
+    mutable SmallLu own_;         // of (I + W D)^T
+    mutable bool factored_ = false;
 };
 
 }  // namespace seldinger

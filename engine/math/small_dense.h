@@ -24,10 +24,14 @@ class SmallLu {
 public:
     void factor(const SmallMatrix& matrix);
     void solve(std::span<double> rhs_to_x) const;
+    /// With the transposed matrix; the faster one of the two for many unknowns.
+    void solve_transposed(std::span<double> rhs_to_x) const;
     /// Sign of the determinant: -1, 0, 1.
     [[nodiscard]] int sign() const { return sign_; }
 
 private:
+    void exchange(int k);
+
     SmallMatrix lu_;
     std::vector<int> row_;  // exchanged with row k at step k
     int sign_ = 1;

@@ -46,6 +46,7 @@ LargeShell::LargeShell(const Shell& shell) : shell_(shell), triangles_(shell.poi
         const ShellPoint& last = points.back();
         double area = 0;
         for (const ShellPoint& q : points) area += q.area;
+        for (const Shell::Weight& w : shell.weights(last)) vertices_.push_back(w.vertex);
         const TiedStrain tied(shell.surface(), last);
         const double share = tied.share_of_mean(shell.spec().thickness);
         for (std::size_t p = 0; p < per_triangle; ++p) {
@@ -145,14 +146,16 @@ LargeShell::Energy LargeShell::energy(std::span<const double> displacement) cons
     return e;
 }
 
-bool LargeShell::is_still(std::size_t triangle, std::span<const double> displacement, double share) const
+bool LargeShell::is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2, double share) const
 {
     const std::span<const ShellPoint> points(shell_.points().data() + per_triangle * triangle, per_triangle);
     const double most = share * share * 8 * points.back().area;  // of an edge, about
-    const auto w = shell_.weights(points.back());
-    const Vec3 first(displacement.data() + 3 * w.front().vertex);
-    return std::all_of(w.begin(), w.end(), [&](const Shell::Weight& v) {
-        return (Vec3(displacement.data() + 3 * v.vertex) - first).squaredNorm() <= most;
+    const std::span<const std::int32_t> all(vertices_.data() + static_cast<std::size_t>(points.front().first_vertex) / per_triangle,
+                                            static_cast<std::size_t>(points.front().vertex_count));
+    if (std::all_of(all.begin(), all.end(), [&](std::int32_t v) { return moves2[static_cast<std::size_t>(v)] < 0.249 * most; })) return true;
+    const Vec3 first(displacement.data() + 3 * all.front());
+    return std::all_of(all.begin(), all.end(), [&](std::int32_t v) {
+        return (Vec3(displacement.data() + 3 * v) - first).squaredNorm() <= most;
     });
 }
 
@@ -169,8 +172,10 @@ void LargeShell::add_excess(std::span<const double> displacement, std::span<doub
     const ShellSpec& spec = shell_.spec();
     const Mat3 h = shell_.law();
     const double d = std::pow(spec.thickness, 3) / 12;
+    std::vector<double> moves2;
+    for (std::size_t i = 0; i < displacement.size(); i += 3) moves2.push_back(Vec3(displacement.data() + i).squaredNorm());
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
-        if (is_still(t, displacement, still)) continue;
+        if (is_still(t, displacement, moves2, still)) continue;
         const Moved now = move(t, displacement);
         const Triangle& rest = triangles_[t];
         const Vec3 pulled = now.area * spec.thickness * (h * now.strain), linear = now.area * spec.thickness * (h * now.linear);

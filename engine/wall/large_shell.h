@@ -73,7 +73,8 @@ private:
     };
     struct Curvature;
 
-    [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, double share) const;
+    /// @param moves2  [V] squares of the control vertices' displacements [m^2]
+    [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2, double share) const;
     [[nodiscard]] Moved move(std::size_t triangle, std::span<const double> displacement) const;
     [[nodiscard]] Point move_point(std::size_t triangle, std::size_t k, std::span<const double> displacement) const;
     template <class Add>
@@ -85,6 +86,7 @@ private:
     const Shell& shell_;
     std::vector<Triangle> triangles_;   // [T]
     std::vector<double> edge_weights_;  // [T][6][stencil] of control vertices in x_,s
+    std::vector<std::int32_t> vertices_;  // [T][stencil]
 };
 
 }  // namespace seldinger

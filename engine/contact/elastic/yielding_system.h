@@ -19,12 +19,19 @@ struct WallTrial {
     Condensed linear;           // unknowns counted over the system's nodes
 };
 
+/// A force on a control vertex, by a wire.
+struct WirePush {
+    int wire;
+    WallDynamics::Push push;
+};
+
 struct YieldingWall::System {
     System(const ElasticWall& wall, int first) : stations(wall, 0), kept(wall, 0), first_node(first), dynamics(wall) {}
 
     // ---- trials ----
     [[nodiscard]] WallTrial& trial() { return trials_[now_]; }
     [[nodiscard]] const WallTrial& trial() const { return trials_[now_]; }
+    [[nodiscard]] WallTrial* base_trial() { return base_ >= 0 ? &trials_[base_] : nullptr; }
     [[nodiscard]] const WallTrial* base_trial() const { return base_ >= 0 ? &trials_[base_] : nullptr; }
     WallTrial& next_trial()
     {
@@ -85,6 +92,9 @@ struct YieldingWall::System {
     std::vector<double> scratch_q, scratch_m;
     mutable std::vector<double> missed;
     std::vector<WallDynamics::Push> pushed;
+    // of the last equilibrium: what the wires exert, and the work on each wire on the way there [wires] [J]
+    std::vector<WirePush> at_rest;
+    std::vector<double> work_at_rest;
     std::vector<double> moves;  // [3 control vertices] at those that are read [m]
     WallReadings under;         // of the accepted state
 

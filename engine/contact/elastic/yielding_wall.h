@@ -22,6 +22,8 @@
 
 namespace seldinger {
 
+struct WallTrial;  // contact/elastic/yielding_system.h
+
 class YieldingWall final : public ForceTerm {
 public:
     /// @param unmoved  what `contact` was made with; as `rods`, carried back @param systems  [wires]  @param rods  of the world
@@ -74,14 +76,16 @@ private:
     void take_times(double seconds);
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
-    void list_rows(System& system) const;
+    void list_rows(System& system, std::span<const int> before) const;
     void add_rows(System& system) const;
+    void balance(const System& system, WallTrial& trial) const;
     void predict(System& system, const TrialState& trial) const;
     void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
-    bool take_forces(System& system) const;
+    void take_forces(System& system) const;
     void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
     void list_pushes(System& system) const;
+    void end_equilibrium(System& system, double farthest) const;
     [[nodiscard]] bool relax(System& system) const;
     void read_under(System& system) const;
     [[nodiscard]] double line_load(const System& system, std::size_t row, std::int32_t triangle) const;

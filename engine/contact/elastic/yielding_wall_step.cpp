@@ -184,7 +184,8 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
     take_times(seconds);
 }
 
-/// The wall's free motion in a step of h, and its compliance where it may be touched.
+/// The wall's free motion in a step of h, and its compliance where it may be touched. Fewer rows, of nodes that touch alone, make more
+/// evaluations where many contacts come and go.
 void YieldingWall::start_step(System& system, double h) const
 {
     system.begun = true;
@@ -194,6 +195,7 @@ void YieldingWall::start_step(System& system, double h) const
     system.forget_base();
     system.dynamics.begin_step(h);
     system.rows.clear();
+    system.compliance.clear();
     for (int i = 0; i < system.stations.count(); ++i) system.stations[i].row = -1;
     for (const int w : system.wires) {
         const int first = rods_.node_begin(w) - system.first_node, n = rods_.node_count(w);
@@ -206,11 +208,11 @@ void YieldingWall::start_step(System& system, double h) const
             if (system.stations[first + i].near && (close(i) || (i > 0 && close(i - 1)) || (i + 1 < n && close(i + 1))))
                 system.stations[first + i].row = 0;
     }
-    list_rows(system);
+    list_rows(system, {});
 }
 
-/// Rows of the stations that are marked, their compliance and where the wall would be there.
-void YieldingWall::list_rows(System& system) const
+/// Rows of the stations that are marked, their compliance and where the wall would be there. @param before  rows so far
+void YieldingWall::list_rows(System& system, std::span<const int> before) const
 {
     system.rows.clear();
     system.wire_of_row.clear();
@@ -229,30 +231,52 @@ void YieldingWall::list_rows(System& system) const
             system.u_free.insert(system.u_free.end(), u.data(), u.data() + 3);
         }
     }
-    wall_compliance(system.stations, system.rows, system.dynamics.patch(), system.compliance);
+    std::vector<int> was(system.rows.size(), -1);
+    for (std::size_t k = 0; k < before.size(); ++k) was[static_cast<std::size_t>(system.row_of(before[k]))] = static_cast<int>(k);
+    wall_compliance(system.stations, system.rows, was, system.dynamics.patch(), system.compliance);
 }
 
-/// Nodes on which contact has just been found to act join those that move the wall; it stays where it is under them for now.
+/// Nodes on which contact has just been found to act, and those beside them, join those that move the wall; it stays where it is
+/// under them for now.
 void YieldingWall::add_rows(System& system) const
 {
     const std::vector<int> before = system.rows;
-    const std::vector<double> u = system.trial().u;
-    for (const int w : system.wires)
-        for (int i = 0; i < rods_.node_count(w); ++i) {
-            WallStation& station = system.stations[rods_.node_begin(w) - system.first_node + i];
+    for (const int w : system.wires) {
+        const int n = rods_.node_count(w);
+        const auto presses = [&](int i) {
             const double* r = &residuals_[w][RodDofs::position(i)];
-            if (station.near && station.row < 0 && (r[0] != 0 || r[1] != 0 || r[2] != 0)) station.row = 0;
+            return i >= 0 && i < n && (r[0] != 0 || r[1] != 0 || r[2] != 0);
+        };
+        for (int i = 0; i < n; ++i) {
+            WallStation& station = system.stations[rods_.node_begin(w) - system.first_node + i];
+            if (station.near && station.row < 0 && (presses(i - 1) || presses(i) || presses(i + 1))) station.row = 0;
         }
-    list_rows(system);
-    std::vector<double>& now = system.trial().u;
-    now.resize(3 * system.rows.size());
-    for (std::size_t k = 0; k < system.rows.size(); ++k) {
-        const Vec3& start = system.stations[system.rows[k]].start;
-        std::copy_n(start.data(), 3, &now[3 * k]);
     }
-    for (std::size_t k = 0; k < before.size(); ++k)
-        std::copy_n(&u[3 * k], 3, &now[3 * static_cast<std::size_t>(system.row_of(before[k]))]);
-    system.forget_base();
+    list_rows(system, before);
+    std::vector<int> to;
+    for (const int node : before) to.push_back(3 * system.row_of(node)), to.push_back(to.back() + 1), to.push_back(to.back() + 1);
+    const auto spread = [&](std::vector<double>& list, const auto& otherwise) {
+        std::vector<double> wide(3 * system.rows.size());
+        for (std::size_t k = 0; k < system.rows.size(); ++k) otherwise(system.rows[k]).store(&wide[3 * k]);
+        for (std::size_t k = 0; k < to.size(); ++k) wide[static_cast<std::size_t>(to[k])] = list[k];
+        list = std::move(wide);
+    };
+    const auto start = [&](int node) { return system.stations[node].start; };
+    spread(system.trial().u, start);
+    WallTrial* const base = system.base_trial();
+    if (!base || base == &system.trial()) return system.forget_base();
+    spread(base->u, start);
+    spread(base->force, [](int) { return Vec3(Vec3::Zero()); });
+    base->linear.widen(static_cast<int>(base->u.size()), system.compliance, to);
+    balance(system, *base);
+}
+
+/// How far the wall would go from u under the forces of a trial.
+void YieldingWall::balance(const System& system, WallTrial& trial) const
+{
+    trial.rho.resize(trial.u.size());
+    trial.linear.times_w(trial.force, trial.rho);
+    for (std::size_t k = 0; k < trial.rho.size(); ++k) trial.rho[k] += trial.u[k] - system.u_free[k];
 }
 
 // ---- the accepted state ----
@@ -260,6 +284,8 @@ void YieldingWall::add_rows(System& system) const
 double YieldingWall::work_from_outside(int wire) const
 {
     const System& system = of(wire);
+    if (system.h == 0 && !system.work_at_rest.empty())
+        return system.work_at_rest[static_cast<std::size_t>(wire - system.wires.front())];
     if (!system.begun) return 0;
     const WallTrial& now = system.trial();
     double sum = 0;
@@ -289,16 +315,38 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
             const Vec3 f = -Vec3(&now.force[3 * k]);
             farthest = std::max(farthest, Vec3(&now.u[3 * k]).norm());
-            if (f.isZero()) continue;
+            if (f.isZero() || system.h == 0) continue;
             const WallStation& station = system.stations[system.rows[k]];
             const Vec3 end = Vec3(&system.u_free[3 * k]) - Vec3(&given[3 * k]);
             system.dynamics.work += f.dot(end - station.start);
         }
-        system.dynamics.end_step(system.pushed, farthest);
+        if (system.h == 0) end_equilibrium(system, farthest);
+        else system.dynamics.end_step(system.pushed, farthest);
         read_under(system);
         for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
     take_times(seconds_since(start));
+}
+
+/// The work on the way from one equilibrium to the next takes means of the forces at both: what linear theory stores, exactly.
+void YieldingWall::end_equilibrium(System& system, double farthest) const
+{
+    std::vector<WirePush> now, all = std::move(system.at_rest);
+    for (std::size_t k = 0, next = 0; k < system.rows.size(); ++k) {
+        if (Vec3(&system.trial().force[3 * k]).isZero()) continue;
+        for (int a = 0; a < system.stations[system.rows[k]].weights.size; ++a) now.push_back({system.wire_of_row[k], system.pushed[next++]});
+    }
+    all.insert(all.end(), now.begin(), now.end());
+    std::vector<Vec3> start;
+    for (const WirePush& by : all) start.push_back(system.dynamics.now(by.push.vertex));
+    system.dynamics.end_step(system.pushed, farthest);
+    system.work_at_rest.assign(system.wires.size(), 0.0);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const double work = 0.5 * all[k].push.force.dot(system.dynamics.now(all[k].push.vertex) - start[k]);
+        system.dynamics.work += work;
+        system.work_at_rest[static_cast<std::size_t>(all[k].wire - system.wires.front())] -= work;
+    }
+    system.at_rest = std::move(now);
 }
 
 /// What the wires exert on the wall's control vertices.
@@ -457,6 +505,7 @@ void YieldingWall::walk_state(StateWalk& walk, int wire)
     const int first = rods_.node_begin(wire) - system.first_node, n = rods_.node_count(wire);
     if (walk.reads()) {
         system.begun = false;
+        system.at_rest.clear();
         system.under = {};
         for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {}, system.ends[i] = {};
     }
