@@ -131,9 +131,10 @@ TEST_SUITE("run/grid_error")
     }
 
     // What finer nodes and facets change lies within the estimate. Where the wire's nodes lie changes the error by
-    // nodes, its sign too: the largest of three numbers of nodes is compared, and the estimate of none is ten times as large. Both estimates are of
-    // second order in the lengths of edges: four times as many have a sixteenth, by a factor of two.
-    TEST_CASE("property: what finer nodes and facets do to the normal force lies within the estimate, which is of second order")
+    // nodes, its sign too: the largest of three numbers of nodes is compared, and the estimate of none is ten times as large. Both estimates by energy
+    // are of second order in the lengths of edges: four times as many have a sixteenth, by a factor of two. The force on a patch has them by themselves. That by
+    // the places of loads is of first order: the root of the sum of squares of both lies between a quarter and a sixteenth.
+    TEST_CASE("property: what finer nodes and facets do to the normal force lies within the estimate, of second order by energy and of first by places")
     {
         const int most = 128000;
         const Fed fine = feed(401, most), facets = feed(401, 2000);
@@ -162,10 +163,14 @@ TEST_SUITE("run/grid_error")
         CHECK(tip_moved > 1e-5);
         CHECK(tip_moved < facets.errors.tip);
         CHECK(facets.errors.tip < 20 * tip_moved);
-        const double nodes_ratio = feed(26, most).errors.pressed.nodes / feed(101, most).errors.pressed.nodes;
-        const double facets_ratio = facets.errors.pressed.facets / feed(401, 32000).errors.pressed.facets;
+        const GridErrors few = feed(26, most).errors, many = feed(101, most).errors;
+        const double nodes_ratio = few.patch.nodes / many.patch.nodes, with_places = few.pressed.nodes / many.pressed.nodes;
+        const double facets_ratio = facets.errors.patch.facets / feed(401, 32000).errors.patch.facets;
         CAPTURE(nodes_ratio);
         CAPTURE(facets_ratio);
+        CAPTURE(with_places);
+        CHECK(with_places > 4);
+        CHECK(with_places < 16);
         CHECK(nodes_ratio > 8);
         CHECK(nodes_ratio < 32);
         CHECK(facets_ratio > 8);
