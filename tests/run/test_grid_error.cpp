@@ -156,6 +156,7 @@ TEST_SUITE("run/grid_error")
         CHECK(estimated < 10 * by_nodes);
         CHECK(by_facets > 1e-3);
         CHECK(by_facets < facets.errors.pressed.facets);
+        CHECK(by_facets < facets.errors.patch.facets);  // by energy alone
         CHECK(facets.errors.pressed.facets < 10 * by_facets);
         const double tip_moved = (facets.tip - fine.tip).norm();
         CAPTURE(tip_moved);
