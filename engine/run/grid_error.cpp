@@ -39,6 +39,8 @@ Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x)
     return at / at.sum();
 }
 
+constexpr double neighbouring = 1.5;  // edges between two loads that may be one
+
 /// At most 1: an error as large as what it is of tells no more.
 double relative(double error, double of) { return of > 0 ? std::min(1.0, error / of) : error > 0 ? 1 : 0; }
 
@@ -96,7 +98,7 @@ double split_load(const World& run, const ConstRodView& rod, std::span<const Tou
     if (edge <= run.setup().force_patch) return 0;
     double beside = 0;
     for (const TouchedRegion& region : regions)
-        if (&region != &most && std::abs(region.at() - place) < 1.5 * edge) beside = std::max(beside, region.load);
+        if (&region != &most && std::abs(region.at() - place) < neighbouring * edge) beside = std::max(beside, region.load);
     return beside / most.load;
 }
 
@@ -106,7 +108,7 @@ void GridErrors::widen(const GridErrors& other)
 {
     for (double GridErrors::*entry : {&GridErrors::axial, &GridErrors::normal, &GridErrors::rise, &GridErrors::tip, &GridErrors::split})
         this->*entry = std::max(this->*entry, other.*entry);
-    for (GridShare GridErrors::*share : {&GridErrors::energy, &GridErrors::missed, &GridErrors::pressed, &GridErrors::patch}) {
+    for (GridShare GridErrors::*share : {&GridErrors::energy, &GridErrors::missed, &GridErrors::pressed, &GridErrors::patch, &GridErrors::placed}) {
         (this->*share).nodes = std::max((this->*share).nodes, (other.*share).nodes);
         (this->*share).facets = std::max((this->*share).facets, (other.*share).facets);
     }
@@ -158,6 +160,9 @@ GridErrors GridErrorGauge::of(const World& run)
         share->facets = std::min(1.0, part * share->facets + creases_);
     }
     errors.missed = {std::max(whole.missed, errors.energy.nodes * whole.energy), part * errors.missed.facets};
+    errors.placed = {part * errors.placed.nodes, part * errors.placed.facets};
+    for (GridShare* share : {&errors.energy, &errors.pressed})
+        *share = {std::min(1.0, std::hypot(share->nodes, part * places_.nodes)), std::min(1.0, std::hypot(share->facets, part * places_.facets))};
     return errors;
 }
 
@@ -175,6 +180,9 @@ void GridErrorGauge::find_regions(const World& run, int first, int end, GridErro
         region.wire = row.a.body;
         region.load += row.normal_force;
         region.along += row.normal_force * row.along_a;
+        const ConstRodView rod = run.rod(row.a.body);
+        const int edge = std::clamp(row.a.element, 0, rod.n - 2);
+        if (row.length > 0) region.half_edge += row.normal_force * std::max(rod.rest_length[edge], row.length) / 2;
         if (!faceted) continue;
         const auto& triangle = mesh.triangles[static_cast<std::size_t>(row.b.element)];
         const Vec3 at = barycentric(mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]], row.point);
@@ -186,17 +194,18 @@ void GridErrorGauge::find_regions(const World& run, int first, int end, GridErro
         }
         if (!(smooth.norm() > 0)) continue;
         smooth.normalize();
-        const ConstRodView rod = run.rod(row.a.body);
-        const Vec3 tangent = rod.tangent(std::clamp(row.a.element, 0, rod.n - 2));
+        const Vec3 tangent = rod.tangent(edge);
         axial += row.normal_force * (row.normal - smooth).dot(tangent);
         creases += row.normal_force * std::min(1.0, 1 / std::max(0.5, normal_of(mesh, triangle).dot(row.normal)) - 1);
         region.inwards += row.normal_force * std::abs(offset);
         region.sideways += row.normal_force * sideways(mesh, triangle, row.normal - smooth, tangent.cross(smooth));
+        region.lengthways += row.normal_force * sideways(mesh, triangle, row.normal - smooth, tangent);
     }
     regions_.clear();
     for (const auto& [key, region] : found) regions_.push_back(region);
     std::ranges::sort(regions_, [](const TouchedRegion& a, const TouchedRegion& b) { return std::pair(a.wire, a.at()) < std::pair(b.wire, b.at()); });
     creases_ = creases / errors.normal;
+    places_ = {};
     errors.axial = std::abs(axial) / errors.normal;
 }
 
@@ -217,8 +226,23 @@ GridShare GridErrorGauge::beside(const World& run, int wire, std::size_t k) cons
     return {relative(sum.missed, sum.energy), relative(work, 2 * sum.energy)};
 }
 
+GridShare GridErrorGauge::placed(const World& run, int wire, std::size_t k) const
+{
+    const TouchedRegion& region = regions_[k];
+    const double at = region.at(), by_nodes = region.half_edge / region.load, by_facets = std::abs(region.lengthways) / region.load;
+    const double same = neighbouring * 2 * by_nodes;
+    double before = 0, after = run.rod(wire).material_s[run.rod(wire).n - 1] - at;  // spans; 0: none
+    for (const TouchedRegion& other : regions_) {
+        const double span = other.at() - at;
+        if (span > same) after = std::min(after, span);
+        if (-span > same) before = before > 0 ? std::min(before, -span) : -span;
+    }
+    const double per_metre = (before > 0 ? 1 / before : 0) + (after > 0 ? 1 / after : 0);
+    return {std::min(1.0, per_metre * by_nodes), std::min(1.0, per_metre * by_facets)};
+}
+
 /// The shares of forces by the energy of all, and of each region by that of the spans beside it.
-void GridErrorGauge::add_spans(const World& run, int first, int end, const BendingError& whole, GridErrors& errors) const
+void GridErrorGauge::add_spans(const World& run, int first, int end, const BendingError& whole, GridErrors& errors)
 {
     double work = 0, load = 0, most = 0;
     for (const TouchedRegion& region : regions_) work += region.inwards, load += region.load;
@@ -236,16 +260,22 @@ void GridErrorGauge::add_spans(const World& run, int first, int end, const Bendi
         return;
     }
     errors.pressed = {};
+    GridShare squares;
     for (std::size_t k = 0; k < regions_.size(); ++k) {
         const TouchedRegion& region = regions_[k];
         const GridShare own = beside(run, first, k);
         errors.pressed.nodes += own.nodes * region.load / load;
         errors.pressed.facets += own.facets * region.load / load;
+        const GridShare place = placed(run, first, k);
+        squares.nodes += std::pow(place.nodes * region.load / load, 2);
+        squares.facets += std::pow(place.facets * region.load / load, 2);
         if (region.load <= most) continue;
         most = region.load;
         errors.patch = own;
+        errors.placed = place;
         errors.split = split_load(run, run.rod(first), regions_, region);
     }
+    places_ = {std::sqrt(squares.nodes / 3), std::sqrt(squares.facets / 3)};  // a place that is as likely anywhere within half an edge
 }
 
 double GridErrorGauge::sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const

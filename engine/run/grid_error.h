@@ -19,6 +19,16 @@
 // with barycentric coordinates b_k it has the normal sum b_k m_k, and lies at o = sum b_k (x - v_k).m_k/2, the sagitta L^2/(8 R) in the middle
 // of a facet of length L across a radius R: tangent planes at the vertices are twice as far away as the surface that touches them.
 //
+//     place     a load lies on the wire's samples, and an edge is straight: where along the wire it lies is known to d = h/2 of the edge h there, and
+//               to what facets move it by (lengthways, as sideways below)
+//
+// A beam over supports at l_1 and l_2 from a contact, tangent to the wall there, has the force F = 3 B (l_1 + l_2) w/(l_1 l_2)^2 (w: its deflection). Where the
+// place moves by d, w grows by d w (l_2 - l_1)/(l_1 l_2), which leaves dF/F = (1/l_2 - 1/l_1) d; 1.5 times that for ends that are held. A support that moves
+// by d has dF/F = d (l_1 + 2 l_2)/(2 l_1 (l_1 + l_2)). Taken is dF/F = d (1/l_1 + 1/l_2), about the root of the sum of squares of the three. It is of first order in h where errors by
+// energy are of second. Loads within 1.5 edges may be the same one and are no supports. That is a bound of the force on a patch, of one place. A hand and
+// friction have the sum of all, whose places are independent: the root of the sum of squares of F dF/F, over sqrt(3), the root mean square of a place that is as
+// likely anywhere within d. Weight is borne wherever it lies, and has none of it; nor have instruments that bend together.
+//
 // The equilibrium of that push changes normal forces and friction by the same share of themselves, sum F_i (n_i - m_i).t_i/sum F_i.
 //
 //     patch     a load between two nodes is borne by both. Where an edge is longer than the patch that a force is read on, the loads of two
@@ -60,6 +70,7 @@ struct GridErrors {
     GridShare energy;              // relative: of what pushes the wire back, by the energy of all of it
     GridShare missed;              // of that energy itself [J]
     GridShare pressed, patch;      // relative: of the sum of normal forces; of those of the region with the largest load
+    GridShare placed;              // relative: of the force on a patch, by where along the wire the largest load lies; bounds
     double axial = 0;              // by normals of facets, along the wire, relative to the sum of normal forces
     double normal = 0;             // that sum [N]
     double rise = 0;               // mean distance of facet and smooth wall, weighted by normal forces [m]
@@ -74,6 +85,7 @@ struct GridErrors {
 struct TouchedRegion {
     int wire = 0;
     double load = 0, along = 0, inwards = 0, sideways = 0;  // [N]; distance from the tip, and what facets move it by [N m]
+    double half_edge = 0, lengthways = 0;                   // how far along the wire it may lie by edges, and lies by facets [N m]
     [[nodiscard]] double at() const { return along / load; }
     [[nodiscard]] double by() const { return std::hypot(inwards, sideways) / load; }
 };
@@ -88,7 +100,9 @@ private:
     void find_regions(const World& run, int first, int end, GridErrors& errors);
     /// Of the forces of region k of a wire, relative.
     [[nodiscard]] GridShare beside(const World& run, int wire, std::size_t k) const;
-    void add_spans(const World& run, int first, int end, const BendingError& whole, GridErrors& errors) const;
+    /// Of the forces of region k of a wire by where along it they lie, relative.
+    [[nodiscard]] GridShare placed(const World& run, int wire, std::size_t k) const;
+    void add_spans(const World& run, int first, int end, const BendingError& whole, GridErrors& errors);
     /// How far a normal that is off by `off` moves the place of a load across the wire: over the wall's curvature there, and no farther than the
     /// triangle is wide [m].
     [[nodiscard]] double sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const;
@@ -96,6 +110,7 @@ private:
     // of the moment that is looked at
     std::vector<TouchedRegion> regions_;  // by wire, from the tip on
     double creases_ = 0;                  // relative to the sum of normal forces
+    GridShare places_;                    // of that sum, by where along the wire the loads lie
 };
 
 }  // namespace seldinger

@@ -68,20 +68,28 @@ ErrorBand band_of(double value, double twin, int parts, double ratio, double lea
     return made;
 }
 
+void widen(ErrorBand& band, double bound)
+{
+    if (bound <= band.step) return;
+    band.step_part *= band.step / bound;
+    band.step = band.band = bound;
+}
+
 /// The band of a force that lets go at its largest is what the time of the release leaves, where that is more: a bound, of which no more is expected
 /// than before.
 void widen(ErrorBand& band, const ReleaseWatch& release)
 {
     if (release.bound() <= band.step) return;
-    band.step_part *= band.step / release.bound();
-    band.step = band.band = release.bound();
+    widen(band, release.bound());
     band.let_go = true;
 }
 
-/// The load of the next node may lie on the same patch, or not: the band holds both. It is no expected error, and so no reason for a warning.
-void add_split(ErrorBand& band, const GridErrors& e)
+/// Where along the wire the load lies, and whether that of the next node lies on the same patch: the band holds all of it. These are bounds and no expected
+/// errors, and so no reason for a warning.
+void add_places(ErrorBand& band, const GridErrors& e)
 {
-    band.nodes += e.split * band.value;
+    band.nodes = std::hypot(band.nodes, e.placed.nodes * band.value) + e.split * band.value;
+    band.facets = std::hypot(band.facets, e.placed.facets * band.value);
     band.sum_up();
 }
 
@@ -146,6 +154,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     window_.hand.push_back(readings.hand_force);
     window_.friction.push_back(readings.friction);
     const double dt = scene_.step_length(taken - 1);
+    window_.struck.add(readings.normal, dt);
     hand_falls_.add(std::abs(readings.hand_force), dt);
     friction_falls_.add(readings.friction, dt);
     hand_release_.add(std::abs(readings.hand_force), dt);
@@ -205,6 +214,7 @@ void StepTwin::close()
     if (window_.peaks.friction > best_friction_.peaks.friction) best_friction_ = window_;
     if (window_.has_patch) best_patch_ = window_;
     if (window_.has_wall) best_wall_ = window_;
+    if (window_.struck.largest() > best_strike_.struck.largest()) best_strike_ = window_;
     for (std::size_t k = 0; k < others_.size(); ++k)
         if (others_[k].best.steps == 0 || window_.peaks.others[k] > others_[k].best.peaks.others[k]) others_[k].best = window_;
     last_ = std::move(window_);
@@ -230,7 +240,6 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
     twin.first = window.first;
     twin.steps = window.steps;
     twin.run = window.peaks;
-    if (window.has_patch) twin.run.patch = window.largest.patch;
     twin.lead = lead;
     twin.parts = parts;
     twin.found = window.steps == 0 && closed_ > 0;
@@ -241,6 +250,7 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
     }
     twin.others.resize(others_.size());
     double lengths = 0;
+    LargestFall struck(mean_time), swing(mean_time);
     world_->restore_state(lead > 0 ? window.earlier : window.state);
     for (long k = -lead * parts; k < parts * window.steps; ++k) {
         const long of_run = window.first + (k + lead * parts) / parts - lead;
@@ -262,13 +272,20 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
             twin.largest.wall_move = std::max(twin.largest.wall_move, wall.move_max);
             twin.largest.wall_stress = std::max(twin.largest.wall_stress, wall.stress_max);
         }
-        if (!window.has_patch) continue;
+        double patch = 0;
         WireOutput loads;
         for (int w = 0; w < world_->wire_count(); ++w) {
             world_->read_loads(w, loads);
-            twin.largest.patch = std::max(twin.largest.patch, loads.on_wall.patch_force);
+            patch = std::max(patch, loads.on_wall.patch_force);
         }
+        twin.largest.patch = std::max(twin.largest.patch, patch);
+        const double dt = scene_.step_length(of_run) / parts;
+        struck.add(now.normal, dt);
+        swing.add(patch, dt);
     }
+    twin.swing = swing.largest();
+    // a window that has not the run's largest has one that differs from the twin's as far as its strikes do
+    twin.run.patch = window.has_patch ? window.largest.patch : std::clamp(twin.largest.patch + window.struck.largest() - struck.largest(), 0.0, window.largest.patch);
     const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) { return largest_mean(values, scene_.dt / parts, parts, last); };
     twin.peaks.hand = peak_of(twin.hand);
     twin.peaks.friction = peak_of(twin.friction);
@@ -335,6 +352,12 @@ void StepTwin::set_end_band(ErrorBand& band, double of_run, double of_twin, cons
     band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.ratio, std::max(others.root(), usual), history) : ErrorBand{of_run, 0, 0, false};
 }
 
+double StepTwin::bound_by(const Examined& twin, const Reading& reading)
+{
+    const double run = reading(twin.run);
+    return run + margin(twin.ratio) * (reading(twin.peaks) - run);
+}
+
 StepTwin::Reached StepTwin::reached(const Reading& reading) const
 {
     Reached most;
@@ -343,9 +366,8 @@ StepTwin::Reached StepTwin::reached(const Reading& reading) const
             return other->found && other->first == twin->first && other->steps == twin->steps && other->parts > twin->parts;
         };
         if (!twin->found || std::ranges::any_of(examined_, is_finer)) continue;
-        const double run = reading(twin->run), of_twin = reading(twin->peaks);
-        most.bound = std::max(most.bound, run + margin(twin->ratio) * (of_twin - run));
-        most.twin = std::max(most.twin, of_twin);
+        most.bound = std::max(most.bound, bound_by(*twin, reading));
+        most.twin = std::max(most.twin, reading(twin->peaks));
     }
     return most;
 }
@@ -407,8 +429,13 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
     const Examined& twin = best_patch_.is(best_hand_) ? hand : best_patch_.is(best_friction_) ? friction : examine_halved(best_patch_);
     const double patch = largest_.patch;
     band = peak_band(patch, twin, &Peaks::patch, Kind::Single, {}, hand_history * hand_falls_.share());
+    if (twin.found) widen(band, twin.swing);
+    if (best_strike_.struck.largest() > least_strike * patch) {
+        const Examined& strike = examine(best_strike_, strike_parts, 0);
+        if (strike.found) widen(band, bound_by(strike, &Peaks::patch) - patch);
+    }
     complete(band, times(best_patch_.grid.patch, patch), patch);
-    add_split(band, best_patch_.grid);
+    add_places(band, best_patch_.grid);
 }
 
 void StepTwin::set_wall()
@@ -506,7 +533,7 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
     estimate.friction = band_of_grid(readings.friction, times(e.pressed, readings.friction), readings.friction, 0);
     estimate.friction_peak = band_of_grid(friction, times(e.pressed, friction), friction, 0);
     estimate.patch = band_of_grid(patch, times(e.patch, patch), patch, 0);
-    add_split(estimate.patch, e);
+    add_places(estimate.patch, e);
     estimate.work.known = false;
     const auto [first, end] = run.wires_of(0);
     for (int w = first + 1; w < end; ++w) {

@@ -48,7 +48,12 @@
 // alike: from the same windows, and one more with the largest force of each.
 //
 // The largest force on a patch is that of single steps. Its share by the step is the difference of the largest values in the window that
-// has it. A largest of single steps has no order in the step, so that it is believed to be off by the difference itself.
+// has it. A largest of single steps has no order in the step, so that it is believed to be off by the difference itself. Two bounds widen the band and make no warning:
+//
+//     chatter    the largest fall of the force on a patch within mean_time in that window: another step or mesh catches another moment of it
+//     strikes    with shorter steps a strike is larger, and may exceed a force that rose slowly. The window in which the sum of normal forces falls most within
+//                mean_time is taken again with quarters of the step, and its largest force may be Q(h) + safety r/(r - 1) (Q(h/r) - Q(h)). The run's own force on a patch is read
+//                only where it may be the largest; elsewhere it is that of the twin less what the twin's strike is larger by
 //
 // The work of the hand is a sum over the run: its share by the step is the mean difference of the compared windows' mean forces, over the whole path of the hand.
 // Histories of n windows add up like independent ones, to sqrt(n) times that of one. By nodes and facets it errs as the energy at the end does, and by what friction
@@ -67,9 +72,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace seldinger {
@@ -150,6 +157,25 @@ private:
 /// the relative bands of that. @param hand, friction, patch  the largest on its way [N]
 [[nodiscard]] ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand, double friction, double patch);
 
+/// The largest fall of a force of single steps within a time. A strike rises and falls within one; a force that only rises has none.
+class LargestFall {
+public:
+    explicit LargestFall(double time) : span_(time) {}
+    void add(double value, double dt)
+    {
+        time_ += dt;
+        while (!tops_.empty() && tops_.back().second <= value) tops_.pop_back();
+        tops_.emplace_back(time_, value);
+        while (tops_.front().first < time_ - (1 + 1e-9) * span_) tops_.pop_front();
+        most_ = std::max(most_, tops_.front().second - value);
+    }
+    [[nodiscard]] double largest() const { return most_; }
+
+private:
+    double span_, time_ = 0, most_ = 0;
+    std::deque<std::pair<double, double>> tops_;  // time and value of those that no later one exceeds
+};
+
 class MeanSquare {
 public:
     void add(double value) { sum_ += value * value, ++count_; }
@@ -175,6 +201,8 @@ public:
     static constexpr double fine_step = 2.5e-4;     // [s]
     static constexpr int most_parts = 16;
     static constexpr double most_divided = 0.9;  // part of the run's steps: beyond it a warning says so
+    static constexpr int strike_parts = 4;       // of a step, in the window with the largest strike
+    static constexpr double least_strike = 0.1;  // of the largest force on a patch: smaller falls of the normal forces are none
     static constexpr double least_ratio = 1.1;   // of steps that differ: closer ones tell nothing
     static constexpr double much_divided = 0.8;  // mean length of steps over dt: below it a twin takes quarters
     static constexpr double cheap = 0.1;            // of the run's steps
@@ -215,6 +243,7 @@ private:
         std::vector<double> hand, friction;       // of each step, a pull is negative [N]
         Peaks peaks;                              // but for the patch
         Vec3 tip = Vec3::Zero();                  // at its end [m]
+        LargestFall struck{mean_time};            // of the sum of normal forces
         bool has_patch = false;                   // the largest force on a patch has risen in it
         bool has_wall = false;                    // the largest displacement or stress of the wall has
         LargestReadings largest;                          // so far, at its end
@@ -239,6 +268,7 @@ private:
         int parts = 2;
         double ratio = 2;  // of the lengths of steps
         double tip = 0;    // from that of the run [m]
+        double swing = 0;  // largest fall of the force on a patch [N]
         LargestReadings largest;
         bool found = false;
         std::vector<double> hand, friction;  // of each of its steps
@@ -269,6 +299,8 @@ private:
         double bound = 0, twin = 0;
     };
     [[nodiscard]] Reached reached(const Reading& reading) const;
+    /// The largest that a reading may be with any step in a window.
+    [[nodiscard]] static double bound_by(const Examined& twin, const Reading& reading);
     /// @param twin  of the window with the largest value   @param windows  differences of all windows
     [[nodiscard]] ErrorBand peak_band(double value, const Examined& twin, const Reading& reading, Kind kind, const MeanSquare& windows, double history) const;
     void set_patch(const Examined& hand, const Examined& friction);
@@ -290,13 +322,12 @@ private:
     std::unique_ptr<World> world_;  // made when first needed
     Output under_;                  // of it, readings of an elastic wall
     std::function<bool()> stop_asked_;
-    Window window_, last_, best_hand_, best_friction_, best_patch_, best_wall_;
+    Window window_, last_, best_hand_, best_friction_, best_patch_, best_wall_, best_strike_;
     GridErrorGauge gauge_;
     GridErrors grid_;           // at the end of the last window
     MeanSquare axial_, rise_;  // at the ends of windows with contact, GridErrors
     LargestReadings largest_;       // so far
     double inserted_ = 0;  // so far [m]
-    bool patch_seen_ = false;          // it has risen since the run began
     double path_ = 0, work_ = 0, pushed_ = 0;  // of the hand: its length [m], its work, the sum of magnitudes of that [J]
     GridShare work_errors_;                    // of the loss by friction, and all that springing took [J]
     double window_rubbed_ = 0;                 // the first within the window [J]

@@ -190,6 +190,18 @@ TEST_SUITE("run/step_twin")
         CHECK(patch.expected() == test::about(std::hypot(differs, StepTwin::usual_share * patch.nodes, StepTwin::usual_share * patch.facets)).epsilon(1e-12));
     }
 
+    TEST_CASE("analytic: the largest fall of a force is a strike's height; a rise has none, and what falls slowly has what it falls by within the time")
+    {
+        const auto fall_of = [](auto&& force) {
+            LargestFall fall(0.02);
+            for (int k = 0; k < 200; ++k) fall.add(force(k), 1e-3);
+            return fall.largest();
+        };
+        CHECK(fall_of([](int k) { return 0.1 * k; }) == 0);
+        CHECK(fall_of([](int k) { return k == 77 ? 5.0 : 0.01 * k; }) == test::about(5.0 - 0.78).epsilon(1e-12));
+        CHECK(fall_of([](int k) { return 100 - 0.1 * k; }) == test::about(2.0).epsilon(1e-9));
+    }
+
     TEST_CASE("property: what the step does not resolve is said, with both values")
     {
         ErrorEstimate estimate;
