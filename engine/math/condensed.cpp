@@ -125,18 +125,6 @@ void Condensed::close()
     }
 }
 
-void Condensed::widen(int size, std::span<const double> compliance, std::span<const int> to)
-{
-    SEL_ASSERT(to.size() == static_cast<std::size_t>(size_));
-    size_ = size;
-    w_ = compliance;
-    row_of_.assign(static_cast<std::size_t>(size), -1);
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-        places_[k] = to[static_cast<std::size_t>(places_[k])];
-        row_of_[static_cast<std::size_t>(places_[k])] = static_cast<int>(k);
-    }
-}
-
 void Condensed::take(const Condensed& other, int shift)
 {
     const double own = accuracy;

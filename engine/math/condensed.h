@@ -39,9 +39,6 @@ public:
     /// All rows are there.
     void close();
 
-    /// The m become more. @param compliance  as of reset() @param to  [m before] place of each among those now, rising
-    void widen(int size, std::span<const double> compliance, std::span<const int> to);
-
     /// The same with the band's unknowns counted from another place.
     void take(const Condensed& other, int shift);
 

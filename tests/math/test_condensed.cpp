@@ -139,33 +139,4 @@ TEST_CASE("a singular compliance is no matter")
     CHECK(x[3] == test::about(0.5));
 }
 
-// Unknowns without rows change nothing of x; u of the others comes back at their new places.
-TEST_CASE("more unknowns beside the band leave the solution of those that were there")
-{
-    const int size = 24, m = 4, wide = 6;
-    Coupled c(size, m, false, 11u);
-    Condensed& beside = c.solver.condensed;
-    std::vector<double> before = {1, -2, 3, 0.5}, x(size), y(size);
-    for (int i = 0; i < size; ++i) x[static_cast<std::size_t>(i)] = std::cos(i);
-    beside.add_product(x, y);
-    std::vector<double> u = before;
-    beside.solve_own(u);
-    const int to[] = {0, 2, 3, 5};
-    std::vector<double> w(wide * wide, 0.25), more(wide), y_wide(size);
-    for (int k = 0; k < m; ++k)
-        for (int l = 0; l < m; ++l) w[static_cast<std::size_t>(to[k] * wide + to[l])] = c.w[static_cast<std::size_t>(k * m + l)];
-    beside.widen(wide, w, to);
-    beside.add_product(x, y_wide);
-    CHECK(y_wide == y);
-    for (int k = 0; k < m; ++k) more[static_cast<std::size_t>(to[k])] = before[static_cast<std::size_t>(k)];
-    beside.solve_own(more);
-    for (int k = 0; k < m; ++k) CHECK(more[static_cast<std::size_t>(to[k])] == u[static_cast<std::size_t>(k)]);
-    // an unknown without a row moves by W of the force on the others
-    std::vector<double> force(static_cast<std::size_t>(m));
-    beside.d.times(u, force);
-    double moved = 0;
-    for (const double f : force) moved -= 0.25 * f;
-    CHECK(more[1] == test::about(moved).epsilon(1e-12));
-}
-
 }  // namespace test_condensed

@@ -139,89 +139,45 @@ void WallStations::forget(int first, int last)
     for (int i = first; i < last; ++i) stations_[i].near = false;
 }
 
-namespace {
-
-/// Blocks of W that are known, at their new places.
-std::vector<double> widened(const std::vector<double>& w, std::span<const int> was)
+void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w)
 {
-    const std::size_t m = 3 * was.size();
-    const auto m_before = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(w.size()))));
-    std::vector<double> to(m * m);
-    for (std::size_t i = 0; i < was.size(); ++i)
-        for (std::size_t r = 0; r < 3 && was[i] >= 0; ++r) {
-            const double* from = &w[(3 * static_cast<std::size_t>(was[i]) + r) * m_before];
-            for (std::size_t j = 0; j < was.size(); ++j)
-                if (was[j] >= 0) std::copy_n(from + 3 * was[j], 3, &to[(3 * i + r) * m + 3 * j]);
-        }
-    return to;
-}
-
-/// Slots of control vertices in the order in which stations share in them, and places of each station's among these.
-struct SharedSlots {
-    std::vector<int> touched, order, first;
-
-    /// The next station.
-    void take(const LoopStencil& s, WallPatch& patch)
-    {
-        first.push_back(static_cast<int>(order.size()));
-        for (int k = 0; k < s.size; ++k) {
-            const int slot = patch.slot(s.vertex[k]);
+    const std::size_t m = 3 * rows.size();
+    w.resize(m * m);
+    // slots of control vertices in the order in which stations share in them, and places of each station's among these
+    thread_local std::vector<int> touched, place, order;
+    thread_local std::vector<double> answer;  // [touched][9] of station j to a force on a control vertex
+    touched.clear();
+    order.clear();
+    std::vector<std::size_t> first;  // [rows] in `order`
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+        const LoopStencil& sj = stations[rows[j]].weights;
+        first.push_back(order.size());
+        for (int k = 0; k < sj.size; ++k) {
+            const int slot = patch.slot(sj.vertex[k]);
             patch.provide(slot);
-            if (static_cast<int>(place_.size()) <= slot) place_.resize(static_cast<std::size_t>(slot) + 64, -1);
-            if (place_[slot] < 0) {
-                place_[slot] = static_cast<int>(touched.size());
+            if (static_cast<int>(place.size()) <= slot) place.resize(static_cast<std::size_t>(slot) + 64, -1);
+            if (place[slot] < 0) {
+                place[slot] = static_cast<int>(touched.size());
                 touched.push_back(slot);
             }
-            order.push_back(place_[slot]);
+            order.push_back(place[slot]);
         }
-    }
-    void clear()
-    {
-        for (const int slot : touched) place_[slot] = -1;
-        touched.clear(), order.clear(), first.clear();
-    }
-
-private:
-    std::vector<int> place_;
-};
-
-}  // namespace
-
-void wall_compliance(const WallStations& stations, std::span<const int> rows, std::span<const int> was, WallPatch& patch,
-                     std::vector<double>& w)
-{
-    w = widened(w, was);
-    const std::size_t m = 3 * rows.size();
-    // those that are known come first
-    std::vector<std::size_t> turn;
-    for (const bool known : {true, false})
-        for (std::size_t k = 0; k < rows.size(); ++k)
-            if ((was[k] >= 0) == known) turn.push_back(k);
-    thread_local SharedSlots slots;
-    slots.clear();
-    thread_local std::vector<double> answer;  // [touched][9] of station j to a force on a control vertex
-    for (std::size_t a = 0; a < turn.size(); ++a) {
-        const std::size_t j = turn[a];
-        const LoopStencil& sj = stations[rows[j]].weights;
-        slots.take(sj, patch);
-        if (was[j] >= 0) continue;
-        answer.assign(9 * slots.touched.size(), 0.0);
-        for (int k = 0; k < sj.size; ++k) {
-            const double* const row = patch.block(slots.touched[slots.order[slots.first[a] + k]], 0);
+        answer.assign(9 * touched.size(), 0.0);
+        for (int k = 0; k < sj.size; ++k) {  // along a row of the patch, which lies as it is read
+            const double* const row = patch.block(touched[order[first[j] + k]], 0);
             const double share = sj.n[k];
             double* to = answer.data();
-            for (const int slot : slots.touched) {
+            for (const int slot : touched) {
                 const double* const g = row + 9 * static_cast<std::size_t>(slot);
                 for (int c = 0; c < 9; ++c) to[c] += share * g[c];
                 to += 9;
             }
         }
-        for (std::size_t b = 0; b <= a; ++b) {
-            const std::size_t i = turn[b];
+        for (std::size_t i = 0; i <= j; ++i) {
             const LoopStencil& si = stations[rows[i]].weights;
             double block[9] = {};
             for (int k = 0; k < si.size; ++k) {
-                const double* from = &answer[9 * static_cast<std::size_t>(slots.order[slots.first[b] + k])];
+                const double* from = &answer[9 * static_cast<std::size_t>(order[first[i] + k])];
                 for (int c = 0; c < 9; ++c) block[c] += si.n[k] * from[c];
             }
             for (std::size_t r = 0; r < 3; ++r)
@@ -231,6 +187,7 @@ void wall_compliance(const WallStations& stations, std::span<const int> rows, st
                 }
         }
     }
+    for (const int slot : touched) place[slot] = -1;
 }
 
 }  // namespace seldinger

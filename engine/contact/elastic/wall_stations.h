@@ -91,9 +91,7 @@ private:
 };
 
 /// W: compliance of stations to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
-/// @param rows  nodes of the stations  @param was  [rows] place of each in `w` so far, -1: none, whose blocks are computed
-/// @param w  [3 rows][3 rows], row by row
-void wall_compliance(const WallStations& stations, std::span<const int> rows, std::span<const int> was, WallPatch& patch,
-                     std::vector<double>& w);
+/// @param rows  nodes of the stations  @param w  [3 rows][3 rows], row by row
+void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w);
 
 }  // namespace seldinger

@@ -31,7 +31,6 @@ struct YieldingWall::System {
     // ---- trials ----
     [[nodiscard]] WallTrial& trial() { return trials_[now_]; }
     [[nodiscard]] const WallTrial& trial() const { return trials_[now_]; }
-    [[nodiscard]] WallTrial* base_trial() { return base_ >= 0 ? &trials_[base_] : nullptr; }
     [[nodiscard]] const WallTrial* base_trial() const { return base_ >= 0 ? &trials_[base_] : nullptr; }
     WallTrial& next_trial()
     {

@@ -126,8 +126,8 @@ void YieldingWall::evaluate(const TermTrial& trial)
         again = false;
         for (const auto& system : systems_) {
             if (!system->is_in(todo_)) continue;
-            take_forces(*system);
-            if (round == most_moves || system->misses(predicted_force, predicted_move) <= 1)
+            const bool settled = take_forces(*system) && system->misses(predicted_force, predicted_move) <= 1;
+            if (settled || round == most_moves)
                 for (const int w : system->wires) todo_[w] = 0;
             else again = true;
         }
@@ -148,7 +148,7 @@ void YieldingWall::evaluate_start(const TermTrial& start)
     contact_.evaluate({carried_, start.h, start.active, &before_, start.linearised});
     take_times(0);
     for (const auto& system : systems_)
-        if (system->is_in(start.active)) take_forces(*system);
+        if (system->is_in(start.active)) (void)take_forces(*system);
 }
 
 /// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
@@ -197,10 +197,11 @@ void YieldingWall::carry_trial(System& system, const TrialState& trial, TrialSta
         }
 }
 
-/// What contact has said, and how it changes. Nodes that have come to touch move the wall too from now on.
-void YieldingWall::take_forces(System& system) const
+/// What contact has said, and how it changes. @return false: nodes have come to touch that were not thought of; the wall moves
+/// under them too from the next evaluation on
+bool YieldingWall::take_forces(System& system) const
 {
-    bool new_rows = false;
+    bool thought_of = true;
     for (const int w : system.wires) {
         const int n = rods_.node_count(w);
         std::span<double> residual = std::span(residuals_[w]).first(RodDofs::count(n));
@@ -211,11 +212,11 @@ void YieldingWall::take_forces(System& system) const
             WallStation& station = system.stations[rods_.node_begin(w) - system.first_node + i];
             if (!station.near || station.row >= 0) continue;
             const double* r = &residual[RodDofs::position(i)];
-            new_rows = new_rows || r[0] != 0 || r[1] != 0 || r[2] != 0;
+            thought_of = thought_of && r[0] == 0 && r[1] == 0 && r[2] == 0;
         }
     }
     WallTrial& now = system.trial();
-    if (new_rows) add_rows(system);
+    if (!thought_of) add_rows(system);
     const std::size_t m = 3 * system.rows.size();
     now.force.assign(m, 0.0);
     for (const int w : system.wires)
@@ -226,7 +227,10 @@ void YieldingWall::take_forces(System& system) const
             Vec3(-(system.back(node).transpose() * own)).store(&now.force[3 * row]);
         }
     linearise(system, nullptr, now.linear);
-    balance(system, now);
+    now.rho.resize(m);
+    now.linear.times_w(now.force, now.rho);
+    for (std::size_t k = 0; k < m; ++k) now.rho[k] += now.u[k] - system.u_free[k];
+    return thought_of;
 }
 
 /// E, F and D from the last tangents of contact.
@@ -367,7 +371,7 @@ bool YieldingWall::relax(System& system) const
     if (system.relaxed || ++system.relaxations > most_relaxations) return false;
     WallTrial& now = system.trial();
     for (std::size_t k = 0; k < now.rho.size(); ++k) now.rho[k] += system.u_free[k];
-    list_rows(system, std::vector<int>(system.rows));
+    list_rows(system);
     for (std::size_t k = 0; k < now.rho.size(); ++k) now.rho[k] -= system.u_free[k];
     return true;
 }

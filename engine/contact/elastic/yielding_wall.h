@@ -76,12 +76,11 @@ private:
     void take_times(double seconds);
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
-    void list_rows(System& system, std::span<const int> before) const;
+    void list_rows(System& system) const;
     void add_rows(System& system) const;
-    void balance(const System& system, WallTrial& trial) const;
     void predict(System& system, const TrialState& trial) const;
     void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
-    void take_forces(System& system) const;
+    [[nodiscard]] bool take_forces(System& system) const;
     void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
     void list_pushes(System& system) const;

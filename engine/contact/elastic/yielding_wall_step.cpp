@@ -195,7 +195,6 @@ void YieldingWall::start_step(System& system, double h) const
     system.forget_base();
     system.dynamics.begin_step(h);
     system.rows.clear();
-    system.compliance.clear();
     for (int i = 0; i < system.stations.count(); ++i) system.stations[i].row = -1;
     for (const int w : system.wires) {
         const int first = rods_.node_begin(w) - system.first_node, n = rods_.node_count(w);
@@ -208,11 +207,11 @@ void YieldingWall::start_step(System& system, double h) const
             if (system.stations[first + i].near && (close(i) || (i > 0 && close(i - 1)) || (i + 1 < n && close(i + 1))))
                 system.stations[first + i].row = 0;
     }
-    list_rows(system, {});
+    list_rows(system);
 }
 
-/// Rows of the stations that are marked, their compliance and where the wall would be there. @param before  rows so far
-void YieldingWall::list_rows(System& system, std::span<const int> before) const
+/// Rows of the stations that are marked, their compliance and where the wall would be there.
+void YieldingWall::list_rows(System& system) const
 {
     system.rows.clear();
     system.wire_of_row.clear();
@@ -231,52 +230,27 @@ void YieldingWall::list_rows(System& system, std::span<const int> before) const
             system.u_free.insert(system.u_free.end(), u.data(), u.data() + 3);
         }
     }
-    std::vector<int> was(system.rows.size(), -1);
-    for (std::size_t k = 0; k < before.size(); ++k) was[static_cast<std::size_t>(system.row_of(before[k]))] = static_cast<int>(k);
-    wall_compliance(system.stations, system.rows, was, system.dynamics.patch(), system.compliance);
+    wall_compliance(system.stations, system.rows, system.dynamics.patch(), system.compliance);
 }
 
-/// Nodes on which contact has just been found to act, and those beside them, join those that move the wall; it stays where it is
-/// under them for now.
+/// Nodes on which contact has just been found to act join those that move the wall; it stays where it is under them for now.
 void YieldingWall::add_rows(System& system) const
 {
     const std::vector<int> before = system.rows;
-    for (const int w : system.wires) {
-        const int n = rods_.node_count(w);
-        const auto presses = [&](int i) {
-            const double* r = &residuals_[w][RodDofs::position(i)];
-            return i >= 0 && i < n && (r[0] != 0 || r[1] != 0 || r[2] != 0);
-        };
-        for (int i = 0; i < n; ++i) {
+    const std::vector<double> u = system.trial().u;
+    for (const int w : system.wires)
+        for (int i = 0; i < rods_.node_count(w); ++i) {
             WallStation& station = system.stations[rods_.node_begin(w) - system.first_node + i];
-            if (station.near && station.row < 0 && (presses(i - 1) || presses(i) || presses(i + 1))) station.row = 0;
+            const double* r = &residuals_[w][RodDofs::position(i)];
+            if (station.near && station.row < 0 && (r[0] != 0 || r[1] != 0 || r[2] != 0)) station.row = 0;
         }
-    }
-    list_rows(system, before);
-    std::vector<int> to;
-    for (const int node : before) to.push_back(3 * system.row_of(node)), to.push_back(to.back() + 1), to.push_back(to.back() + 1);
-    const auto spread = [&](std::vector<double>& list, const auto& otherwise) {
-        std::vector<double> wide(3 * system.rows.size());
-        for (std::size_t k = 0; k < system.rows.size(); ++k) otherwise(system.rows[k]).store(&wide[3 * k]);
-        for (std::size_t k = 0; k < to.size(); ++k) wide[static_cast<std::size_t>(to[k])] = list[k];
-        list = std::move(wide);
-    };
-    const auto start = [&](int node) { return system.stations[node].start; };
-    spread(system.trial().u, start);
-    WallTrial* const base = system.base_trial();
-    if (!base || base == &system.trial()) return system.forget_base();
-    spread(base->u, start);
-    spread(base->force, [](int) { return Vec3(Vec3::Zero()); });
-    base->linear.widen(static_cast<int>(base->u.size()), system.compliance, to);
-    balance(system, *base);
-}
-
-/// How far the wall would go from u under the forces of a trial.
-void YieldingWall::balance(const System& system, WallTrial& trial) const
-{
-    trial.rho.resize(trial.u.size());
-    trial.linear.times_w(trial.force, trial.rho);
-    for (std::size_t k = 0; k < trial.rho.size(); ++k) trial.rho[k] += trial.u[k] - system.u_free[k];
+    list_rows(system);
+    std::vector<double>& now = system.trial().u;
+    now.resize(3 * system.rows.size());
+    for (std::size_t k = 0; k < system.rows.size(); ++k) system.stations[system.rows[k]].start.store(&now[3 * k]);
+    for (std::size_t k = 0; k < before.size(); ++k)
+        std::copy_n(&u[3 * k], 3, &now[3 * static_cast<std::size_t>(system.row_of(before[k]))]);
+    system.forget_base();
 }
 
 // ---- the accepted state ----
