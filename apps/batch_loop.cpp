@@ -1,4 +1,4 @@
-// The loop of `seldinger batch`: worlds two at a time, results table, checkpoints, Ctrl-C and time limit between steps.
+// The loop of `seldinger batch`: worlds one after the other, results table, checkpoints, Ctrl-C and time limit between steps.
 #include "batch_loop.h"
 
 #include "core/clock.h"
@@ -18,8 +18,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <future>
-#include <memory>
 #include <optional>
 
 namespace seldinger::apps {
@@ -29,10 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
-// Worlds that are stepped side by side, so that the host's part of one runs beside the kernels of the other. A world alone leaves
-// 40 % of two cores idle.
-constexpr std::size_t abreast = 2;
-constexpr std::string_view magic = "SELBATC8";
+constexpr std::string_view magic = "SELBATC7";
 constexpr const char* batch_files[] = {"results.csv", "results-units.csv", "results.npz", "shapes.csv", "sweep.toml"};
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
@@ -98,18 +93,19 @@ public:
         earlier_wall_ = totals_.wall;
         BatchProgress progress(runs_, options_.quiet);
         for (bool first = true; at_ < worlds_.size();) {
-            if (open_.empty()) open_worlds(thread_count() > 1 ? abreast : 1);
-            for (; running() > 0; first = false) {
+            if (!world_) open_world();
+            for (; !world_->finished(); first = false) {
                 if (stop_asked_for() != 0)
                     return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
                 if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit)
                     return stop(RunStatus::TimeLimit);
                 take_step();
                 if (seconds_since(last_save_) >= std::max(save_seconds, save_share * save_cost_)) save(RunStatus::Running);
-                progress.show(rows_.size(), at_, worlds_.size(), slowest(), running(), static_cast<double>(totals_.wire_steps) / wall());
+                progress.show(rows_.size(), at_, worlds_.size(), *world_, static_cast<double>(totals_.wire_steps) / wall());
             }
-            at_ += open_.size();
-            open_.clear();
+            device_ = world_->world().device_name();
+            world_.reset();
+            ++at_;
         }
         return stop(RunStatus::Done);
     }
@@ -120,67 +116,33 @@ public:
 private:
     double wall() const { return earlier_wall_ + seconds_since(start_); }
 
-    /// Runs of the open worlds that have not ended.
-    std::size_t running() const
-    {
-        std::size_t count = 0;
-        for (const auto& world : open_) count += world->running();
-        return count;
-    }
-
-    /// The first open world that is not finished, or the last.
-    const BatchWorld& slowest() const
-    {
-        const auto at = std::find_if(open_.begin(), open_.end(), [](const auto& world) { return !world->finished(); });
-        return at == open_.end() ? *open_.back() : **at;
-    }
-
-    void open_worlds(std::size_t most)
-    {
-        while (open_.size() < most && at_ + open_.size() < worlds_.size()) open_world(worlds_[at_ + open_.size()]);
-    }
-
-    void open_world(const std::vector<std::size_t>& runs)
+    void open_world()
     {
         const NoPolling loading;
         // worlds in a row often share the vessel: it is loaded once
         Scene scene = source_.scene(0);
-        scene.vessel = source_.scene(runs.front()).vessel;
+        scene.vessel = source_.scene(worlds_[at_].front()).vessel;
         std::string key = write_scene(scene, folder_.path());
         if (key != vessel_key_) vessel_ = load_vessel(scene.vessel);
         vessel_key_ = std::move(key);
-        const bool first = at_ == 0 && open_.empty();
-        open_.push_back(std::make_unique<BatchWorld>(source_, runs, vessel_, options_.device));
+        world_.emplace(source_, worlds_[at_], vessel_, options_.device);
         // of the first world: the vessel is seldom varied. A task of a farm leaves it to the merge
         const bool whole = begin_ == 0 && end_ == source_.item_count();
-        if (whole && first && !vessel_.mesh.triangles.empty()) write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
-        device_ = open_.back()->world().device_name();
+        if (whole && at_ == 0 && !vessel_.mesh.triangles.empty()) write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
+        device_ = world_->world().device_name();
     }
 
-    /// One step of every open world, each by a thread of its own. Rows are in the order of the worlds.
     void take_step()
     {
+        const StageTimes before = world_->stages();
+        totals_.wire_steps += static_cast<std::int64_t>(world_->running());
+        totals_.world_steps++;
         const auto begun = Clock::now();
-        std::vector<BatchWorld*> stepped;
-        for (const auto& world : open_)
-            if (!world->finished()) stepped.push_back(world.get());
-        std::vector<std::vector<BatchRow>> rows(stepped.size());
-        const auto step = [&](std::size_t k) {
-            const StageTimes before = stepped[k]->stages();
-            rows[k] = stepped[k]->step();
-            StageTimes taken = stepped[k]->stages();
-            return taken -= before;
-        };
-        totals_.wire_steps += static_cast<std::int64_t>(running());
-        totals_.world_steps += static_cast<std::int64_t>(stepped.size());
-        std::vector<std::future<StageTimes>> others;
-        for (std::size_t k = 1; k < stepped.size(); ++k)
-            others.push_back(std::async(thread_count() > 1 ? std::launch::async : std::launch::deferred, step, k));
-        totals_.stages += step(0);
-        for (auto& other : others) totals_.stages += other.get();
-        for (const std::vector<BatchRow>& of_world : rows) rows_.insert(rows_.end(), of_world.begin(), of_world.end());
+        for (BatchRow& row : world_->step()) rows_.push_back(row);
         step_seconds_ += seconds_since(begun);
-        for (BatchWorld* world : stepped) write_kept(options_.keep.path().empty() ? folder_ : options_.keep, world->take_kept());
+        write_kept(options_.keep.path().empty() ? folder_ : options_.keep, world_->take_kept());
+        totals_.stages += world_->stages();
+        totals_.stages -= before;
     }
 
     void save(RunStatus status)
@@ -203,13 +165,13 @@ private:
         put_bytes(bytes, &totals_, 1);
         put_rows(bytes, rows_);
         const std::uint64_t at = at_;
-        const auto open = static_cast<std::uint8_t>(open_.size());
+        const std::uint8_t open = world_.has_value();
         put_bytes(bytes, &at, 1);
         put_bytes(bytes, &open, 1);
-        for (const auto& world : open_) {
-            const std::uint64_t vessel = hash_of(world->world().setup().mesh);
+        if (world_) {
+            const std::uint64_t vessel = hash_of(world_->world().setup().mesh);
             put_bytes(bytes, &vessel, 1);
-            world->save(bytes);
+            world_->save(bytes);
         }
         write_sealed(folder_ / "checkpoint.bin", magic, bytes);
         last_save_ = Clock::now();
@@ -259,8 +221,7 @@ private:
         take_bytes(at, end, &open, 1);
         at_ = index;
         check_restored(file, open);
-        const std::string before = device_;
-        for (std::uint8_t k = 0; k < open; ++k) restore_world(file, before, at, end);
+        if (open) restore_world(file, at, end);
         if (at != end) throw Error(ExitCode::BadFile, file.string() + ": has data after its end; run again with --overwrite");
         if (saved_status_ != RunStatus::Done) totals_.resumes++;
     }
@@ -272,29 +233,28 @@ private:
         const auto is_count = [](std::int64_t count) { return count >= 0 && count <= std::int64_t{1} << 53; };
         static_assert(sizeof(StageTimes) % sizeof(double) == 0);
         const auto* stages = reinterpret_cast<const double*>(&totals_.stages);
-        const bool sound = at_ <= worlds_.size() && open <= std::min(abreast, worlds_.size() - at_) && saved_status_ >= RunStatus::Running &&
+        const bool sound = at_ <= worlds_.size() && open <= (at_ < worlds_.size()) && saved_status_ >= RunStatus::Running &&
                            saved_status_ <= RunStatus::Stopped && is_count(totals_.wire_steps) && is_count(totals_.world_steps) &&
                            is_count(totals_.resumes) && is_time(totals_.wall) &&
                            std::all_of(stages, stages + sizeof(StageTimes) / sizeof(double), is_time) && are_sound(rows_, begin_, end_, source_.scene(0).instrument_count());
         if (!sound) throw Error(ExitCode::BadFile, file.string() + ": is corrupt: a value is out of range; run again with --overwrite");
     }
 
-    /// @param before  device that the batch ran on
-    void restore_world(const fs::path& file, const std::string& before, const std::uint8_t*& at, const std::uint8_t* end)
+    void restore_world(const fs::path& file, const std::uint8_t*& at, const std::uint8_t* end)
     {
-        open_world(worlds_[at_ + open_.size()]);
-        BatchWorld& world = *open_.back();
+        const std::string before = device_;
+        open_world();
         std::uint64_t vessel = 0;
         take_bytes(at, end, &vessel, 1);
-        if (vessel != hash_of(world.world().setup().mesh))
+        if (vessel != hash_of(world_->world().setup().mesh))
             throw Error(
                 ExitCode::BadFile,
                 fmt::format("{}: the vessel has changed since the batch began; run again with --overwrite", file.string()));
-        if (before != device_ && !options_.quiet && open_.size() == 1)
+        if (before != device_ && !options_.quiet)
             note(fmt::format("seldinger: resumed on \"{}\" after \"{}\": the bits may differ from a batch in one piece\n",
                              device_, before));
         try {
-            world.restore(at, end);
+            world_->restore(at, end);
         } catch (const Error& error) {
             throw Error(error.code(), fmt::format("{}: {}; run again with --overwrite", file.string(), error.what()));
         }
@@ -355,8 +315,8 @@ private:
     bool ramp_;                                     // worlds that grow (plan_worlds): a limit may stop this
     std::optional<NoPolling> planning_{std::in_place};  // until worlds_ are known
     std::vector<std::vector<std::size_t>> worlds_;  // runs of each
-    std::size_t at_ = 0;                            // the first world being run
-    std::vector<std::unique_ptr<BatchWorld>> open_;  // that and what runs beside it
+    std::size_t at_ = 0;                            // world being run
+    std::optional<BatchWorld> world_;
     LoadedVessel vessel_;
     std::string vessel_key_, device_;
     std::string given_;  // scene and sweep, as the checkpoint carries them

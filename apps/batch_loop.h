@@ -1,5 +1,5 @@
 #pragma once
-// From a scene and a sweep to a finished results table: steps the worlds, two at a time, saves and stops.
+// From a scene and a sweep to a finished results table: steps the worlds one after the other, saves and stops.
 
 #include "core/folder.h"
 #include "run_loop.h"

@@ -35,16 +35,16 @@ BatchProgress::~BatchProgress()
     if (drawn_) note("\r\033[K");
 }
 
-void BatchProgress::show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, std::size_t running, double rate)
+void BatchProgress::show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, double rate)
 {
     if (!on_) return;
     const auto now = Clock::now();
     if (now < next_) return;
     next_ = now + std::chrono::milliseconds(250);
-    // runs of the open worlds end together: within them the steps tell how far they are
+    // runs of one world end together: within it the steps tell how far they are
     const double inside = static_cast<double>(state.step_count()) / static_cast<double>(std::max(1L, state.steps_in_all()));
     const double fraction =
-        (static_cast<double>(done) + inside * static_cast<double>(running)) / static_cast<double>(runs_);
+        (static_cast<double>(done) + inside * static_cast<double>(state.running())) / static_cast<double>(runs_);
     constexpr int width = 24;
     const int filled = std::min(width, static_cast<int>(fraction * width));
     note(fmt::format("\r\033[K[{:#<{}}{:.<{}}] {} of {} runs, world {} of {}, step {} of {}, {:.0f} wire-steps/s", "", filled, "",

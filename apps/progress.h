@@ -29,9 +29,8 @@ public:
     ~BatchProgress();
     BatchProgress(const BatchProgress&) = delete;
     BatchProgress& operator=(const BatchProgress&) = delete;
-    /// @param done  runs  @param world  index of the first one being run, of `worlds`; `state` is one of these  @param running  runs in
-    /// them  @param rate  wire-steps per second so far
-    void show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, std::size_t running, double rate);
+    /// @param done  runs  @param world  index of the one being run, of `worlds`  @param rate  wire-steps per second so far
+    void show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, double rate);
 
 private:
     std::size_t runs_;
