@@ -1,6 +1,7 @@
 #pragma once
 // Many runs of one scene. Runs whose scenes share vessel, time step and schemes are systems of one World. They are stepped in
-// lockstep, with one launch per stage for all. Other runs get worlds of their own. A run's bits are those of the run alone.
+// lockstep, with one launch per stage for all. Other runs get worlds of their own, one after the other. A run's bits are those
+// of the run alone.
 
 #include "batch/batch_keep.h"
 #include "batch/batch_table.h"

@@ -152,6 +152,7 @@ bool LargeShell::is_still(std::size_t triangle, std::span<const double> displace
     const double most = share * share * 8 * points.back().area;  // of an edge, about
     const std::span<const std::int32_t> all(vertices_.data() + static_cast<std::size_t>(points.front().first_vertex) / per_triangle,
                                             static_cast<std::size_t>(points.front().vertex_count));
+    // two that have each moved by less than half of it are within it of each other
     if (std::all_of(all.begin(), all.end(), [&](std::int32_t v) { return moves2[static_cast<std::size_t>(v)] < 0.249 * most; })) return true;
     const Vec3 first(displacement.data() + 3 * all.front());
     return std::all_of(all.begin(), all.end(), [&](std::int32_t v) {

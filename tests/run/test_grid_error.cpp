@@ -43,6 +43,17 @@ Fed feed(int nodes, int triangles)
     return fed;
 }
 
+/// Force on a patch at the end of a run, and the errors there.
+std::pair<double, GridErrors> patch_at_end(const Scene& scene)
+{
+    World world(make_setup(scene));
+    const KeyFrames keys(scene);
+    for (long k = 0; k < scene.steps(); ++k) REQUIRE(!step(world, keys.control(), scene.step_length(k)).failed());
+    WireOutput loads;
+    world.read_loads(0, loads);
+    return {loads.on_wall.patch_force, GridErrorGauge().of(world)};
+}
+
 }  // namespace
 
 TEST_SUITE("run/grid_error")
@@ -80,12 +91,7 @@ TEST_SUITE("run/grid_error")
                             "radius_m = 0.0055\nbend_radius_m = {}\nangle_deg = 116.0\nlead_in_m = 0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
                             nodes, 0.042 + 0.971 * speed, bend),
                 "arc.toml");
-            World world(make_setup(scene));
-            const KeyFrames keys(scene);
-            for (long k = 0; k < scene.steps(); ++k) REQUIRE(!step(world, keys.control(), scene.step_length(k)).failed());
-            WireOutput loads;
-            world.read_loads(0, loads);
-            return std::pair{loads.on_wall.patch_force, GridErrorGauge().of(world)};
+            return patch_at_end(scene);
         };
         const auto [coarse, errors] = end_of(41, 0.0429, 0.0722);
         const auto [fine, none] = end_of(161, 0.0429, 0.0722);
@@ -110,12 +116,7 @@ TEST_SUITE("run/grid_error")
                             "radius_m = 0.005751632\nbend_radius_m = 0.034019854\nangle_deg = 127.0023\nlead_in_m = 0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
                             nodes),
                 "tip.toml");
-            World world(make_setup(scene));
-            const KeyFrames keys(scene);
-            for (long k = 0; k < scene.steps(); ++k) REQUIRE(!step(world, keys.control(), scene.step_length(k)).failed());
-            WireOutput loads;
-            world.read_loads(0, loads);
-            return std::pair{loads.on_wall.patch_force, GridErrorGauge().of(world)};
+            return patch_at_end(scene);
         };
         const auto [coarse, errors] = end_of(101);
         const auto [fine, fewer] = end_of(401);

@@ -22,8 +22,6 @@
 
 namespace seldinger {
 
-struct WallTrial;  // contact/elastic/yielding_system.h
-
 class YieldingWall final : public ForceTerm {
 public:
     /// @param unmoved  what `contact` was made with; as `rods`, carried back @param systems  [wires]  @param rods  of the world
