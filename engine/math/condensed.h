@@ -60,9 +60,12 @@ public:
     void times_w_of_rows(std::span<const double> at_rows, std::span<double> wv) const;
     /// What of [m] belongs to the rows.
     void at_rows(std::span<const double> all, std::span<double> rows) const;
-    /// u = (I + W D)^-1 b in place, [rows] and [m].
-    void solve_rows(std::span<double> u) const;
-    void solve_own(std::span<double> u) const;
+    /// u = (I + W D)^-1 b in place, [rows].
+    /// @param own_accuracy  of these equations, whose errors the other unknowns amplify: equilibria of a wire in contact over its whole
+    /// length are not found with 1e-7
+    void solve_rows(std::span<double> u, double own_accuracy = 1e-11) const;
+    /// The same for all [m], to 1e-6: where u may be, for those who then ask what is left.
+    void guess_own(std::span<double> u) const;
 
 private:
     static constexpr std::size_t most_direct = 120;

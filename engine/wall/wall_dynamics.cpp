@@ -136,7 +136,8 @@ void WallDynamics::list_pushes() const
 {
     pushes_.clear();
     for (const std::int32_t u : touched_) {
-        pushes_.push_back({patch_.slot(u), at(pushed_, u)});
+        const Vec3 f = at(pushed_, u);
+        pushes_.push_back({patch_.slot(u), {f[0], f[1], f[2], f[0], f[1], f[2], f[0], f[1], f[2]}});
         patch_.provide(pushes_.back().slot);
     }
     pushes_at_ = stamp_;
@@ -151,10 +152,12 @@ Vec3 WallDynamics::now(std::int32_t vertex) const
     Vec3 w = keep_ * at(start_, vertex) + ahead_ * (at(memory_, vertex) + at(load_, vertex)) + slope_ * at(change_, vertex);
     if (pushes_at_ != stamp_) list_pushes();
     const int slot = patch_.slot(vertex);
+    double by[9] = {};  // per row and component of the force: nine sums side by side
     for (const SlotPush& push : pushes_) {
         const double* g = patch_.block(slot, push.slot);
-        for (int r = 0; r < 3; ++r) w[r] += g[3 * r] * push.force[0] + g[3 * r + 1] * push.force[1] + g[3 * r + 2] * push.force[2];
+        for (int k = 0; k < 9; ++k) by[k] += g[k] * push.force[k];
     }
+    for (int r = 0; r < 3; ++r) w[r] += by[3 * r] + by[3 * r + 1] + by[3 * r + 2];
     w.store(&known_[first]);
     known_at_[static_cast<std::size_t>(vertex)] = stamp_;
     return w;

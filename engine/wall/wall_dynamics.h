@@ -118,7 +118,7 @@ private:
     mutable std::uint32_t stamp_ = 1, pushes_at_ = 0;
     struct SlotPush {
         int slot;
-        Vec3 force;
+        double force[9];  // three times: beside each row of a block
     };
     mutable std::vector<SlotPush> pushes_;  // F by slots of the patch, in order of vertices; of the stamp pushes_at_
     std::vector<double> scratch_;

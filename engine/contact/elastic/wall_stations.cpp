@@ -139,55 +139,61 @@ void WallStations::forget(int first, int last)
     for (int i = first; i < last; ++i) stations_[i].near = false;
 }
 
-void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w)
+void StationCompliance::reset(const WallStations& stations, std::span<const int> rows, WallPatch& patch)
 {
-    const std::size_t m = 3 * rows.size();
-    w.resize(m * m);
-    // slots of control vertices in the order in which stations share in them, and places of each station's among these
-    thread_local std::vector<int> touched, place, order;
-    thread_local std::vector<double> answer;  // [touched][9] of station j to a force on a control vertex
-    touched.clear();
-    order.clear();
-    std::vector<std::size_t> first;  // [rows] in `order`
-    for (std::size_t j = 0; j < rows.size(); ++j) {
-        const LoopStencil& sj = stations[rows[j]].weights;
-        first.push_back(order.size());
-        for (int k = 0; k < sj.size; ++k) {
-            const int slot = patch.slot(sj.vertex[k]);
+    patch_ = &patch;
+    for (const int slot : slots_) place_[static_cast<std::size_t>(slot)] = -1;
+    slots_.clear();
+    parts_.clear();
+    first_.assign(1, 0);
+    for (const int node : rows) {
+        const LoopStencil& s = stations[node].weights;
+        for (int k = 0; k < s.size; ++k) {
+            const int slot = patch.slot(s.vertex[k]);
             patch.provide(slot);
-            if (static_cast<int>(place.size()) <= slot) place.resize(static_cast<std::size_t>(slot) + 64, -1);
-            if (place[slot] < 0) {
-                place[slot] = static_cast<int>(touched.size());
-                touched.push_back(slot);
+            if (static_cast<int>(place_.size()) <= slot) place_.resize(static_cast<std::size_t>(slot) + 64, -1);
+            int& place = place_[static_cast<std::size_t>(slot)];
+            if (place < 0) {
+                place = static_cast<int>(slots_.size());
+                slots_.push_back(slot);
             }
-            order.push_back(place[slot]);
+            parts_.push_back({place, s.n[k]});
         }
-        answer.assign(9 * touched.size(), 0.0);
-        for (int k = 0; k < sj.size; ++k) {  // along a row of the patch, which lies as it is read
-            const double* const row = patch.block(touched[order[first[j] + k]], 0);
-            const double share = sj.n[k];
-            double* to = answer.data();
-            for (const int slot : touched) {
-                const double* const g = row + 9 * static_cast<std::size_t>(slot);
-                for (int c = 0; c < 9; ++c) to[c] += share * g[c];
-                to += 9;
-            }
-        }
-        for (std::size_t i = 0; i <= j; ++i) {
-            const LoopStencil& si = stations[rows[i]].weights;
-            double block[9] = {};
-            for (int k = 0; k < si.size; ++k) {
-                const double* from = &answer[9 * static_cast<std::size_t>(order[first[i] + k])];
-                for (int c = 0; c < 9; ++c) block[c] += si.n[k] * from[c];
-            }
-            for (std::size_t r = 0; r < 3; ++r)
-                for (std::size_t c = 0; c < 3; ++c) {
-                    w[(3 * i + c) * m + 3 * j + r] = block[3 * r + c];
-                    w[(3 * j + r) * m + 3 * i + c] = block[3 * r + c];
-                }
+        first_.push_back(parts_.size());
+    }
+    known_.assign(rows.size(), 0);
+    w_.resize(9 * rows.size() * rows.size());
+}
+
+void StationCompliance::provide(int row)
+{
+    const std::size_t own = static_cast<std::size_t>(row), rows = known_.size(), m = 3 * rows;
+    if (known_[own]) return;
+    known_[own] = 1;
+    answer_.assign(9 * slots_.size(), 0.0);
+    for (std::size_t part = first_[own]; part < first_[own + 1]; ++part) {  // along a row of the patch, which lies as it is read
+        const double* const from = patch_->block(slots_[static_cast<std::size_t>(parts_[part].slot)], 0);
+        const double share = parts_[part].share;
+        double* to = answer_.data();
+        for (const int slot : slots_) {
+            const double* const g = from + 9 * static_cast<std::size_t>(slot);
+            for (int c = 0; c < 9; ++c) to[c] += share * g[c];
+            to += 9;
         }
     }
-    for (const int slot : touched) place[slot] = -1;
+    for (std::size_t other = 0; other < rows; ++other) {
+        if (known_[other] && other != own) continue;
+        double block[9] = {};
+        for (std::size_t part = first_[other]; part < first_[other + 1]; ++part) {
+            const double* const from = &answer_[9 * static_cast<std::size_t>(parts_[part].slot)];
+            for (int c = 0; c < 9; ++c) block[c] += parts_[part].share * from[c];
+        }
+        for (std::size_t r = 0; r < 3; ++r)
+            for (std::size_t c = 0; c < 3; ++c) {
+                w_[(3 * own + r) * m + 3 * other + c] = block[3 * r + c];
+                w_[(3 * other + c) * m + 3 * own + r] = block[3 * r + c];
+            }
+    }
 }
 
 }  // namespace seldinger

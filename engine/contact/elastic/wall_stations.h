@@ -18,6 +18,7 @@
 #include "wall/elastic_wall.h"
 #include "wall/wall_dynamics.h"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -90,8 +91,29 @@ private:
     std::vector<Clear> clear_;           // [nodes] where a node was when it was far from the wall
 };
 
-/// W: compliance of stations to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
-/// @param rows  nodes of the stations  @param w  [3 rows][3 rows], row by row
-void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w);
+/// W: compliance of stations to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T, for those stations on which something acts: few of
+/// those on which something might.
+class StationCompliance {
+public:
+    /// @param rows  nodes of the stations  @param patch  of the step
+    void reset(const WallStations& stations, std::span<const int> rows, WallPatch& patch);
+    /// Three rows of W and, as it is symmetric, three columns: of a station among `rows`.
+    void provide(int row);
+    /// W [3 rows][3 rows], row by row; only rows that have been provided are to be read.
+    [[nodiscard]] std::span<const double> entries() const { return w_; }
+
+private:
+    struct Part {
+        int slot;  // among slots_
+        double share;
+    };
+    const WallPatch* patch_ = nullptr;
+    std::vector<int> slots_;            // of the patch, each once, in the order in which stations share in them
+    std::vector<Part> parts_;           // of all rows, one row's after the other's
+    std::vector<std::size_t> first_;    // [rows + 1] among parts_
+    std::vector<std::uint8_t> known_;   // [rows]
+    std::vector<double> w_, answer_;    // answer_: [slots_][9] of a station to a force on a control vertex
+    std::vector<int> place_;            // [slots of the patch] among slots_, or -1
+};
 
 }  // namespace seldinger

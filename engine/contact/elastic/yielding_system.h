@@ -85,7 +85,7 @@ struct YieldingWall::System {
     bool relaxed = true;             // the last equilibrium's wall, as far as its large displacements go
     std::vector<int> rows;           // nodes that touch or may, in order
     std::vector<int> wire_of_row;    // [rows]
-    std::vector<double> compliance;  // W [3 rows][3 rows]
+    StationCompliance compliance;    // W, of the rows that have been touched
     std::vector<double> u_free;      // [3 rows]
     std::vector<double> y_start;     // [3 nodes] of the start of the step [m]
     std::vector<double> scratch_q, scratch_m;

@@ -178,7 +178,7 @@ void YieldingWall::predict(System& system, const TrialState& trial) const
     now.u.resize(m);
     base->linear.times_w_of_rows(along, now.u);
     for (std::size_t k = 0; k < m; ++k) now.u[k] -= base->rho[k];
-    base->linear.solve_own(now.u);
+    base->linear.guess_own(now.u);
     for (std::size_t k = 0; k < m; ++k) now.u[k] += base->u[k];
 }
 
@@ -224,7 +224,9 @@ bool YieldingWall::take_forces(System& system) const
             const int node = rods_.node_begin(w) - system.first_node + i, row = system.row_of(node);
             if (row < 0) continue;
             const Vec3 own(&residuals_[w][RodDofs::position(i)]);
-            Vec3(-(system.back(node).transpose() * own)).store(&now.force[3 * row]);
+            const Vec3 force = -(system.back(node).transpose() * own);
+            force.store(&now.force[3 * row]);
+            if (!force.isZero()) system.compliance.provide(row);
         }
     linearise(system, nullptr, now.linear);
     now.rho.resize(m);
@@ -235,9 +237,9 @@ bool YieldingWall::take_forces(System& system) const
 
 /// E, F and D from the last tangents of contact.
 /// @param among  unknowns that are counted, and wires that are left out; null: all of them, counted over the system's nodes
-void YieldingWall::linearise(const System& system, const SystemUnknowns* among, Condensed& to) const
+void YieldingWall::linearise(System& system, const SystemUnknowns* among, Condensed& to) const
 {
-    to.reset(static_cast<int>(3 * system.rows.size()), system.compliance);
+    to.reset(static_cast<int>(3 * system.rows.size()), system.compliance.entries());
     for (const int w : system.wires) {
         if (among && among->rod_of(w) < 0) continue;
         const int n = rods_.node_count(w), first = rods_.node_begin(w) - system.first_node;
@@ -252,6 +254,7 @@ void YieldingWall::linearise(const System& system, const SystemUnknowns* among, 
                 joint = joint_of(tangents_[w], i, j, j < n - 1, system.back(first + i), system.back(first + j));
                 any = any || joint.any;
             }
+            if (any) system.compliance.provide(row);
             for (int c = 0; c < 3 && any; ++c) {
                 to.begin_row(3 * row + c);
                 for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j)
@@ -371,7 +374,7 @@ bool YieldingWall::relax(System& system) const
     if (system.relaxed || ++system.relaxations > most_relaxations) return false;
     WallTrial& now = system.trial();
     for (std::size_t k = 0; k < now.rho.size(); ++k) now.rho[k] += system.u_free[k];
-    list_rows(system);
+    set_free(system);
     for (std::size_t k = 0; k < now.rho.size(); ++k) now.rho[k] -= system.u_free[k];
     return true;
 }

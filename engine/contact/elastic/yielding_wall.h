@@ -75,11 +75,12 @@ private:
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
     void list_rows(System& system) const;
+    void set_free(System& system) const;
     void add_rows(System& system) const;
     void predict(System& system, const TrialState& trial) const;
     void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
     [[nodiscard]] bool take_forces(System& system) const;
-    void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
+    void linearise(System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
     void list_pushes(System& system) const;
     void end_equilibrium(System& system, double farthest) const;

@@ -24,7 +24,7 @@ void YieldingWall::System::correct()
 {
     WallTrial& now = trial();
     scratch_m.assign(now.rho.begin(), now.rho.end());
-    now.linear.solve_own(scratch_m);
+    now.linear.guess_own(scratch_m);
     for (std::size_t k = 0; k < now.u.size(); ++k) now.u[k] -= scratch_m[k];
 }
 
@@ -210,12 +210,11 @@ void YieldingWall::start_step(System& system, double h) const
     list_rows(system);
 }
 
-/// Rows of the stations that are marked, their compliance and where the wall would be there.
+/// Rows of the stations that are marked, and their compliance.
 void YieldingWall::list_rows(System& system) const
 {
     system.rows.clear();
     system.wire_of_row.clear();
-    system.u_free.clear();
     for (const int w : system.wires) {
         const int first = rods_.node_begin(w) - system.first_node;
         for (int i = first; i < first + rods_.node_count(w); ++i) {
@@ -224,13 +223,22 @@ void YieldingWall::list_rows(System& system) const
             station.row = static_cast<int>(system.rows.size());
             system.rows.push_back(i);
             system.wire_of_row.push_back(w);
-            Vec3 u = Vec3::Zero();
-            for (int a = 0; a < station.weights.size; ++a)
-                u += station.weights.n[a] * system.dynamics.free(station.weights.vertex[a]);
-            system.u_free.insert(system.u_free.end(), u.data(), u.data() + 3);
         }
     }
-    wall_compliance(system.stations, system.rows, system.dynamics.patch(), system.compliance);
+    system.compliance.reset(system.stations, system.rows, system.dynamics.patch());
+    set_free(system);
+}
+
+/// Where the wall would be at the rows if nothing touched it.
+void YieldingWall::set_free(System& system) const
+{
+    system.u_free.clear();
+    for (const int row : system.rows) {
+        const LoopStencil& s = system.stations[row].weights;
+        Vec3 u = Vec3::Zero();
+        for (int a = 0; a < s.size; ++a) u += s.n[a] * system.dynamics.free(s.vertex[a]);
+        system.u_free.insert(system.u_free.end(), u.data(), u.data() + 3);
+    }
 }
 
 /// Nodes on which contact has just been found to act join those that move the wall; it stays where it is under them for now.
