@@ -1,6 +1,6 @@
 #pragma once
 // checkpoint.bin: state of a run, which continues from it with the same bits after any stop. A sealed file (core/sealed_file.h)
-// with magic "SELCKPT4".
+// with magic "SELCKPT5".
 
 #include "run/summary.h"
 
