@@ -382,12 +382,12 @@ TEST_CASE("property: a wall that buckles in every step ends its own system, as i
     int k = 0;
     Vec3 tip;
     StepReport report;
-    for (; k < 20 && !report.failed(); ++k) {
+    for (; k < 40 && !report.failed(); ++k) {
         tip = world.rod(0).pos(0);
         report = step(world, 1e-3);
     }
     REQUIRE(report.failed());
-    CHECK(k > 1);  // in the introducer there is no wall
+    CHECK(k > 20);  // in the introducer, until half an edge is in, there is no wall
     CHECK(world.report(0).flags == (StepHalved | StepNotConverged | StepWallBuckles));
     CHECK(world.report(1).flags == StepOk);
     CHECK((world.rod(0).pos(0) - tip).norm() < 1e-4);  // of one step, which parts in the introducer may have taken
@@ -402,14 +402,14 @@ TEST_CASE("property: a wall that buckles in long steps alone is taken through sh
     FedWorld world(in_a_tube_that_buckles(1e-3));
     unsigned flags = 0;
     int sub_steps = 0;
-    for (int k = 0; k < 10; ++k) {
+    for (int k = 0; k < 40; ++k) {
         const StepReport report = step(world, 1e-3);
         REQUIRE_FALSE(report.failed());
         flags |= report.flags, sub_steps = std::max(sub_steps, report.sub_steps);
     }
     CHECK((flags & StepHalved) != 0);
     CHECK(sub_steps > 1);
-    CHECK(world.readings(0).inserted == about(1e-3).epsilon(1e-9));
+    CHECK(world.readings(0).inserted == about(4e-3).epsilon(1e-9));
 }
 
 }  // namespace test_yielding_wall

@@ -329,8 +329,12 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
 TermAnswer YieldingWall::answer(int wire, Ask what)
 {
     if (what == Ask::Kinks) return {};  // they are the unmoved wall's
-    if (!of(wire).stands) return {.admissible = false, .acts = false};
-    TermAnswer answer = contact_.answer(wire, what);
+    TermAnswer answer;
+    if (!of(wire).stands) {
+        answer.admissible = answer.acts = false;
+        return answer;
+    }
+    answer = contact_.answer(wire, what);
     if (what == Ask::Energies) {
         answer.energies.from_outside = work_from_outside(wire);
     } else {
