@@ -80,12 +80,6 @@ bool is_real(double value) { return std::isfinite(value); }
 
 bool is_sound(const LoadTally& t) { return all_of<double>(static_cast<const LoadNumbers&>(t), is_sum) && is_count(t.regions) && t.widened <= 1; }
 
-bool is_sound(const ScoreNumbers& s)
-{
-    return all_of<double>(static_cast<const ScoreSums&>(s), is_sum) && all_of<double>(static_cast<const ScoreReals&>(s), is_real) &&
-           s.direction >= -1 && s.direction <= 1 && s.reached <= 1 && s.failed <= 1 && s.has_tip <= 1 && s.begun <= 1;
-}
-
 bool is_sound(const Greatest& g) { return is_sum(g.value) && is_place(g.at) && is_time(g.time) && all_of<double>(g.band, is_sum); }
 
 bool is_sound(const EndTouch& t)
@@ -110,6 +104,12 @@ bool is_sound(const ExitTally& t)
 }
 
 }  // namespace
+
+bool is_sound(const ScoreNumbers& s)
+{
+    return all_of<double>(static_cast<const ScoreSums&>(s), is_sum) && all_of<double>(static_cast<const ScoreReals&>(s), is_real) &&
+           s.direction >= -1 && s.direction <= 1 && s.reached <= 1 && s.failed <= 1 && s.has_tip <= 1 && s.begun <= 1;
+}
 
 bool is_sound(const RunTally& t, std::int64_t most)
 {
