@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
-constexpr std::string_view magic = "SELBATC7";
+constexpr std::string_view magic = "SELBATC8";
 constexpr const char* batch_files[] = {"results.csv", "results-units.csv", "results.npz", "shapes.csv", "sweep.toml"};
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.

@@ -46,6 +46,9 @@ std::string advice(const StepReport& report, bool settling, const IntegratorSpec
                            energy_advice(integrator));
     if (report.flags & StepNonFinite)
         return "a value is not finite; check the wire's stiffness and density, make scene.dt_s smaller";
+    if (report.flags & StepWallBuckles)
+        return "the elastic wall has no stable state: its pressure buckles it, or nothing holds it in place; bring vessel.pressure_pa "
+               "nearer to 0, make vessel.support_pa_m larger, or hold its rims (vessel.rims)";
     if (settling)
         return "no equilibrium was found; raise integrator.tolerance, or run it in time with integrator.damping_mass_1_s";
     return "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower";

@@ -55,8 +55,6 @@ ActiveSet::ActiveSet(device::Context& context, const QuadratureSet& quadrature, 
     last_edge_buffer_ = device::Buffer(context, last_edges_.data(), bytes);
 }
 
-void ActiveSet::forget() { std::fill(listed_.begin(), listed_.end(), 0); }
-
 void ActiveSet::forget(const WireQuadrature& wire) { std::fill_n(listed_.begin() + wire.begin, wire.capacity, 0); }
 
 void ActiveSet::list_wire(std::size_t w, const NearWall& near)

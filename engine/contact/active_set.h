@@ -31,7 +31,6 @@ public:
     /// @param active  wires that are evaluated next, the others keep their sums; empty: not said
     void rebuild(const NearWall& near, std::span<const std::uint8_t> active);
     /// Forgets evaluations of earlier steps.
-    void forget();
     void forget(const WireQuadrature& wire);
 
     [[nodiscard]] const ActiveList& all() const { return all_; }

@@ -10,13 +10,12 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <span>
 
 namespace seldinger {
 namespace {
 
-constexpr std::string_view checkpoint_magic = "SELCKPT4";
+constexpr std::string_view checkpoint_magic = "SELCKPT5";
 
 template <class T>
 void put_list(std::vector<std::uint8_t>& bytes, const T& list)
@@ -64,17 +63,28 @@ bool is_time(double seconds) { return seconds >= 0 && seconds < 1e12; }
 
 bool is_place(const double* at) { return std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]); }
 
-bool is_sound(const LoadTally& t)
+/// Whether all numbers of a struct that has nothing else are sound.
+template <class Number, class T>
+bool all_of(const T& numbers, bool (*is_sound)(Number))
 {
-    const auto values = {t.per_length, t.per_length_at, t.per_length_time, t.patch_force, t.patch_at,
-                         t.patch_time, t.extent,        t.window,          t.patch};
-    return t.regions >= 0 && t.regions <= most_counted && t.widened <= 1 &&
-           std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; });
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(Number) == 0 && alignof(T) == alignof(Number));
+    const std::span list(reinterpret_cast<const Number*>(&numbers), sizeof(T) / sizeof(Number));
+    return std::all_of(list.begin(), list.end(), is_sound);
 }
+
+bool is_count(std::int64_t n) { return n >= 0 && n <= most_counted; }
+
+bool is_sum(double value) { return std::isfinite(value) && value >= 0; }
+
+bool is_real(double value) { return std::isfinite(value); }
+
+bool is_sound(const LoadTally& t) { return all_of<double>(static_cast<const LoadNumbers&>(t), is_sum) && is_count(t.regions) && t.widened <= 1; }
+
+bool is_sound(const Greatest& g) { return is_sum(g.value) && is_place(g.at) && is_time(g.time) && all_of<double>(g.band, is_sum); }
 
 bool is_sound(const EndTouch& t)
 {
-    return t.rows >= 0 && t.rows <= most_counted && t.wire >= 0 && is_time(t.time) && is_place(t.tip);
+    return is_count(t.rows) && t.wire >= 0 && is_time(t.time) && is_place(t.tip);
 }
 
 bool is_sound(const ExitTally& t)
@@ -95,23 +105,18 @@ bool is_sound(const ExitTally& t)
 
 }  // namespace
 
+bool is_sound(const ScoreNumbers& s)
+{
+    return all_of<double>(static_cast<const ScoreSums&>(s), is_sum) && all_of<double>(static_cast<const ScoreReals&>(s), is_real) &&
+           s.direction >= -1 && s.direction <= 1 && s.reached <= 1 && s.failed <= 1 && s.has_tip <= 1 && s.begun <= 1;
+}
+
 bool is_sound(const RunTally& t, std::int64_t most)
 {
-    const auto counts = {t.steps,   t.contacts_max, t.newton_max, t.halved_steps, t.outside_steps, t.non_finite, t.resumes,
-                         t.rest_steps, t.far_steps, t.row_newton, t.row_flags,    t.row_steps,     t.unequal_steps, t.missed_steps};
-    const auto values = {t.friction_max,     t.overlap_max,          t.outside_max,    t.wall_move.value, t.wall_stress.value,
-                         t.contact_area_max, t.contact_pressure_max, t.hand_force_max, t.overlap_share,
-                         t.normal_max,       t.sunk_force};
-    const auto is_set = [](const Greatest& g) {
-        return is_time(g.time) && is_time(g.band.mesh) && is_time(g.band.geometry) && is_time(g.band.nodes) && is_time(g.band.step) && is_place(g.at);
-    };
-    static_assert(sizeof(StageTimes) % sizeof(double) == 0);
-    const std::span<const double> stages(reinterpret_cast<const double*>(&t.stages), sizeof t.stages / sizeof(double));
-    return std::all_of(counts.begin(), counts.end(), [](std::int64_t n) { return n >= 0 && n <= most_counted; }) &&
-           std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; }) &&
-           std::all_of(stages.begin(), stages.end(), is_time) && is_time(t.wall) && is_time(t.record) && is_time(t.row_time) &&
-           is_set(t.wall_move) && is_set(t.wall_stress) && is_time(t.hand_force_time) && is_time(t.overlap_time) && std::all_of(std::begin(t.overlap_at), std::end(t.overlap_at), [](double x) { return std::isfinite(x); }) &&
-           is_sound(t.on_wall) && is_sound(t.on_instruments) && is_sound(t.exits) && is_sound(t.score) && t.end.is_sound() && is_sound(t.end_touch) && t.steps <= most && t.rest_steps <= t.steps && t.row_steps <= t.steps;
+    return all_of<std::int64_t>(static_cast<const TallyCounts&>(t), is_count) && all_of<double>(static_cast<const TallySums&>(t), is_sum) &&
+           is_sound(t.wall_move) && is_sound(t.wall_stress) && is_sound(t.on_wall) && is_sound(t.on_instruments) && is_place(t.overlap_at) &&
+           is_sound(t.exits) && is_sound(t.score) && t.end.is_sound() && is_sound(t.end_touch) && t.steps <= most && t.rest_steps <= t.steps &&
+           t.row_steps <= t.steps;
 }
 
 namespace {

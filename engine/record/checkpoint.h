@@ -1,6 +1,6 @@
 #pragma once
 // checkpoint.bin: state of a run, which continues from it with the same bits after any stop. A sealed file (core/sealed_file.h)
-// with magic "SELCKPT4".
+// with magic "SELCKPT5".
 
 #include "run/summary.h"
 
@@ -34,8 +34,9 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 /// @throws Error BadFile: missing, damaged, or of another version
 [[nodiscard]] Checkpoint read_checkpoint(const std::filesystem::path& path);
 
-/// Whether every count and sum can be true of a run of at most so many steps.
+/// Whether every count and sum can be true of a run of at most so many steps, of a task.
 [[nodiscard]] bool is_sound(const RunTally& tally, std::int64_t most);
+[[nodiscard]] bool is_sound(const ScoreNumbers& score);
 
 /// That it is of this scene and that every number can be true; the state itself is World::restore_state's affair.
 /// @param scene  scene to resume, as write_scene() writes it

@@ -6,7 +6,8 @@
 
 namespace seldinger {
 
-struct ScoreNumbers {
+/// Those that are not below 0.
+struct ScoreSums {
     double time = 0;              // from the first move of a hub until the target was reached, or so far [s]
     double path_length = 0;       // of the tip of the instrument that counts [m]
     double advanced = 0, pulled_back = 0;  // of its hub [m]
@@ -17,14 +18,21 @@ struct ScoreNumbers {
     double time_above = 0;        // with more wall force, on all or on a patch, than allowed [s]
     double fluoroscopy = 0;       // [s]
     double contrast = 0;          // [ml]
+    double force_time = 0;        // integral of the wall force, for the next step [N s]
+};
+
+/// Those of either sign.
+struct ScoreReals {
     double distance = -1;         // of the tip from the target [m]; -1: no target
     double reached_at_m = 0, reached_at_s = 0;  // inserted length and time when the target was reached [m], [s]
     // state for the next step
     double tip[3] = {};           // [m]
     double inserted = 0;          // [m]
     double turned = 0;            // [rad]
-    double force_time = 0;        // integral of the wall force [N s]
     double run = 0;               // of the hub since it last turned round [m]
+};
+
+struct ScoreNumbers : ScoreSums, ScoreReals {
     std::uint32_t pushes = 0, pull_backs = 0;  // changes of direction
     std::int32_t direction = 0;
     // 0 or 1: a file may hold anything, which a bool may not
@@ -36,8 +44,5 @@ static_assert(std::is_trivially_copyable_v<ScoreNumbers>);
 
 /// Whether the force on the worst patch was still rising when the target was reached: a target a little farther in has a larger one.
 [[nodiscard]] inline bool is_rising(double patch_force_max_time, double reached_at_s) { return patch_force_max_time > reached_at_s - 0.02; }
-
-/// Whether numbers read from a file can be those of a task.
-[[nodiscard]] bool is_sound(const ScoreNumbers& score);
 
 }  // namespace seldinger

@@ -22,12 +22,13 @@ namespace seldinger {
 
 /// The most of what contacts along the wire came to (contact/force_per_length.h): forces over every step, places and extent over the
 /// rows of trace.csv.
-struct LoadTally {
+struct LoadNumbers {
     double per_length = 0, per_length_at = 0, per_length_time = 0;  // [N/m], from the tip [m], [s]
     double patch_force = 0, patch_at = 0, patch_time = 0;           // [N], from the tip [m], [s]
-    double extent = 0;                                              // [m]
+    double extent = 0, window = 0, patch = 0;                       // [m]
+};
+struct LoadTally : LoadNumbers {
     std::int64_t regions = 0;
-    double window = 0, patch = 0;  // [m]
     std::uint8_t widened = 0;      // 0 or 1: a file may hold anything, which a bool may not
     std::uint8_t unused[7] = {};   // a checkpoint has no bytes that nobody sets
     void take_in(const ContactAlong& now, double time);
@@ -43,8 +44,8 @@ struct Greatest {
     void take_in(double now, const double (&where)[3], const WallBand& band_there, double when);
 };
 
-/// Everything that is counted over a run. Plain bytes, so that a checkpoint carries it as it is.
-struct RunTally {
+/// The counters among RunTally; nothing else, so that whoever reads them from a file can check them all (record/checkpoint.h).
+struct TallyCounts {
     std::int64_t steps = 0;  // taken
     std::int64_t contacts_max = 0, newton_max = 0;
     std::int64_t halved_steps = 0;   // StepHalved
@@ -52,26 +53,34 @@ struct RunTally {
     std::int64_t non_finite = 0;     // numbers that could not be written
     std::int64_t resumes = 0;
     std::int64_t rest_steps = 0;                                // steps in a row that World::at_rest() held
-    double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
     std::int64_t far_steps = 0;                                 // StepWallFar
     std::int64_t unequal_steps = 0;                             // StepContactSums
     std::int64_t missed_steps = 0;                              // StepBestEffort
-    Greatest wall_move, wall_stress;                            // over every step under the wires, over the rows of trace.csv everywhere [m], [Pa]
-    double contact_area_max = 0, contact_pressure_max = 0;      // likewise [m^2], [Pa]
-    LoadTally on_wall, on_instruments;                          // per_length and patch_force over every step, the others over rows
+    std::int64_t row_newton = 0, row_flags = 0, row_steps = 0;  // since the last row of trace.csv
+};
+
+/// Likewise its numbers that are not below 0.
+struct TallySums {
+    double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
+    double contact_area_max = 0, contact_pressure_max = 0;      // over the rows of trace.csv [m^2], [Pa]
     double hand_force_max = 0, hand_force_time = 0;             // over every step, of |hand force| [N], [s]
-    double overlap_share = 0, overlap_time = 0, overlap_at[3] = {};  // of the radius, at the worst step [-], [s], [m]
+    double overlap_share = 0, overlap_time = 0;                 // of the radius, at the worst step [-], [s]
     double normal_max = 0, sunk_force = 0;  // sum of normal forces; by how much of it a harder surface has more (take_in) [N]
+    double wall = 0;      // the loop with writing, earlier parts of a resumed run included [s]
+    StageTimes stages;    // sums [s]
+    double record = 0;    // writing, summed [s]
+    double row_time = 0;  // since the last row of trace.csv [s]
+};
+
+/// Everything that is counted over a run. Plain bytes, so that a checkpoint carries it as it is.
+struct RunTally : TallyCounts, TallySums {
+    Greatest wall_move, wall_stress;    // over every step under the wires, over the rows of trace.csv everywhere [m], [Pa]
+    LoadTally on_wall, on_instruments;  // per_length and patch_force over every step, the others over rows
+    double overlap_at[3] = {};          // where overlap_share was [m]
     ExitTally exits;
-    double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
-    StageTimes stages;  // sums [s]
-    double record = 0;  // writing, summed [s]
-    ScoreNumbers score;         // of [task]
-    EndMean end;                // hand force and friction, over every step
-    EndTouch end_touch;         // rows
-    // since the last row of trace.csv
-    std::int64_t row_newton = 0, row_flags = 0, row_steps = 0;
-    double row_time = 0;  // [s]
+    ScoreNumbers score;  // of [task]
+    EndMean end;         // hand force and friction, over every step
+    EndTouch end_touch;  // rows
 
     /// Adds one wire's step to counts, maxima and means; `steps` and times are the caller's. @param dt  0: an equilibrium [s]
     ///

@@ -190,7 +190,7 @@ void find_equilibrium(WorldData& world, StepReport& report, const std::function<
                 passed(s, paths[s].reached);
             }
             for (const int w : wires) {
-                if (!found) note(world, report, w, world.work.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+                if (!found) note(world, report, w, why_lost(world, w));
                 going[w] = found && !paths[s].done();
             }
         }

@@ -1,6 +1,7 @@
 // From the start of a step to the accepted states: the state that a failed attempt returns to, detection, Newton, and the treatment
 // of systems that do not converge.
 
+#include "contact/elastic/yielding_wall.h"
 #include "core/clock.h"
 #include "core/parallel.h"
 #include "core/prefetch.h"
@@ -96,6 +97,13 @@ void note(WorldData& world, StepReport& report, int wire, unsigned flags, int ne
     add_to(report);
 }
 
+unsigned why_lost(const WorldData& world, int wire)
+{
+    if (world.work.reports[wire].non_finite) return StepNonFinite;
+    const bool stands = !world.forces.yielding || world.forces.yielding->stands(world.systems.of(wire));
+    return stands ? StepNotConverged : StepNotConverged | StepWallBuckles;
+}
+
 void begin_step(WorldData& world)
 {
     if (world.state.steps == 0 && world.setup.integrator.newmark) start_acceleration(world);
@@ -181,7 +189,7 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
         if (!outcomes.failed[w] && !outcomes.ended[w]) continue;
         put_back_wire(world, w);
         if (outcomes.ended[w]) note(world, report, w, StepEnergy);
-        else if (shortest) note(world, report, w, world.work.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+        else if (shortest) note(world, report, w, why_lost(world, w));
         else note(world, report, w, StepHalved, 0, 2 << sub.halvings);
     }
     world.work.pending.lose(outcomes.ended);

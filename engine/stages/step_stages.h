@@ -29,6 +29,9 @@ void collect_timers(WorldData& world, StepReport& report);
 /// Into the wire's own report and that of the step.
 void note(WorldData& world, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1);
 
+/// Flags of a wire for which the last solve has found no state.
+[[nodiscard]] unsigned why_lost(const WorldData& world, int wire);
+
 /// Nothing of the last step is needed any more; what a failed attempt returns to.
 void begin_step(WorldData& world);
 /// Keeps the state before the first of several sub-steps, where the step may be stopped.

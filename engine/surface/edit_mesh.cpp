@@ -26,8 +26,7 @@ EditMesh::EditMesh(const WallMesh& mesh, const MeshEdges& edges)
             out_.push_back(-1);
         }
         settle(v, h);
-        for_triangles(v, [&](std::int32_t k) { reached[k] = true; });
-        if (v != from_[h]) for_triangles(v, [&](std::int32_t k) { from_[k] = v; });
+        for_triangles(v, [&](std::int32_t k) { reached[k] = true, from_[k] = v; });
     }
     mark_.assign(out_.size(), 0);
 }

@@ -42,10 +42,9 @@ public:
     /// Strains at the four points of a triangle, of which `first` is the first of Shell::points().
     /// @return the triangle's membrane strain, in the frame of the last one
     Vec3 strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at) const;
-    /// d2E/du2, symmetric, in the pattern of ShellMatrices::elastic; not positive definite beyond a limit of load.
-    [[nodiscard]] SparseMatrix tangent(std::span<const double> displacement) const;
 
 private:
+    friend struct LargeShellTangent;  // tests/wall/large_shell_tangent.h
     static constexpr std::size_t per_triangle = 4, edge_points = 6;
 
     /// Constants of a triangle.
@@ -71,16 +70,11 @@ private:
         Vec3 strain, linear;                // of the membrane
         double area;
     };
-    struct Curvature;
 
     /// @param moves2  [V] squares of the control vertices' displacements [m^2]
     [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2, double share) const;
     [[nodiscard]] Moved move(std::size_t triangle, std::span<const double> displacement) const;
     [[nodiscard]] Point move_point(std::size_t triangle, std::size_t k, std::span<const double> displacement) const;
-    template <class Add>
-    void add_tangent(std::size_t triangle, const Moved& now, const Add& add) const;
-    template <class Add>
-    void add_point_tangent(const ShellPoint& q, const Point& p, const Vec3& membrane, const Add& add) const;
     [[nodiscard]] std::span<const double> edge_weights(std::size_t triangle, std::size_t point) const;
 
     const Shell& shell_;

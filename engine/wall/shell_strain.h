@@ -18,6 +18,13 @@ inline ShellStrain join(const ShellPoint& q, const Vec3& eps, const Vec3& db)
              db[2] - (q.b11 + q.b22) * eps[2] / 2 - q.b12 * (eps[0] + eps[1])}};
 }
 
+/// Work conjugate of join(): what moments m do on the strain (11, 22, 2 12).
+inline Vec3 join_transposed(const ShellPoint& q, const Vec3& m)
+{
+    return {-q.b11 * m[0] - q.b12 * m[2], -q.b22 * m[1] - q.b12 * m[2],
+            -(q.b12 * (m[0] + m[1]) + (q.b11 + q.b22) * m[2]) / 2};
+}
+
 /// Membrane strain under unit displacements of a control vertex whose weight has the derivatives n_1, n_2 in the point's frame.
 inline Mat3 stretch(const ShellPoint& q, double n_1, double n_2)
 {

@@ -103,15 +103,17 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
                         kept_.end());
             return kept_.back();
         }
+    const double length = h > 0 ? h : std::numeric_limits<double>::max();  // [s]
+    if (length >= no_step_) return nullptr;
     const auto start = Clock::now();
     auto made = std::make_shared<WallFactor>();
     made->h_ = h;
     const bool sound = h > 0 ? made->cholesky_.factor(stiffness_ + damping_ / h, matrices_.held, along_)
                              : made->cholesky_.factor(stiffness_, matrices_.held, along_);
-    if (!sound)
-        throw Error(ExitCode::BadScene,
-                    "elastic wall: nothing holds it in place, or its pressure buckles it; hold its rims or raise the support "
-                    "(support_pa_m)");
+    if (!sound) {
+        no_step_ = length;
+        return nullptr;
+    }
     made->vertex_count_ = vertex_count();
     made->columns_.resize(static_cast<std::size_t>(vertex_count()));
     made->seconds_ = seconds_since(start);

@@ -5,6 +5,7 @@
 #include "math/block_cholesky.h"
 #include "wall/shell.h"
 
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -63,7 +64,8 @@ public:
     [[nodiscard]] const SparseMatrix& damping() const { return damping_; }
 
     /// Factor of K + C/h; h = 0: K alone (equilibrium). The last few step lengths are kept, and as long as somebody holds them.
-    /// Throws Error when the matrix is not positive definite: the wall could fly away, or the pressure buckles it.
+    /// Null when the matrix is not positive definite: the wall could fly away, or the pressure buckles it. A shorter step may have one,
+    /// since C is not negative; a longer one has none.
     [[nodiscard]] std::shared_ptr<const WallFactor> factor(double h) const;
     [[nodiscard]] WallCounts counts() const;
 
@@ -73,6 +75,7 @@ private:
     std::vector<double> along_;  // [V] distance from an end of the wall [m]
     mutable std::mutex guard_;
     mutable std::vector<std::shared_ptr<const WallFactor>> kept_;  // newest last
+    mutable double no_step_ = std::numeric_limits<double>::infinity();  // known to have no factor, nor has a longer one [s]
 };
 
 }  // namespace seldinger

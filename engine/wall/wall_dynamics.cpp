@@ -59,19 +59,22 @@ std::vector<double> WallDynamics::displacement() const
     return w;
 }
 
-void WallDynamics::begin_step(double h)
+bool WallDynamics::begin_step(double h)
 {
     forget();
-    if (h != h_ || !factor_) start_block(h);
-    else if (step_ == steps_) next_block();
+    if (h != h_ || !factor_) return start_block(h);
+    if (step_ == steps_) next_block();
+    return true;
 }
 
 /// A step of another length than the last one.
-void WallDynamics::start_block(double h)
+bool WallDynamics::start_block(double h)
 {
+    const std::shared_ptr<const WallFactor> factor = wall_.compliance().factor(h);
+    if (!factor) return false;
     start_ = displacement();
     h_ = h;
-    factor_ = wall_.compliance().factor(h);
+    factor_ = factor;
     patch_.use(factor_);
     s_ = h > 0 ? wall_.memory_split(h).kept : 0;
     load_.assign(wall_.load().begin(), wall_.load().end());
@@ -79,6 +82,7 @@ void WallDynamics::start_block(double h)
     if (!load_.empty()) factor_->solve(load_, scratch);
     step_ = 0;
     next_block();
+    return true;
 }
 
 void WallDynamics::next_block()
@@ -255,8 +259,7 @@ void WallDynamics::walk_state(StateWalk& walk)
     walk({name, "", "accept", 0, std::max<double>(block_steps, vertices)}, std::span(counts));
     if (walk.reads()) {
         StateWalk::need(numbers[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 && counts[1] <= block_steps && counts[2] <= vertices &&
-                            counts[3] <= block_steps, name);
-        start_block(numbers[0]);
+                            counts[3] <= block_steps && start_block(numbers[0]), name);
         touched_.resize(static_cast<std::size_t>(counts[2]));
     }
     walk({name, "", "accept", 0, vertices - 1}, std::span(touched_));

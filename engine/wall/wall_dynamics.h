@@ -38,8 +38,9 @@ public:
 
     explicit WallDynamics(const ElasticWall& wall);
 
-    /// The step to come is of h [s]; 0: an equilibrium, whatever the wall was like before.
-    void begin_step(double h);
+    /// The step to come is of h [s]; 0: an equilibrium, whatever the wall was like before. @return false: the wall has none, because
+    /// nothing holds it in place or its pressure buckles it; it stays as it is
+    bool begin_step(double h);
     /// Its compliance where it is touched, in this step.
     [[nodiscard]] WallPatch& patch() const { return patch_; }
     /// Displacement of a control vertex at the start of the step [m].
@@ -75,7 +76,7 @@ public:
     double work = 0;  // done on the wall by contact since the beginning [J]
 
 private:
-    void start_block(double h);
+    [[nodiscard]] bool start_block(double h);
     void next_block();
     bool add_answers(std::vector<double>& y, bool moved);
     /// Of the last block's extrapolation, against y at its end.

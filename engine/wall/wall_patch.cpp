@@ -59,7 +59,7 @@ void WallPatch::copy_block(int at, int from)
 {
     const std::span<const double> columns = factor_->columns(vertices_[static_cast<std::size_t>(from)]);
     const std::size_t size = columns.size() / 3, row = 3 * static_cast<std::size_t>(vertices_[static_cast<std::size_t>(at)]);
-    double* to = const_cast<double*>(block(at, from));
+    double* to = &blocks_[place(at, from)];
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 3; ++c) to[3 * r + c] = columns[c * size + row + r];
 }

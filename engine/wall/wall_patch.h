@@ -36,10 +36,14 @@ public:
     /// Displacement of vertex `at` [3] per force on vertex `from` [3], row by row; provide(from) must have run.
     [[nodiscard]] const double* block(int at, int from) const
     {
-        return &blocks_[(static_cast<std::size_t>(at) * static_cast<std::size_t>(room_) + static_cast<std::size_t>(from)) * 9];
+        return &blocks_[place(at, from)];
     }
 
 private:
+    [[nodiscard]] std::size_t place(int at, int from) const
+    {
+        return (static_cast<std::size_t>(at) * static_cast<std::size_t>(room_) + static_cast<std::size_t>(from)) * 9;
+    }
     int add(std::int32_t vertex);
     void fill(int slot);
     void copy_block(int at, int from);

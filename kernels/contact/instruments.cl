@@ -7,18 +7,19 @@
 // Forces of listed slots: with other instruments, SEL_BLOCK of them an item; with the same one, each an item. The other kernel's are
 // passed over.
 //   item    entries of `list`: slots that something is near in
-//   reads   list [item_count]; bodies; slots; nodes at the trial and at the start of the step; states_t0 [cells][slots]
+//   reads   list [item_count]; bodies; slots; nodes at the trial and at the start of the step, as instrument_nodes() has them;
+//           states_t0 [cells][slots]
 //   writes  forces [item_count]; points [item_count][SEL_INSTRUMENT_POINTS], of each its first `count`; states [cells][slots] of
 //           the listed
 #define SEL_INSTRUMENT_ARGUMENTS                                                                                             \
     const InstrumentParams par, __global const uint *restrict list, __global const InstrumentRod *restrict rods,             \
         __global const InstrumentPair *restrict pairs, __global const InstrumentSurface *restrict surfaces,                  \
         __global const uint *restrict rod_of, __global const InstrumentSlot *restrict slots,                                 \
-        __global const real *restrict position, __global const real *restrict material, __global const real *restrict theta, \
-        __global const real *restrict position_t0, __global const real *restrict material_t0,                                \
-        __global const real *restrict theta_t0, __global const InstrumentState *restrict states_t0,                          \
-        __global InstrumentState *restrict states, __global InstrumentForce *restrict forces,                                \
-        __global InstrumentPoint *restrict points
+        __global const real *restrict nodes, __global const real *restrict nodes_t0,                                         \
+        __global const InstrumentState *restrict states_t0, __global InstrumentState *restrict states,                       \
+        __global InstrumentForce *restrict forces, __global InstrumentPoint *restrict points
+#define SEL_BODIES instrument_bodies(rods, pairs, surfaces, rod_of)
+#define SEL_NODES instrument_nodes(nodes, par.node_count), instrument_nodes(nodes_t0, par.node_count)
 
 #if !SEL_SUMS_IN_MEMORY
 
@@ -27,9 +28,8 @@ SEL_KERNEL void instruments_evaluate(SEL_INSTRUMENT_ARGUMENTS)
     const uint first = SEL_BLOCK * get_global_id(0);
     if (first >= par.item_count) return;
     const uint left = par.item_count - first;
-    instrument_forces(list + first, left < SEL_BLOCK ? left : SEL_BLOCK, slots, instrument_bodies(rods, pairs, surfaces, rod_of),
-                      instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
-                      states_t0, par, states, forces + first, points + SEL_INSTRUMENT_POINTS * first);
+    instrument_forces(list + first, left < SEL_BLOCK ? left : SEL_BLOCK, slots, SEL_BODIES, SEL_NODES, states_t0, par, states,
+                      forces + first, points + SEL_INSTRUMENT_POINTS * first);
 }
 
 SEL_KERNEL void instruments_evaluate_self(SEL_INSTRUMENT_ARGUMENTS)
@@ -40,9 +40,8 @@ SEL_KERNEL void instruments_evaluate_self(SEL_INSTRUMENT_ARGUMENTS)
     if (slots[s].touch != SEL_TOUCH_SELF) return;
     InstrumentState now;
     InstrumentForce force;
-    instrument_self_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
-                          instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
-                          states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now, &force, points + SEL_INSTRUMENT_POINTS * item);
+    instrument_self_force(cell, slots[s], SEL_BODIES, SEL_NODES, states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now, &force,
+                          points + SEL_INSTRUMENT_POINTS * item);
     forces[item] = force;
     states[s] = now;
 }
@@ -52,21 +51,20 @@ SEL_KERNEL void instruments_evaluate_self(SEL_INSTRUMENT_ARGUMENTS)
 // Stages of the same (shared/instrument_stages.h).
 //   item    of instruments_ends: an entry of `list`; of the others: one of the todo[0] that follow it in `todo`
 //   writes  todo: places in `list` of the slots that may touch, in any order; todo[0] is 0 before. stages [item_count]
-    #define SEL_INSTRUMENT_STAGE(name)                                                                 \
-        SEL_WALK_KERNEL void name(SEL_INSTRUMENT_ARGUMENTS, __global InstrumentStage* restrict stages, \
-                                  __global uint* restrict todo, const uint side)
+    #define SEL_INSTRUMENT_STAGE(name, Stage)                                                                             \
+        SEL_WALK_KERNEL void name(SEL_INSTRUMENT_ARGUMENTS, __global Stage* restrict stages, __global uint* restrict todo, \
+                                  const uint side)
     #define SEL_CELL_OF(item)                                                                               \
         const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;                                         \
-        const InstrumentBodies bodies = instrument_bodies(rods, pairs, surfaces, rod_of);                   \
+        const InstrumentBodies bodies = SEL_BODIES;                                                         \
         __global const InstrumentState* old = states_t0 + SEL_INSTRUMENT_SLOTS * cell;                      \
-        const SlotCell its = slot_cell(cell, slots[s], bodies, instrument_nodes(position, material, theta), \
-                                       instrument_nodes(position_t0, material_t0, theta_t0), old, par.inv_dt)
+        const SlotCell its = slot_cell(cell, slots[s], bodies, SEL_NODES, old, par.inv_dt)
     #define SEL_NEXT_CELL                             \
         if (get_global_id(0) >= todo[0]) return;      \
         const uint item = todo[1 + get_global_id(0)]; \
         SEL_CELL_OF(item)
 
-SEL_INSTRUMENT_STAGE(instruments_ends)
+SEL_INSTRUMENT_STAGE(instruments_ends, InstrumentStage)
 {
     const uint item = get_global_id(0);
     if (item >= par.item_count || slots[list[item]].touch == SEL_TOUCH_SELF) return;
@@ -74,53 +72,48 @@ SEL_INSTRUMENT_STAGE(instruments_ends)
     if (stage_ends(&its, par, stages + item, states + s, forces + item)) todo[1 + atomic_inc(todo)] = item;
 }
 
-SEL_INSTRUMENT_STAGE(instruments_follow)
+SEL_INSTRUMENT_STAGE(instruments_follow, InstrumentStage)
 {
     SEL_NEXT_CELL;
     stage_follow(&its, par, stages + item, states + s);
 }
 
-SEL_INSTRUMENT_STAGE(instruments_look)
+SEL_INSTRUMENT_STAGE(instruments_look, InstrumentStage)
 {
     SEL_NEXT_CELL;
     stage_look(&its, old, par, stages + item, states + s, forces + item);
 }
 
-SEL_INSTRUMENT_STAGE(instruments_push)
+SEL_INSTRUMENT_STAGE(instruments_push, InstrumentStage)
 {
     SEL_NEXT_CELL;
     stage_push(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item,
                points + SEL_INSTRUMENT_POINTS * item);
 }
 
-SEL_INSTRUMENT_STAGE(instruments_whole)
+SEL_INSTRUMENT_STAGE(instruments_whole, InstrumentStage)
 {
     SEL_NEXT_CELL;
     stage_whole(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item,
                 points + SEL_INSTRUMENT_POINTS * item);
 }
 
-SEL_INSTRUMENT_STAGE(instruments_rub)
+SEL_INSTRUMENT_STAGE(instruments_rub, InstrumentStage)
 {
     SEL_NEXT_CELL;
     stage_rub_cell(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item);
 }
 
-    #define SEL_SELF_STAGE(name)                                                                      \
-    SEL_WALK_KERNEL void name(SEL_INSTRUMENT_ARGUMENTS, __global SelfStage* restrict stages, \
-                              __global uint* restrict todo, const uint side)
-#define SEL_SELF_OF(item)                                                                                \
-    const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;                                          \
-    __global const InstrumentState* old = states_t0 + SEL_INSTRUMENT_SLOTS * cell;                       \
-    const SelfCell its = self_cell(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),     \
-                                   instrument_nodes(position, material, theta),                          \
-                                   instrument_nodes(position_t0, material_t0, theta_t0), old, par)
-#define SEL_NEXT_SELF                             \
-    if (get_global_id(0) >= todo[0]) return;      \
-    const uint item = todo[1 + get_global_id(0)]; \
-    SEL_SELF_OF(item)
+    #define SEL_SELF_OF(item)                                                          \
+        const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;                    \
+        __global const InstrumentState* old = states_t0 + SEL_INSTRUMENT_SLOTS * cell; \
+        const SelfCell its = self_cell(cell, slots[s], SEL_BODIES, SEL_NODES, old, par)
+    #define SEL_NEXT_SELF                             \
+        if (get_global_id(0) >= todo[0]) return;      \
+        const uint item = todo[1 + get_global_id(0)]; \
+        SEL_SELF_OF(item)
 
-SEL_SELF_STAGE(instruments_self_mark)
+SEL_INSTRUMENT_STAGE(instruments_self_mark, SelfStage)
 {
     const uint item = get_global_id(0);
     if (item >= par.item_count || slots[list[item]].touch != SEL_TOUCH_SELF) return;
@@ -128,25 +121,25 @@ SEL_SELF_STAGE(instruments_self_mark)
     if (stage_self_mark(&its, stages + item, states + s, forces + item)) todo[1 + atomic_inc(todo)] = item;
 }
 
-SEL_SELF_STAGE(instruments_self_touch)
+SEL_INSTRUMENT_STAGE(instruments_self_touch, SelfStage)
 {
     SEL_NEXT_SELF;
     stage_self_touch(&its, stages + item, forces + item);
 }
 
-SEL_SELF_STAGE(instruments_self_close)
+SEL_INSTRUMENT_STAGE(instruments_self_close, SelfStage)
 {
     SEL_NEXT_SELF;
     stage_self_close(&its, old, par, stages + item, states + s, forces + item);
 }
 
-SEL_SELF_STAGE(instruments_self_push)
+SEL_INSTRUMENT_STAGE(instruments_self_push, SelfStage)
 {
     SEL_NEXT_SELF;
     stage_self_push(&its, par, stages + item, forces + item, points + SEL_INSTRUMENT_POINTS * item);
 }
 
-SEL_SELF_STAGE(instruments_self_rub)
+SEL_INSTRUMENT_STAGE(instruments_self_rub, SelfStage)
 {
     SEL_NEXT_SELF;
     stage_self_rub(&its, old, par, stages + item, states + s, forces + item);

@@ -24,13 +24,13 @@ typedef struct InstrumentBodies {
     SEL_GLOBAL const uint* rod_of;                 // [cells]
 } InstrumentBodies;
 
-SEL_FN InstrumentNodes instrument_nodes(SEL_GLOBAL const real* position, SEL_GLOBAL const real* material,
-                                        SEL_GLOBAL const real* theta)
+// `all`: [count][3] places, [count] material coordinates, [count] spin angles.
+SEL_FN InstrumentNodes instrument_nodes(SEL_GLOBAL const real* all, uint count)
 {
     InstrumentNodes nodes;
-    nodes.position = position;
-    nodes.material = material;
-    nodes.theta = theta;
+    nodes.position = all;
+    nodes.material = all + 3 * count;
+    nodes.theta = all + 4 * count;
     return nodes;
 }
 

@@ -120,6 +120,8 @@ typedef struct InstrumentParams {
     uint friction;  // SEL_FRICTION_*
     uint settling;  // SEL_SETTLE_*
     uint follow;    // 1: what is near is followed, whether it touches or not; 0: what touches is
+    uint node_count;  // of all rods
+    uint unused;
     real inv_dt;    // 0 in static equilibrium
     real smooth_speed;
     real skin;  // gap up to which cells are listed, for nodes that move by half of it [m]

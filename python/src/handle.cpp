@@ -3,6 +3,7 @@
 
 #include "batch/batch.h"
 #include "core/bytes.h"
+#include "record/checkpoint.h"
 #include "run/joint_readings.h"
 #include "run/wall_path.h"
 #include "scene/scene_difference.h"

@@ -116,6 +116,39 @@ TEST_SUITE("coaxial/merged lumen")
         }
     }
 
+    // The same over a catheter that a force F near its tip bends: its curvature F s/B grows along one and the same stretch, and the rope turns
+    // by it where it is, not where the stretch has its middle. At the mouth it is pulled on a little farther round.
+    TEST_CASE("analytic: a soft wire drawn through a catheter whose curvature grows towards its hub")
+    {
+        const double pull = 0.4, length = 0.06, before = 0.01, stiffness = 1e-2, turned = 0.45, mu = 0.5;
+        WorldSetup setup = merged_setup({instrument_of({{0.3, stiffness, 0}}, 1), instrument_of({{0.5, 1e-8, 0}}, 1)}, {length, length + 0.01},
+                                        1e-3, Scheme::Newton);
+        setup.wires[0].wire.lumen_radius = 0.49e-3;
+        WireSpec& wire = setup.wires[1].wire;
+        wire.shaft.radius = 0.4e-3;
+        wire.shaft.stretch_stiffness = 2e4;
+        for (WireSectionRange& range : wire.sections) range.section = wire.shaft;
+        setup.integrator.tolerance = 1e-6;
+        rub_on_lumen(setup, mu);
+        pull_at_tip(setup, pull * Vec3(std::cos(turned), 0, std::sin(turned)), 0.05);
+        LoadSpec across;
+        across.at.kind = WirePoint::Kind::Distance;
+        across.at.from_tip = before;
+        across.force = {0, 0, 2 * stiffness * 0.4 / ((length - before) * (length - before))};
+        across.ramp = 0.05;
+        setup.wires[0].loads.push_back(across);
+        World world(setup);
+        (void)move(world, 1, 0, 0, 200, 1e-3);
+        const WireReadings drawn = move(world, 1, -0.01, 0, 200, 1e-3);
+        const ConstRodView line = world.rod(1);
+        const auto direction = [&](int edge) { return Vec3(line.pos(edge) - line.pos(edge + 1)).normalized(); };
+        const double bent = std::asin(direction(12).z());  // beside the mouth
+        MESSAGE("bent by " << bent << ", drawn with " << -drawn.hand_force);
+        CHECK(bent > 0.3);
+        CHECK(bent < turned);
+        CHECK(std::log(-drawn.hand_force / pull) / mu == about(turned).epsilon(0.05));
+    }
+
     // A force F across the tip, `a` beyond the mouth of a stiff catheter: the rim takes F + M/l and the lumen M/l, M = F a, l^2 =
     // 12 B c/M. The lumen gives by as much as in rod/test_lumen_press, 2 %, and at the hub, eight times as far on, they are held in each
     // other's middle: 1 %.

@@ -33,7 +33,7 @@ struct Bundle {
     {
         return instrument_bodies(cells->rods.data(), cells->pairs.data(), cells->surfaces.data(), cells->rod_of.data());
     }
-    [[nodiscard]] InstrumentNodes nodes() const { return instrument_nodes(position.data(), material.data(), theta.data()); }
+    [[nodiscard]] InstrumentNodes nodes() const { return {position.data(), material.data(), theta.data()}; }
     [[nodiscard]] uint cell_count() const { return static_cast<uint>(cells->surfaces.size()); }
     [[nodiscard]] std::vector<double> axes() const
     {
@@ -46,7 +46,15 @@ struct Bundle {
             }
         return points;
     }
-    [[nodiscard]] InstrumentNodes nodes_t0() const { return instrument_nodes(position_t0.data(), material.data(), theta.data()); }
+    /// As instrument_nodes() takes them.
+    [[nodiscard]] std::vector<double> all(std::vector<double> places) const
+    {
+        REQUIRE(places.size() == 3 * theta.size());
+        REQUIRE(material.size() == theta.size());
+        for (const auto* list : {&material, &theta}) places.insert(places.end(), list->begin(), list->end());
+        return places;
+    }
+    [[nodiscard]] InstrumentNodes nodes_t0() const { return {position_t0.data(), material.data(), theta.data()}; }
 };
 
 WireSpec spec(double length, double radius, double lumen)
@@ -134,17 +142,15 @@ struct OnDevice {
           pairs(context, queue, s.cells->pairs),
           surfaces(context, queue, s.cells->surfaces),
           rod_of(context, queue, s.cells->rod_of),
-          position(context, queue, s.position),
-          material(context, queue, s.material),
-          theta(context, queue, s.theta),
-          position_t0(context, queue, s.position_t0)
+          nodes(context, queue, s.all(s.position)),
+          nodes_t0(context, queue, s.all(s.position_t0))
     {
     }
     Guarded<InstrumentRod> rods;
     Guarded<InstrumentPair> pairs;
     Guarded<InstrumentSurface> surfaces;
     Guarded<uint> rod_of;
-    Guarded<double> position, material, theta, position_t0;
+    Guarded<double> nodes, nodes_t0;
 };
 
 /// Slots of all cells.
@@ -170,6 +176,7 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
     for (uint k = 0; k < slots.size(); ++k)
         if (slots[k].touch != SEL_TOUCH_NONE) list.push_back(k);
     s.par.item_count = static_cast<uint>(list.size());
+    s.par.node_count = static_cast<uint>(s.theta.size());
     std::vector<InstrumentState> states(s.states.size());
     std::memset(states.data(), 0, states.size() * sizeof(InstrumentState));
     std::vector<InstrumentForce> forces(list.size());
@@ -204,9 +211,8 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
         InstrumentKernels kernels(context, "contact/instruments.cl", of);
         kernels.provide(list.size());
         kernels.launch(queue, kernels.items(list.size()), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
-                      on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
-                      on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
-                      device_forces.buffer(), device_points.buffer());
+                      on.rod_of.buffer(), device_slots.buffer(), on.nodes.buffer(), on.nodes_t0.buffer(),
+                      states_t0.buffer(), device_states.buffer(), device_forces.buffer(), device_points.buffer());
     }
     const std::vector<InstrumentForce> by_device = device_forces.read();
     const std::vector<InstrumentPoint> points_by_device = device_points.read();

@@ -61,7 +61,7 @@ struct Helix {
                 axes.insert(axes.end(), {at.x, at.y, at.z});
             }
     }
-    [[nodiscard]] InstrumentNodes nodes() const { return instrument_nodes(position.data(), material.data(), theta.data()); }
+    [[nodiscard]] InstrumentNodes nodes() const { return {position.data(), material.data(), theta.data()}; }
     [[nodiscard]] InstrumentBodies bodies() const { return instrument_bodies(&rod, &pair, surfaces.data(), rod_of.data()); }
     [[nodiscard]] vec3 point(double s) const { return point_of_material(spline_of(nodes(), 0, rod.count), s); }
     [[nodiscard]] SlotList slots(uint cell) const

@@ -356,4 +356,60 @@ TEST_CASE("a wire on the side of a dent is pushed along the normal of the moved 
     CHECK(pushed >= 3);
 }
 
+namespace {
+
+/// Two wires in a tube that is pressed together from outside by more than it bears at rest; the second one is in the introducer.
+TestSetup in_a_tube_that_buckles(double relaxation)
+{
+    TestSetup setup;
+    VesselSpec vessel = tube(0.008, 0.1, 2000);
+    vessel.elastic = true;
+    vessel.youngs = 0.4e6;
+    vessel.thickness = 8e-4;
+    vessel.pressure = -2000;
+    vessel.support = vessel.support_damping = 0;
+    vessel.relaxation = relaxation;
+    add_tube(setup, vessel);
+    setup.wires = {fed_wire(steel_wire(0.1, 21), Vec3::Zero(), 0.1), fed_wire(steel_wire(0.1, 21), Vec3::Zero(), 1e-4)};
+    return setup;
+}
+
+}  // namespace
+
+TEST_CASE("property: a wall that buckles in every step ends its own system, as it was before the step; the other one goes on")
+{
+    FedWorld world(in_a_tube_that_buckles(0));
+    int k = 0;
+    Vec3 tip;
+    StepReport report;
+    for (; k < 40 && !report.failed(); ++k) {
+        tip = world.rod(0).pos(0);
+        report = step(world, 1e-3);
+    }
+    REQUIRE(report.failed());
+    CHECK(k > 20);  // in the introducer, until half an edge is in, there is no wall
+    CHECK(world.report(0).flags == (StepHalved | StepNotConverged | StepWallBuckles));
+    CHECK(world.report(1).flags == StepOk);
+    CHECK((world.rod(0).pos(0) - tip).norm() < 1e-4);  // of one step, which parts in the introducer may have taken
+    world.retire(0);
+    const double reached = world.readings(1).inserted;
+    for (int more = 0; more < 5; ++more) CHECK_FALSE(step(world, 1e-3).failed());
+    CHECK(world.readings(1).inserted == about(reached + 5e-7).epsilon(1e-9));
+}
+
+TEST_CASE("property: a wall that buckles in long steps alone is taken through shorter ones")
+{
+    FedWorld world(in_a_tube_that_buckles(1e-3));
+    unsigned flags = 0;
+    int sub_steps = 0;
+    for (int k = 0; k < 40; ++k) {
+        const StepReport report = step(world, 1e-3);
+        REQUIRE_FALSE(report.failed());
+        flags |= report.flags, sub_steps = std::max(sub_steps, report.sub_steps);
+    }
+    CHECK((flags & StepHalved) != 0);
+    CHECK(sub_steps > 1);
+    CHECK(world.readings(0).inserted == about(4e-3).epsilon(1e-9));
+}
+
 }  // namespace test_yielding_wall

@@ -110,7 +110,7 @@ bool try_state(World& world, const Scene& scene, const Bytes& state)
 void seal(const fs::path& file, const Bytes& payload)
 {
     Bytes bytes;
-    put_bytes(bytes, "SELCKPT4", 8);
+    put_bytes(bytes, "SELCKPT5", 8);
     const std::uint64_t size = payload.size(), hash = fnv1a(payload.data(), payload.size());
     put_bytes(bytes, &size, 1);
     put_bytes(bytes, payload.data(), payload.size());

@@ -2,6 +2,7 @@
 // (plates by von Karman's equations for a disk, a strip by the elastica) and published tables.
 #include "support/approx.h"
 #include "wall/large_shell.h"
+#include "large_shell_tangent.h"
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>
@@ -102,7 +103,7 @@ private:
     }
     [[nodiscard]] Eigen::SimplicialLDLT<SparseMatrix> factor() const
     {
-        const SparseMatrix k = large_.tangent(w_);
+        const SparseMatrix k = LargeShellTangent{large_}.matrix(w_);
         std::vector<Eigen::Triplet<double>> t;
         for (int c = 0; c < k.outerSize(); ++c)
             for (SparseMatrix::InnerIterator it(k, c); it; ++it)
@@ -273,7 +274,7 @@ TEST_SUITE("wall/large_shell")
     {
         const RoughTube t;
         const std::vector<double> rest(3 * t.mesh.vertices.size(), 0);
-        const SparseMatrix apart = t.large.tangent(rest) - t.matrices.elastic;
+        const SparseMatrix apart = LargeShellTangent{t.large}.matrix(rest) - t.matrices.elastic;
         CHECK(apart.norm() < 1e-12 * t.matrices.elastic.norm());
         CHECK(t.force(rest).norm() < 1e-12 * t.force(t.moved()).norm());  // tangents of 1 to rounding
         // and what it leaves out is of second order
@@ -308,7 +309,7 @@ TEST_SUITE("wall/large_shell")
         CHECK(std::abs(t.large.energy(w).pressure) > 1e-3 * t.large.energy(w).bending);
 
         const Vector by_force = (t.force(at(h)) - t.force(at(-h))) / (2 * h);
-        const SparseMatrix k = t.large.tangent(w);
+        const SparseMatrix k = LargeShellTangent{t.large}.matrix(w);
         CHECK(SparseMatrix(k - SparseMatrix(k.transpose())).norm() < 1e-12 * k.norm());
         CHECK((k * as_vector(direction) - by_force).norm() < 1e-6 * by_force.norm());
         CHECK((t.matrices.elastic * as_vector(direction) - by_force).norm() > 0.1 * by_force.norm());

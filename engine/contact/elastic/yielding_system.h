@@ -80,6 +80,7 @@ struct YieldingWall::System {
 
     // of the step
     bool begun = false;
+    bool stands = true;  // YieldingWall::stands
     double h = 0;  // [s]; 0: an equilibrium
     int refinements = 0, relaxations = 0;
     bool relaxed = true;             // the last equilibrium's wall, as far as its large displacements go

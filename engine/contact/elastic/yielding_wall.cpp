@@ -115,7 +115,7 @@ void YieldingWall::evaluate(const TermTrial& trial)
         for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
             System& system = *systems_[s];
             if (!system.is_in(todo_)) return;
-            if (!system.begun) start_step(system, trial.h);
+            if (!begun(system, trial.h)) return;
             if (round == 0) predict(system, trial.at);
             else system.correct();
             carry_trial(system, trial.at, carried_);
@@ -138,17 +138,17 @@ void YieldingWall::evaluate(const TermTrial& trial)
 /// The wall stands where it is when forces are taken at the start of a step.
 void YieldingWall::evaluate_start(const TermTrial& start)
 {
+    std::copy(start.active.begin(), start.active.end(), todo_.begin());
     for (const auto& system : systems_) {
-        if (!system->is_in(start.active)) continue;
-        if (!system->begun) start_step(*system, start.h);
+        if (!system->is_in(todo_) || !begun(*system, start.h)) continue;
         predict(*system, start.at);
         carry_trial(*system, *start.before, before_);
         carry_trial(*system, start.at, carried_);
     }
-    contact_.evaluate({carried_, start.h, start.active, &before_, start.linearised});
+    contact_.evaluate({carried_, start.h, todo_, &before_, start.linearised});
     take_times(0);
     for (const auto& system : systems_)
-        if (system->is_in(start.active)) (void)take_forces(*system);
+        if (system->is_in(todo_)) (void)take_forces(*system);
 }
 
 /// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
@@ -332,7 +332,12 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
 TermAnswer YieldingWall::answer(int wire, Ask what)
 {
     if (what == Ask::Kinks) return {};  // they are the unmoved wall's
-    TermAnswer answer = contact_.answer(wire, what);
+    TermAnswer answer;
+    if (!of(wire).stands) {
+        answer.admissible = answer.acts = false;
+        return answer;
+    }
+    answer = contact_.answer(wire, what);
     if (what == Ask::Energies) {
         answer.energies.from_outside = work_from_outside(wire);
     } else {

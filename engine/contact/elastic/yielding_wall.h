@@ -65,6 +65,9 @@ public:
     void mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const;
     /// Farthest that the wall has moved under a wire of this system, of 20 % of the lumen's radius there [-].
     [[nodiscard]] double move_share(int system) const;
+    /// Whether the wall of this system could take the last step or equilibrium that was tried (WallDynamics::begin_step); trials of
+    /// its wires are not admissible else.
+    [[nodiscard]] bool stands(int system) const;
 
 private:
     struct System;
@@ -73,6 +76,7 @@ private:
     [[nodiscard]] double work_from_outside(int wire) const;
     void take_times(double seconds);
     void place_and_copy(RodArrays& rods, int wire);
+    [[nodiscard]] bool begun(System& system, double h);
     void start_step(System& system, double h) const;
     void list_rows(System& system) const;
     void set_free(System& system) const;

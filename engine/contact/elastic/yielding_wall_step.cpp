@@ -184,6 +184,15 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
     take_times(seconds);
 }
 
+/// Starts the step of a system that has not begun it. @return whether its wall stands; else its wires have nothing to do
+bool YieldingWall::begun(System& system, double h)
+{
+    if (!system.begun) start_step(system, h);
+    if (!system.stands)
+        for (const int w : system.wires) todo_[w] = 0;
+    return system.stands;
+}
+
 /// The wall's free motion in a step of h, and its compliance where it may be touched. Fewer rows, of nodes that touch alone, make more
 /// evaluations where many contacts come and go.
 void YieldingWall::start_step(System& system, double h) const
@@ -193,7 +202,8 @@ void YieldingWall::start_step(System& system, double h) const
     system.refinements = system.relaxations = 0;
     system.relaxed = true;
     system.forget_base();
-    system.dynamics.begin_step(h);
+    system.stands = system.dynamics.begin_step(h);
+    if (!system.stands) return;
     system.rows.clear();
     for (int i = 0; i < system.stations.count(); ++i) system.stations[i].row = -1;
     for (const int w : system.wires) {
@@ -423,6 +433,8 @@ const WallReadings& YieldingWall::under(int system) const { return systems_[syst
 std::vector<double> YieldingWall::displacement(int system) const { return systems_[system]->dynamics.displacement(); }
 
 double YieldingWall::work(int system) const { return systems_[system]->dynamics.work; }
+
+bool YieldingWall::stands(int system) const { return systems_[system]->stands; }
 
 double YieldingWall::move_share(int system) const
 {

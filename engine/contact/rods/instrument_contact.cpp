@@ -40,27 +40,28 @@ std::vector<int> firsts(std::span<const int> system_of)
 }  // namespace
 
 InstrumentContact::Nodes::Nodes(device::Context& context, int capacity)
-    : position(3 * (capacity + 2)),  // a rod of two nodes may have a third named, without weight
-      material(capacity + 2),
-      theta(capacity + 2),
-      position_buffer(context, position.data(), position.size() * sizeof(double)),
-      material_buffer(context, material.data(), material.size() * sizeof(double)),
-      theta_buffer(context, theta.data(), theta.size() * sizeof(double))
+    : count(static_cast<std::size_t>(capacity) + 2),  // a rod of two nodes may have a third named, without weight
+      all(5 * count),
+      position(all.data(), 3 * count),
+      material(all.data() + 3 * count, count),
+      theta(all.data() + 4 * count, count),
+      buffer(context, all.data(), all.size() * sizeof(double))
 {
 }
 
 void InstrumentContact::Nodes::upload(device::Context& context, device::Queue queue)
 {
-    context.write(queue, position_buffer, position.data(), position.size() * sizeof(double));
-    context.write(queue, material_buffer, material.data(), material.size() * sizeof(double));
-    context.write(queue, theta_buffer, theta.data(), theta.size() * sizeof(double));
+    context.write(queue, buffer, all.data(), all.size() * sizeof(double));
 }
 
 void InstrumentContact::Nodes::upload_moved(device::Context& context, device::Queue queue, int begin, int end)
 {
-    const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
-    context.write(queue, position_buffer, position.data() + 3 * first, 3 * count * sizeof(double), 3 * first * sizeof(double));
-    context.write(queue, theta_buffer, theta.data() + first, count * sizeof(double), first * sizeof(double));
+    const auto write = [&](std::span<const double> moved) {
+        context.write(queue, buffer, moved.data(), moved.size_bytes(), static_cast<std::size_t>(moved.data() - all.data()) * sizeof(double));
+    };
+    const auto first = static_cast<std::size_t>(begin), moved = static_cast<std::size_t>(end - begin);
+    write(position.subspan(3 * first, 3 * moved));
+    write(theta.subspan(first, moved));
 }
 
 InstrumentContact::InstrumentContact(device::Context& context, const InstrumentSetup& setup, RodArrays& rods)
@@ -98,9 +99,9 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     picked_of_.assign(systems + 1, 0);
     cleared_.assign(systems, 0);
     searching_.assign(systems, 1);
-    searched_position_ = nodes_.position;
-    moved_.assign(nodes_.material.size(), 0);
-    cleared_position_ = nodes_.position;
+    searched_position_.assign(nodes_.position.begin(), nodes_.position.end());
+    cleared_position_ = searched_position_;
+    moved_.assign(nodes_.count, 0);
     written_.assign(systems, 0);
     with_states_.assign(setup.system_of.size(), 0);
     straight_.assign(setup.system_of.size(), 0);
@@ -112,6 +113,7 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     params_.skin = least;
     params_.friction = static_cast<uint>(setup.contacts.front().friction);
     params_.smooth_speed = 1e-3;
+    params_.node_count = static_cast<uint>(nodes_.count);
 }
 
 void InstrumentContact::set_nodes(Nodes& nodes, const RodView& rod, int begin) const
@@ -260,7 +262,7 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     const auto evaluate = [&](InstrumentKernels& kernels) {
         kernels.provide(picked_.size());
         kernels.launch(queue, kernels.items(picked_.size()), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_,
-                       nodes_, nodes_t0_, states_t0_, states_, forces, points_buffer_);
+                       nodes_.buffer, nodes_t0_.buffer, states_t0_, states_, forces, points_buffer_);
     };
     if (of_itself < picked_.size()) evaluate(evaluate_);
     if (of_itself > 0) evaluate(evaluate_self_);

@@ -19,7 +19,7 @@
 #include "contact/rods/instrument_cells.h"
 #include "contact/rods/instrument_sums.h"
 #include "device/device.h"
-#include "shared/spline.h"
+#include "shared/instrument_near.h"
 #include "solve/force_term.h"
 
 #include <memory>
@@ -56,18 +56,15 @@ private:
     /// Nodes of all rods on host and device.
     struct Nodes {
         Nodes(device::Context& context, int capacity);
-        std::vector<double> position, material, theta;
-        device::Buffer position_buffer, material_buffer, theta_buffer;
+        std::size_t count;        // of nodes
+        std::vector<double> all;  // the next three, in one piece
+        std::span<double> position, material, theta;
+        device::Buffer buffer;
+        /// As kernels see them.
+        [[nodiscard]] InstrumentNodes view() const { return instrument_nodes(all.data(), static_cast<uint>(count)); }
         void upload(device::Context& context, device::Queue queue);
         /// What a trial changes, of the nodes [begin, end).
         void upload_moved(device::Context& context, device::Queue queue, int begin, int end);
-        template <class F>
-        void for_each_argument(const F& f) const
-        {
-            f(position_buffer);
-            f(material_buffer);
-            f(theta_buffer);
-        }
     };
     [[nodiscard]] const InstrumentSums& sums_of(int wire) const { return sums_[static_cast<std::size_t>(system_of_[wire])]; }
     void set_nodes(Nodes& nodes, const RodView& rod, int begin) const;

@@ -13,7 +13,7 @@ namespace seldinger {
 namespace {
 
 /// Square of the distance of node i in two arrays of positions [m^2].
-double apart_square(const std::vector<double>& now, const std::vector<double>& before, std::size_t i)
+double apart_square(std::span<const double> now, std::span<const double> before, std::size_t i)
 {
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -49,7 +49,7 @@ void InstrumentContact::measure_rod(int wire)
 SplineView InstrumentContact::spline(int wire) const
 {
     const InstrumentRod& rod = cells_.rods[wire];
-    return spline_of(instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data()), rod.node, rod.count);
+    return spline_of(nodes_.view(), rod.node, rod.count);
 }
 
 /// Points of the cells' axes, which cells of the same rod are compared by.
@@ -121,7 +121,7 @@ void InstrumentContact::find_slots(std::size_t system)
 {
     const int begin = first_wire_[system], end = first_wire_[system + 1];
     for (int w = begin; w < end; ++w) measure_rod(w);
-    const InstrumentNodes nodes = instrument_nodes(nodes_.position.data(), nodes_.material.data(), nodes_.theta.data());
+    const InstrumentNodes nodes = nodes_.view();
     const InstrumentBodies bodies =
         instrument_bodies(cells_.rods.data(), cells_.pairs.data(), cells_.surfaces.data(), cells_.rod_of.data());
     const CellRange cells = searched_cells(system);

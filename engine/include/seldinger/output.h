@@ -25,6 +25,8 @@ enum StepFlag : unsigned {
                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
     StepStopped = 1u << 8,     // ended from outside (World::stop_when): the state is that before the step
     StepCutShort = 1u << 9,    // ended before its equations held, because its time was up (World::cut_when)
+    StepWallBuckles = 1u << 10,  // with StepNotConverged: the elastic wall has no stable state in the smallest sub-step: vessel.pressure_pa,
+                                 // support_pa_m, rims
     StepContactSums = 1u << 7,  // contact samples do not add up to the forces on the nodes (contact/contact_sums.h): do not trust
                                 // readings of contact in this step, and report it
 };
