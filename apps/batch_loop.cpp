@@ -367,7 +367,8 @@ void add_answer(Json& summary, const BatchSource& source, const std::vector<Batc
     summary["answer"] = answer_line(source.sweep, layout, answer);
     constexpr std::size_t wall_band = column_index("wall_move_max_band_m");
     if (std::any_of(rows.begin(), rows.end(), [](const BatchRow& row) { return row.numbers[wall_band] > 0; }))
-        summary["wall_bands"] = "of control mesh and linear theory alone; those of `seldinger run` have the wire's nodes and the step too";
+        summary["wall_bands"] = layout.bands ? "of control mesh, linear theory, nodes and step"
+                                             : "of control mesh, linear theory and nodes; with --bands, and of `seldinger run`, of the step too";
 }
 
 std::string resolved_scene(const BatchSource& source, const fs::path& dir)

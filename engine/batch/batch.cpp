@@ -205,8 +205,13 @@ void BatchWorld::take_wall(int system, unsigned parts)
     if (!scene_.vessel.elastic) return;
     if (wall_read_at_ != world_->step_count() || (parts & ~wall_.parts)) world_->read(wall_, parts);
     wall_read_at_ = world_->step_count();
-    const WallReadings& now = wall_.walls[static_cast<std::size_t>(system)].readings;
+    WallReadings& now = wall_.walls[static_cast<std::size_t>(system)].readings;
     RunTally& tally = runs_[static_cast<std::size_t>(system)].tally;
+    if (now.move_max > tally.wall_move.value || now.stress_max > tally.wall_stress.value) {
+        const double share = gauge_.of(*world_, system).patch.nodes;
+        now.move_band.nodes = share * now.move_max;
+        now.stress_band.nodes = share * now.stress_max;
+    }
     const double time = world_->time(world_->wires_of(system).first);
     tally.wall_move.take_in(now.move_max, now.move_at, now.move_band, time);
     tally.wall_stress.take_in(now.stress_max, now.stress_at, now.stress_band, time);

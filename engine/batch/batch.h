@@ -6,6 +6,7 @@
 #include "batch/batch_keep.h"
 #include "batch/batch_table.h"
 #include "core/bytes.h"
+#include "run/grid_error.h"
 #include "run/scene_run.h"
 #include "setup/vessel_load.h"
 
@@ -107,6 +108,7 @@ private:
     std::vector<WireOutput> greatest_;  // scratch of take_greatest_loads
     long loads_read_at_ = -1;
     Output wall_;  // of the step
+    GridErrorGauge gauge_;
     long wall_read_at_ = -1;
 };
 

@@ -79,6 +79,12 @@ std::vector<std::string> varied(const Sweep& sweep, std::size_t run)
     return values;
 }
 
+/// The band of an elastic wall's reading, which is the column before, with the step's share.
+double wall_band(const RunRows& of, std::size_t c)
+{
+    return of.half ? std::hypot(of.row->numbers[c], band_of(*of.row, *of.half, c - 1)) : std::nan("");
+}
+
 bool is_shown(const BatchColumn& column, const BatchLayout& layout) { return layout.task || !column.of_task; }
 
 /// `one(name, kind, is_whole, value)` for every number of a row, in the table's order; value(RunRows) -> double.
@@ -88,7 +94,8 @@ void for_each_number(const BatchLayout& layout, One one)
     for (std::size_t c = 0; c < std::size(batch_columns); ++c) {
         const BatchColumn& column = batch_columns[c];
         if (!is_shown(column, layout)) continue;
-        one(std::string(column.name), column.kind, column.whole, [c](const RunRows& of) { return of.row->numbers[c]; });
+        if (layout.bands && column.of_wall) one(std::string(column.name), column.kind, false, [c](const RunRows& of) { return wall_band(of, c); });
+        else one(std::string(column.name), column.kind, column.whole, [c](const RunRows& of) { return of.row->numbers[c]; });
         if (layout.bands && column.banded)
             one(std::string(column.name) + "_band", column.kind, false,
                 [c](const RunRows& of) { return of.half ? band_of(*of.row, *of.half, c) : std::nan(""); });

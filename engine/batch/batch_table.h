@@ -28,6 +28,7 @@ struct BatchColumn {
     ColumnKind kind = ColumnKind::Last;
     bool banded = false;   // has NAME_band, where bands are asked for
     bool of_task = false;  // only where the scene has a target
+    bool of_wall = false;  // ± of the column before, by all but the step
 };
 inline constexpr BatchColumn batch_columns[] = {{"branch", true, ColumnKind::Outcome},
                                                 {"branch_depth_m", false, ColumnKind::Outcome, true},
@@ -52,9 +53,9 @@ inline constexpr BatchColumn batch_columns[] = {{"branch", true, ColumnKind::Out
                                                 {"overlap_max_m", false, ColumnKind::Largest},
                                                 {"outside_max_m", false, ColumnKind::Largest},
                                                 {"wall_move_max_m", false, ColumnKind::Largest},
-                                                {"wall_move_max_band_m", false, ColumnKind::Largest},
+                                                {"wall_move_max_band_m", false, ColumnKind::Largest, false, false, true},
                                                 {"wall_stress_max_pa", false, ColumnKind::Largest},
-                                                {"wall_stress_max_band_pa", false, ColumnKind::Largest},
+                                                {"wall_stress_max_band_pa", false, ColumnKind::Largest, false, false, true},
                                                 {"simulated_s", false},
                                                 {"inserted_m", false},
                                                 {"turned_rad", false},

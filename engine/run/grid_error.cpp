@@ -128,10 +128,10 @@ void GridErrorGauge::find_normals(const WallMesh& mesh)
     for (Vec3& normal : normals_) normal.normalize();
 }
 
-GridErrors GridErrorGauge::of(const World& run)
+GridErrors GridErrorGauge::of(const World& run, int system)
 {
     GridErrors errors;
-    const auto [first, end] = run.wires_of(0);
+    const auto [first, end] = run.wires_of(system);
     BendingError whole;
     for (int w = first; w < end; ++w) {
         errors.hands.push_back(hand_error(run, w));

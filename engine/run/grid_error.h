@@ -92,8 +92,8 @@ struct TouchedRegion {
 
 class GridErrorGauge {
 public:
-    /// Errors of the instruments of system 0, at the accepted state.
-    [[nodiscard]] GridErrors of(const World& run);
+    /// Errors of the instruments of a system, at the accepted state.
+    [[nodiscard]] GridErrors of(const World& run, int system = 0);
 
 private:
     void find_normals(const WallMesh& mesh);

@@ -314,7 +314,10 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
         list.push_back(
             share(tally.outside_steps) +
             fmt::format(" had a point of the wire's axis beyond the wall (through it, not out of an opening), {:.3g} mm at most",
-                        1e3 * tally.outside_max));
+                        1e3 * tally.outside_max) +
+            (tally.far_steps > 0 ? ". Where a wire fills an elastic lumen, its nearest side of the wall is not unique: do not use this run's numbers. Fix: "
+                                   "vessel.wall = \"rigid\", or a wire that fits the narrowest place (docs/failures.md)"
+                                 : ""));
     if (const std::string thick = describe_thick_wall(world.setup().vessel, world.setup().centreline); !thick.empty())
         list.push_back(thick);
     if (const std::string coarse = describe_coarse_wall(wall_where_read(world, tally.wall_move), world.setup().vessel); !coarse.empty())

@@ -1,5 +1,6 @@
 // engine/newton/momentum.h: what a wire's readings say of its forces adds up to the change of its momentum, step by step.
 
+#include "failure/hard_vessels.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -169,6 +170,47 @@ TEST_SUITE("step/momentum")
             check_closed(closed);
             CHECK(closed.touching > 300);
         }
+    }
+
+    // The wall takes over what contact exerts through every birth and merge of nodes, as force and as work. The solver leaves 1e-6 B/L^2 on a node
+    // and that times an edge as a moment, which work over the moves and turns of a step, and a millionth of the largest force on the wall, over the overlaps.
+    TEST_CASE("property: beside an elastic wall it closes too, and so do the energies of wire and wall, nodes coming and going")
+    {
+        constexpr double dt = 1e-3;
+        TestSetup setup = fed_in_bend(steel_wire(0.12, 0));
+        const double bend = setup.wires[0].wire.shaft.bend_stiffness;
+        make_elastic(setup, 1e6);
+        setup.wires[0].feed.keys = {{0, 0, 0}, {0.6, 0.06, 0}, {1.1, 0.01, 0}};
+        FedWorld world(std::move(setup));
+        int born = 0, merged = 0, touching = 0;
+        double worst = 0, wall_allowed = 0, allowed = 0, wall_open = 0, open = 0;
+        Output now;
+        for (int k = 0; k < 1000; ++k) {
+            const double allowed_before = allowed_error(world);
+            const int nodes = world.rod(0).n;
+            REQUIRE_FALSE(step(world, dt).failed());
+            const WireReadings wire = world.readings(0);
+            born += world.rod(0).n > nodes;
+            merged += world.rod(0).n < nodes;
+            touching += wire.contacts > 0;
+            worst = std::max(worst, wire.momentum.error().norm() / std::max(allowed_before, allowed_error(world)));
+            world.read(now, Output::Wall);
+            const WallReadings& wall = now.walls.front().readings;
+            wall_allowed += 1e-6 * wire.normal * wire.contacts * wire.overlap;
+            const ConstRodView rod = world.rod(0);
+            const double inside = rod.material_s[rod.n - 1], force = std::max(wire.force_residual, 1e-6 * bend / (inside * inside));
+            for (int i = 0; i < rod.n; ++i) allowed += force * std::sqrt(3.0) * rod.vel(i).norm() * dt;
+            for (int j = 0; j + 1 < rod.n; ++j) allowed += force * inside / (rod.n - 1) * std::abs(rod.spin_rate[j]) * dt;
+            wall_open = std::max(wall_open, std::abs(wire.energy.wall - wall.energy - wall.loss) / (wall_allowed + 1e-18));
+            open = std::max(open, std::abs(wire.energy.open()) / (allowed + wall_allowed + 1e-18));
+            CHECK(wall.loss >= 0);
+        }
+        CHECK(born > 10);
+        CHECK(merged > 10);
+        CHECK(touching > 500);
+        CHECK(worst <= 1);
+        CHECK(wall_open <= 1);
+        CHECK(open <= 1);
     }
 
     TEST_CASE("property: it closes for a wire that is pulled back out")

@@ -19,14 +19,19 @@ struct WallTrial {
     Condensed linear;           // unknowns counted over the system's nodes
 };
 
-/// A force on a control vertex, by a wire.
+/// A force on a control vertex, by a wire; part of the state, so without gaps between its members.
 struct WirePush {
-    int wire;
-    WallDynamics::Push push;
+    std::int32_t wire;  // of the system's
+    std::int32_t vertex;
+    Vec3 force;  // [N]
 };
+static_assert(sizeof(WirePush) == 2 * sizeof(std::int32_t) + 3 * sizeof(double));
 
 struct YieldingWall::System {
-    System(const ElasticWall& wall, int first) : stations(wall, 0), kept(wall, 0), first_node(first), dynamics(wall) {}
+    System(const ElasticWall& wall, int first)
+        : stations(wall, 0), kept(wall, 0), first_node(first), dynamics(wall), moves(static_cast<std::size_t>(wall.unknowns()))
+    {
+    }
 
     // ---- trials ----
     [[nodiscard]] WallTrial& trial() { return trials_[now_]; }
@@ -67,6 +72,8 @@ struct YieldingWall::System {
     void keep_carried(int node, const Vec3& x, double radius);
     /// The accepted state's nodes, to go on from.
     void note_ends(int first, int count);
+    /// Rows of the wall's own state.
+    void walk_wall(StateWalk& walk);
     /// dy/dx = -dy/dU = (1 + G)^-1
     [[nodiscard]] Mat3 back(int node) const { return stations[node].near ? stations[node].back : Mat3(Mat3::Identity()); }
 
@@ -92,9 +99,8 @@ struct YieldingWall::System {
     std::vector<double> scratch_q, scratch_m;
     mutable std::vector<double> missed;
     std::vector<WallDynamics::Push> pushed;
-    // of the last equilibrium: what the wires exert, and the work on each wire on the way there [wires] [J]
-    std::vector<WirePush> at_rest;
-    std::vector<double> work_at_rest;
+    std::vector<WirePush> exerted, exerted_before;  // by the wires in the accepted state, of which it is a part, and in the one before
+    std::vector<double> work_at_rest;               // on each wire on the way to the last equilibrium [wires] [J]
     std::vector<double> moves;  // [3 control vertices] at those that are read [m]
     WallReadings under;         // of the accepted state
 

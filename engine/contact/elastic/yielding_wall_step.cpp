@@ -273,6 +273,19 @@ void YieldingWall::add_rows(System& system) const
 
 // ---- the accepted state ----
 
+void YieldingWall::System::walk_wall(StateWalk& walk)
+{
+    dynamics.walk_state(walk);
+    if (walk.reads()) exerted.clear(), work_at_rest.clear();
+    if (dynamics.still()) return;
+    const StateRow row{"a force on the wall", "N", "accept"};
+    walk.list<std::int32_t>(row, exerted);
+    if (!walk.checks()) return;
+    const auto count = static_cast<std::int32_t>(wires.size()), vertices = static_cast<std::int32_t>(moves.size() / 3);
+    for (const WirePush& push : exerted)
+        StateWalk::need(push.wire >= 0 && push.wire < count && push.vertex >= 0 && push.vertex < vertices && push.force.norm() <= row.most, row.name);
+}
+
 double YieldingWall::work_from_outside(int wire) const
 {
     const System& system = of(wire);
@@ -303,6 +316,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         given.resize(now.force.size());
         now.linear.times_w(now.force, given);
         list_pushes(system);
+        note_exerted(system);
         double farthest = 0;
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
             const Vec3 f = -Vec3(&now.force[3 * k]);
@@ -320,25 +334,20 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
     take_times(seconds_since(start));
 }
 
-/// The work on the way from one equilibrium to the next takes means of the forces at both: what linear theory stores, exactly.
+/// The work on the way to an equilibrium takes means of the forces at both ends: from another equilibrium, what linear theory stores, exactly.
 void YieldingWall::end_equilibrium(System& system, double farthest) const
 {
-    std::vector<WirePush> now, all = std::move(system.at_rest);
-    for (std::size_t k = 0, next = 0; k < system.rows.size(); ++k) {
-        if (Vec3(&system.trial().force[3 * k]).isZero()) continue;
-        for (int a = 0; a < system.stations[system.rows[k]].weights.size; ++a) now.push_back({system.wire_of_row[k], system.pushed[next++]});
-    }
-    all.insert(all.end(), now.begin(), now.end());
+    std::vector<WirePush> both = system.exerted_before;
+    both.insert(both.end(), system.exerted.begin(), system.exerted.end());
     std::vector<Vec3> start;
-    for (const WirePush& by : all) start.push_back(system.dynamics.now(by.push.vertex));
+    for (const WirePush& push : both) start.push_back(system.dynamics.now(push.vertex));
     system.dynamics.end_step(system.pushed, farthest);
     system.work_at_rest.assign(system.wires.size(), 0.0);
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        const double work = 0.5 * all[k].push.force.dot(system.dynamics.now(all[k].push.vertex) - start[k]);
+    for (std::size_t k = 0; k < both.size(); ++k) {
+        const double work = 0.5 * both[k].force.dot(system.dynamics.now(both[k].vertex) - start[k]);
         system.dynamics.work += work;
-        system.work_at_rest[static_cast<std::size_t>(all[k].wire - system.wires.front())] -= work;
+        system.work_at_rest[static_cast<std::size_t>(both[k].wire)] -= work;
     }
-    system.at_rest = std::move(now);
 }
 
 /// What the wires exert on the wall's control vertices.
@@ -353,6 +362,20 @@ void YieldingWall::list_pushes(System& system) const
     }
 }
 
+/// The pushes of the accepted state, by which wire.
+void YieldingWall::note_exerted(System& system) const
+{
+    std::swap(system.exerted, system.exerted_before);
+    system.exerted.clear();
+    for (std::size_t k = 0, next = 0; k < system.rows.size(); ++k) {
+        if (Vec3(&system.trial().force[3 * k]).isZero()) continue;
+        for (int a = 0; a < system.stations[system.rows[k]].weights.size; ++a) {
+            const WallDynamics::Push& push = system.pushed[next++];
+            system.exerted.push_back({system.wire_of_row[k] - system.wires.front(), push.vertex, push.force});
+        }
+    }
+}
+
 void YieldingWall::read_under(System& system) const
 {
     constexpr double heavy = 0.5;  // of the largest force on a node
@@ -362,7 +385,6 @@ void YieldingWall::read_under(System& system) const
     double largest = 0;
     for (std::size_t k = 0; k < system.rows.size(); ++k) largest = std::max(largest, force_on(k).norm());
     if (largest == 0) return;
-    system.moves.resize(static_cast<std::size_t>(wall_.unknowns()));
     const auto unmoved = [&](const LoopStencil& at) {
         Vec3 place = Vec3::Zero();
         for (int a = 0; a < at.size; ++a) place += at.n[a] * wall_.surface().control().vertices[static_cast<std::size_t>(at.vertex[a])];
@@ -495,11 +517,10 @@ void YieldingWall::walk_state(StateWalk& walk, int wire)
 {
     System& system = of(wire);
     contact_.walk_state(walk, wire);
-    if (system.wires.front() == wire) system.dynamics.walk_state(walk);
+    if (system.wires.front() == wire) system.walk_wall(walk);
     const int first = rods_.node_begin(wire) - system.first_node, n = rods_.node_count(wire);
     if (walk.reads()) {
         system.begun = false;
-        system.at_rest.clear();
         system.under = {};
         for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {}, system.ends[i] = {};
     }
