@@ -56,12 +56,12 @@ double way_to_boundary(const WireSpec& wire, double s, double h)
 
 double edges_in(double way, double h) { return std::max(1.0, std::round(way / h)); }
 
-/// material_s of a wire that starts with a length inside: even between ends of sections.
+/// material_s of a wire that starts with a length inside: even between ends of sections; adaptive nodes come to these by themselves.
 std::vector<double> start_nodes(const WireSpec& wire, double inside, double h)
 {
     std::vector<double> at{0};
     while (at.back() < inside) {
-        const double from = at.back(), to = from + way_to_boundary(wire, from, h);
+        const double from = at.back(), to = wire.nodes > 0 ? from + way_to_boundary(wire, from, h) : INFINITY;
         const bool last = to > inside - 0.5 * h;
         const double way = last ? inside - from : to - from, edges = edges_in(way, h);
         for (int i = 1; i <= edges; ++i) at.push_back(from + way * i / edges);
