@@ -27,6 +27,7 @@ import argparse
 import bisect
 import csv
 import json
+import math
 import os
 import pathlib
 import random
@@ -84,8 +85,9 @@ def draw(seed, number):
     if setup["group"]:
         setup["wire"] = "bentson-035"
         setup["radius"] = max(setup["radius"], 0.003)
-    if setup["shape"] == "arc":  # farther in, a straight wire does not fit
-        setup["from"] = min(setup["from"], 0.033 if setup["group"] else 0.043)
+    if setup["shape"] == "arc":  # farther in, a straight wire does not fit: its axis meets the wall of the bend, which begins at 30 mm
+        chord = math.sqrt((setup["bend"] + setup["radius"]) ** 2 - setup["bend"] ** 2)
+        setup["from"] = min(setup["from"], 0.033 if setup["group"] else 0.043, 0.0295 + chord)
     setup["duration"] = setup["way"] / setup["speed"]
     return setup
 

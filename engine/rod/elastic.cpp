@@ -11,6 +11,8 @@
 #include "math/lanes.h"
 #include "rod/clamp.h"
 
+#include <numbers>
+
 namespace seldinger {
 
 namespace {
@@ -432,44 +434,61 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
     if (mode != HessianMode::None) walk.add_hessian(*hessian);
 }
 
-// E depends on the base edge's rest length l through its strain and through the cells of its two ends, which grow by dl/2:
-//   stretch  d/dl [EA (|e|/l - 1)^2 l/2]            = -N - EA strain^2/2
-//   cell     d/da [B (kappa - k a)^2/(2a)] (da/dl)  = -B/2 ((kappa/a)^2 - k^2)/2,   k the natural curvature of the wire fed
-// The sum of both cells' halves is -M^2/(2B) for k = 0: the configurational force of a sleeve, [Bosi14]. The material fed is
-// taken to be like that of its cell; the moment a change of section passes the clamp is not seen.
+// E depends on the base edge's rest length l through its strain and through the cells of its two ends. Each has a natural angle theta and
+// a compliance C = int ds/B, and E = |kappa - theta|^2/(2 C) with the moment M = (kappa - theta)/C:
 //
-// N is the force in the middle of the base edge. If a length dl enters at the inlet x_hub, dl/2 becomes mass of either node of the
-// edge. Its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, with e from before to hub.
-double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
+//     stretch  E = (|e| - l)^2/(2 int ds/EA)         dE/dl = -N - N^2/(2 EA)
+//     bend     dE/dl = -M.dtheta/dl - M^2/2 dC/dl
+//
+// The hub's half cell gains what is fed, with the curvature k and the compliance 1/B; its other end, in the middle of the edge, loses half
+// as much of the material m there to the cell before:
+//
+//     hub      dtheta/dl = k - k_m/2,   dC/dl = 1/B - 1/(2 B_m)
+//     before   dtheta/dl = k_m/2,       dC/dl = 1/(2 B_m)
+//
+// A clamp at the node before the hub shares its cell between both sides by length alone, so that the sum is exact where that cell has one material.
+// In a wire of one material both are k/2 and 1/(2 B): -B/4 ((kappa/a)^2 - k^2) in a cell of length a, and for k = 0 both together are
+// -M^2/(2 B), the configurational force of a sleeve [Bosi14]. Twist has the same with its torque and without a natural angle.
+//
+// N is the force in the middle of the base edge. If a length dl enters at the inlet x_hub, half as much of the material in the middle goes
+// from the hub's mass to that of the node before. The weight does the work -rho A dl g.(x_hub - x_before)/2 less than at the inlet's height.
+double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
 {
     SEL_ASSERT(frames.spins);
-    const int j = rod.n - 2;
-    const double strain = stretch_strain(rod, frames, j);
-    double force = -rod.stretch_stiffness[j] * strain * (1 + 0.5 * strain);
-    force += rod.mass[j + 1] * (1 + strain) * gravity.dot(frames.tangent[j]);
+    const int j = rod.n - 2, hub = j + 1;
+    const WireSection &fed = spec.at(rod.material_s[hub]), &middle = spec.at(0.5 * (rod.material_s[j] + rod.material_s[hub]));
+    const double tension = rod.stretch_stiffness[j] * stretch_strain(rod, frames, j);
+    double force = -tension - tension * tension / (2 * fed.stretch_stiffness);
+    force += 0.5 * middle.density * std::numbers::pi * middle.radius * middle.radius * frames.edge_length[j] * gravity.dot(frames.tangent[j]);
 
-    const auto cell = [](double stiffness, double squared, double squared_rest, double length) {
-        return -0.25 * stiffness * (squared - squared_rest) / (length * length);
+    struct Rate {
+        Vec2 angle;
+        double bend, twist;  // compliance
     };
-    const auto square = [](double a, double b = 0) { return a * a + b * b; };
+    const Rate before{0.5 * middle.rest_curvature, 0.5 / middle.bend_stiffness, 0.5 / middle.twist_stiffness};
+    const Rate at_hub{fed.rest_curvature - before.angle, 1 / fed.bend_stiffness - before.bend, 1 / fed.twist_stiffness - before.twist};
+    const auto bend = [](double per_angle, double squared, const Vec2& strain, const Rate& rate) {
+        return -per_angle * (strain.dot(rate.angle) + 0.5 * per_angle * squared * rate.bend);
+    };
+    const auto twist = [](double torque, const Rate& rate) { return -0.5 * torque * torque * rate.twist; };
     if (j > 0) {  // otherwise the tip is the other end, with no energy of its own
         const ClampedNode clamped = clamped_at(clamps, j);
-        const double length = rod.voronoi_length(j), rest = square(rod.rest_kappa1[j], rod.rest_kappa2[j]);
-        const double bend = squared_curvature(curvature_q(rod.curvature), frames.chi[j], frames.kb[j]);
-        if (!clamped.bend) force += cell(rod.bend_stiffness[j], bend, rest, length);
-        if (!clamped.twist) force += cell(rod.twist_stiffness[j], square(frames.twist[j]), square(rod.rest_twist[j]), length);
+        const double length = rod.voronoi_length(j);
+        const Vec2 strain = frames.material ? Vec2(frames.kappa1[j] - rod.rest_kappa1[j], frames.kappa2[j] - rod.rest_kappa2[j]) : Vec2::Zero();
+        if (!clamped.bend) force += bend(rod.bend_stiffness[j] / length, squared_bend(rod, frames, j), strain, before);
+        if (!clamped.twist) force += twist(rod.twist_stiffness[j] / length * (frames.twist[j] - rod.rest_twist[j]), before);
     }
     for (int k = 0; k < static_cast<int>(clamps.size()); ++k) {
-        const int side = clamps[k].node == j + 1 ? 0 : 1;
-        if (clamp_edge(rod, clamps[k].node, side) != j) continue;
+        const int node = clamps[k].node, side = node == hub ? 0 : 1;
+        if (clamp_edge(rod, node, side) != j) continue;
         const ClampSide s = clamp_side(rod, clamps[k], frames, k, side);
-        const int node = clamps[k].node;
+        const Rate& rate = node == hub ? at_hub : before;
         if (clamps[k].direction) {
-            const double bend = squared_curvature(s.pair.q, s.pair.chi, s.pair.kb);
-            force += cell(rod.bend_stiffness[node], bend, square(s.rest.kappa1, s.rest.kappa2), s.half);
+            const Vec2 strain = s.material ? Vec2(kappa_in(s.pair, s.rest.n1) - Vec2(s.rest.kappa1, s.rest.kappa2)) : Vec2::Zero();
+            const double squared = s.material ? strain.squaredNorm() : squared_curvature(s.pair.q, s.pair.chi, s.pair.kb);
+            force += bend(rod.bend_stiffness[node] / s.half, squared, strain, rate);
         }
-        if (clamps[k].spin)
-            force += cell(rod.twist_stiffness[node], square(s.twist), square(s.share * rod.rest_twist[node]), s.half);
+        if (clamps[k].spin) force += twist(rod.twist_stiffness[node] / s.half * (s.twist - s.share * rod.rest_twist[node]), rate);
     }
     return force;
 }

@@ -125,7 +125,8 @@ void set_rest_shape(const RodView& rod, const WireSpec& spec, bool rest_is_place
 /// elastic energy with respect to the rest length of the base edge at fixed nodes. That is the axial force of that edge and the
 /// configurational force of bending and twist [Bosi14]. The weight, along the wire, of the half edge at the inlet, whose
 /// mass the hub carries, and the clamps at the hub are included.
-[[nodiscard]] double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames,
+/// @param spec  the wire: what is fed is its material at the hub
+[[nodiscard]] double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodClamp> clamps, const RodFrames& frames,
                                 const Vec3& gravity);
 
 /// Torque that the clamp at `node` exerts on the wire about its tangent [N m] (+ = in the sense of increasing theta).

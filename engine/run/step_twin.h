@@ -57,9 +57,8 @@
 //
 // The work of the hand is a sum over the run: its share by the step is the mean difference of the compared windows' mean forces, over the whole path of the hand.
 // Histories of n windows add up like independent ones, to sqrt(n) times that of one. By nodes and facets it errs as the energy at the end does, and by what friction
-// loses on the way. Besides, a wire that springs from one place to another loses the energy between the two. Which part of its way is such a spring hangs on the nodes: a
-// bent tip that an opening lets go of one edge late would have given that energy back to the hand. So the share by nodes has all that scheme, contacts and
-// damping took; not that of the first window, in which the wire comes to rest from where it was placed.
+// loses on the way. Besides, a wire that springs from one place to another loses the energy between the two. Which part of its way is such a spring hangs on the nodes.
+// So the share by nodes has all that scheme, contacts and damping took; not that of the first window, in which the wire comes to rest from where it was placed.
 //
 // The twin is a separate world: the run's bits are those of a run without it.
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace seldinger {
 
@@ -43,7 +44,39 @@ void place_in_introducer(const FeedState& state, const WireSpec& wire, RodArrays
     set_rest_shape(rod, wire, false);
 }
 
+/// The way from s to the next end of a section that is at least half an edge of h away, infinite without one [m].
+double way_to_boundary(const WireSpec& wire, double s, double h)
+{
+    double way = INFINITY;
+    for (const WireSectionRange& range : wire.sections)
+        for (const double end : {range.begin, range.end})
+            if (end - s >= 0.5 * h && end < wire.length) way = std::min(way, end - s);
+    return way;
+}
+
+double edges_in(double way, double h) { return std::max(1.0, std::round(way / h)); }
+
+/// material_s of a wire that starts with a length inside: even between ends of sections; adaptive nodes come to these by themselves.
+std::vector<double> start_nodes(const WireSpec& wire, double inside, double h)
+{
+    std::vector<double> at{0};
+    while (at.back() < inside) {
+        const double from = at.back(), to = wire.nodes > 0 ? from + way_to_boundary(wire, from, h) : INFINITY;
+        const bool last = to > inside - 0.5 * h;
+        const double way = last ? inside - from : to - from, edges = edges_in(way, h);
+        for (int i = 1; i <= edges; ++i) at.push_back(from + way * i / edges);
+        if (last) break;
+    }
+    return at;
+}
+
 }  // namespace
+
+double even_edge(const WireSpec& wire, double s, double h)
+{
+    const double way = way_to_boundary(wire, s, h);
+    return std::isfinite(way) ? way / edges_in(way, h) : h;
+}
 
 void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index)
 {
@@ -60,18 +93,19 @@ void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, Ro
     place_in_introducer(state, wire, rods, index, 0, 0);
     if (state.advance > state.edge / 2) {  // starts with a length inside: along the path that is given, or straight ahead
         const double inside = state.advance;
-        const int edges = std::max(1, static_cast<int>(std::lround(inside / state.edge)));
-        rods.set_node_count(index, edges + 1);
+        const std::vector<double> nodes = start_nodes(wire, inside, state.edge);
+        const int count = static_cast<int>(nodes.size());
+        rods.set_node_count(index, count);
         const RodView rod = rods.view(index);
-        for (int i = 0; i <= edges; ++i) {
-            rod.material_s[i] = inside * i / edges;
+        for (int i = 0; i < count; ++i) {
+            rod.material_s[i] = nodes[i];
             rod.set_pos(i, state.point + (inside - rod.material_s[i]) * state.direction);
             rod.set_vel(i, Vec3::Zero());
             rod.ax[i] = rod.ay[i] = rod.az[i] = rod.ref_twist[i] = rod.spin_rate[i] = rod.spin_acc[i] = 0;
         }
         if (!spec.path.empty()) lay_along(rod, spec.path);
         initialise_frames(rod, state.director);
-        for (int j = 0; j < edges; ++j) rod.theta[j] = -state.turn;
+        for (int j = 0; j + 1 < count; ++j) rod.theta[j] = -state.turn;
         set_rest_shape(rod, wire, false);
         state.inside = 1;
     }

@@ -2,7 +2,9 @@
 // Feeding a wire through the hub: the base node stays at the inlet, its tangent clamped there, and the base edge's rest length
 // grows (or shrinks) with what the hand advances.
 //
-// h is the wire's uniform edge; for adaptive nodes it follows from the longest edge that the shape at the hub allows, 3h/2.
+// h is the wire's uniform edge; for adaptive nodes it follows from the longest edge that the shape at the hub allows, 3h/2. Where stiffness or natural curvature
+// jumps there is a node: a cell that has both sides of a jump keeps a preformed part in the clamp until half an edge more is inside.
+// The hand then gives B k^2/2 a length for that, with k the natural curvature, and what a spring takes instead is lost. Both hang on h in first order.
 //
 // Until half an edge is inside, the wire is a rigid piece gliding through the introducer behind `point`: no unknowns, no contact. From
 // then on a node is born at the inlet whenever an edge is inside, and taken out where it is pulled back to there. There, and only
@@ -72,6 +74,9 @@ struct BaseEdge {
     double born = 0;   // and hubwards of it, at least: it is split when both are there
     double least = 0;  // shorter, it is merged
 };
+
+/// Length that the edge from s tipwards of the hub gets, h or near it, so that a node comes to the next end of a section: 0.5 to 1.5 h [m].
+[[nodiscard]] double even_edge(const WireSpec& wire, double s, double h);
 
 /// Limits for a base edge that is to become `whole`. @param pushed, pulled  how far the wire goes in the next step [m]
 [[nodiscard]] BaseEdge base_edge_limits(double whole, double pushed, double pulled);

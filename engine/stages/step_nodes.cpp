@@ -107,7 +107,8 @@ bool adapt_ends(const WorldRod& rod, double dt)
     const bool long_tip = line.n > 2 && line.rest_length[0] > 1.75 * edge && line.n < rod.world().state.rods.capacity(rod.line());
     const NodeChange halves{true, 0, 0.5};
     const bool changed = long_tip && where_clear(rod, [&] { apply(rod, {&halves, 1}); });
-    return adapt_base(rod, edge, dt) || changed;
+    const RodView now = rod.view();
+    return adapt_base(rod, even_edge(rod.bounds(), now.material_s[now.n - 2], edge), dt) || changed;
 }
 
 /// Between two nodes the displacement of an elastic wall is linear (contact/elastic/wall_stations.h).

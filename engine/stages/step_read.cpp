@@ -90,7 +90,8 @@ void read_hand(WorldData& world, int wire)
         if (clamps[c].node == rod.n - 1 && clamps[c].spin)
             result.hand_torque = -clamp_torque(rod, clamps, world.solver->frames(wire), static_cast<int>(c));
     if (world.feed(wire).on)
-        result.hand_force = feed_force(rod, clamps, world.solver->frames(wire), world.setup.gravity) + world.solver->base_tension_excess(wire);
+        result.hand_force = feed_force(rod, world.setup.wires[wire].wire, clamps, world.solver->frames(wire), world.setup.gravity) +
+                            world.solver->base_tension_excess(wire);
     else
         result.hand_force = -result.base_force.dot(hub_tangent(rod, clamps));
 }

@@ -98,7 +98,7 @@ double turning_work(WorldData& world, int wire)
 /// dE/d(fed length) at the end of the sub-step.
 double force_of_feed(WorldData& world, int wire, const Vec3& gravity)
 {
-    return feed_force(world.rod(wire), world.constraints(wire).clamps, world.solver->frames(wire), gravity);
+    return feed_force(world.rod(wire), world.setup.wires[wire].wire, world.constraints(wire).clamps, world.solver->frames(wire), gravity);
 }
 
 double hand_work(WorldData& world, int wire)
@@ -396,7 +396,7 @@ void accept_energy(WorldData& world, int wire, double h)
     audit.torque.resize(clamps.size());
     for (std::size_t c = 0; c < clamps.size(); ++c)
         audit.torque[c] = clamps[c].spin ? clamp_torque(rod, clamps, world.solver->frames(wire), static_cast<int>(c)) : 0;
-    if (world.feed(wire).on) audit.hand_force = feed_force(rod, clamps, world.solver->frames(wire), world.setup.gravity);
+    if (world.feed(wire).on) audit.hand_force = force_of_feed(world, wire, world.setup.gravity);
 }
 
 }  // namespace seldinger

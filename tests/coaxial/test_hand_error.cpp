@@ -19,17 +19,21 @@ struct Held {
 };
 
 /// A force across the inner one's tip, which is that far beyond the end of the outer one. Nodes count from the tip.
-Held held(double lever, double edge)
+/// @param natural  curvature of the outer one, in the sense of the force [1/m]
+Held held(double lever, double edge, double natural = 0)
 {
     const double outer = 0.05, force = 5e-3;
     WorldSetup setup = straight_pair(outer, outer + lever, Scheme::Static, edge);
+    setup.wires[0].wire.sections[0].section.rest_curvature = {natural, 0};
     LoadSpec load;
     load.at.kind = WirePoint::Kind::Distance;
     load.force = {0, 0, force};
     setup.wires[1].loads.push_back(load);
     World world(setup);
     for (int k = 0; k < 3; ++k) advance(world, outer, outer + lever);
-    const double moment = force * lever, exact = 0.5 * moment * moment * (1 / (0.5 * bend) - 1 / (1.5 * bend));
+    // natural curvature of both together is natural/1.5, and the inner one's 0 beyond; what both store by that is natural^2 B_1 B_2/(2 (B_1 + B_2))
+    const double moment = force * lever, exact = 0.5 * moment * moment * (1 / (0.5 * bend) - 1 / (1.5 * bend)) - moment * natural / 1.5 +
+                                                 natural * natural * bend * 0.5 / (2 * 1.5);
     return {std::abs(world.readings(0).hand_force / exact - 1), hand_error(world, 0) / exact};
 }
 
@@ -58,6 +62,22 @@ TEST_SUITE("coaxial/hand_error")
         }
         CHECK(estimates[0] > 0.1);  // 5 mm of 20: it matters
         CHECK(estimates[0] / estimates[1] == about(2).epsilon(0.25));
+    }
+
+    TEST_CASE("analytic: so is that of a preformed instrument, whose end takes its natural curvature along")
+    {
+        const double edge = 5e-3, natural = -4;
+        double most = 0, estimate = 0;
+        for (int k = 0; k <= 10; ++k) {
+            const Held now = held(0.02 + 0.2 * edge * k, edge, natural);
+            CAPTURE(k);
+            CAPTURE(now.off);
+            CHECK(now.off < now.estimated + 2e-3);
+            most = std::max(most, now.off);
+            estimate = std::max(estimate, now.estimated);
+        }
+        CAPTURE(most);
+        CHECK(most > 0.3 * estimate);
     }
 
     TEST_CASE("property: a wire alone has no such error")

@@ -310,43 +310,52 @@ TEST_SUITE("rod/elastic")
     }
 
     // d(elastic energy + potential of weight)/d(length fed), feeding more of the same wire out of the inlet: natural curvature
-    // comes with the material, and so does its mass
+    // comes with the material, and so does its mass. A section may end in either half of the base edge, or in the cell before.
     TEST_CASE("derivative: the hand's force is the energy's change with the length fed")
     {
         const int n = 7;
         const Vec3 gravity(3, -7, 5);
         WireSpec spec = uniform_spec(1.0, 0.8, 0.6, 30.0);
-        for (const bool inner_clamp : {false, true})
-            for (const bool curved : {false, true}) {
-                if (curved) spec.shaft.rest_curvature = {0.9, -0.4};
-                OneWire wire(n);
-                std::vector<Vec3> nodes;
-                for (int i = 0; i < n; ++i) nodes.push_back({std::cos(0.4 * i), std::sin(0.3 * i), 0.1 * i * i});
-                wire.place(nodes);
-                spec.length = 2 * wire.rod.material_s[n - 1];
-                for (int j = 0; j < n - 1; ++j) wire.rod.theta[j] = 0.2 * j * j;
-                wire.clamps = {clamp_at(n - 1, (nodes[n - 1] - nodes[n - 2] + Vec3(0.1, 0.2, 0)).normalized(), true)};
-                wire.clamps[0].director = unit_normal(Vec3(1, 2, 0.3), wire.clamps[0].tangent);
-                if (inner_clamp) wire.clamps.push_back(clamp_at(n - 2, wire.rod.tangent(n - 3), false));
-                const double fed = wire.rod.material_s[n - 1] * 1.01;
-                const auto energy = [&](double more) {
-                    wire.rod.material_s[n - 1] = fed + more;
-                    set_rest_shape(wire.rod, spec, false);
-                    REQUIRE(wire.update());
-                    const double line_density = spec.shaft.density * pi * spec.shaft.radius * spec.shaft.radius;
-                    double potential = line_density * more * gravity.dot(wire.rod.pos(n - 1));  // it left the inlet's height
-                    for (int i = 0; i < n; ++i) potential -= wire.rod.mass[i] * gravity.dot(wire.rod.pos(i));
-                    return wire.energy() + potential;
-                };
-                const double d = 1e-3;
-                const double numeric = (8 * (energy(d) - energy(-d)) - (energy(2 * d) - energy(-2 * d))) / (12 * d);
-                (void)energy(0);
-                // truncation d^4 = 1e-12 times a fifth derivative over the edge's length
-                const double force = feed_force(wire.rod, wire.clamps, wire.frames, gravity);
-                CHECK(force == about(numeric).epsilon(1e-8));
-                // the weight is there to be seen
-                CHECK(std::abs(force - feed_force(wire.rod, wire.clamps, wire.frames, Vec3::Zero())) > 1e-4 * std::abs(force));
-            }
+        const WireSection shaft = spec.shaft;
+        for (const double end : {0.0, -0.2, 0.25, 0.75})  // of a section, in base edges from the node before the hub; 0: none
+            for (const bool inner_clamp : {false, true})
+                for (const bool curved : {false, true}) {
+                    if (inner_clamp && (end == -0.2 || end == 0.25)) continue;  // see feed_force
+                    spec.shaft = shaft;
+                    if (curved) spec.shaft.rest_curvature = {0.9, -0.4};
+                    OneWire wire(n);
+                    std::vector<Vec3> nodes;
+                    for (int i = 0; i < n; ++i) nodes.push_back({std::cos(0.4 * i), std::sin(0.3 * i), 0.1 * i * i});
+                    wire.place(nodes);
+                    spec.length = 2 * wire.rod.material_s[n - 1];
+                    for (int j = 0; j < n - 1; ++j) wire.rod.theta[j] = 0.2 * j * j;
+                    wire.clamps = {clamp_at(n - 1, (nodes[n - 1] - nodes[n - 2] + Vec3(0.1, 0.2, 0)).normalized(), true)};
+                    wire.clamps[0].director = unit_normal(Vec3(1, 2, 0.3), wire.clamps[0].tangent);
+                    if (inner_clamp) wire.clamps.push_back(clamp_at(n - 2, wire.rod.tangent(n - 3), false));
+                    const double fed = wire.rod.material_s[n - 1] * 1.01, before = wire.rod.material_s[n - 2];
+                    WireSection tip = shaft;
+                    tip.bend_stiffness *= 1.5, tip.twist_stiffness *= 0.5, tip.stretch_stiffness *= 2, tip.density *= 3;
+                    tip.rest_curvature = {-0.6, 1.1};
+                    spec.sections.clear();
+                    if (end != 0) spec.sections.push_back({0, before + end * (fed - before), tip});
+                    const auto energy = [&](double more) {
+                        wire.rod.material_s[n - 1] = fed + more;
+                        set_rest_shape(wire.rod, spec, false);
+                        REQUIRE(wire.update());
+                        const double line_density = spec.shaft.density * pi * spec.shaft.radius * spec.shaft.radius;
+                        double potential = line_density * more * gravity.dot(wire.rod.pos(n - 1));  // it left the inlet's height
+                        for (int i = 0; i < n; ++i) potential -= wire.rod.mass[i] * gravity.dot(wire.rod.pos(i));
+                        return wire.energy() + potential;
+                    };
+                    const double d = 1e-3;
+                    const double numeric = (8 * (energy(d) - energy(-d)) - (energy(2 * d) - energy(-2 * d))) / (12 * d);
+                    (void)energy(0);
+                    // truncation d^4 = 1e-12 times a fifth derivative over the edge's length
+                    const double force = feed_force(wire.rod, spec, wire.clamps, wire.frames, gravity);
+                    CHECK(force == about(numeric).epsilon(1e-8));
+                    // the weight is there to be seen
+                    CHECK(std::abs(force - feed_force(wire.rod, spec, wire.clamps, wire.frames, Vec3::Zero())) > 1e-4 * std::abs(force));
+                }
     }
 
     TEST_CASE("derivative: the clamp's torque is the energy's change with its turning")
@@ -386,12 +395,13 @@ TEST_SUITE("rod/elastic")
         for (int i = 0; i < n; ++i) nodes.push_back({radius * std::cos(i * phi), radius * std::sin(i * phi), 0});
         OneWire wire(n);
         wire.place(nodes);
-        set_rest_shape(wire.rod, uniform_spec(1, bend, 1, 1e3), false);
+        const WireSpec spec = uniform_spec(1, bend, 1, 1e3);
+        set_rest_shape(wire.rod, spec, false);
         const double end = (n - 1) * phi;
         wire.clamps = {clamp_at(n - 1, Vec3(-std::sin(end), std::cos(end), 0), false)};
         REQUIRE(wire.update());
         const double expected = -bend / (2 * radius * radius);
-        CHECK(feed_force(wire.rod, wire.clamps, wire.frames, Vec3::Zero()) == about(expected).epsilon(phi * phi));
+        CHECK(feed_force(wire.rod, spec, wire.clamps, wire.frames, Vec3::Zero()) == about(expected).epsilon(phi * phi));
     }
 }
 

@@ -93,15 +93,14 @@ TEST_SUITE("run/step_twin")
         CHECK(coarse.patch.resolved);
     }
 
-    // 156 uJ with edges of 4 mm, 62 with 1 mm: what the spring of the tip took could have come back to the hand. All else in the band is 11 uJ.
-    TEST_CASE("property: the work of the hand on a bent tip at a mouth lies within its band, though edges let go of it late")
+    // Edges of 4 and 1 mm. Where cells kept the bend in the inlet's clamp for up to an edge, it was 156 and 62 uJ, now both are 21 to 3 %: nodes err by (h/L)^2, and the
+    // first contacts are as coarse.
+    TEST_CASE("property: the work of the hand on a bent tip at a mouth does not hang on the nodes, and lies within its band")
     {
         const ErrorEstimate coarse = run(tip_at_a_mouth(101)), fine = run(tip_at_a_mouth(401));
         const double moved = std::abs(coarse.work.value - fine.work.value);
-        REQUIRE(moved > 0.3 * coarse.work.value);
+        CHECK(moved < 0.1 * coarse.work.value);
         CHECK(moved <= coarse.work.band);
-        CHECK(coarse.work.largest_source() == std::string("nodes"));
-        CHECK(fine.work.band < 0.5 * coarse.work.band);
     }
 
     // Draw 6 of seed 9: a tip that leaves a crease, after a rise of 2.3 mN to 3.2. Shorter steps move it by 0.5 mN
