@@ -38,17 +38,24 @@ SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, ui
     return known;
 }
 
-// Distance from p to the nearest triangle below the listed nodes, or `most`.
-SEL_FN real near_distance(AxisPoint at, real most, NearWallView near)
+// The part of the room that a clearance sphere takes at least. A whole one would need boxes and triangles that shorten it by a little.
+#define SEL_CLEARANCE_PART ((real)0.8)
+
+// How far the triangles below the listed nodes are beyond `touching`, at least SEL_CLEARANCE_PART of it and of `most`; 0: one is not.
+SEL_FN real near_room(AxisPoint at, real touching, real most, NearWallView near)
 {
-    real best = most;
+    real room = most, closed = SEL_CLEARANCE_PART * room;
     Walk walk;
     start_walk(&walk);
     TreeNode leaf;
-    while (next_leaf(&walk, near, ball_query(at.offset, at.origin, best), &leaf))
-        for (uint k = 0; k < leaf.count; ++k)
-            best = min_r(best, sqrt(triangle_distance2(at.offset, at.origin, leaf.left_or_first + k, near.wall.vertices)));
-    return best;
+    while (next_leaf(&walk, near, ball_query(at.offset, at.origin, touching + closed), &leaf))
+        for (uint k = 0; k < leaf.count; ++k) {
+            const real d = sqrt(triangle_distance2(at.offset, at.origin, leaf.left_or_first + k, near.wall.vertices));
+            room = min_r(room, d - touching);
+            if (!(room > 0)) return 0;
+            closed = SEL_CLEARANCE_PART * room;
+        }
+    return closed;
 }
 
 // Is it known, or can it be known from the list, that a quadrature point touches nothing? Renews the sphere.
@@ -60,12 +67,12 @@ SEL_FN int is_clear_of_wall(AxisPoint at, QuadratureModel m, NearWallView near, 
     const real margin = SEL_CLEARANCE_MARGIN * m.radius, touching = m.radius + m.reach + margin;
     const real listed = known.range - distance_from(p, known.list_at) - margin;
     if (!(listed > touching)) return 0;
-    const real distance = near_distance(at, listed, near);
-    if (!(distance > touching)) return 0;
+    const real room = near_room(at, touching, listed - touching, near);
+    if (!(room > 0)) return 0;
     known.at[0] = p.x;
     known.at[1] = p.y;
     known.at[2] = p.z;
-    known.clear = distance - touching;
+    known.clear = room;
     *clearance = known;
     return 1;
 }

@@ -244,6 +244,7 @@ SEL_STAGE_FN void push_pieces(const InstrumentScene* scene, SEL_OUT const CellPi
     const Closing closing = cell_closing(scene, bottom.mark, old, fresh, c);
     write_deepest(scene, bottom, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
+    if (touches_whole(scene, cell)) now->contact.flags |= SEL_CONTACT_WHOLE;
     touch->moment = touch->length = 0;
     touch->at = least.at;
     SEL_ONCE for (uint k = 0; k < cell->cuts.pieces; ++k)
@@ -255,7 +256,6 @@ SEL_STAGE_FN void push_pieces(const InstrumentScene* scene, SEL_OUT const CellPi
         touch->length += until.s - from.s;
         touch->moment += push_along(scene, from, until, fresh, closing.approach, c, rule, out, points);
     }
-    if (touches_whole(scene, cell)) now->contact.flags |= SEL_CONTACT_WHOLE;
 }
 
 // What the cubic through the values at four Gauss points is at an end of the cell. @param k0, k1, k2, k3  the points, from that end on

@@ -130,7 +130,7 @@ TEST_SUITE("contact/walk")
 
     // Quadrature points that wander off from where their lists were found, and ask at every step: points within the list's
     // range, and points beyond it, both come up.
-    TEST_CASE("property: where a sphere says that nothing is touched, no triangle is within radius and reach")
+    TEST_CASE("property: a sphere of clearance holds no triangle within radius and reach, and most of the room there is")
     {
         Random draw;
         const WallTree tree = build_wall_tree(bumpy_tube(6000, 0.003));
@@ -155,6 +155,13 @@ TEST_SUITE("contact/walk")
                     is_clear_of_wall(axis(zero, p), model, near_wall_view(wall, near_nodes.data(), count), &known);
                 const double distance = std::sqrt(nearest_on_wall(tree, tree.centre + Vec3(p.x, p.y, p.z)).distance2);
                 if (nothing) REQUIRE(distance > r + reach);
+                if (nothing && known.at[0] != before) {
+                    // p is its new centre, and the list knows the wall up to `listed`
+                    const double margin = SEL_CLEARANCE_MARGIN * r, touching = r + reach + margin,
+                                 listed = range - distance_from(p, known.list_at) - margin, rounding = 1e-12 * r;
+                    REQUIRE(known.clear <= distance - touching + rounding);
+                    REQUIRE(known.clear >= SEL_CLEARANCE_PART * (std::min(distance, listed) - touching) - rounding);
+                }
                 clear += nothing;
                 kept += nothing && known.at[0] == before;
                 touching += distance <= r + reach;
