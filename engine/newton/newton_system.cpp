@@ -18,6 +18,8 @@ constexpr int most_mode_perturbations = 3;
 constexpr double most_contraction = 0.03;   // with kept factors, at most
 constexpr double new_factors = 1.0 / 300;   // with new ones, about
 constexpr int most_kept = 3;                // iterations after which a step is none of those that go well
+constexpr double same_residual = 0.01;      // relative: of a base that comes again, in a circle of two or four
+constexpr int most_same = 4;
 
 /// Trials until a residual of so many tolerances is within one, if each leaves `rate` of it.
 double trials_left(double residual, double rate) { return std::ceil(std::log(residual) / -std::log(rate)); }
@@ -87,7 +89,7 @@ bool NewtonSystem::decide(bool finite, const ForceTerms& terms)
     const bool asked = phase_ == Phase::Search && !options_.shifted && !options_.linearised;
     if (asked) at_trial_.crossed = problem.crossed(terms);
     if (ends_when_due() || ends_at_trial(terms)) return true;
-    if (course_.iterations - course_.first_iteration >= options_.max_iterations) {
+    if (course_.iterations - course_.first_iteration >= options_.max_iterations || goes_round()) {
         if (at_kink()) phase_ = Phase::Done;
         else give_up();
         return true;
@@ -174,6 +176,18 @@ void NewtonSystem::take_linearised()
     if (along_.alpha != 1 && !std::isinf(course_.move_limit)) return give_up();
     problem.take_linear_tensions();
     phase_ = Phase::Done;
+}
+
+/// Whether the last bases come again and again in turn: a contact that two corrections of the longest permitted move lead over an edge
+/// and back.
+bool NewtonSystem::goes_round()
+{
+    if (phase_ != Phase::Search || options_.shifted) return false;
+    const double now = problem.residual_share();
+    double& before = course_.residual_shares[course_.iterations % 2];
+    course_.same_again = std::abs(now - before) <= same_residual * now ? course_.same_again + 1 : 0;
+    before = now;
+    return course_.same_again >= most_same;
 }
 
 /// Out of ideas. Best effort: back to the last accepted trial, which is nearer to the solution than the start by the tests that

@@ -12,7 +12,8 @@
 // trial is taken when one of two conditions holds. Either the simplified Newton correction A^-1 R(q + alpha d) of those mixed
 // equations, in metres, has shrunk against d (the natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution).
 // Or the derivative along d has: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Where the correction has grown, the derivative is
-// believed three times in a step, because more such trials go round in a circle. Else alpha is reduced. No edge turns by more
+// believed three times in a step, because more such trials go round in a circle. Trials that are cut short by the limits below may
+// do so too: four bases in a row with the residual of the one before the last end the search. Else alpha is reduced. No edge turns by more
 // than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of these,
 // which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
 // evaluation then meets the terms' own curvature only. A contact that goes over a valley of the wall, from facet to facet, leaves
@@ -101,6 +102,7 @@ private:
     [[nodiscard]] bool ends_when_due();
     void take_linearised();
     [[nodiscard]] bool keeps_factors() const;
+    [[nodiscard]] bool goes_round();
     void take_base();
     void new_direction(const ForceTerms& terms);
     void launch();
@@ -143,6 +145,8 @@ private:
         bool non_finite = false;  // the last evaluation was
         bool due = false, cut_short = false;
         int iterations = 0, first_iteration = 0;  // the latter: after which multipliers were renewed
+        double residual_shares[2] = {};  // of the last two bases
+        int same_again = 0;              // bases in a row whose residual was that of the one before the last
         int evaluations = 0, backtracks = 0, mode_perturbations = 0, jumps_passed = 0, times_grown = 0;
         double move_limit = std::numeric_limits<double>::infinity();  // of a node in one update [m]
         double guess_fraction = 1;  // of guess_, that the trial has moved by
