@@ -18,8 +18,8 @@ constexpr int most_mode_perturbations = 3;
 constexpr double most_contraction = 0.03;   // with kept factors, at most
 constexpr double new_factors = 1.0 / 300;   // with new ones, about
 constexpr int most_kept = 3;                // iterations after which a step is none of those that go well
-constexpr double same_residual = 0.01;      // relative: of a base that comes again, in a circle of two or four
-constexpr int most_same = 4;
+constexpr double same_residual = 5e-3;     // relative: of a base that comes again, in a circle of two or four
+constexpr int most_same = 6;  // fewer end searches of long steps that would come out of it
 
 /// Trials until a residual of so many tolerances is within one, if each leaves `rate` of it.
 double trials_left(double residual, double rate) { return std::ceil(std::log(residual) / -std::log(rate)); }

@@ -13,7 +13,7 @@
 // equations, in metres, has shrunk against d (the natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution).
 // Or the derivative along d has: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Where the correction has grown, the derivative is
 // believed three times in a step, because more such trials go round in a circle. Trials that are cut short by the limits below may
-// do so too: four bases in a row with the residual of the one before the last end the search. Else alpha is reduced. No edge turns by more
+// do so too: six bases in a row with the residual of the one before the last end the search. Else alpha is reduced. No edge turns by more
 // than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of these,
 // which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
 // evaluation then meets the terms' own curvature only. A contact that goes over a valley of the wall, from facet to facet, leaves
