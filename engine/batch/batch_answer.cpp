@@ -82,7 +82,7 @@ BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& ro
         if (!(number(*of.row, "passed") > 0)) continue;
         ++answer.passed;
         if (is_rising(number(*of.row, "until_patch_force_max_s"), number(*of.row, "reached_at_s"))) answer.rising.push_back(static_cast<std::size_t>(of.row->run));
-        answer.ranking.push_back({static_cast<std::size_t>(of.row->run), of.row->numbers[peak], of.half ? band_of(*of.row, *of.half, peak) : std::nan("")});
+        answer.ranking.push_back({static_cast<std::size_t>(of.row->run), of.row->numbers[peak], band_of(of, peak)});
     }
     if (answer.reached > 0) answer.nearest.reset();
     std::stable_sort(answer.ranking.begin(), answer.ranking.end(), [](const auto& a, const auto& b) { return a.value < b.value; });

@@ -80,10 +80,7 @@ std::vector<std::string> varied(const Sweep& sweep, std::size_t run)
 }
 
 /// The band of an elastic wall's reading, which is the column before, with the step's share.
-double wall_band(const RunRows& of, std::size_t c)
-{
-    return of.half ? std::hypot(of.row->numbers[c], band_of(*of.row, *of.half, c - 1)) : std::nan("");
-}
+double wall_band(const RunRows& of, std::size_t c) { return std::hypot(of.row->numbers[c], band_of(of, c - 1)); }
 
 bool is_shown(const BatchColumn& column, const BatchLayout& layout) { return layout.task || !column.of_task; }
 
@@ -98,7 +95,7 @@ void for_each_number(const BatchLayout& layout, One one)
         else one(std::string(column.name), column.kind, column.whole, [c](const RunRows& of) { return of.row->numbers[c]; });
         if (layout.bands && column.banded)
             one(std::string(column.name) + "_band", column.kind, false,
-                [c](const RunRows& of) { return of.half ? band_of(*of.row, *of.half, c) : std::nan(""); });
+                [c](const RunRows& of) { return band_of(of, c); });
     }
     for (std::size_t k = 0; k < layout.instruments.size(); ++k)
         for (std::size_t c = 0; c < std::size(instrument_columns); ++c)
@@ -206,9 +203,11 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     return row;
 }
 
-double band_of(const BatchRow& row, const BatchRow& half, std::size_t column)
+double band_of(const RunRows& of, std::size_t column)
 {
     constexpr double margin = StepTwin::safety * 2;
+    if (!of.half) return std::nan("");
+    const BatchRow &row = *of.row, &half = *of.half;
     if (row.status != RunStatus::Done || half.status != RunStatus::Done) return std::nan("");
     const auto differs = [&](std::string_view outcome) { return row.numbers[column_index(outcome)] != half.numbers[column_index(outcome)]; };
     if (batch_columns[column].of_task && differs("reached")) return std::nan("");

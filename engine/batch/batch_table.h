@@ -139,15 +139,16 @@ struct VesselPlaces {
 [[nodiscard]] BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally,
                                 const VesselPlaces& places);
 
-/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (run/step_twin.h). NaN where the
-/// other run stopped, or, of what happens until the target is reached, where only one of the two reaches it.
-[[nodiscard]] double band_of(const BatchRow& row, const BatchRow& half, std::size_t column);
-
 /// The rows of a batch in the order of their runs, and of each the one with half the step, null where there is none.
 struct RunRows {
     const BatchRow* row = nullptr;
     const BatchRow* half = nullptr;
 };
+
+/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (run/step_twin.h). NaN where there
+/// is no such run or it stopped, or, of what happens until the target is reached, where only one of the two reaches it.
+[[nodiscard]] double band_of(const RunRows& of, std::size_t column);
+
 [[nodiscard]] std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<BatchRow>& rows);
 
 /// Rows by run: run, the varied keys, status, batch_columns with their bands, instrument_columns of each name, state_hash. A number that is

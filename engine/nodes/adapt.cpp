@@ -54,9 +54,9 @@ Vec3 rest_binormal(const RodView& rod, int i)
 NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
     : longest_(capacity), curvature_(capacity), shear_jump_(capacity), turning_(capacity), moment_(capacity, Vec3::Zero()), bend_(capacity, Vec3::Zero()), marked_(capacity)
 {
-    for (const WireSectionRange& range : spec.sections)
-        for (const double s : {range.begin, range.end})
-            if (s > 0 && s < spec.length) boundaries_.push_back(s);
+    spec.for_each_end([&](double s) {
+        if (s > 0 && s < spec.length) boundaries_.push_back(s);
+    });
     changes_.reserve(capacity);
     touching_.assign(capacity, std::numeric_limits<double>::infinity());
 }

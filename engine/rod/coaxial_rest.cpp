@@ -75,10 +75,7 @@ void find_pieces(CoaxialRod& rod, const RodView& line)
         const CoaxialInstrument& instrument = rod.instrument[k];
         cut_at(rod.pieces, -instrument.offset);
         cut_at(rod.pieces, instrument.spec->length - instrument.offset);
-        for (const WireSectionRange& range : instrument.spec->sections) {
-            cut_at(rod.pieces, range.begin - instrument.offset);
-            cut_at(rod.pieces, range.end - instrument.offset);
-        }
+        instrument.spec->for_each_end([&](double end) { cut_at(rod.pieces, end - instrument.offset); });
     }
     for (CoaxialPiece& piece : rod.pieces)
         for (int k = 0; k < rod.instruments; ++k)

@@ -24,9 +24,9 @@ void for_each_piece(const WireSpec& spec, double begin, double end, Visit visit)
 {
     for (double from = begin; from < end;) {
         double to = end;
-        for (const WireSectionRange& range : spec.sections)
-            for (const double jump : {range.begin, range.end})
-                if (jump > from && jump < to) to = jump;
+        spec.for_each_end([&](double jump) {
+            if (jump > from && jump < to) to = jump;
+        });
         visit(spec.at(0.5 * (from + to)), to - from);
         from = to;
     }

@@ -48,9 +48,9 @@ void place_in_introducer(const FeedState& state, const WireSpec& wire, RodArrays
 double way_to_boundary(const WireSpec& wire, double s, double h)
 {
     double way = INFINITY;
-    for (const WireSectionRange& range : wire.sections)
-        for (const double end : {range.begin, range.end})
-            if (end - s >= 0.5 * h && end < wire.length) way = std::min(way, end - s);
+    wire.for_each_end([&](double end) {
+        if (end - s >= 0.5 * h && end < wire.length) way = std::min(way, end - s);
+    });
     return way;
 }
 

@@ -49,12 +49,13 @@ public:
     [[nodiscard]] Vec3 free(std::int32_t vertex) const;
     /// How far some place of it had gone when that was noted last; elsewhere it may be a little farther [m].
     [[nodiscard]] double farthest() const { return farthest_; }
-    /// The step is over. @param pushed  control vertices and the forces on them [N]  @param farthest  that it has been seen to go
-    /// [m]
+    /// A force on a control vertex. Part of contact's state, so without gaps between its members.
     struct Push {
+        std::int32_t wire;  // of the system's, that exerts it; the wall does not ask
         std::int32_t vertex;
-        Vec3 force;
+        Vec3 force;  // [N]
     };
+    /// The step is over. @param farthest  that it has been seen to go [m]
     void end_step(std::span<const Push> pushed, double farthest = 0);
 
     /// In an equilibrium, r of where the wall would be under these forces. @return how far that moves free() at most [m]; a

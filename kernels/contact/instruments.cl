@@ -59,10 +59,10 @@ SEL_KERNEL void instruments_evaluate_self(SEL_INSTRUMENT_ARGUMENTS)
         const InstrumentBodies bodies = SEL_BODIES;                                                         \
         __global const InstrumentState* old = states_t0 + SEL_INSTRUMENT_SLOTS * cell;                      \
         const SlotCell its = slot_cell(cell, slots[s], bodies, SEL_NODES, old, par.inv_dt)
-    #define SEL_NEXT_CELL                             \
+    #define SEL_NEXT(SEL_OF)                          \
         if (get_global_id(0) >= todo[0]) return;      \
         const uint item = todo[1 + get_global_id(0)]; \
-        SEL_CELL_OF(item)
+        SEL_OF(item)
 
 SEL_INSTRUMENT_STAGE(instruments_ends, InstrumentStage)
 {
@@ -74,33 +74,33 @@ SEL_INSTRUMENT_STAGE(instruments_ends, InstrumentStage)
 
 SEL_INSTRUMENT_STAGE(instruments_follow, InstrumentStage)
 {
-    SEL_NEXT_CELL;
+    SEL_NEXT(SEL_CELL_OF);
     stage_follow(&its, par, stages + item, states + s);
 }
 
 SEL_INSTRUMENT_STAGE(instruments_look, InstrumentStage)
 {
-    SEL_NEXT_CELL;
+    SEL_NEXT(SEL_CELL_OF);
     stage_look(&its, old, par, stages + item, states + s, forces + item);
 }
 
 SEL_INSTRUMENT_STAGE(instruments_push, InstrumentStage)
 {
-    SEL_NEXT_CELL;
+    SEL_NEXT(SEL_CELL_OF);
     stage_push(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item,
                points + SEL_INSTRUMENT_POINTS * item);
 }
 
 SEL_INSTRUMENT_STAGE(instruments_whole, InstrumentStage)
 {
-    SEL_NEXT_CELL;
+    SEL_NEXT(SEL_CELL_OF);
     stage_whole(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item,
                 points + SEL_INSTRUMENT_POINTS * item);
 }
 
 SEL_INSTRUMENT_STAGE(instruments_rub, InstrumentStage)
 {
-    SEL_NEXT_CELL;
+    SEL_NEXT(SEL_CELL_OF);
     stage_rub_cell(&its, bodies.pairs[its.pair], old, par, stages + item, states + s, forces + item);
 }
 
@@ -108,10 +108,6 @@ SEL_INSTRUMENT_STAGE(instruments_rub, InstrumentStage)
         const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;                    \
         __global const InstrumentState* old = states_t0 + SEL_INSTRUMENT_SLOTS * cell; \
         const SelfCell its = self_cell(cell, slots[s], SEL_BODIES, SEL_NODES, old, par)
-    #define SEL_NEXT_SELF                             \
-        if (get_global_id(0) >= todo[0]) return;      \
-        const uint item = todo[1 + get_global_id(0)]; \
-        SEL_SELF_OF(item)
 
 SEL_INSTRUMENT_STAGE(instruments_self_mark, SelfStage)
 {
@@ -123,25 +119,25 @@ SEL_INSTRUMENT_STAGE(instruments_self_mark, SelfStage)
 
 SEL_INSTRUMENT_STAGE(instruments_self_touch, SelfStage)
 {
-    SEL_NEXT_SELF;
+    SEL_NEXT(SEL_SELF_OF);
     stage_self_touch(&its, stages + item, forces + item);
 }
 
 SEL_INSTRUMENT_STAGE(instruments_self_close, SelfStage)
 {
-    SEL_NEXT_SELF;
+    SEL_NEXT(SEL_SELF_OF);
     stage_self_close(&its, old, par, stages + item, states + s, forces + item);
 }
 
 SEL_INSTRUMENT_STAGE(instruments_self_push, SelfStage)
 {
-    SEL_NEXT_SELF;
+    SEL_NEXT(SEL_SELF_OF);
     stage_self_push(&its, par, stages + item, forces + item, points + SEL_INSTRUMENT_POINTS * item);
 }
 
 SEL_INSTRUMENT_STAGE(instruments_self_rub, SelfStage)
 {
-    SEL_NEXT_SELF;
+    SEL_NEXT(SEL_SELF_OF);
     stage_self_rub(&its, old, par, stages + item, states + s, forces + item);
 }
 

@@ -35,6 +35,28 @@ void pull_at_tip(WorldSetup& setup, const Vec3& force, double ramp)
     setup.wires[1].loads.push_back(load);
 }
 
+/// A wire as soft as a rope in a catheter's lumen, that far inside and 1 cm farther, pulled at its tip.
+WorldSetup rope_in(const WireSpec& catheter, double inside, double mu, const Vec3& pull)
+{
+    WorldSetup setup = merged_setup({catheter, instrument_of({{0.5, 1e-8, 0}}, 1)}, {inside, inside + 0.01}, 1e-3, Scheme::Newton);
+    setup.wires[0].wire.lumen_radius = 0.49e-3;
+    WireSpec& wire = setup.wires[1].wire;
+    wire.shaft.radius = 0.4e-3;
+    wire.shaft.stretch_stiffness = 2e4;
+    for (WireSectionRange& range : wire.sections) range.section = wire.shaft;
+    setup.integrator.tolerance = 1e-6;
+    rub_on_lumen(setup, mu);
+    pull_at_tip(setup, pull, 0.05);
+    return setup;
+}
+
+/// What the hands feel when the rope is drawn by 1 cm, at rest before.
+WireReadings draw_rope(World& world)
+{
+    (void)move(world, 1, 0, 0, 200, 1e-3);
+    return move(world, 1, -0.01, 0, 200, 1e-3);
+}
+
 }  // namespace
 
 TEST_SUITE("coaxial/merged lumen")
@@ -97,20 +119,9 @@ TEST_SUITE("coaxial/merged lumen")
     {
         const double pull = 0.4, radius_of_bend = 0.04;
         for (const double mu : {0.05, 0.2}) {
-            WorldSetup setup = merged_setup({instrument_of({{0.5 * pi * radius_of_bend, 1e-2, 1 / radius_of_bend}, {0.3, 1e-2, 0}}, 1),
-                                             instrument_of({{0.5, 1e-8, 0}}, 1)},
-                                            {0.5 * pi * radius_of_bend, 0.5 * pi * radius_of_bend + 0.01}, 1e-3, Scheme::Newton);
-            setup.wires[0].wire.lumen_radius = 0.49e-3;
-            WireSpec& wire = setup.wires[1].wire;
-            wire.shaft.radius = 0.4e-3;
-            wire.shaft.stretch_stiffness = 2e4;
-            for (WireSectionRange& range : wire.sections) range.section = wire.shaft;
-            setup.integrator.tolerance = 1e-6;
-            rub_on_lumen(setup, mu);
-            pull_at_tip(setup, {0, 0, pull}, 0.05);  // the way it leaves, after a quarter turn to +z
-            World world(setup);
-            (void)move(world, 1, 0, 0, 200, 1e-3);
-            const WireReadings drawn = move(world, 1, -0.01, 0, 200, 1e-3);
+            const double quarter = 0.5 * pi * radius_of_bend;  // turn to +z, the way the wire leaves
+            World world(rope_in(instrument_of({{quarter, 1e-2, 1 / radius_of_bend}, {0.3, 1e-2, 0}}, 1), quarter, mu, {0, 0, pull}));
+            const WireReadings drawn = draw_rope(world);
             CHECK(-drawn.hand_force == about(pull * std::exp(0.5 * pi * mu)).epsilon(0.01));
             CHECK(world.readings(0).hand_force == about(pull * (std::exp(0.5 * pi * mu) - 1)).epsilon(0.05));
         }
@@ -121,16 +132,7 @@ TEST_SUITE("coaxial/merged lumen")
     TEST_CASE("analytic: a soft wire drawn through a catheter whose curvature grows towards its hub")
     {
         const double pull = 0.4, length = 0.06, before = 0.01, stiffness = 1e-2, turned = 0.45, mu = 0.5;
-        WorldSetup setup = merged_setup({instrument_of({{0.3, stiffness, 0}}, 1), instrument_of({{0.5, 1e-8, 0}}, 1)}, {length, length + 0.01},
-                                        1e-3, Scheme::Newton);
-        setup.wires[0].wire.lumen_radius = 0.49e-3;
-        WireSpec& wire = setup.wires[1].wire;
-        wire.shaft.radius = 0.4e-3;
-        wire.shaft.stretch_stiffness = 2e4;
-        for (WireSectionRange& range : wire.sections) range.section = wire.shaft;
-        setup.integrator.tolerance = 1e-6;
-        rub_on_lumen(setup, mu);
-        pull_at_tip(setup, pull * Vec3(std::cos(turned), 0, std::sin(turned)), 0.05);
+        WorldSetup setup = rope_in(instrument_of({{0.3, stiffness, 0}}, 1), length, mu, pull * Vec3(std::cos(turned), 0, std::sin(turned)));
         LoadSpec across;
         across.at.kind = WirePoint::Kind::Distance;
         across.at.from_tip = before;
@@ -138,8 +140,7 @@ TEST_SUITE("coaxial/merged lumen")
         across.ramp = 0.05;
         setup.wires[0].loads.push_back(across);
         World world(setup);
-        (void)move(world, 1, 0, 0, 200, 1e-3);
-        const WireReadings drawn = move(world, 1, -0.01, 0, 200, 1e-3);
+        const WireReadings drawn = draw_rope(world);
         const ConstRodView line = world.rod(1);
         const auto direction = [&](int edge) { return Vec3(line.pos(edge) - line.pos(edge + 1)).normalized(); };
         const double bent = std::asin(direction(12).z());  // beside the mouth

@@ -56,7 +56,7 @@ struct Tube : Made {
         LoopStencil at;
         wall->surface().basis(foot.triangle, foot.u, foot.v, at);
         std::vector<WallDynamics::Push> list;
-        for (int k = 0; k < at.size; ++k) list.push_back({at.vertex[k], at.n[k] * Vec3(0, 0, inward)});
+        for (int k = 0; k < at.size; ++k) list.push_back({0, at.vertex[k], at.n[k] * Vec3(0, 0, inward)});
         return list;
     }
 };
@@ -112,7 +112,7 @@ double largest_miss(const Plate& plate)
 {
     WallDynamics dynamics(*plate.wall);
     std::vector<double> full(static_cast<std::size_t>(plate.wall->unknowns()));
-    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0.001, 0, -0.005)}};
+    const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0.001, 0, -0.005)}};
     double miss = 0, most = 0;
     for (int k = 0; k < 100; ++k) {
         const auto pushed = k < 60 ? std::span<const WallDynamics::Push>(push) : std::span<const WallDynamics::Push>();
@@ -146,7 +146,7 @@ TEST_CASE("analytic: a wall that is pushed far rests where the shell under large
 {
     const Plate plate;
     const ElasticWall& wall = *plate.wall;
-    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0.05, 0, -0.3)}};
+    const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0.05, 0, -0.3)}};
     WallDynamics steps(wall), rest(wall);
     for (int k = 0; k < 400; ++k) {  // 20 relaxation times
         steps.begin_step(1e-3);
@@ -281,7 +281,7 @@ TEST_CASE("a node's foot on a moved wall is that of the place which the wall has
 TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, and an equilibrium is there at once")
 {
     const Plate plate;
-    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0, 0, -0.005)}};
+    const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0, 0, -0.005)}};
     WallDynamics slow(*plate.wall), at_once(*plate.wall);
     at_once.begin_step(0);
     at_once.end_step(push);
@@ -303,7 +303,7 @@ TEST_CASE("what is known of single vertices is what all of them are, at the star
 {
     const Plate plate;
     WallDynamics dynamics(*plate.wall);
-    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0.02, 0, -0.05)}};
+    const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}};
     for (int k = 0; k < 13; ++k) {
         dynamics.begin_step(k == 5 ? 5e-4 : 1e-3);  // and a step of another length
         const std::vector<double> now = dynamics.displacement();
@@ -322,7 +322,7 @@ TEST_CASE("what is known of single vertices is what all of them are, at the star
 TEST_CASE("a saved wall goes on with the same bits, and a damaged one is refused")
 {
     const Plate plate;
-    const WallDynamics::Push push[] = {{plate.middle(), Vec3(0.02, 0, -0.05)}};
+    const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}};
     WallDynamics whole(*plate.wall), resumed(*plate.wall);
     const auto advance = [&](WallDynamics& wall, int steps) {
         for (int k = 0; k < steps; ++k) {

@@ -19,13 +19,7 @@ struct WallTrial {
     Condensed linear;           // unknowns counted over the system's nodes
 };
 
-/// A force on a control vertex, by a wire; part of the state, so without gaps between its members.
-struct WirePush {
-    std::int32_t wire;  // of the system's
-    std::int32_t vertex;
-    Vec3 force;  // [N]
-};
-static_assert(sizeof(WirePush) == 2 * sizeof(std::int32_t) + 3 * sizeof(double));
+static_assert(sizeof(WallDynamics::Push) == 2 * sizeof(std::int32_t) + 3 * sizeof(double));
 
 struct YieldingWall::System {
     System(const ElasticWall& wall, int first)
@@ -99,7 +93,7 @@ struct YieldingWall::System {
     std::vector<double> scratch_q, scratch_m;
     mutable std::vector<double> missed;
     std::vector<WallDynamics::Push> pushed;
-    std::vector<WirePush> exerted, exerted_before;  // by the wires in the accepted state, of which it is a part, and in the one before
+    std::vector<WallDynamics::Push> exerted, exerted_before;  // pushed in the accepted state, of which it is a part, and in the one before
     std::vector<double> work_at_rest;               // on each wire on the way to the last equilibrium [wires] [J]
     std::vector<double> moves;  // [3 control vertices] at those that are read [m]
     WallReadings under;         // of the accepted state

@@ -87,7 +87,6 @@ private:
     void linearise(System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
     void list_pushes(System& system) const;
-    void note_exerted(System& system) const;
     void end_equilibrium(System& system, double farthest) const;
     [[nodiscard]] bool relax(System& system) const;
     void read_under(System& system) const;

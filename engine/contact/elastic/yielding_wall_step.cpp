@@ -282,7 +282,7 @@ void YieldingWall::System::walk_wall(StateWalk& walk)
     walk.list<std::int32_t>(row, exerted);
     if (!walk.checks()) return;
     const auto count = static_cast<std::int32_t>(wires.size()), vertices = static_cast<std::int32_t>(moves.size() / 3);
-    for (const WirePush& push : exerted)
+    for (const WallDynamics::Push& push : exerted)
         StateWalk::need(push.wire >= 0 && push.wire < count && push.vertex >= 0 && push.vertex < vertices && push.force.norm() <= row.most, row.name);
 }
 
@@ -316,7 +316,8 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         given.resize(now.force.size());
         now.linear.times_w(now.force, given);
         list_pushes(system);
-        note_exerted(system);
+        std::swap(system.exerted, system.exerted_before);
+        system.exerted = system.pushed;
         double farthest = 0;
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
             const Vec3 f = -Vec3(&now.force[3 * k]);
@@ -337,10 +338,10 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
 /// The work on the way to an equilibrium takes means of the forces at both ends: from another equilibrium, what linear theory stores, exactly.
 void YieldingWall::end_equilibrium(System& system, double farthest) const
 {
-    std::vector<WirePush> both = system.exerted_before;
+    std::vector<WallDynamics::Push> both = system.exerted_before;
     both.insert(both.end(), system.exerted.begin(), system.exerted.end());
     std::vector<Vec3> start;
-    for (const WirePush& push : both) start.push_back(system.dynamics.now(push.vertex));
+    for (const WallDynamics::Push& push : both) start.push_back(system.dynamics.now(push.vertex));
     system.dynamics.end_step(system.pushed, farthest);
     system.work_at_rest.assign(system.wires.size(), 0.0);
     for (std::size_t k = 0; k < both.size(); ++k) {
@@ -358,21 +359,8 @@ void YieldingWall::list_pushes(System& system) const
         const Vec3 f = -Vec3(&system.trial().force[3 * k]);
         if (f.isZero()) continue;
         const LoopStencil& s = system.stations[system.rows[k]].weights;
-        for (int a = 0; a < s.size; ++a) system.pushed.push_back({s.vertex[a], s.n[a] * f});
-    }
-}
-
-/// The pushes of the accepted state, by which wire.
-void YieldingWall::note_exerted(System& system) const
-{
-    std::swap(system.exerted, system.exerted_before);
-    system.exerted.clear();
-    for (std::size_t k = 0, next = 0; k < system.rows.size(); ++k) {
-        if (Vec3(&system.trial().force[3 * k]).isZero()) continue;
-        for (int a = 0; a < system.stations[system.rows[k]].weights.size; ++a) {
-            const WallDynamics::Push& push = system.pushed[next++];
-            system.exerted.push_back({system.wire_of_row[k] - system.wires.front(), push.vertex, push.force});
-        }
+        const int wire = system.wire_of_row[k] - system.wires.front();
+        for (int a = 0; a < s.size; ++a) system.pushed.push_back({wire, s.vertex[a], s.n[a] * f});
     }
 }
 

@@ -64,6 +64,12 @@ struct WireSpec {
 
     /// Section at material coordinate s [m]; s is clamped to [0, length].
     [[nodiscard]] const WireSection& at(double s) const;
+    /// visit(s) for each place where a section begins or ends, in the order of the sections [m].
+    template <class Visit>
+    void for_each_end(Visit visit) const
+    {
+        for (const WireSectionRange& range : sections) visit(range.begin), visit(range.end);
+    }
     [[nodiscard]] double least_radius() const;    // outer, of all sections [m]
     [[nodiscard]] double largest_radius() const;  // the same
 };
