@@ -461,7 +461,7 @@ void StepTwin::set_work()
     band.nodes = grid_.missed.nodes + work_errors_.nodes;
     band.facets = grid_.missed.facets + work_errors_.facets;
     band.sum_up();
-    band.resolved = band.band <= wanted * std::abs(work_) || band.band <= least_force * path_;
+    band.resolved = band.expected() <= std::max(wanted * std::abs(work_), least_force * path_);
 }
 
 ErrorEstimate StepTwin::finish(Finer finer)

@@ -294,7 +294,7 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                                    tally.overlap_share, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
                                    tally.overlap_at[2]));
     // a wall whose stiffness the scene gives is as soft as it is meant to be
-    constexpr double felt = 0.1;  // of the forces: half of what bands call resolved
+    constexpr double felt = 0.1;  // of the forces
     const double sunk = tally.normal_max > 0 ? tally.sunk_force / tally.normal_max : 0;
     if (!notes.scene->vessel.elastic && !notes.scene->vessel.youngs_given && notes.scene->contact.stiffness_from_wall && sunk > felt && tally.overlap_share <= deep)
         list.push_back(fmt::format("the wire sinks into the rigid wall by up to {:.2g} of its radius ({:.3g} um), at {:.4g} s near [{:.4g}, {:.4g}, "
