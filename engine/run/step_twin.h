@@ -82,6 +82,10 @@ namespace seldinger {
 
 struct Scene;
 
+/// A band is that many times the root of the sum of squares of its shares. By bench/audit.py, of 1,413 readings of 161 draws 94.9 % lay inside
+/// without it, and 95.9 % with it.
+inline constexpr double coverage = 1.1;
+
 /// One reading with its band.
 struct ErrorBand {
     double value = 0, twin = 0;  // with the run's step, with 1/parts of it
@@ -92,7 +96,7 @@ struct ErrorBand {
     double step = 0, nodes = 0, facets = 0;  // shares of the band
     double step_part = 1 / 1.5;              // of `step`, that the value is believed to be off by: without StepTwin::safety, and without what a release may do
     bool known = true;                       // the run has seen where the value comes from
-    void sum_up() { band = std::hypot(step, nodes, facets); }
+    void sum_up() { band = coverage * std::hypot(step, nodes, facets); }
     [[nodiscard]] double expected() const;   // what the value is believed to be off by
     [[nodiscard]] const char* largest_source() const { return nodes > std::max(step, facets) ? "nodes" : facets > step ? "facets" : "step"; }
 };
@@ -122,7 +126,7 @@ struct ErrorEstimate {
     double tip_facets = 0;                               // by the facets of the wall, largest at the ends of windows (GridErrors::tip) [m]
     bool adaptive = false;                               // the wire's nodes
     /// Of the tip's position, by all of them [m].
-    [[nodiscard]] double tip_band() const { return std::hypot(tip, tip_nodes, tip_facets); }
+    [[nodiscard]] double tip_band() const { return coverage * std::hypot(tip, tip_nodes, tip_facets); }
 };
 
 /// What makes the share of a source smaller.
