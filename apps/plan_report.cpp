@@ -185,7 +185,7 @@ const char* status_of(PlanStatus status)
 
 std::string reference_text(const Plan& plan)
 {
-    const PlanReference& r = plan.reference;
+    const Reference& r = plan.reference;
     if (r.levels.empty()) return "none";
     return fmt::format("{}, after {} refinements; known to {} and {} of the hand force ({:.3g} mN rms)", label(r.model),
                        r.levels.size() - 1, length(at(r.uncertainty, Observable::Shape)),

@@ -18,7 +18,7 @@ matplotlib.use("Agg")  # no display needed
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
-from plot_style import BLACK, BLUE, COLUMN, GREEN, ORANGE, PURPLE, RED, better, place_labels, save, use_style
+from plot_style import BLACK, BLUE, COLUMN, GREEN, ORANGE, PURPLE, RED, better, place_labels, save as save_whole, use_style
 
 use_style()
 
@@ -159,7 +159,7 @@ KINDS, DPI = ["svg", "png"], 110
 
 def save(figure, folder, stem):
     for kind in KINDS:
-        save(figure, folder / f"{stem}.{kind}", dpi=DPI, metadata={"Date": None} if kind == "svg" else None)
+        save_whole(figure, folder / f"{stem}.{kind}", dpi=DPI, metadata={"Date": None} if kind == "svg" else None)
     plt.close(figure)
 
 

@@ -1,7 +1,7 @@
 #pragma once
 // The scenes of the chart: length of each run, the part that counts, and its reference.
 
-#include "models/reference.h"
+#include "models/refinement.h"
 
 #include <filesystem>
 #include <functional>

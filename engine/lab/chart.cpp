@@ -157,22 +157,24 @@ public:
             chart_.reference = analytic_reference(chart_.benchmark, study_.scene);
             compare(chart_, trajectories_);
         } else {
-            const Folder of_scene = make_own_folder(store_.folder() / chart_.benchmark.name);
-            const auto folder = of_scene.make("reference-" + scene_key(study_.scene, plan_)).path();
-            refine_wall(chart_.benchmark.refinement);
-            Refiner refiner(study_, chart_.benchmark.refinement, plan_, chart_.benchmark.window, folder);
+            Refinement& how = chart_.benchmark.refinement;
+            refine_wall(how);
+            RunPlan once = plan_;
+            once.repeats = 1;
+            once.wall_limit = std::numeric_limits<double>::infinity();
+            Refiner refiner(study_, how.levels(), once, store_, chart_.benchmark.name, chart_.benchmark.window);
             PerObservable wanted;
             wanted.fill(std::numeric_limits<double>::infinity());
             // a better reference makes small errors smaller, and so asks for a better one: at most as often as there are levels
-            for (int k = 0; k <= chart_.benchmark.refinement.most_levels; ++k) {
-                tell(options_, fmt::format("{}: reference, {} levels so far", chart_.benchmark.name, refiner.reference().levels));
-                chart_.reference = refiner.refine_to(wanted);
+            for (int k = 0; k <= how.most_levels; ++k) {
+                tell(options_, fmt::format("{}: reference, {} levels so far", chart_.benchmark.name, refiner.reference().levels.size()));
+                chart_.reference = refine_to(refiner, how, wanted);
                 compare(chart_, trajectories_);
                 const PerObservable now = wanted_uncertainty(chart_);
-                if (refiner.stopped() || now == wanted) break;
+                if (chart_.reference.stopped || now == wanted) break;
                 wanted = now;
             }
-            if (refiner.stopped()) return false;
+            if (chart_.reference.stopped) return false;
         }
 
         chart_.finished = true;

@@ -147,7 +147,7 @@ std::string references_csv(const ChartResult& result)
                 {chart.benchmark.name, std::string(observable_words[k].word), std::string(observable_words[k].unit),
                  std::string(observable_words[k].says), flag(chart.charts(which)),
                  std::string(at(chart.scale, which) > 0 ? word_of(chart.reference.convergence[k]) : "is zero throughout"),
-                 csv_number(chart.reference.uncertainty[k]), csv_number(chart.scale[k]), csv_number(chart.reference.levels),
+                 csv_number(chart.reference.uncertainty[k]), csv_number(chart.scale[k]), csv_number(static_cast<double>(chart.reference.levels.size())),
                  moved, chart.reference.note, std::string(observable_words[k].says), moved});
         }
     }

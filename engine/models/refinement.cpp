@@ -1,4 +1,4 @@
-// Refines a scene level by level until two movements bound the remaining error, or reports that they do not.
+// Refines a scene in nodes and steps, judges convergence from how far each level moves, and stops when it is good enough.
 #include "models/refinement.h"
 
 #include "models/wall_edges.h"
@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace seldinger {
 namespace {
@@ -15,10 +16,10 @@ constexpr double coarsest_edge = 0.010;  // [m]
 constexpr int fewest_in_reference = 17;
 constexpr double coarsest_step = 1.0 / 60;  // [s]
 constexpr int least_levels = 3, most_levels = 9;
-constexpr int trapezoid_failures = 3;  // levels that break off before backward Euler is taken instead
-constexpr double cost_growth = edge_refinement * step_refinement;
-// what rounding and the solver's tolerance move [m], [N]
-constexpr double shape_noise = 1e-8, force_noise = 1e-6;
+constexpr std::size_t trapezoid_failures = 3;  // levels that break off before backward Euler is taken instead
+// Below this a movement is rounding and the solver's tolerance, not discretisation: 0.1 micrometres. On a wire at rest the hand
+// force's 20 ms mean scatters by 0.01 mN.
+constexpr PerObservable noise = {1e-8, 1e-8, 1e-6, 1e-6, 1e-6};
 
 Model level_model(const Scene& scene, const WallEdges& wall, const RunPlan& plan, int level, bool trapezoid)
 {
@@ -49,146 +50,229 @@ double rms_hand_force(const Trajectory& run)
     return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(run.samples.size(), 1)));
 }
 
-std::vector<double> column(const std::vector<PerObservable>& rows, Observable which)
+std::vector<double> column(const std::vector<PerObservable>& rows, std::size_t k)
 {
     std::vector<double> values;
-    for (const PerObservable& row : rows) values.push_back(at(row, which));
+    for (const PerObservable& row : rows) values.push_back(row[k]);
     return values;
 }
 
-/// Judges the present levels. @return whether it is good enough
-bool judge(PlanReference& reference, const ReferenceGoals& goals)
+/// Judges every observable by the rms of its movements.
+void judge_levels(Reference& reference)
+{
+    reference.known.fill(true);
+    for (std::size_t k = 0; k < observable_count; ++k) reference.convergence[k] = judge_movements(column(reference.moved, k), noise[k]);
+}
+
+/// @return whether it is good enough
+bool meets(Reference& reference, const ReferenceGoals& goals)
 {
     reference.force_scale = std::max(1e-3, rms_hand_force(reference.values));
     if (reference.moved.empty()) return false;
-    const auto shape = column(reference.moved, Observable::Shape), force = column(reference.moved, Observable::HandForce);
-    for (int k = 0; k < observable_count; ++k)
-        reference.uncertainty[static_cast<std::size_t>(k)] = error_left(column(reference.moved, static_cast<Observable>(k)));
-    const double force_goal = goals.force * (goals.force_is_relative ? reference.force_scale : 1.0);
+    judge_levels(reference);
+    for (std::size_t k = 0; k < observable_count; ++k) reference.uncertainty[k] = error_left(column(reference.moved, k));
     reference.peak_uncertainty = peaks_left(reference.peaks_moved);
-    const bool judges_force = std::isfinite(goals.force);
-    reference.converges = falls(shape, shape_noise) && (!judges_force || falls(force, force_noise));
-    return static_cast<int>(reference.levels.size()) >= least_levels && reference.converges &&
-           at(reference.uncertainty, Observable::Shape) <= std::max(goals.shape, shape_noise) &&
-           (!judges_force || at(reference.uncertainty, Observable::HandForce) <= std::max(force_goal, force_noise)) &&
-           goals.peaks.holds({}, reference.peak_uncertainty, reference.values.peaks);
+    const double force = goals.force * (goals.force_is_relative ? reference.force_scale : 1.0);
+    PerObservable wanted;
+    wanted.fill(std::numeric_limits<double>::infinity());
+    at(wanted, Observable::Shape) = goals.shape, at(wanted, Observable::HandForce) = force;
+    reference.converges = true;
+    bool is_enough = static_cast<int>(reference.levels.size()) >= least_levels;
+    for (std::size_t k = 0; k < observable_count; ++k) {
+        if (std::isinf(wanted[k])) continue;
+        reference.converges = reference.converges && reference.convergence[k] == Convergence::Falling;
+        is_enough = is_enough && reference.uncertainty[k] <= std::max(wanted[k], noise[k]);
+    }
+    return is_enough && reference.converges && goals.peaks.holds({}, reference.peak_uncertainty, reference.values.peaks);
 }
 
-/// Runs one level after another; what each says goes into the reference.
-class Levels {
-public:
-    Levels(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store, const std::string& name,
-           const std::function<void(const std::string&)>& progress)
-        : scene_(scene), plan_(plan), goals_(goals), store_(store), name_(name), progress_(progress), limited_(plan)
-    {
+/// Movements do not tell what the control mesh is wrong by once it is refined no further.
+void bound_wall(Refiner& refiner)
+{
+    Reference& reference = refiner.reference();
+    if (!reference.model.wall_edge || reference.levels.size() < 2) return;
+    Model coarser = reference.model;
+    const double edge = *coarser.wall_edge, before = reference.levels[reference.levels.size() - 2].wall_edge.value_or(edge);
+    constexpr double rounding = 1e-9;
+    if (before >= edge_refinement * edge * (1 - rounding)) return;
+    coarser.wall_edge = edge_refinement * edge;
+    Trajectory values;
+    const std::optional<RunRecord> run = refiner.run(coarser, values);
+    if (!run || !sound(*run)) {
+        reference.converges = false;
+        return;
     }
+    const Errors moved = trajectory_errors(values, reference.values);
+    for (std::size_t k = 0; k < reference.uncertainty.size(); ++k) reference.uncertainty[k] += moved.rms[k];
+    const Peaks peaks = difference(values.peaks, reference.values.peaks);
+    for (std::size_t k = 0; k < peaks.size(); ++k) reference.peak_uncertainty[k] += peaks[k];
+}
 
-    PlanReference refine()
-    {
-        run_levels();
-        if (reference_.converges && !reference_.stopped) bound_wall();
-        return std::move(reference_);
+/// Judges the present levels of a chart. @return whether there is nothing to gain
+bool judge(Reference& reference, const Refinement& how, const PerObservable& wanted)
+{
+    judge_levels(reference);
+    bool all_met = true, none_falls = true;
+    for (std::size_t k = 0; k < observable_count; ++k) {
+        // Medians do not see a jump that comes a little earlier or later; rms values do not see noise where most samples hardly
+        // move. The uncertainty is the rms in either case.
+        if (reference.convergence[k] != Convergence::Falling)
+            reference.convergence[k] = judge_movements(column(reference.moved_median, k), noise[k]);
+        reference.uncertainty[k] = reference.moved.empty() ? std::numeric_limits<double>::quiet_NaN() : reference.moved.back()[k];
+        if (std::isinf(wanted[k])) continue;
+        all_met = all_met && reference.uncertainty[k] <= std::max(noise[k], wanted[k]);
+        none_falls = none_falls && reference.convergence[k] == Convergence::NotFalling;
     }
-
-private:
-    /// Ends when the reference is good enough, or nothing more can be run.
-    void run_levels()
-    {
-        const Scene& scene = scene_.scene;
-        // without contact the motion is smooth in time: second order, unless that breaks off. With contact the trapezoid rule rings
-        bool trapezoid = !is_static() && scene.vessel.shape == VesselShape::None && !scene.integrator.conserve;
-        int broken = 0;
-        for (int level = 0; level < most_levels; ++level) {
-            const Model model = level_model(scene, wall_, plan_, level, trapezoid);
-            if (level > 0 && !goals_.affordable(cost_growth * last_seconds_)) {
-                reference_.out_of_budget = true;
-                return;
-            }
-            Trajectory values;
-            const std::optional<RunRecord> run = get(model, values);
-            if (!run) return;
-            if (!sound(*run)) {
-                // a coarse one may break where a finer one does not
-                reference_.failures.push_back(
-                    fmt::format("{}: {} after {:.3g} s", label(model),
-                                run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)),
-                                run->simulated));
-                reference_.levels.clear();
-                reference_.moved.clear();
-                reference_.peaks_moved.clear();
-                if (trapezoid && ++broken == trapezoid_failures) trapezoid = false, level = -1;
-                continue;
-            }
-            take_in(model, *run, std::move(values));
-            if (judge(reference_, goals_)) return;
-        }
-    }
-
-    /// Nothing when it was stopped, or took longer than there is time.
-    std::optional<RunRecord> get(const Model& model, Trajectory& values)
-    {
-        if (progress_) progress_(fmt::format("reference: {}", label(model)));
-        if (goals_.seconds_left) limited_.wall_limit = goals_.seconds_left();
-        const std::optional<RunRecord> run = store_.get(name_, scene_, model, limited_, {}, &values);
-        reference_.stopped = !run;
-        if (!run) return {};
-        reference_.out_of_budget = run->over_limit;
-        if (run->over_limit) return {};
-        last_seconds_ = run->cost.wall * std::max(run->simulated, is_static() ? 1.0 : 0.0);
-        return run;
-    }
-
-    void take_in(const Model& model, const RunRecord& run, Trajectory values)
-    {
-        if (!reference_.levels.empty()) {
-            reference_.moved.push_back(trajectory_errors(reference_.values, values).rms);
-            reference_.peaks_moved.push_back(difference(reference_.values.peaks, values.peaks));
-        }
-        reference_.values = std::move(values);
-        reference_.levels.push_back(model);
-        reference_.model = model;
-        reference_.jitters = run.outcome == Outcome::Jitter;
-        reference_.contacts = std::max(reference_.contacts, run.contacts);
-        reference_.wall_move = run.wall_move;
-        reference_.wall_far = run.wall_far_steps > 0;
-    }
-
-    /// Movements do not tell what the control mesh is wrong by once it is refined no further.
-    void bound_wall()
-    {
-        if (!wall_.yields() || reference_.levels.size() < 2) return;
-        Model coarser = reference_.model;
-        const double edge = *coarser.wall_edge, before = reference_.levels[reference_.levels.size() - 2].wall_edge.value_or(edge);
-        constexpr double rounding = 1e-9;
-        if (before >= edge_refinement * edge * (1 - rounding)) return;
-        coarser.wall_edge = edge_refinement * edge;
-        Trajectory values;
-        const std::optional<RunRecord> run = get(coarser, values);
-        if (!run || !sound(*run)) {
-            reference_.converges = false;
-            return;
-        }
-        const Errors moved = trajectory_errors(values, reference_.values);
-        for (std::size_t k = 0; k < reference_.uncertainty.size(); ++k) reference_.uncertainty[k] += moved.rms[k];
-        const Peaks peaks = difference(values.peaks, reference_.values.peaks);
-        for (std::size_t k = 0; k < peaks.size(); ++k) reference_.peak_uncertainty[k] += peaks[k];
-    }
-
-    [[nodiscard]] bool is_static() const { return scene_.scene.integrator.scheme == Scheme::Static; }
-
-    const StudyScene& scene_;
-    const RunPlan& plan_;
-    const ReferenceGoals& goals_;
-    RunStore& store_;
-    const std::string& name_;
-    const std::function<void(const std::string&)>& progress_;
-    RunPlan limited_;
-    WallEdges wall_ = wall_edges(scene_.setup);
-    double last_seconds_ = 0;
-    PlanReference reference_;
-};
+    return static_cast<int>(reference.levels.size()) >= how.least_levels && (all_met || none_falls);
+}
 
 }  // namespace
+
+std::string_view word_of(Convergence convergence)
+{
+    constexpr std::string_view words[] = {"analytic", "converges", "does not converge", "too few refinements"};
+    return words[static_cast<int>(convergence)];
+}
+
+Refiner::Refiner(const StudyScene& scene, Levels levels, RunPlan plan, RunStore& store, std::string name, Window window,
+                 std::vector<Baseline> baselines)
+    : scene_(scene),
+      levels_(std::move(levels)),
+      plan_(std::move(plan)),
+      store_(store),
+      name_(std::move(name)),
+      window_(window),
+      baselines_(std::move(baselines))
+{
+}
+
+Reference& Refiner::refine_until(const std::function<bool(Reference&)>& enough)
+{
+    while (!exhausted_ && !reference_.stopped && (reference_.levels.empty() || !enough(reference_))) exhausted_ = !add_level();
+    return reference_;
+}
+
+/// @return false when nothing more can be run
+bool Refiner::add_level()
+{
+    if (level_ == levels_.most) return false;
+    const double next = levels_.cost_growth * last_seconds_;
+    if (level_ > 0 && !levels_.affordable(level_, spent_, next)) {
+        reference_.out_of_budget = true;
+        return false;
+    }
+    const Model model = levels_.model(level_++);
+    Trajectory values;
+    const std::optional<RunRecord> done = run(model, values);
+    if (!done) return false;
+    if (!sound(*done)) return go_on_after(model, *done);
+    take_in(model, *done, std::move(values));
+    return true;
+}
+
+std::optional<RunRecord> Refiner::run(const Model& model, Trajectory& values)
+{
+    if (levels_.progress) levels_.progress(fmt::format("reference: {}", label(model)));
+    if (levels_.seconds_left) plan_.wall_limit = levels_.seconds_left();
+    const std::optional<RunRecord> run = store_.get(name_, scene_, model, plan_, baselines_, &values);
+    reference_.stopped = !run;
+    if (!run) return {};
+    reference_.out_of_budget = run->over_limit;
+    if (run->over_limit) return {};
+    const bool is_static = scene_.scene.integrator.scheme == Scheme::Static;
+    last_seconds_ = (plan_.processor_time ? run->cost.cpu : run->cost.wall) * std::max(run->simulated, is_static ? 1.0 : 0.0);
+    spent_ += last_seconds_;
+    return run;
+}
+
+bool Refiner::go_on_after(const Model& broken, const RunRecord& run)
+{
+    reference_.failures.push_back(
+        fmt::format("{}: {} after {:.3g} s", label(broken),
+                    run.outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run.outcome)), run.simulated));
+    if (levels_.ends_when_broken) return false;
+    reference_.levels.clear();
+    reference_.moved.clear();
+    reference_.moved_median.clear();
+    reference_.peaks_moved.clear();
+    if (levels_.over_again && levels_.over_again(reference_.failures.size())) level_ = 0;
+    return true;
+}
+
+void Refiner::take_in(const Model& model, const RunRecord& run, Trajectory values)
+{
+    if (!reference_.levels.empty()) {
+        const Errors between = trajectory_errors(reference_.values, values, window_);
+        reference_.moved.push_back(between.rms);
+        reference_.moved_median.push_back(between.median);
+        reference_.peaks_moved.push_back(difference(reference_.values.peaks, values.peaks));
+    }
+    reference_.values = std::move(values);
+    reference_.levels.push_back(model);
+    reference_.model = model;
+    reference_.jitters = run.outcome == Outcome::Jitter;
+    reference_.contacts = std::max(reference_.contacts, run.contacts);
+    reference_.wall_move = run.wall_move;
+    reference_.wall_far = run.wall_far_steps > 0;
+}
+
+Reference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store,
+                       const std::string& name, const std::function<void(const std::string&)>& progress)
+{
+    const bool is_static = scene.scene.integrator.scheme == Scheme::Static;
+    const WallEdges wall = wall_edges(scene.setup);
+    // without contact the motion is smooth in time: second order, unless that breaks off. With contact the trapezoid rule rings
+    bool trapezoid = !is_static && scene.scene.vessel.shape == VesselShape::None && !scene.scene.integrator.conserve;
+    Levels levels;
+    levels.model = [&](int level) { return level_model(scene.scene, wall, plan, level, trapezoid); };
+    levels.most = most_levels;
+    levels.cost_growth = edge_refinement * step_refinement;
+    levels.over_again = [&](std::size_t broken) { return broken >= trapezoid_failures && std::exchange(trapezoid, false); };
+    levels.affordable = [&](int, double, double next) { return goals.affordable(next); };
+    levels.seconds_left = goals.seconds_left;
+    levels.progress = progress;
+    Refiner refiner(scene, std::move(levels), plan, store, name);
+    Reference& reference = refiner.refine_until([&](Reference& so_far) { return meets(so_far, goals); });
+    if (reference.converges && !reference.stopped) bound_wall(refiner);
+    return std::move(reference);
+}
+
+Model Refinement::model(int level) const
+{
+    Model model = coarsest;
+    const int factor = 1 << level;
+    model.nodes = (model.nodes.value_or(101) - 1) * factor + 1;
+    model.dt = model.dt.value_or(1e-3) / factor;
+    if (model.wall_edge) model.wall_edge = std::max(least_wall_edge, *model.wall_edge / std::pow(edge_refinement, level));
+    model.name = fmt::format("reference {}", level);
+    return model;
+}
+
+Levels Refinement::levels() const
+{
+    Levels levels;
+    levels.model = [how = *this](int level) { return how.model(level); };
+    levels.most = most_levels;
+    levels.ends_when_broken = true;
+    levels.affordable = [most = wall_limit, least = least_levels](int level, double spent, double next) {
+        return level < least || spent + next <= most;
+    };
+    return levels;
+}
+
+const Reference& refine_to(Refiner& refiner, const Refinement& how, const PerObservable& wanted)
+{
+    Reference& reference = refiner.refine_until([&](Reference& so_far) { return judge(so_far, how, wanted); });
+    if (!reference.failures.empty()) {
+        reference.note = reference.failures.back();
+    } else if (!reference.levels.empty()) {
+        const Model& finest = reference.model;
+        reference.note =
+            fmt::format("{} levels, the finest with {} nodes and {:.3g} ms", reference.levels.size(), *finest.nodes, 1e3 * *finest.dt);
+        if (finest.wall_edge) reference.note += fmt::format(", control edges of {:.3g} mm", 1e3 * *finest.wall_edge);
+    }
+    return reference;
+}
 
 double error_left(const std::vector<double>& moved)
 {
@@ -201,21 +285,15 @@ double error_left(const std::vector<double>& moved)
     return last * ratio / (1 - ratio);
 }
 
-bool falls(const std::vector<double>& moved, double noise)
+Convergence judge_movements(const std::vector<double>& moved, double smallest)
 {
-    if (moved.empty()) return false;
     const std::size_t n = moved.size();
-    if (moved[n - 1] <= noise) return true;
-    if (n < 2) return false;
-    if (moved[n - 1] <= most_ratio * moved[n - 2]) return true;
+    if (n == 0) return Convergence::Unknown;
+    if (moved[n - 1] <= smallest) return Convergence::Falling;
+    if (n == 1) return Convergence::Unknown;
+    if (moved[n - 1] <= most_ratio * moved[n - 2]) return Convergence::Falling;
     // one unlucky pair does not make a divergence when the trend over two refinements is down
-    return n >= 3 && moved[n - 1] <= most_ratio * most_ratio * moved[n - 3];
-}
-
-PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store,
-                           const std::string& name, const std::function<void(const std::string&)>& progress)
-{
-    return Levels(scene, plan, goals, store, name, progress).refine();
+    return n >= 3 && moved[n - 1] <= most_ratio * most_ratio * moved[n - 3] ? Convergence::Falling : Convergence::NotFalling;
 }
 
 }  // namespace seldinger

@@ -191,6 +191,9 @@ private:
     ModelRun finish()
     {
         result_.verdict = watch_.verdict();
+        result_.outcome = result_.verdict.outcome;
+        result_.readings = result_.verdict.readings;
+        result_.wall_limit = plan_.wall_limit;
         const double per = is_static_ || result_.simulated == 0 ? 1 : result_.simulated;
         const double wall = clock_.wall() / per, cpu = clock_.cpu() / per;
         result_.cost = {wall, wall, wall, cpu, cpu, cpu, 1};

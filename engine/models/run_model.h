@@ -37,18 +37,25 @@ struct Cost {
     int repeats = 0;
 };
 
-struct ModelRun {
-    Trajectory trajectory;
+/// A run as a table keeps it (run_store.h).
+struct RunRecord {
     Cost cost;
-    Verdict verdict;
+    Outcome outcome = Outcome::Hold;
+    bool complete = false;        // reached the end
+    bool over_limit = false;      // stopped by wall_limit
     double failed_at = 0;         // of a run that broke off by itself [s]
     double simulated = 0;         // [s]
+    double wall_limit = 0;        // under which it was run [s]
     int nodes = 0, contacts = 0;  // at most
     double wall_move = 0;         // farthest that an elastic wall has gone, of the samples [m]
     long wall_far_steps = 0;      // StepWallFar
-    bool complete = false;        // reached the end
-    bool over_limit = false;      // stopped by wall_limit
-    bool stopped = false;         // by plan.stop or plan.stop_now
+    FailureReadings readings;     // a table keeps steps, jitter, overlap, outside, iterations
+};
+
+struct ModelRun : RunRecord {
+    Trajectory trajectory;
+    Verdict verdict;
+    bool stopped = false;  // by plan.stop or plan.stop_now
 };
 
 /// @throws Error when the model cannot run in the scene (see why_not)

@@ -6,17 +6,36 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <algorithm>
+#include <cmath>
+#include <type_traits>
 
 namespace seldinger {
 namespace {
 
-const std::vector<std::string> columns = {
-    "scene",       "scene_key",   "model",           "settings",     "outcome",       "complete",     "over_limit",
-    "failed_at_s", "simulated_s", "wall_limit_s",    "wall_s_per_s", "wall_lowest",   "wall_highest", "repeats",
-    "cpu_s_per_s", "cpu_lowest",  "cpu_highest",     "nodes",        "contacts",      "steps",        "jitter",
-    "overlap_m",   "outside_m",   "mean_iterations", "wall_move_m",  "wall_far_steps"};
 constexpr std::size_t key_columns = 4;
+
+/// Columns after the keys and the outcome, in their order.
+template <class Record, class Each>
+void walk(Record& r, Each each)
+{
+    each("complete", r.complete), each("over_limit", r.over_limit);
+    each("failed_at_s", r.failed_at), each("simulated_s", r.simulated), each("wall_limit_s", r.wall_limit);
+    each("wall_s_per_s", r.cost.wall), each("wall_lowest", r.cost.lowest), each("wall_highest", r.cost.highest);
+    each("repeats", r.cost.repeats);
+    each("cpu_s_per_s", r.cost.cpu), each("cpu_lowest", r.cost.cpu_lowest), each("cpu_highest", r.cost.cpu_highest);
+    each("nodes", r.nodes), each("contacts", r.contacts), each("steps", r.readings.steps);
+    each("jitter", r.readings.jitter), each("overlap_m", r.readings.overlap), each("outside_m", r.readings.outside);
+    each("mean_iterations", r.readings.mean_iterations);
+    each("wall_move_m", r.wall_move), each("wall_far_steps", r.wall_far_steps);
+}
+
+std::vector<std::string> columns()
+{
+    std::vector<std::string> names = {"scene", "scene_key", "model", "settings", "outcome"};
+    const RunRecord any;
+    walk(any, [&names](const char* name, const auto&) { names.emplace_back(name); });
+    return names;
+}
 
 std::string hex(const std::string& text) { return fmt::format("{:016x}", fnv1a(text.data(), text.size())); }
 
@@ -38,67 +57,30 @@ Outcome outcome_named(const std::string& word)
 ResultTable::Row row_of(const ResultTable::Row& keys, const RunRecord& r)
 {
     ResultTable::Row row = keys;
-    const auto put = [&row](double value) { row.push_back(csv_number(value)); };
     row.emplace_back(name(r.outcome));
-    for (const double value : {r.complete ? 1.0 : 0.0,
-                               r.over_limit ? 1.0 : 0.0,
-                               r.failed_at,
-                               r.simulated,
-                               r.wall_limit,
-                               r.cost.wall,
-                               r.cost.lowest,
-                               r.cost.highest,
-                               static_cast<double>(r.cost.repeats),
-                               r.cost.cpu,
-                               r.cost.cpu_lowest,
-                               r.cost.cpu_highest,
-                               static_cast<double>(r.nodes),
-                               static_cast<double>(r.contacts),
-                               static_cast<double>(r.readings.steps),
-                               r.readings.jitter,
-                               r.readings.overlap,
-                               r.readings.outside,
-                               r.readings.mean_iterations,
-                               r.wall_move,
-                               static_cast<double>(r.wall_far_steps)})
-        put(value);
+    walk(r, [&row](const char*, auto value) { row.push_back(csv_number(static_cast<double>(value))); });
     return row;
 }
 
 RunRecord record_of(const ResultTable::Row& row)
 {
     RunRecord r;
-    std::size_t k = key_columns;
-    const auto next = [&] { return number_in(row[k++]); };
-    r.outcome = outcome_named(row[k++]);
-    r.complete = next() > 0, r.over_limit = next() > 0;
-    r.failed_at = next(), r.simulated = next();
-    r.wall_limit = row[k].empty() ? std::numeric_limits<double>::infinity() : number_in(row[k]), ++k;
-    r.cost.wall = next(), r.cost.lowest = next(), r.cost.highest = next();
-    r.cost.repeats = count_in(row[k++]), r.cost.cpu = next(), r.cost.cpu_lowest = next(), r.cost.cpu_highest = next();
-    r.nodes = count_in(row[k++]), r.contacts = count_in(row[k++]), r.readings.steps = count_in(row[k++]);
-    r.readings.jitter = next(), r.readings.overlap = next(), r.readings.outside = next(), r.readings.mean_iterations = next();
-    r.wall_move = next(), r.wall_far_steps = count_in(row[k++]);
-    return r;
-}
-
-RunRecord record_of(const ModelRun& run, const RunPlan& plan)
-{
-    RunRecord r;
-    r.cost = run.cost;
-    r.outcome = run.verdict.outcome;
-    r.complete = run.complete, r.over_limit = run.over_limit;
-    r.failed_at = run.failed_at, r.simulated = run.simulated, r.wall_limit = plan.wall_limit;
-    r.nodes = run.nodes, r.contacts = run.contacts;
-    r.wall_move = run.wall_move, r.wall_far_steps = run.wall_far_steps;
-    r.readings = run.verdict.readings;
+    r.outcome = outcome_named(row[key_columns]);
+    walk(r, [&row, k = key_columns](const char*, auto& value) mutable {
+        const std::string& text = row[++k];
+        using Value = std::remove_reference_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, bool>) value = number_in(text) > 0;
+        else if constexpr (std::is_integral_v<Value>) value = count_in(text);
+        else value = number_in(text);
+    });
+    if (std::isnan(r.wall_limit)) r.wall_limit = std::numeric_limits<double>::infinity();
     return r;
 }
 
 }  // namespace
 
 RunStore::RunStore(std::filesystem::path folder)
-    : folder_((make_folder(folder), std::move(folder))), table_(folder_ / "runs.csv", columns, key_columns)
+    : folder_((make_folder(folder), std::move(folder))), table_(folder_ / "runs.csv", columns(), key_columns)
 {
 }
 
@@ -111,22 +93,18 @@ std::optional<RunRecord> RunStore::get(const std::string& scene_name, const Stud
     const auto file = folder_ / scene_name / name;
     Trajectory kept;
     if (const ResultTable::Row* row = table_.find(keys); row && load_trajectory(file, kept)) {
-        RunRecord record = record_of(*row);
-        record.trajectory = file;
+        const RunRecord record = record_of(*row);
         if (!record.over_limit || record.wall_limit >= plan.wall_limit) {
             if (trajectory) *trajectory = std::move(kept);
             return record;
         }
     }
-    const ModelRun run = run_model(scene, model, plan, baselines);
+    ModelRun run = run_model(scene, model, plan, baselines);
     if (run.stopped) return std::nullopt;
-    ++fresh_;
-    RunRecord record = record_of(run, plan);
-    record.trajectory = file;
     save_trajectory(make_own_folder(folder_ / scene_name) / name, run.trajectory);
-    table_.append(row_of(keys, record));  // last: a row stands for a run whose trajectory is there
-    if (trajectory) *trajectory = run.trajectory;
-    return record;
+    table_.append(row_of(keys, run));  // last: a row stands for a run whose trajectory is there
+    if (trajectory) *trajectory = std::move(run.trajectory);
+    return run;
 }
 
 std::string scene_key(const Scene& scene, const RunPlan& plan)

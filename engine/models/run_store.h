@@ -14,20 +14,6 @@
 
 namespace seldinger {
 
-/// A run as the table keeps it.
-struct RunRecord {
-    Cost cost;
-    Outcome outcome = Outcome::Hold;
-    bool complete = false, over_limit = false;
-    double failed_at = 0, simulated = 0;  // [s]
-    double wall_limit = 0;                // under which it was run [s]
-    int nodes = 0, contacts = 0;
-    double wall_move = 0;  // [m]
-    long wall_far_steps = 0;
-    FailureReadings readings;          // steps, jitter, overlap, outside, iterations are kept
-    std::filesystem::path trajectory;  // where its observables are
-};
-
 class RunStore {
 public:
     /// @throws Error BadFile
@@ -40,14 +26,10 @@ public:
     [[nodiscard]] std::optional<RunRecord> get(const std::string& name, const StudyScene& scene, const Model& model,
                                                const RunPlan& plan, const std::vector<Baseline>& baselines,
                                                Trajectory* trajectory = nullptr);
-    [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
-    /// Runs that get() had to do.
-    [[nodiscard]] int fresh() const { return fresh_; }
 
 private:
     std::filesystem::path folder_;
     ResultTable table_;
-    int fresh_ = 0;
 };
 
 /// 16 hex digits that differ when scene, sampled times or program version do.

@@ -223,7 +223,7 @@ PlanChoice exchange(std::string simpler, std::string fuller, Member member, Enum
 
 }  // namespace
 
-SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step)
+SearchGrid search_grid(const Reference& reference, double interval, double longest_step)
 {
     SearchGrid grid;
     for (int edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_searched; edges = next_coarser(edges))

@@ -28,7 +28,7 @@ struct SearchGrid {
 
 /// Neighbours are a factor of 1.3 apart at most, where there are whole numbers of edges and of steps in an interval between.
 /// @param interval  between samples: every step divides it  @param longest_step  [s]; 0: static
-[[nodiscard]] SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step);
+[[nodiscard]] SearchGrid search_grid(const Reference& reference, double interval, double longest_step);
 
 /// One choice that a model can make, and its other way.
 struct PlanChoice {

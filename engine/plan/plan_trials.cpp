@@ -50,7 +50,7 @@ CostRule::CostRule(int device_index)
                                     [](const DeviceInfo& d) { return d.type.find("CPU") != std::string::npos; });
 }
 
-TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
+TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const Reference& reference, const PlanGoals& goals,
                      const CostRule& cost, RunStore& store, std::function<double()> seconds_left)
     : scene_(scene),
       plan_(plan),

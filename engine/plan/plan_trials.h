@@ -59,7 +59,7 @@ class TrialRuns final : public TrialRunSource {
 public:
     /// @param plan  samples and stop, as the reference was run
     /// @param seconds_left  of the budget: a trial that takes longer is broken off [s]
-    TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
+    TrialRuns(const StudyScene& scene, const RunPlan& plan, const Reference& reference, const PlanGoals& goals,
               const CostRule& cost, RunStore& store, std::function<double()> seconds_left);
 
     [[nodiscard]] const TrialRun* look_at(const Model& model) override;
@@ -80,7 +80,7 @@ private:
 
     const StudyScene& scene_;
     RunPlan plan_;
-    const PlanReference& reference_;
+    const Reference& reference_;
     const CostRule& cost_;
     RunStore& store_;
     std::string name_;

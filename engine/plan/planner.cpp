@@ -93,7 +93,7 @@ private:
         wanted.affordable = [this](double seconds) { return elapsed() + seconds <= reference_share * options_.budget; };
         wanted.seconds_left = [this] { return std::max(1.0, options_.budget - elapsed()); };
         result_.reference = refine_scene(scene_, plan_, wanted, store_, "reference", options_.progress);
-        const PlanReference& reference = result_.reference;
+        const Reference& reference = result_.reference;
         result_.touches = reference.contacts > 0;
         if (reference.stopped) return stop_with(PlanStatus::Interrupted, "interrupted");
         if (reference.levels.empty() && reference.failures.empty())
@@ -147,7 +147,7 @@ private:
         result_.accurate = described(reference.model, reference.values);
     }
 
-    [[nodiscard]] static std::string peaks_known_to(const PlanReference& reference)
+    [[nodiscard]] static std::string peaks_known_to(const Reference& reference)
     {
         std::string text = "its peaks to";
         for (std::size_t k = 0; k < peak_words.size(); ++k) {
@@ -159,7 +159,7 @@ private:
     }
 
     /// The first and the last that broke off.
-    [[nodiscard]] static std::string failures(const PlanReference& reference)
+    [[nodiscard]] static std::string failures(const Reference& reference)
     {
         if (reference.failures.empty()) return "nothing was tried";
         if (reference.failures.size() == 1) return reference.failures.front();
@@ -268,7 +268,7 @@ private:
     /// The coarsest level of the reference that is not plainly hopeless: trials go on from there.
     Model starting_model() const
     {
-        const PlanReference& reference = result_.reference;
+        const Reference& reference = result_.reference;
         double left = 0;
         std::size_t level = reference.levels.size() - 1;
         while (level > 0) {

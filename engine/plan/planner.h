@@ -80,7 +80,7 @@ enum class PlanStatus {
 struct Plan {
     PlanStatus status = PlanStatus::Interrupted;
     std::string message;  // one line for what was not planned; empty when it was
-    PlanReference reference;
+    Reference reference;
     std::optional<PlannedModel> chosen;    // Planned
     std::optional<PlannedModel> accurate;  // the cheapest that meets the tolerance (or the most accurate), whatever its rate
     std::optional<PlannedModel> fast;      // the most accurate that meets the rate

@@ -163,6 +163,13 @@ void prepare_coaxial(CoaxialRod& rod, const RodView& line);
 /// Stretch stiffness of all instruments together in [begin, end] of the centreline, as one edge [N]; prepare_coaxial() has been called for their offsets.
 [[nodiscard]] double coaxial_stretch_stiffness(const CoaxialRod& rod, double begin, double end);
 
+/// The edge that material at s goes on with straight, one of the two of its cell. It is `edge`, which s lies on, unless the cell bends
+/// almost only beyond s, as at the tip of a catheter that a soft wire leaves: there the cell turns at its node all the same, and what
+/// acts on the catheter would turn the half edge that has left it. From less than half of what bends between s and the middle of the
+/// other edge, were the cell even, s is on the line of that other edge; what is left there to turn is no more than in an even cell.
+/// prepare_coaxial() has been called.
+[[nodiscard]] int coaxial_edge_of(const CoaxialRod& rod, const RodView& line, double s, int edge);
+
 /// Frames at `trial`: those of the centreline, of which the first instrument's angles and twist, and the sleeve as the only
 /// clamp. @param frames  of coaxial_frames()     @return false where there is no such configuration, see update_frames()
 [[nodiscard]] bool update_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,

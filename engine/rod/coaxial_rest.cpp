@@ -176,6 +176,22 @@ double coaxial_stretch_stiffness(const CoaxialRod& rod, double begin, double end
     return covered > 0 ? covered * covered / (compliance * (end - begin)) : 0;
 }
 
+int coaxial_edge_of(const CoaxialRod& rod, const RodView& line, double s, int edge)
+{
+    const auto middle = [&](int j) { return 0.5 * (line.material_s[j] + line.material_s[j + 1]); };
+    const bool is_hubwards = s > middle(edge);
+    const int other = is_hubwards ? edge + 1 : edge - 1;
+    if (other < 0 || other > line.n - 2) return edge;
+    const CoaxialCell& cell = rod.cells[is_hubwards ? edge + 1 : edge];
+    CoaxialCell behind;  // between s and the other middle
+    const double begin = std::min(s, middle(other)), end = std::max(s, middle(other));
+    std::size_t at = 0;
+    for_each_part(rod.pieces, begin, end, at, [&](const CoaxialPiece& piece, double length) {
+        behind.add({piece.section.data(), static_cast<std::size_t>(rod.instruments)}, length);
+    });
+    return behind.compliance * cell.length < 0.5 * cell.compliance * (end - begin) ? other : edge;
+}
+
 double CoaxialHands::push(int k, int leader, int instruments) const
 {
     if (k != leader) return offset_force[k];

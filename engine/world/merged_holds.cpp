@@ -36,6 +36,19 @@ void refuse_both(const Taken& a, const Taken& b)
                                                 a.wire, a.index, b.wire, b.index, what));
 }
 
+/// Puts what acts on material of the line between the nodes of the edge that the material goes on with.
+template <class Acting>
+void take_along(const CoaxialRod& rod, const RodView& line, std::vector<Acting>& all)
+{
+    for (Acting& acting : all) {
+        const double s = line.material_s[acting.edge] + acting.bary * line.rest_length[acting.edge];
+        const int edge = coaxial_edge_of(rod, line, s, acting.edge);
+        if (edge == acting.edge) continue;
+        acting.edge = edge;
+        acting.bary = (s - line.material_s[edge]) / line.rest_length[edge];
+    }
+}
+
 }  // namespace
 
 void take_holds(WorldData& world, MergedGroup& group)
@@ -72,6 +85,8 @@ void constrain_member(WorldData& world, const MergedGroup& group, int wire, doub
     add_feed_constraints(group.feed, line, out);
     for (int k = 0; k < group.shared.count(); ++k)
         world.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
+    take_along(group.shared.rod, line, out.loads);
+    take_along(group.shared.rod, line, out.springs);
 }
 
 double axial_load(WorldData& world, const MergedGroup& group, int k)

@@ -77,6 +77,35 @@ TEST_SUITE("coaxial/merged loads")
         }
     }
 
+    // A cantilever of B under F across its tip feels -F^2 L^2/(2 B) at its hand: the slope there takes F along. What goes on from there is
+    // a thread, which holds nothing and whose hand feels nothing, wherever the tip is between two nodes. Slopes are right to their square,
+    // 0.4 %, and a spring instead of the force pulls 0.5 % more along than across.
+    TEST_CASE("analytic: what pulls across the tip of a catheter is the catheter's alone, though a thread goes on from there")
+    {
+        const double stiffness = 1e-2, force = 0.5;
+        for (const bool spring : {false, true})
+            for (int k = 0; k < 8; ++k) {
+                const double length = 0.05 + 2.5e-4 * k, height_of_tip = force * std::pow(length, 3) / (3 * stiffness);
+                CAPTURE(k);
+                CAPTURE(spring);
+                WorldSetup setup = merged_setup({instrument_of({{0.4, stiffness, 0}}, 1), instrument_of({{0.6, 1e-8, 0}}, 1)}, {length, 0.06},
+                                                2e-3, Scheme::Static);
+                for (WireSectionRange& range : setup.wires[1].wire.sections) range.section.stretch_stiffness = 2e4;
+                setup.wires[1].wire.shaft.stretch_stiffness = 2e4;
+                setup.integrator.tolerance = 1e-9;
+                LinkSpec link;
+                link.at.kind = WirePoint::Kind::Tip;
+                link.stiffness = 5;
+                link.anchor = {length, 0, height_of_tip + force / link.stiffness};
+                if (spring) setup.wires[0].links.push_back(link);
+                else setup.wires[0].loads.push_back(load_at(0, {0, 0, force}));
+                World world(setup);
+                for (int i = 0; i < 3; ++i) advance(world, length, 0.06);
+                CHECK(world.readings(0).hand_force == about(-force * force * length * length / (2 * stiffness)).epsilon(0.02));
+                CHECK(std::abs(world.readings(1).hand_force) < 1e-3 * force);
+            }
+    }
+
     TEST_CASE("analytic: a dead moment bends by m L^2/(2 B) wherever it acts, and a link is a spring")
     {
         const double length = 0.06, moment = 1e-5, both = 1.5 * bend;

@@ -1,6 +1,6 @@
-// The reference: whether refinements converge, how far, and that finished ones are not run again.
+// A chart's reference: whether refinements converge, how far, and that finished ones are not run again.
 
-#include "models/reference.h"
+#include "models/refinement.h"
 #include "models/scripted_simulation.h"
 #include "support/approx.h"
 #include "support/temporary_folder.h"
@@ -53,36 +53,42 @@ Refinement from(int nodes, double dt, int levels)
 
 constexpr PerObservable as_good_as_can_be{};
 
+/// A chart's refinement, with a folder of its own unless one is given.
+struct Refining {
+    Refining(const StudyScene& scene, Refinement levels, const RunPlan& plan, std::vector<Baseline> baselines = {},
+             const std::filesystem::path& folder = {})
+        : how(std::move(levels)),
+          store(folder.empty() ? own.path() : folder),
+          refiner(scene, how.levels(), plan, store, "reference", {}, std::move(baselines))
+    {
+    }
+    const Reference& to(const PerObservable& wanted) { return refine_to(refiner, how, wanted); }
+
+    TemporaryFolder own;
+    Refinement how;
+    RunStore store;
+    Refiner refiner;
+};
+
 }  // namespace
 
 TEST_SUITE("models/reference")
 {
-    TEST_CASE("analytic: sequences that fall, that do not, and that have arrived")
-    {
-        CHECK(judge_movements({}, 1e-9) == Convergence::Unknown);
-        CHECK(judge_movements({1e-3}, 1e-9) == Convergence::Unknown);
-        CHECK(judge_movements({1e-3, 5e-4, 2.6e-4}, 1e-9) == Convergence::Falling);
-        CHECK(judge_movements({1e-3, 9e-4}, 1e-9) == Convergence::NotFalling);
-        CHECK(judge_movements({1e-3, 5e-4, 6e-4}, 1e-9) == Convergence::NotFalling);
-        CHECK(judge_movements({1e-3, 2e-4, 3e-4}, 1e-9) == Convergence::Falling);  // one lucky pair, but the trend is down
-        CHECK(judge_movements({1e-10, 9e-10}, 1e-9) == Convergence::Falling);
-    }
-
     TEST_CASE(
         "property: a smooth scene converges at the integrator's order, and its uncertainty bounds the finest run's own error")
     {
         const StudyScene scene = swing();
         RunPlan plan;
         plan.interval = 0.02;
-        Refiner refiner(scene, from(11, 5e-4, 4), plan, {});
-        const Reference& reference = refiner.refine_to(as_good_as_can_be);
-        REQUIRE(reference.levels == 4);
+        Refining refining(scene, from(11, 5e-4, 4), plan);
+        const Reference& reference = refining.to(as_good_as_can_be);
+        REQUIRE(reference.levels.size() == 4);
         REQUIRE(reference.moved.size() == 3);
         CHECK(reference.usable(Observable::Tip));
         const double order = std::log2(at(reference.moved[1], Observable::Tip) / at(reference.moved[2], Observable::Tip));
         CHECK(order == about(1.0).epsilon(0.15));  // of successive differences
         // one more halving moves the tip by less than the uncertainty
-        const ModelRun finer = run_model(scene, refined(from(11, 5e-4, 4), 4), plan);
+        const ModelRun finer = run_model(scene, from(11, 5e-4, 4).model(4), plan);
         const Errors left = trajectory_errors(reference.values, finer.trajectory);
         CHECK(at(left.rms, Observable::Tip) < at(reference.uncertainty, Observable::Tip));
     }
@@ -90,13 +96,13 @@ TEST_SUITE("models/reference")
     TEST_CASE("property: the control mesh of a wall that yields is refined with the wire, as far as its least edge")
     {
         Refinement how = from(11, 5e-4, 4);
-        CHECK_FALSE(refined(how, 2).wall_edge);
+        CHECK_FALSE(how.model(2).wall_edge);
         how.coarsest.wall_edge = 9e-3;
         how.least_wall_edge = 3e-3;
-        CHECK(refined(how, 0).wall_edge == 9e-3);
-        CHECK(*refined(how, 2).wall_edge == about(4e-3).epsilon(1e-12));
-        CHECK(refined(how, 3).wall_edge == 3e-3);
-        CHECK(refined(how, 3).nodes == 81);
+        CHECK(how.model(0).wall_edge == 9e-3);
+        CHECK(*how.model(2).wall_edge == about(4e-3).epsilon(1e-12));
+        CHECK(how.model(3).wall_edge == 3e-3);
+        CHECK(how.model(3).nodes == 81);
     }
 
     TEST_CASE("property: refinement ends when it is good enough, and finished levels are taken from the folder")
@@ -111,15 +117,16 @@ TEST_SUITE("models/reference")
         rough.fill(std::numeric_limits<double>::infinity());
         at(rough, Observable::Tip) = 1.0;
         {
-            Refiner refiner(scene, how, plan, {}, folder.path());
-            CHECK(refiner.refine_to(rough).levels == 2);
-            CHECK(refiner.refine_to(as_good_as_can_be).levels == 5);
+            Refining refining(scene, how, plan, {}, folder.path());
+            CHECK(refining.to(rough).levels.size() == 2);
+            CHECK(refining.to(as_good_as_can_be).levels.size() == 5);
         }
         plan.stop = [] { return true; };  // whatever is run now is stopped at once
-        Refiner again(scene, how, plan, {}, folder.path());
-        CHECK(again.refine_to(as_good_as_can_be).levels == 5);
-        CHECK_FALSE(again.stopped());
-        CHECK(again.reference().usable(Observable::Tip));
+        Refining again(scene, how, plan, {}, folder.path());
+        const Reference& reference = again.to(as_good_as_can_be);
+        CHECK(reference.levels.size() == 5);
+        CHECK_FALSE(reference.stopped);
+        CHECK(reference.usable(Observable::Tip));
     }
 
     TEST_CASE("property: a scene whose answer jumps with every refinement is found out, and the search ends early")
@@ -143,8 +150,8 @@ TEST_SUITE("models/reference")
         PerObservable wanted;
         wanted.fill(std::numeric_limits<double>::infinity());
         at(wanted, Observable::Tip) = 0;
-        Refiner refiner(scene, how, {}, {}, {}, {jumping});
-        const Reference& reference = refiner.refine_to(wanted);
+        Refining refining(scene, how, {}, {jumping});
+        const Reference& reference = refining.to(wanted);
         CHECK(reference.convergence[0] == Convergence::NotFalling);
         CHECK_FALSE(reference.usable(Observable::Tip));
         CHECK(at(reference.uncertainty, Observable::Tip) == about(0.02).epsilon(1e-9));
@@ -171,8 +178,8 @@ TEST_SUITE("models/reference")
         how.coarsest.baseline = "scripted";
         RunPlan plan;
         plan.interval = 0.01;
-        Refiner refiner(scene, how, plan, {}, {}, {snapping});
-        const Reference& reference = refiner.refine_to(as_good_as_can_be);
+        Refining refining(scene, how, plan, {snapping});
+        const Reference& reference = refining.to(as_good_as_can_be);
         CHECK(reference.usable(Observable::Tip));
         CHECK(at(reference.moved_median.back(), Observable::Tip) == about(0.01 / 8).epsilon(1e-9));
         // one of ten samples is wrong by 0.01, against which the step's own error can act

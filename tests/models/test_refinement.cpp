@@ -58,20 +58,25 @@ TEST_SUITE("models/refinement")
         goals.force = INFINITY;
         goals.affordable = [](double) { return true; };
         RunStore store(folder.path());
-        const PlanReference reference = refine_scene(scene, plan, goals, store, "reference", {});
+        const Reference reference = refine_scene(scene, plan, goals, store, "reference", {});
         CHECK(reference.converges);
         CHECK(reference.model.trapezoid == true);
         CHECK(at(reference.uncertainty, Observable::Shape) <= 1e-3);
     }
 
-    TEST_CASE("property: falling is told from not falling")
+    TEST_CASE("analytic: sequences that fall, that do not, and that have arrived")
     {
-        CHECK(falls({4, 2, 1}, 0));
-        CHECK(falls({4, 1, 1.2}, 0));          // one unlucky pair
-        CHECK_FALSE(falls({4, 3.9, 3.8}, 0));  // creeps
-        CHECK_FALSE(falls({1, 2, 4}, 0));
-        CHECK_FALSE(falls({1}, 0));  // one movement says nothing
-        CHECK(falls({1e-9}, 1e-8));  // but that it has arrived
+        CHECK(judge_movements({}, 0) == Convergence::Unknown);
+        CHECK(judge_movements({1}, 0) == Convergence::Unknown);  // one movement says nothing
+        CHECK(judge_movements({1e-9}, 1e-8) == Convergence::Falling);  // but that it has arrived
+        CHECK(judge_movements({1e-9, 9e-9}, 1e-8) == Convergence::Falling);
+        CHECK(judge_movements({4, 2, 1}, 0) == Convergence::Falling);
+        CHECK(judge_movements({4, 1, 1.2}, 0) == Convergence::Falling);  // one unlucky pair
+        CHECK(judge_movements({4, 2, 2.5}, 0) == Convergence::Falling);
+        CHECK(judge_movements({4, 2, 2.6}, 0) == Convergence::NotFalling);
+        CHECK(judge_movements({4, 3.9, 3.8}, 0) == Convergence::NotFalling);  // creeps
+        CHECK(judge_movements({1, 2, 4}, 0) == Convergence::NotFalling);
+        CHECK(judge_movements({1, 0.9}, 0) == Convergence::NotFalling);
     }
 }
 

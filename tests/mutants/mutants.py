@@ -24,8 +24,8 @@ ROOMS = {"rod": ["engine/rod/*.cpp", "engine/nodes/*.cpp"], "solve": ["engine/so
          "step": ["engine/stages/*.cpp", "engine/world/sub_steps.cpp", "engine/world/merged*.cpp", "engine/world/*rod.cpp"]}
 # rooms of tests in the order in which they may know; what is in no list has nothing to do with it
 TESTS = {"rod": "rod nodes coaxial solve step scene run contact failure", "solve": "solve rod step coaxial contact scene run failure wall",
-         "contact": "contact coaxial step solve failure scene run", "wall": "wall contact failure solve step",
-         "step": "step coaxial solve scene run failure contact", "": "io scene run view batch plan lab"}
+         "contact": "contact vessel coaxial step solve failure scene run", "wall": "wall surface contact failure solve step run record",
+         "step": "step coaxial solve scene run failure contact session", "": "io scene run view batch plan lab"}
 LEFT_OUT = re.compile(r"^(golden|apps|docs|package|device|bench)/|checkpoint_mutants|test_limits|test_touching_wires")
 
 # ---------------------------------------------------------------------------------------------------------------- what can break

@@ -102,9 +102,9 @@ private:
     std::map<std::string, TrialRun> known_;
 };
 
-PlanReference reference_with(int nodes, double dt)
+Reference reference_with(int nodes, double dt)
 {
-    PlanReference reference;
+    Reference reference;
     reference.model.nodes = nodes;
     reference.model.dt = dt;
     return reference;

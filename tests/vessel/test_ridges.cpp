@@ -1,7 +1,8 @@
-// engine/vessel/ridges: a roof, a valley, a bend that is meshed finer and finer.
+// engine/vessel/ridges: a roof, a valley, a bend that is meshed finer and finer; what contact samples make of them.
 
 #include "vessel/ridges.h"
 
+#include "contact/quadrature.h"
 #include "shapes/shapes.h"
 #include "support/approx.h"
 
@@ -59,6 +60,25 @@ TEST_SUITE("vessel/ridges")
         CHECK(coarse < std::numbers::pi / 2 / 4);  // at least four rows
         CHECK(fine < 0.05);
         CHECK(mean_ridge_angle({}, 0) == 0);
+    }
+
+    // r up to 0.12 rad, from there on with the square of the angle, a quarter of r from 0.24 rad on. A wire is a whole number of stretches.
+    TEST_CASE("analytic: contact samples lie closer on sharp ridges, and no closer than need be")
+    {
+        const double r = 0.5;  // the facets are longer than 2 r
+        for (const double ridge : {0.05, 0.119, 0.121, 0.16, 0.2, 0.24, 0.5}) {
+            CAPTURE(ridge);
+            const double closer = ridge <= 0.12 ? 1.0 : std::max(std::pow(0.12 / ridge, 2), 0.25);
+            const VesselSpec plain;
+            const WallMesh mesh = roof(0.5 * ridge);
+            const Centreline none;
+            const WallModel wall(plain, mesh, none);
+            WireSpec wire;
+            wire.length = 1000;
+            wire.shaft.radius = r;
+            ContactSetup setup{{wire}, {{}}, wall};
+            CHECK(make_quadrature(setup).wires[0].spacing == test::about(closer * r).epsilon(1e-3));
+        }
     }
 }
 
