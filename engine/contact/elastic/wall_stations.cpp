@@ -196,4 +196,12 @@ void StationCompliance::provide(int row)
     }
 }
 
+void StationCompliance::add(int row, const Vec3& force, std::span<double> to) const
+{
+    for (int c = 0; c < 3; ++c) {
+        const double* const from = &w_[(3 * static_cast<std::size_t>(row) + static_cast<std::size_t>(c)) * to.size()];
+        for (std::size_t k = 0; k < to.size(); ++k) to[k] += force[c] * from[k];
+    }
+}
+
 }  // namespace seldinger

@@ -49,6 +49,7 @@ struct WallFoot {
 /// have if a wire is drawn fast along a dent. y continues from its position, and by `most_made_good` radii a step to x - U.
 struct WallEnd {
     double x[3] = {1e30, 1e30, 1e30}, y[3] = {};  // [m]
+    double force[3] = {};                         // on the node [N]
 };
 
 /// Nodes of one system.
@@ -99,6 +100,8 @@ public:
     void reset(const WallStations& stations, std::span<const int> rows, WallPatch& patch);
     /// Three rows of W and, as it is symmetric, three columns: of a station among `rows`.
     void provide(int row);
+    /// to += W force, [3 rows], of a force on a row that has been provided
+    void add(int row, const Vec3& force, std::span<double> to) const;
     /// W [3 rows][3 rows], row by row; only rows that have been provided are to be read.
     [[nodiscard]] std::span<const double> entries() const { return w_; }
 
