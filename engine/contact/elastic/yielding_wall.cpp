@@ -162,9 +162,12 @@ void YieldingWall::guess(System& system) const
     u.assign(3 * system.rows.size(), 0.0);
     for (std::size_t k = 0; k < system.rows.size(); ++k) {
         const Vec3& force = system.force_before[static_cast<std::size_t>(system.rows[k])];
-        if (force.isZero()) continue;
-        system.compliance.provide(static_cast<int>(k));
-        system.compliance.add(static_cast<int>(k), -force, u);
+        if (!force.isZero()) system.compliance.want(static_cast<int>(k));
+    }
+    system.compliance.provide();
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        const Vec3& force = system.force_before[static_cast<std::size_t>(system.rows[k])];
+        if (!force.isZero()) system.compliance.add(static_cast<int>(k), -force, u);
     }
     for (std::size_t k = 0; k < u.size(); ++k) u[k] += system.u_free[k];
 }
@@ -244,7 +247,7 @@ bool YieldingWall::take_forces(System& system) const
             const Vec3 own(&residuals_[w][RodDofs::position(i)]);
             const Vec3 force = -(system.back(node).transpose() * own);
             force.store(&now.force[3 * row]);
-            if (!force.isZero()) system.compliance.provide(row);
+            if (!force.isZero()) system.compliance.want(row);
         }
     linearise(system, nullptr, now.linear);
     now.rho.resize(m);
@@ -273,7 +276,7 @@ void YieldingWall::linearise(System& system, const SystemUnknowns* among, Conden
                 joint = joint_of(tangents_[w], i, j, j < n - 1, system.back(first + i), system.back(first + j));
                 any = any || joint.any;
             }
-            if (any) system.compliance.provide(row);
+            if (any) system.compliance.want(row);
             for (int c = 0; c < 3 && any; ++c) {
                 to.begin_row(3 * row + c);
                 for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j)
@@ -282,6 +285,7 @@ void YieldingWall::linearise(System& system, const SystemUnknowns* among, Conden
             }
         }
     }
+    system.compliance.provide();
     to.close();
 }
 
