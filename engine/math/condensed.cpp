@@ -89,6 +89,46 @@ int solve_gmres(std::span<double> u, double accuracy, const Product& product)
 
 }  // namespace
 
+// ---- what is known ----
+
+void KnownSolutions::combine(std::span<const double> b, std::span<double> u) const
+{
+    thread_local std::vector<double> left;
+    left.assign(b.begin(), b.end());
+    view(u).setZero();
+    for (std::size_t k = 0; k < count_; ++k) {
+        const ConstVector own = view(one(b_, k, b.size()));
+        const double share = own.dot(view(std::span(left)));
+        view(std::span(left)) -= share * own;
+        view(u) += share * view(one(u_, k, b.size()));
+    }
+}
+
+void KnownSolutions::add(std::span<const double> u, std::span<const double> b)
+{
+    constexpr double new_share = 1e-10;  // of b, below which rounding is most of it
+    const std::size_t size = b.size();
+    if (count_ == most) return;
+    u_.resize(std::max(u_.size(), (count_ + 1) * size));
+    b_.resize(u_.size());
+    Vector own_u = view(one(u_, count_, size)), own_b = view(one(b_, count_, size));
+    own_u = view(u);
+    own_b = view(b);
+    const double whole = own_b.norm();
+    for (int pass = 0; pass < 2; ++pass)
+        for (std::size_t k = 0; k < count_; ++k) {
+            const ConstVector other = view(std::span<const double>(one(b_, k, size)));
+            const double share = other.dot(own_b);
+            own_b -= share * other;
+            own_u -= share * view(std::span<const double>(one(u_, k, size)));
+        }
+    const double left = own_b.norm();
+    if (!(left > new_share * whole)) return;
+    own_b /= left;
+    own_u /= left;
+    ++count_;
+}
+
 // ---- made row by row ----
 
 void Condensed::reset(int size, std::span<const double> compliance)
@@ -121,6 +161,9 @@ void Condensed::close()
         const double* from = &w_[static_cast<std::size_t>(places_[k]) * size_];
         for (std::size_t l = 0; l < n; ++l) w_rows_[k * n + l] = from[places_[l]];
     }
+    if (n <= most_direct) known_.reset();
+    else if (known_.use_count() == 1) known_->clear();
+    else known_ = std::make_shared<KnownSolutions>();
 }
 
 void Condensed::take(const Condensed& other, int shift)
@@ -169,21 +212,41 @@ void Condensed::factor_own() const
     factored_ = true;
 }
 
-void Condensed::solve_rows(std::span<double> u, double own_accuracy) const
+/// (I + W D) u
+void Condensed::own_product(std::span<const double> u, std::span<double> out) const
+{
+    thread_local std::vector<double> force;
+    force.resize(u.size());
+    d.times(u, force);
+    view(out).noalias() = ConstMatrix(w_rows_.data(), index(u.size()), index(u.size())) * view(std::span<const double>(force));
+    view(out) += view(u);
+}
+
+/// @param to  accuracy
+void Condensed::solve_rows(std::span<double> u, double to) const
 {
     if (u.size() <= most_direct) {
         if (!factored_) factor_own();
         own_.solve_transposed(u);
         return;
     }
-    thread_local std::vector<double> dv;
-    dv.resize(u.size());
-    const ConstMatrix w(w_rows_.data(), index(u.size()), index(u.size()));
-    solve_gmres(u, own_accuracy, [&](std::span<const double> v, std::span<double> out) {
-        d.times(v, dv);
-        view(out).noalias() = w * view(std::span<const double>(dv));
-        view(out) += view(v);
-    });
+    const auto product = [this](std::span<const double> v, std::span<double> out) { own_product(v, out); };
+    thread_local std::vector<double> left, more;
+    left.assign(u.begin(), u.end());
+    more.resize(u.size());
+    const double least = to * view(u).norm();
+    view(u).setZero();
+    if (!known_->empty()) {
+        known_->combine(left, u);
+        product(u, more);
+        view(std::span(left)) -= view(std::span<const double>(more));
+    }
+    const double size = view(std::span(left)).norm();
+    if (!(size > least)) return;
+    more = left;
+    solve_gmres(more, least / size, product);
+    known_->add(more, left);
+    view(u) += view(std::span<const double>(more));
 }
 
 void Condensed::guess_own(std::span<double> u) const
@@ -263,6 +326,10 @@ int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fi
         view(out).noalias() = w * view(std::span<const double>(dv));
         view(out) += view(v);
     });
+    if (known_) {
+        own_product(u, dv);
+        known_->add(u, dv);
+    }
     spread(u);
     for (std::size_t i = 0; i < n; ++i) r_to_x[i] += along[i];
     return iterations;

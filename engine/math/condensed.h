@@ -10,16 +10,44 @@
 // iterations. E = F^T where B and D are symmetric. Some of the m are only there because they may come to be touched: E, F and D
 // have rows for the others, "the rows", and equations are solved for these.
 //
+// A Newton iteration solves with the same I + W D many times, and mostly for sums of what it has solved for before: residual, direction,
+// corrections, the next trial. So solutions are kept, and only what is left of a right side is solved for anew [Fischer98].
+//
 // [Saad86] Saad, Schultz: GMRES. SIAM J. Sci. Stat. Comput. 7(3), 1986. doi:10.1137/0907058
+// [Fischer98] Fischer: Projection techniques for iterative solution of Ax = b with successive right-hand sides. Comput. Methods Appl.
+// Mech. Eng. 163, 1998. doi:10.1016/S0045-7825(98)00012-7
 
 #include "math/small_dense.h"
 #include "math/sparse_rows.h"
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace seldinger {
+
+/// Solutions of equations with one matrix, A u_k = b_k with orthonormal b_k.
+class KnownSolutions {
+public:
+    void clear() { count_ = 0; }
+    [[nodiscard]] bool empty() const { return count_ == 0; }
+    /// Of all their sums the u whose A u is nearest to b.
+    void combine(std::span<const double> b, std::span<double> u) const;
+    /// One more, A u = b, unless there is no room or it says nothing new.
+    void add(std::span<const double> u, std::span<const double> b);
+
+private:
+    static constexpr std::size_t most = 16;
+    [[nodiscard]] std::span<double> one(std::vector<double>& list, std::size_t k, std::size_t size) { return std::span(list).subspan(k * size, size); }
+    [[nodiscard]] std::span<const double> one(const std::vector<double>& list, std::size_t k, std::size_t size) const
+    {
+        return std::span(list).subspan(k * size, size);
+    }
+
+    std::size_t count_ = 0;
+    std::vector<double> u_, b_;  // [count][size]
+};
 
 class Condensed {
 public:
@@ -52,6 +80,7 @@ public:
     int solve(std::span<double> r_to_x, std::span<const unsigned char> fixed,
               const std::function<void(std::span<double>)>& band) const;
     double accuracy = 1e-5;  // of x: |what is left of the others' equations| over their right side
+    double own_accuracy = 1e-11;  // likewise of solve_rows() and add_product()
 
     // ---- parts, for those who keep u ----
     /// W v, [m]; v is mostly zeros.
@@ -61,15 +90,15 @@ public:
     /// What of [m] belongs to the rows.
     void at_rows(std::span<const double> all, std::span<double> rows) const;
     /// u = (I + W D)^-1 b in place, [rows].
-    /// @param own_accuracy  of these equations, whose errors the other unknowns amplify: equilibria of a wire in contact over its whole
-    /// length are not found with 1e-7
-    void solve_rows(std::span<double> u, double own_accuracy = 1e-11) const;
+    void solve_rows(std::span<double> u) const { solve_rows(u, own_accuracy); }
     /// The same for all [m], to 1e-6: where u may be, for those who then ask what is left.
     void guess_own(std::span<double> u) const;
 
 private:
     static constexpr std::size_t most_direct = 120;
     void factor_own() const;
+    void solve_rows(std::span<double> u, double to) const;
+    void own_product(std::span<const double> u, std::span<double> out) const;
     void take_off(std::span<double> fx_to_u, std::span<double> y) const;
 
     int size_ = 0;
@@ -79,6 +108,7 @@ private:
     std::vector<double> w_rows_;  // W between rows
     mutable SmallLu own_;         // of (I + W D)^T
     mutable bool factored_ = false;
+    std::shared_ptr<KnownSolutions> known_;  // beyond most_direct; shared with those that have taken this
 };
 
 }  // namespace seldinger

@@ -112,8 +112,7 @@ private:
 
     // whether a trial is taken (step_acceptance.cpp)
     void backtrack(double open);
-    void shorten(double alpha, double valley = 0);
-    [[nodiscard]] double across_valley(double slope) const;
+    void shorten(double alpha, bool into_valley = false);
     [[nodiscard]] bool acceptable(const ForceTerms& terms);
     [[nodiscard]] bool natural_test(bool slope_falls, double slope, const ForceTerms& terms);
     [[nodiscard]] bool redirect(const ForceTerms& terms);
@@ -158,7 +157,7 @@ private:
     struct Direction {
         double alpha = 1, first_alpha = 1;  // of the present and of the first trial on it
         double norm = 0, slope = 0;         // slope: R . direction at the base
-        double valley = 0;        // the trial was shortened into a valley of this width, as a part of the direction; 0: it was not
+        bool into_valley = false;  // the trial was shortened
         bool redirected = false;  // the trial has been, to the balance of the kinks: correction_ is what this changed
         KinksPassed before_redirection;
     } along_;

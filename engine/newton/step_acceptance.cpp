@@ -13,7 +13,6 @@ namespace {
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_jumps = 8;
 constexpr int most_grown = 3;  // trials whose correction grows that are taken for their derivative along d: more go round in a circle
-constexpr double least_share = 0.1;  // of a valley's half that a trial is in, so that the tangent knows it [-]
 constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
 
 }  // namespace
@@ -30,10 +29,10 @@ void NewtonSystem::backtrack(double open)
     set_guess(++course_.backtracks < 6 ? 0.5 * course_.guess_fraction : 0.0);
 }
 
-/// @param valley  width of the valley that contact went over and shall lie in
-void NewtonSystem::shorten(double alpha, double valley)
+/// @param into_valley  that contact went over
+void NewtonSystem::shorten(double alpha, bool into_valley)
 {
-    along_.valley = valley;
+    along_.into_valley = into_valley;
     if (options_.shifted && alpha < 0.05 * along_.first_alpha) return raise_shift();
     if (alpha < smallest_alpha) {
         give_up();
@@ -71,14 +70,10 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope, const ForceTerms
         return true;
     }
     // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
-    if ((along_.valley > 0 || at_trial_.crossed.entered) && problem.residual_share() <= at_base_.residual_share) return true;
+    if ((along_.into_valley || at_trial_.crossed.entered) && problem.residual_share() <= at_base_.residual_share) return true;
     if (redirect(terms)) return false;
     if (at_trial_.crossed.share < 1 && along_.alpha == along_.first_alpha) {  // into the valley, whose tangent is the next direction's
-        shorten(std::max(at_trial_.crossed.share, 0.1) * along_.alpha, at_trial_.crossed.width * along_.alpha);
-        return false;
-    }
-    if (const double back = across_valley(slope); back > 0) {
-        shorten(along_.alpha - back);
+        shorten(std::max(at_trial_.crossed.share, 0.1) * along_.alpha, at_trial_.crossed.width > 0);
         return false;
     }
     for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - along_.alpha) * direction_[i];
@@ -133,18 +128,7 @@ void NewtonSystem::take_redirection_back()
 {
     for (int i = 0; i < problem.size(); ++i) direction_[i] -= correction_[i];
     along_.redirected = false;
-    shorten(std::max(along_.before_redirection.share, 0.1), along_.before_redirection.width);
-}
-
-/// The trial lies in the middle of a valley, where the force has turned by half of what it turns across. The derivative along d has
-/// changed its sign, so the balance lies nearer: where, on the valley's half, the derivative vanishes that is linear there and
-/// (1 - alpha) of the base's where the valley begins. @return how far back that is; 0 without a valley
-double NewtonSystem::across_valley(double slope) const
-{
-    const double begins = (1 - along_.alpha) * along_.slope;
-    if (!(along_.valley > 0) || slope * along_.slope >= 0 || along_.alpha <= along_.valley / 2) return 0;
-    const double share = begins / (begins - slope);
-    return (1 - std::max(share, least_share)) * along_.valley / 2;
+    shorten(std::max(along_.before_redirection.share, 0.1), along_.before_redirection.width > 0);
 }
 
 /// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step

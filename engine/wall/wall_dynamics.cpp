@@ -14,7 +14,7 @@ namespace seldinger {
 
 namespace {
 
-constexpr double small_memory = 0.1;  // of the displacement: what may be taken on through a block
+constexpr double small_memory = 0.1;  // of the displacement: what may be taken on through a block of block_steps; more through a shorter one
 constexpr double small_excess = 0.03, most_excess = 0.5;  // of large displacements' forces, likewise, and at all
 constexpr double missed_excess = 1e-3;                    // of the displacement: by the extrapolation of a block
 constexpr std::size_t rounds_kept = 8;                    // of relax()
@@ -98,16 +98,21 @@ void WallDynamics::next_block()
     rounds_ = {};
     const bool moved = h_ > 0 && largest(start_) > 0;
     if (moved) wall_.add_memory_force(h_, start_, y);
-    const bool slow = add_answers(y, moved);
+    const double excess = add_answers(y, moved);
     singly_ = std::max(0, singly_ - done);
-    if (large_ && done == block_steps && largest_miss(y) > missed_excess * largest(start_)) singly_ = block_steps;
-    // at a constant step the memory's change over the block that is done is taken on; the first one knows none
+    if (large_ && done > 1 && largest_miss(y) > missed_excess * largest(start_)) singly_ = block_steps;
+    steps_ = h_ > 0 && singly_ == 0 ? block_steps : 1;
+    const auto may_last = [&](std::int32_t steps) {
+        const double longer = double(block_steps) / steps;
+        if (!moved) return std::abs(wall_.memory_share(h_)) <= longer * small_memory;
+        return excess <= longer * small_excess * largest(start_) && largest(y) <= longer * small_memory * largest(start_);
+    };
+    while (steps_ > 1 && !may_last(steps_)) steps_ = large_ ? steps_ / 2 : 1;
+    // at a constant step the memory's change over a block as long that is done is taken on; the first one knows none
     for (std::size_t i = 0; i < y.size(); ++i) {
-        change_[i] = done == block_steps ? (y[i] - memory_[i]) / block_steps : 0.0;
+        change_[i] = steps_ > 1 && done == steps_ ? (y[i] - memory_[i]) / done : 0.0;
         memory_[i] = y[i];
     }
-    steps_ = h_ > 0 && slow && singly_ == 0 && largest(memory_) <= small_memory * largest(start_) ? block_steps : 1;
-    if (h_ > 0 && !moved) steps_ = std::abs(wall_.memory_share(h_)) <= small_memory ? block_steps : 1;
     step_ = 0;
     keep_ = 1;
     ahead_ = slope_ = 0;
@@ -116,13 +121,13 @@ void WallDynamics::next_block()
     forget();
 }
 
-/// y = M^-1 (y - r(w0)). @param moved  else y is 0. @return whether M^-1 r is so small that a block of steps may take it on
-bool WallDynamics::add_answers(std::vector<double>& y, bool moved)
+/// y = M^-1 (y - r(w0)). @param moved  else y is 0. @return the largest of M^-1 r [m]
+double WallDynamics::add_answers(std::vector<double>& y, bool moved)
 {
     WallSolveWork scratch;
     if (!large_) {
         if (moved) factor_->solve(y, scratch);
-        return true;
+        return 0;
     }
     std::vector<double> excess(y.size(), 0.0);
     wall_.take_excess_force(*large_, start_, excess);
@@ -132,7 +137,7 @@ bool WallDynamics::add_answers(std::vector<double>& y, bool moved)
     limited_ = !(most <= limit);
     const double part = limited_ ? limit / most : 1;
     for (std::size_t i = 0; i < y.size(); ++i) y[i] += part * excess[i];
-    return most <= small_excess * largest(start_);
+    return most;
 }
 
 /// In order of vertices: the sum of now() does not depend on when they were touched first.
@@ -196,7 +201,7 @@ void WallDynamics::end_step(std::span<const Push> pushed, double farthest)
 double WallDynamics::largest_miss(const std::vector<double>& y) const
 {
     double most = 0;
-    for (std::size_t i = 0; i < y.size(); ++i) most = std::max(most, std::abs(y[i] - memory_[i] - block_steps * change_[i]));
+    for (std::size_t i = 0; i < y.size(); ++i) most = std::max(most, std::abs(y[i] - memory_[i] - step_ * change_[i]));
     return most;
 }
 

@@ -161,31 +161,58 @@ void StationCompliance::reset(const WallStations& stations, std::span<const int>
         }
         first_.push_back(parts_.size());
     }
-    known_.assign(rows.size(), 0);
+    known_.assign(rows.size(), Unknown);
+    wanted_.clear();
     w_.resize(9 * rows.size() * rows.size());
 }
 
-void StationCompliance::provide(int row)
+void StationCompliance::want(int row)
 {
-    const std::size_t own = static_cast<std::size_t>(row), rows = known_.size(), m = 3 * rows;
-    if (known_[own]) return;
-    known_[own] = 1;
-    answer_.assign(9 * slots_.size(), 0.0);
-    for (std::size_t part = first_[own]; part < first_[own + 1]; ++part) {  // along a row of the patch, which lies as it is read
-        const double* const from = patch_->block(slots_[static_cast<std::size_t>(parts_[part].slot)], 0);
-        const double share = parts_[part].share;
-        double* to = answer_.data();
+    Row& known = known_[static_cast<std::size_t>(row)];
+    if (known != Unknown) return;
+    known = Wanted;
+    wanted_.push_back(static_cast<std::size_t>(row));
+}
+
+// Rows of the patch do not fit the cache, and stations beside each other share most of theirs: a few at once.
+void StationCompliance::provide()
+{
+    constexpr std::size_t at_once = 4;
+    for (std::size_t begin = 0; begin < wanted_.size(); begin += at_once)
+        provide_some(std::span(wanted_).subspan(begin, std::min(at_once, wanted_.size() - begin)));
+    wanted_.clear();
+}
+
+void StationCompliance::provide_some(std::span<const std::size_t> some)
+{
+    const std::size_t size = 9 * slots_.size();
+    shares_.clear();
+    for (std::size_t k = 0; k < some.size(); ++k)
+        for (std::size_t part = first_[some[k]]; part < first_[some[k] + 1]; ++part) shares_.push_back({parts_[part].slot, k, parts_[part].share});
+    std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.slot < b.slot; });
+    answer_.assign(some.size() * size, 0.0);
+    for (const Share& own : shares_) {  // along a row of the patch, which lies as it is read
+        const double* const from = patch_->block(slots_[static_cast<std::size_t>(own.slot)], 0);
+        double* to = &answer_[own.station * size];
         for (const int slot : slots_) {
             const double* const g = from + 9 * static_cast<std::size_t>(slot);
-            for (int c = 0; c < 9; ++c) to[c] += share * g[c];
+            for (int c = 0; c < 9; ++c) to[c] += own.share * g[c];
             to += 9;
         }
     }
+    for (std::size_t k = 0; k < some.size(); ++k) put(some[k], std::span(answer_).subspan(k * size, size));
+}
+
+/// Of a station, three rows and columns of W. @param answer  [slots_][9] to a force on it
+void StationCompliance::put(std::size_t own, std::span<const double> answer)
+{
+    const std::size_t rows = known_.size(), m = 3 * rows;
+    known_[own] = Known;
     for (std::size_t other = 0; other < rows; ++other) {
-        if (known_[other] && other != own) continue;
+        if (known_[other] == Known && other != own) continue;
         double block[9] = {};
         for (std::size_t part = first_[other]; part < first_[other + 1]; ++part) {
-            const double* const from = &answer_[9 * static_cast<std::size_t>(parts_[part].slot)];
+            const double* const from = &answer[9 * static_cast<std::size_t>(parts_[part].slot)];
             for (int c = 0; c < 9; ++c) block[c] += parts_[part].share * from[c];
         }
         for (std::size_t r = 0; r < 3; ++r)
@@ -193,6 +220,14 @@ void StationCompliance::provide(int row)
                 w_[(3 * own + r) * m + 3 * other + c] = block[3 * r + c];
                 w_[(3 * other + c) * m + 3 * own + r] = block[3 * r + c];
             }
+    }
+}
+
+void StationCompliance::add(int row, const Vec3& force, std::span<double> to) const
+{
+    for (int c = 0; c < 3; ++c) {
+        const double* const from = &w_[(3 * static_cast<std::size_t>(row) + static_cast<std::size_t>(c)) * to.size()];
+        for (std::size_t k = 0; k < to.size(); ++k) to[k] += force[c] * from[k];
     }
 }
 

@@ -49,6 +49,7 @@ struct WallFoot {
 /// have if a wire is drawn fast along a dent. y continues from its position, and by `most_made_good` radii a step to x - U.
 struct WallEnd {
     double x[3] = {1e30, 1e30, 1e30}, y[3] = {};  // [m]
+    double force[3] = {};                         // on the node [N]
 };
 
 /// Nodes of one system.
@@ -97,8 +98,11 @@ class StationCompliance {
 public:
     /// @param rows  nodes of the stations  @param patch  of the step
     void reset(const WallStations& stations, std::span<const int> rows, WallPatch& patch);
-    /// Three rows of W and, as it is symmetric, three columns: of a station among `rows`.
-    void provide(int row);
+    /// provide() shall give three rows of W and, as it is symmetric, three columns: of a station among `rows`.
+    void want(int row);
+    void provide();
+    /// to += W force, [3 rows], of a force on a row that has been provided
+    void add(int row, const Vec3& force, std::span<double> to) const;
     /// W [3 rows][3 rows], row by row; only rows that have been provided are to be read.
     [[nodiscard]] std::span<const double> entries() const { return w_; }
 
@@ -107,12 +111,23 @@ private:
         int slot;  // among slots_
         double share;
     };
+    struct Share {
+        int slot;  // among slots_
+        std::size_t station;
+        double share;
+    };
+    enum Row : std::uint8_t { Unknown, Wanted, Known };
+    void provide_some(std::span<const std::size_t> some);
+    void put(std::size_t own, std::span<const double> answer);
+
     const WallPatch* patch_ = nullptr;
+    std::vector<std::size_t> wanted_;
+    std::vector<Share> shares_;
     std::vector<int> slots_;            // of the patch, each once, in the order in which stations share in them
     std::vector<Part> parts_;           // of all rows, one row's after the other's
     std::vector<std::size_t> first_;    // [rows + 1] among parts_
-    std::vector<std::uint8_t> known_;   // [rows]
-    std::vector<double> w_, answer_;    // answer_: [slots_][9] of a station to a force on a control vertex
+    std::vector<Row> known_;            // [rows]
+    std::vector<double> w_, answer_;    // answer_: [stations][slots_][9] of a station to a force on a control vertex
     std::vector<int> place_;            // [slots of the patch] among slots_, or -1
 };
 

@@ -75,6 +75,7 @@ struct YieldingWall::System {
     WallStations stations, kept;  // kept: while rows() reads
     std::vector<WallEnd> ends;  // [nodes] of the accepted state
     std::vector<std::optional<Vec3>> before;  // [nodes] y to go on from; none: not known
+    std::vector<Vec3> force_before;           // [nodes] of the accepted state
     int first_node;  // of the system in the concatenated arrays
     double least_radius = std::numeric_limits<double>::infinity();
     WallDynamics dynamics;

@@ -17,6 +17,9 @@ constexpr int most_moves = 6;           // of the wall at one trial
 constexpr double predicted_force = 0.1;  // of the largest: what may be missed at a trial that is not the last one
 constexpr double predicted_move = 0.02;  // of the wire's radius, likewise
 constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
+// of the wall's own equations: Newton's last residual is at most 1e-4 radii of rho; wires in contact over their whole length find no
+// equilibrium with 1e-7
+constexpr double in_time = 1e-8, at_rest = 1e-11;
 constexpr int most_refinements = 8;                                 // that ask for more than Newton's convergence
 constexpr int most_relaxations = 100;                               // of an equilibrium of a wall that moves far
 
@@ -83,6 +86,7 @@ YieldingWall::YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodA
         system.kept.provide(system.stations.count());
         system.ends.resize(system.stations.count());
         system.before.resize(system.ends.size());
+        system.force_before.resize(system.ends.size(), Vec3::Zero());
         system.y_start.resize(3 * static_cast<std::size_t>(system.stations.count()));
         system.least_radius = std::min(system.least_radius, rods.view(w).radius[0]);
         tangents_.emplace_back(RodDofs::count(rods.capacity(w)));
@@ -116,8 +120,8 @@ void YieldingWall::evaluate(const TermTrial& trial)
             System& system = *systems_[s];
             if (!system.is_in(todo_)) return;
             if (!begun(system, trial.h)) return;
-            if (round == 0) predict(system, trial.at);
-            else system.correct();
+            if (round > 0) system.correct();
+            else if (predict(system, trial.at); trial.h > 0 && !system.base_trial()) guess(system);
             carry_trial(system, trial.at, carried_);
         });
         take_times(seconds_since(start));
@@ -149,6 +153,23 @@ void YieldingWall::evaluate_start(const TermTrial& start)
     take_times(0);
     for (const auto& system : systems_)
         if (system->is_in(todo_)) (void)take_forces(*system);
+}
+
+/// Where the wall goes under the forces of the accepted state, which change little in a step.
+void YieldingWall::guess(System& system) const
+{
+    std::vector<double>& u = system.trial().u;
+    u.assign(3 * system.rows.size(), 0.0);
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        const Vec3& force = system.force_before[static_cast<std::size_t>(system.rows[k])];
+        if (!force.isZero()) system.compliance.want(static_cast<int>(k));
+    }
+    system.compliance.provide();
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        const Vec3& force = system.force_before[static_cast<std::size_t>(system.rows[k])];
+        if (!force.isZero()) system.compliance.add(static_cast<int>(k), -force, u);
+    }
+    for (std::size_t k = 0; k < u.size(); ++k) u[k] += system.u_free[k];
 }
 
 /// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
@@ -226,7 +247,7 @@ bool YieldingWall::take_forces(System& system) const
             const Vec3 own(&residuals_[w][RodDofs::position(i)]);
             const Vec3 force = -(system.back(node).transpose() * own);
             force.store(&now.force[3 * row]);
-            if (!force.isZero()) system.compliance.provide(row);
+            if (!force.isZero()) system.compliance.want(row);
         }
     linearise(system, nullptr, now.linear);
     now.rho.resize(m);
@@ -240,6 +261,7 @@ bool YieldingWall::take_forces(System& system) const
 void YieldingWall::linearise(System& system, const SystemUnknowns* among, Condensed& to) const
 {
     to.reset(static_cast<int>(3 * system.rows.size()), system.compliance.entries());
+    to.own_accuracy = system.h > 0 ? in_time : at_rest;
     for (const int w : system.wires) {
         if (among && among->rod_of(w) < 0) continue;
         const int n = rods_.node_count(w), first = rods_.node_begin(w) - system.first_node;
@@ -254,7 +276,7 @@ void YieldingWall::linearise(System& system, const SystemUnknowns* among, Conden
                 joint = joint_of(tangents_[w], i, j, j < n - 1, system.back(first + i), system.back(first + j));
                 any = any || joint.any;
             }
-            if (any) system.compliance.provide(row);
+            if (any) system.compliance.want(row);
             for (int c = 0; c < 3 && any; ++c) {
                 to.begin_row(3 * row + c);
                 for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j)
@@ -263,6 +285,7 @@ void YieldingWall::linearise(System& system, const SystemUnknowns* among, Conden
             }
         }
     }
+    system.compliance.provide();
     to.close();
 }
 

@@ -82,6 +82,7 @@ private:
     void set_free(System& system) const;
     void add_rows(System& system) const;
     void predict(System& system, const TrialState& trial) const;
+    void guess(System& system) const;
     void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
     [[nodiscard]] bool take_forces(System& system) const;
     void linearise(System& system, const SystemUnknowns* among, Condensed& to) const;

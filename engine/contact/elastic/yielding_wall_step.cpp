@@ -67,6 +67,7 @@ void YieldingWall::System::find_before(int first, const RodView& rod)
     for (int i = 0; i < rod.n; ++i) {
         std::optional<Vec3>& y = before[first + i];
         y.reset();
+        force_before[first + i] = end[i] ? Vec3(end[i]->force) : Vec3(Vec3::Zero());
         if (end[i]) {
             y = Vec3(end[i]->y);
         } else if (i > 0 && i + 1 < rod.n && end[i - 1] && end[i + 1]) {  // born between two, where y was linear
@@ -95,6 +96,8 @@ void YieldingWall::System::note_ends(int first, int count)
     for (int i = first; i < first + count; ++i) {
         std::copy_n(&now.q[4 * static_cast<std::size_t>(i)], 3, ends[i].x);
         std::copy_n(&now.y[3 * static_cast<std::size_t>(i)], 3, ends[i].y);
+        const int row = row_of(i);
+        (row >= 0 ? Vec3(&now.force[3 * static_cast<std::size_t>(row)]) : Vec3(Vec3::Zero())).store(ends[i].force);
     }
 }
 
@@ -523,6 +526,7 @@ void YieldingWall::walk_state(StateWalk& walk, int wire)
         walk({"a triangle of the wall", "", "find_contacts", -1, triangles - 1}, foot.triangle);
         walk({"a node's place", "m", "accept", -unknown, unknown}, std::span(system.ends[i].x));
         walk({"a node's place", "m", "accept", -unknown, unknown}, std::span(system.ends[i].y));
+        walk({"a force on a node", "N", "accept"}, std::span(system.ends[i].force));
     }
 }
 
