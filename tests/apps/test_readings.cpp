@@ -41,7 +41,7 @@ TEST_SUITE("apps/readings")
             const auto& band = a["error_estimate"][reading];
             const double step = band["step"].get<double>(), nodes = band["nodes"].get<double>(), facets = band["facets"].get<double>();
             REQUIRE(band["band"].get<double>() > 0);
-            CHECK(band["band"].get<double>() == about(1.1 * std::hypot(step, nodes, facets)).epsilon(1e-9));
+            CHECK(band["band"].get<double>() == about(1.1 * std::hypot(step, 1.5 * nodes, facets)).epsilon(1e-9));
             CHECK(nodes > 0);
             CHECK(facets > 0);
             CHECK(band[band["largest_source"].get<std::string>()].get<double>() == std::max({step, nodes, facets}));
