@@ -139,4 +139,30 @@ TEST_CASE("a singular compliance is no matter")
     CHECK(x[3] == test::about(0.5));
 }
 
+// So many rows are solved by GMRES, to 1e-11 of the right side, and what is known is used: sums of earlier right sides and one that
+// a solve of the whole has met.
+TEST_CASE("solutions with one matrix that follow each other are those of the dense matrix")
+{
+    const int size = 24, m = 150;
+    Coupled c(size, m, false, 11u);
+    const Eigen::MatrixXd own = c.whole.bottomRightCorner(m, m);
+    const Condensed& beside = c.solver.condensed;
+    const auto check = [&](const Eigen::VectorXd& b) {
+        std::vector<double> u(b.data(), b.data() + m);
+        beside.solve_rows(u);
+        const Eigen::Map<const Eigen::VectorXd> found(u.data(), m);
+        CHECK((own * found - b).norm() < 1e-10 * b.norm());
+    };
+    Eigen::VectorXd first(m), second(m);
+    for (int k = 0; k < m; ++k) first[k] = std::sin(1.0 + k), second[k] = std::cos(3.0 * k);
+    check(first);
+    check(second);
+    check(first + 2 * second);
+    CHECK(c.solver.factor_unsymmetric() == 0);
+    std::vector<double> x(static_cast<std::size_t>(size), 1.0);
+    c.solver.solve(x);
+    check(c.whole.bottomLeftCorner(m, size) * Eigen::Map<const Eigen::VectorXd>(x.data(), size));
+    for (int k = 0; k < 20; ++k) check(first.cwiseProduct(Eigen::VectorXd::LinSpaced(m, k, 1)));  // more than are kept
+}
+
 }  // namespace test_condensed
