@@ -253,7 +253,7 @@ def run(options):
         browser.close()
     summary = session.end()
     print(json.dumps({"sent": hand.sequence, "answered": len(hand.trips), "round_trip": quantiles(hand.trips), **seen,
-                      **{key: summary[key] for key in ("rate_hz", "steps", "late", "late_share", "stretched_s", "step", "wake_up", "input_to_force",
+                      **{key: summary[key] for key in ("rate_hz", "steps", "late", "woken_late", "late_share", "cut_short", "stretched_s", "step", "wake_up", "input_to_force",
                                                        "scheduling", "packets", "coupling")}}, indent=2))
 
 

@@ -147,6 +147,7 @@ void Session::run()
             continue;
         }
         if (!options_.lockstep) wake_times.add(std::max(0.0, woken - pacer_.due()));
+        pacer_.begin(woken);
         const auto before = Clock::now();
         step_once();
         step_time_ = seconds_since(before);

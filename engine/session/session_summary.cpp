@@ -131,6 +131,7 @@ std::string Session::summary() const
                                     {"wall_s", ended_ - began_},
                                     {"stretched_s", pacer_.stretched()},
                                     {"late", pacer_.late()},
+                                    {"woken_late", pacer_.woken_late()},
                                     {"late_share", static_cast<double>(pacer_.late()) / steps},
                                     {"cut_short", cut_short_.load()},
                                     {"step", quantiles(step_times)},

@@ -40,7 +40,7 @@ TEST_SUITE("apps/live")
         const auto summary = nlohmann::json::parse(result.out);
         CHECK(summary["steps"] == 500);
         CHECK(summary["session_s"].get<double>() == about(0.5));
-        for (const char* key : {"late", "late_share", "stretched_s", "step", "input_to_force", "packets", "coupling", "score", "state_hash"})
+        for (const char* key : {"late", "woken_late", "late_share", "stretched_s", "step", "input_to_force", "packets", "coupling", "score", "state_hash"})
             CHECK(summary.contains(key));
         CHECK(nlohmann::json::parse(slurp(folder.path / "s.record.score.json"))["verdict"] == "open");
         CHECK(slurp(folder.path / "s.record.score.html").find("Three centimetres in.") != std::string::npos);

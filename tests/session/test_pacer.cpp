@@ -56,6 +56,22 @@ TEST_SUITE("session/pacer")
         CHECK(pacer.stretched() == test::about(0.5).epsilon(1e-12));
     }
 
+    TEST_CASE("property: a late step is the machine's where it took no longer than a period, else its own")
+    {
+        Pacer pacer(1e-3);
+        pacer.start(0);
+        pacer.begin(0.9e-3);
+        CHECK(pacer.finished(1.4e-3));  // half a millisecond, begun 0.9 ms late
+        CHECK(pacer.woken_late() == 1);
+        pacer.begin(pacer.due());
+        CHECK(pacer.finished(pacer.due() + 1.2e-3));
+        CHECK(pacer.woken_late() == 1);
+        pacer.begin(pacer.due() + 0.2e-3);
+        CHECK_FALSE(pacer.finished(pacer.due() + 0.9e-3));  // begun late, and in time all the same
+        CHECK(pacer.late() == 2);
+        CHECK(pacer.woken_late() == 1);
+    }
+
     TEST_CASE("property: a pause is neither late nor stretched")
     {
         Pacer pacer(1e-3);
