@@ -41,10 +41,10 @@ CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& set
       evaluation_(context, quadrature_.models),
       valleys_(quadrature_, nodes_, sums_)
 {
-    params_.friction = static_cast<uint>(setup.method().friction);
+    params_.friction = kernel_law(setup.method().friction);
     params_.normal_law = kernel_law(setup.method().normal);
     params_.smoothing = 0.002;    // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
-    params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
+    params_.smooth_speed = smooth_friction_speed;
     params_.slots = near_.slots();
     set_limits();
     if (params_.normal_law == SEL_NORMAL_BARRIER) barrier_.emplace(context, quadrature_, rods.total_capacity());

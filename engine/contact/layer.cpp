@@ -44,8 +44,8 @@ LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, 
       reduce_(context, programs::layer, "contact_reduce")
 {
     params_.slots = 64;
-    params_.friction = static_cast<uint>(setup.method().friction);
-    params_.smooth_speed = 1e-3;
+    params_.friction = kernel_law(setup.method().friction);
+    params_.smooth_speed = smooth_friction_speed;
     const std::size_t n = rods.total_capacity();
     edges_.reserve(n);
     sums_.edges.resize(n);

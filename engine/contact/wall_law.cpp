@@ -106,6 +106,21 @@ uint kernel_law(NormalLaw law)
     return SEL_NORMAL_DAMPED;
 }
 
+uint kernel_law(FrictionLaw law)
+{
+    switch (law) {
+        case FrictionLaw::StickSlip:
+            return SEL_FRICTION_STICK_SLIP;
+        case FrictionLaw::Smooth:
+            return SEL_FRICTION_SMOOTH;
+        case FrictionLaw::Sign:
+            return SEL_FRICTION_SIGN;
+        case FrictionLaw::None:
+            return SEL_FRICTION_NONE;
+    }
+    return SEL_FRICTION_STICK_SLIP;
+}
+
 double exact_damping(double e)
 {
     SEL_ASSERT(e > 0 && e <= 1);

@@ -37,6 +37,11 @@ inline constexpr double weight_gravity = 9.81;
 
 /// SEL_NORMAL_* of a law.
 [[nodiscard]] uint kernel_law(NormalLaw law);
+/// SEL_FRICTION_* of kernels/shared/contact_types.h.
+[[nodiscard]] uint kernel_law(FrictionLaw law);
+
+/// Speed at which `smooth` friction has half of its cone [m/s]. Usual in regularised laws.
+inline constexpr double smooth_friction_speed = 1e-3;
 
 /// Everything that the kernels need for a quadrature point of `weight` metres on this section; lengths of multiplier laws as
 /// `contact` has them (make_quadrature fills in what the user left open).

@@ -3,6 +3,7 @@
 #include "contact/rods/instrument_contact.h"
 
 #include "contact/programs.h"
+#include "contact/wall_law.h"
 #include "core/clock.h"
 #include "core/parallel.h"
 #include "shared/instrument_near.h"
@@ -111,8 +112,8 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     double least = cells_.surfaces.front().radius;
     for (const InstrumentSurface& surface : cells_.surfaces) least = std::min(least, surface.radius);
     params_.skin = least;
-    params_.friction = static_cast<uint>(setup.contacts.front().friction);
-    params_.smooth_speed = 1e-3;
+    params_.friction = kernel_law(setup.contacts.front().friction);
+    params_.smooth_speed = smooth_friction_speed;
     params_.node_count = static_cast<uint>(nodes_.count);
 }
 
