@@ -11,12 +11,5 @@ SEL_WALK_KERNEL void contact_reduce(const uint item_count, __global const uint* 
                                     __global EdgeForce* restrict edges)
 {
     const uint item = get_global_id(0);
-    if (item >= item_count) return;
-#if SEL_SUMS_IN_MEMORY
-    reduce_edge(forces, barys, first[item], first[item + 1], edges + item);
-#else
-    EdgeForce sum;
-    reduce_edge(forces, barys, first[item], first[item + 1], &sum);
-    edges[item] = sum;
-#endif
+    if (item < item_count) reduce_edge(forces, barys, first[item], first[item + 1], edges + item);
 }

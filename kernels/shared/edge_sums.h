@@ -14,7 +14,7 @@ SEL_BEGIN
 #endif
 
 // Adds what a quadrature point's couple does: q = (x_a, x_b, theta), x = a x_a + b x_b, w = x_b - x_a.
-SEL_FN void add_couple(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
+SEL_FN void add_couple(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_GLOBAL EdgeForce* out)
 {
     const int place[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};  // of (i, j) among xx xy xz yy yz zz
     SEL_IN_TURN for (int i = 0; i < 3; ++i)
@@ -41,22 +41,21 @@ SEL_FN void add_couple(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT
     }
 }
 
-SEL_FN EdgeForce no_edge_force(void)
+// Written in place: a copy of the record would take as long as the sum of one point.
+SEL_FN void clear_edge_force(SEL_GLOBAL EdgeForce* out)
 {
-    EdgeForce none;
-    for (int k = 0; k < 3; ++k) none.force_a[k] = none.force_b[k] = none.st_a[k] = none.st_b[k] = none.ut_a[k] = none.ut_b[k] = 0;
-    for (int k = 0; k < 6; ++k) none.s_aa[k] = none.s_bb[k] = 0;
-    for (int k = 0; k < 9; ++k) none.s_ab[k] = none.u_aa[k] = none.u_ab[k] = none.u_ba[k] = none.u_bb[k] = 0;
-    none.torque = none.s_tt = 0;
-    none.depth = (real)-1e30;
-    none.normal_sum = none.friction_sum = none.sliding_sum = none.rolling_sum = none.length = 0;
-    none.normal_work = none.friction_work = none.rolling_work = 0;
-    none.flags = none.contacts = 0;
-    return none;
+    for (int k = 0; k < 3; ++k) out->force_a[k] = out->force_b[k] = out->st_a[k] = out->st_b[k] = out->ut_a[k] = out->ut_b[k] = 0;
+    for (int k = 0; k < 6; ++k) out->s_aa[k] = out->s_bb[k] = 0;
+    for (int k = 0; k < 9; ++k) out->s_ab[k] = out->u_aa[k] = out->u_ab[k] = out->u_ba[k] = out->u_bb[k] = 0;
+    out->torque = out->s_tt = 0;
+    out->depth = (real)-1e30;
+    out->normal_sum = out->friction_sum = out->sliding_sum = out->rolling_sum = out->length = 0;
+    out->normal_work = out->friction_work = out->rolling_work = 0;
+    out->flags = out->contacts = 0;
 }
 
 // Force on the axis point x = a x_a + b x_b, and the symmetric part of its tangent.
-SEL_FN void add_axis_force(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
+SEL_FN void add_axis_force(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_GLOBAL EdgeForce* out)
 {
     const int block[6] = {0, 1, 2, 4, 5, 7};  // xx xy xz yy yz zz among the ten of `sym`
     const int spin[3] = {3, 6, 8};            // xt yt zt
@@ -75,7 +74,7 @@ SEL_FN void add_axis_force(SEL_GLOBAL const ContactForce* f, real a, real b, SEL
 }
 
 // What sliding makes unsymmetric.
-SEL_FN void add_sliding(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OUT EdgeForce* out)
+SEL_FN void add_sliding(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_GLOBAL EdgeForce* out)
 {
     SEL_IN_TURN for (int i = 0; i < 9; ++i)
     {
@@ -92,9 +91,9 @@ SEL_FN void add_sliding(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_OU
 
 // Sums forces[first..last) (consecutive on one edge) in order. barys: where on the edge they act.
 SEL_FN void reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last,
-                        SEL_OUT EdgeForce* out)
+                        SEL_GLOBAL EdgeForce* out)
 {
-    *out = no_edge_force();
+    clear_edge_force(out);
     for (uint k = first; k < last; ++k) {
         SEL_GLOBAL const ContactForce* f = forces + k;
         out->depth = max_r(out->depth, f->depth);
