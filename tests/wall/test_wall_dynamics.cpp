@@ -325,7 +325,12 @@ TEST_CASE("what is known of single vertices is what all of them are, at the star
 TEST_CASE("a saved wall goes on with the same bits, and a damaged one is refused")
 {
     const Plate plate;
-    const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}};
+    std::vector<WallDynamics::Push> push;
+    SUBCASE("pushed at one vertex") { push = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}}; }
+    SUBCASE("pushed everywhere")
+    {
+        for (std::int32_t v = 0; v < plate.wall->unknowns() / 3; ++v) push.push_back({0, v, Vec3(2e-4, 0, -5e-4)});
+    }
     WallDynamics whole(*plate.wall), resumed(*plate.wall);
     const auto advance = [&](WallDynamics& wall, int steps) {
         for (int k = 0; k < steps; ++k) {
