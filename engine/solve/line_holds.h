@@ -22,10 +22,9 @@
 // c = a b/(a + b). Left out: what bends by nature within the half cell at the tip, a change of twist stiffness within a cell, and that
 // other instruments' ends within a cell slide.
 //
-// **Position**: x(s) is on the edge that the material goes on with (coaxial_edge_of). F = lambda + K (p - x). K is ten times an edge's own stiffness EA/l, so that Newton's method sees next to nothing
-// else of the place. Each time it has converged, lambda takes in the remaining force (refine()), until x is at p to 1e-7 of an
-// edge.
-// The force is remembered from step to step.
+// **Position**: x(s) is on the edge that the material goes on with (coaxial_edge_of). F = lambda + K (p - x). K is ten times an
+// edge's own stiffness EA/l, so that Newton's method sees next to nothing else of the place. Each time it has converged, lambda
+// takes in the remaining force (refine()), until x is at p to 1e-7 of an edge. The force is remembered from step to step.
 //
 // **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line. So the holds pull at it by dU/ds along the line (of a
 // position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is

@@ -303,7 +303,8 @@ def main():
     parser.add_argument("action", choices=["run", "table", "list"])
     parser.add_argument("--by-hand", action="store_true", help="those of tests/mutants/by_hand.txt")
     parser.add_argument("--seed", type=int, default=41)
-    parser.add_argument("--drawn-in", type=Path, default=ROOT, metavar="FOLDER", help="draw in these sources, an older commit's for example; break the same lines here")
+    parser.add_argument("--drawn-in", type=Path, default=ROOT, metavar="FOLDER",
+                        help="draw in these sources, an older commit's for example; break the same lines here")
     parser.add_argument("--count", type=int, default=60, help="mutants that compile and differ")
     parser.add_argument("--again", action="store_true", help="run those that survived once more")
     parser.add_argument("--entries", default="", help="regular expression: only these test entries")
