@@ -170,6 +170,16 @@ void prepare_coaxial(CoaxialRod& rod, const RodView& line);
 /// prepare_coaxial() has been called.
 [[nodiscard]] int coaxial_edge_of(const CoaxialRod& rod, const RodView& line, double s, int edge);
 
+/// What bends between two middles, on either side of a place between them.
+struct CoaxialBend {
+    double before = 0, after = 0;            // compliance [1/(N m)]
+    double before_rate = 0, after_rate = 0;  // their change as an instrument slides and takes the place along [1/(N m^2)]
+    double least = 0;                        // per length, of the stiffest material [1/(N m^2)]
+    bool even = true;                        // the same material all the way
+};
+/// @param k  the instrument that the place is on
+[[nodiscard]] CoaxialBend coaxial_bend(const CoaxialRod& rod, int k, double from, double s, double to);
+
 /// Frames at `trial`: those of the centreline, of which the first instrument's angles and twist, and the sleeve as the only
 /// clamp. @param frames  of coaxial_frames()     @return false where there is no such configuration, see update_frames()
 [[nodiscard]] bool update_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,

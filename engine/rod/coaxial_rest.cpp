@@ -176,6 +176,31 @@ double coaxial_stretch_stiffness(const CoaxialRod& rod, double begin, double end
     return covered > 0 ? covered * covered / (compliance * (end - begin)) : 0;
 }
 
+CoaxialBend coaxial_bend(const CoaxialRod& rod, int k, double from, double s, double to)
+{
+    CoaxialBend bend;
+    const CoaxialPiece* last = nullptr;
+    double place = from, soft_last = 0;
+    std::size_t at = 0;
+    for_each_part(rod.pieces, from, to, at, [&](const CoaxialPiece& piece, double length) {
+        double stiffness = 0;
+        for (const WireSection* section : piece.section) stiffness += section ? section->bend_stiffness : 0;
+        const double soft = stiffness > 0 ? 1 / stiffness : 0, before = std::clamp(s - place, 0.0, length);
+        bend.before += soft * before;
+        bend.after += soft * (length - before);
+        bend.least = last ? std::min(bend.least, soft) : soft;
+        bend.even = !last;
+        // sliding brings material in at one end and out at the other, and up to where another instrument begins or ends
+        if (!last) bend.before_rate = soft;
+        else if (last->section[k] == piece.section[k] && place != s) (place < s ? bend.before_rate : bend.after_rate) += soft - soft_last;
+        last = &piece;
+        soft_last = soft;
+        place += length;
+    });
+    bend.after_rate -= soft_last;
+    return bend;
+}
+
 int coaxial_edge_of(const CoaxialRod& rod, const RodView& line, double s, int edge)
 {
     const auto middle = [&](int j) { return 0.5 * (line.material_s[j] + line.material_s[j + 1]); };

@@ -250,12 +250,12 @@ struct Walk {
         }
         if (lanes && first + lane_count > rod.n - 1) {  // beyond the hub
             const LaneMask inner = first_lanes(rod.n - 1 - first);
-            const auto keep_inner = [inner](std::span<Lanes> entries) {
-                for (Lanes& entry : entries) entry = inner ? entry : Lanes{};
+            const auto keep_inner = [inner](Lanes* entries, int count) {
+                for (int k = 0; k < count; ++k) entries[k] = inner ? entries[k] : Lanes{};
             };
-            for (Lanes(*block)[9] : {&s.ee, &s.ef, &s.ff}) keep_inner(*block);
-            for (Lanes3* block : {&s.ea, &s.eb, &s.fa, &s.fb}) keep_inner(block->v);
-            for (Lanes* entry : {&s.aa, &s.ab, &s.bb}) keep_inner({entry, 1});
+            for (Lanes(*block)[9] : {&s.ee, &s.ef, &s.ff}) keep_inner(*block, 9);
+            for (Lanes3* block : {&s.ea, &s.eb, &s.fa, &s.fb}) keep_inner(block->v, 3);
+            for (Lanes* entry : {&s.aa, &s.ab, &s.bb}) keep_inner(entry, 1);
         }
         const auto set = [](Lanes& to, int l, double value) { to[l] = value; };
         const auto more = [](Lanes& to, int l, double value) { to[l] += value; };

@@ -84,10 +84,15 @@ struct Scene;
 
 /// What the shares of a band are together: independent errors, with the safety that shares by nodes do not have (those by the step do), and a
 /// coverage factor. Both are calibrated by bench/audit.py: of 490 readings of 70 draws 95.5 % lie inside, 92.6 % without them.
+inline constexpr double band_coverage = 1.1, node_safety = 1.5;
 [[nodiscard]] inline double band_of_shares(double step, double nodes, double facets)
 {
-    constexpr double coverage = 1.1, node_safety = 1.5;
-    return coverage * std::hypot(step, node_safety * nodes, facets);
+    return band_coverage * std::hypot(step, node_safety * nodes, facets);
+}
+/// The one that counts most in that band.
+[[nodiscard]] inline const char* largest_share(double step, double nodes, double facets)
+{
+    return node_safety * nodes > std::max(step, facets) ? "nodes" : facets > step ? "facets" : "step";
 }
 
 /// One reading with its band.
@@ -102,7 +107,7 @@ struct ErrorBand {
     bool known = true;                       // the run has seen where the value comes from
     void sum_up() { band = band_of_shares(step, nodes, facets); }
     [[nodiscard]] double expected() const;   // what the value is believed to be off by
-    [[nodiscard]] const char* largest_source() const { return nodes > std::max(step, facets) ? "nodes" : facets > step ? "facets" : "step"; }
+    [[nodiscard]] const char* largest_source() const { return largest_share(step, nodes, facets); }
 };
 
 /// The hand of an instrument: at the end, and the largest mean over 20 ms [N].

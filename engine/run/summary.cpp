@@ -45,7 +45,7 @@ Json estimate_json(const ErrorEstimate& e)
     };
     Json others = Json::array();
     for (const HandBands& hand : e.others) others.push_back({{"name", hand.name}, {"hand_force_n", band(hand.end)}, {"hand_force_peak_n", band(hand.peak)}});
-    const char* of_tip = e.tip_nodes > std::max(e.tip, e.tip_facets) ? "nodes" : e.tip_facets > e.tip ? "facets" : "step";
+    const char* of_tip = largest_share(e.tip, e.tip_nodes, e.tip_facets);
     return {{"equilibrium", e.equilibrium},
             {"windows", e.windows},
             {"failed_windows", e.failed},

@@ -93,7 +93,7 @@ LineHolds::Active LineHolds::place(const HeldWire& held, int wire, const WireCon
     Active active;
     active.hold = hold;
     const auto above = std::upper_bound(line.material_s.begin(), line.material_s.begin() + line.n, hold.s) - line.material_s.begin();
-    active.edge = std::clamp(static_cast<int>(above) - 1, 0, last - 1);
+    active.edge = coaxial_edge_of(held.group->rod, line, hold.s, std::clamp(static_cast<int>(above) - 1, 0, last - 1));
     active.bary = (hold.s - line.material_s[active.edge]) / line.rest_length[active.edge];
     active.stiffness = stiffness_share * line.stretch_stiffness[active.edge] / mean_edge(line);
     const int cell = hold.s < middle(line, active.edge) ? active.edge : active.edge + 1;
@@ -115,7 +115,7 @@ void LineHolds::set_springs(const HeldWire& held, const RodView& line, Active& a
     const CoaxialInstrument& own = held.group->rod.instrument[held.member];
     const double twist_stiffness = own.spec->at(std::clamp(s + own.offset, 0.0, own.spec->length)).twist_stiffness;
     const double bend_stiffness = line.bend_stiffness[cell];
-    active.length = to - from;
+    active.length = active.bend_length = to - from;
     active.ends = cell == 0;
     if (cell == 0) {
         set_end_compliance(to - s, 2 * active.length, bend_stiffness, active.bend, active.bend_rate);
@@ -127,8 +127,21 @@ void LineHolds::set_springs(const HeldWire& held, const RodView& line, Active& a
     active.side[1].weight = w;
     active.spin_weight[0] = 1 - w;
     active.spin_weight[1] = w;
-    set_compliance(w, active.length, bend_stiffness, active.bend, active.bend_rate);
+    const CoaxialBend bend = coaxial_bend(held.group->rod, held.member, from, s, to);
+    if (bend.even) set_compliance(w, active.length, bend_stiffness, active.bend, active.bend_rate);
+    else set_uneven(bend, active);
     set_compliance(w, active.length, twist_stiffness, active.twist, active.twist_rate);
+}
+
+/// By what bends on either side, a and b: w = a/(a + b), c = a b/(a + b).
+void LineHolds::set_uneven(const CoaxialBend& bend, Active& active)
+{
+    const double a = bend.before, b = bend.after, all = a + b, least = least_share * active.length * bend.least;
+    active.side[0].weight = b / all;
+    active.side[1].weight = a / all;
+    active.bend_length = all * all / (b * bend.before_rate - a * bend.after_rate);
+    active.bend = std::max(a * b / all, least);
+    active.bend_rate = a * b / all > least ? (b * b * bend.before_rate + a * a * bend.after_rate) / (all * all) : 0;
 }
 
 /// Reference angles for which the instrument is twisted relative to its hold by at most half a turn at the start of the step.
@@ -253,7 +266,7 @@ void LineHolds::add_direction(const EdgeState* edges, Active& active)
             if (active.side[k].edge >= 0 && edges[k].inverse != 0)
                 add(j, k, (side.weight * active.side[k].weight * inv) * Mat3(normal[j] * normal[k]));
     }
-    active.along += -inv * off.dot(change) / active.length - 0.5 * inv * inv * off.squaredNorm() * active.bend_rate;
+    active.along += -inv * off.dot(change) / active.bend_length - 0.5 * inv * inv * off.squaredNorm() * active.bend_rate;
 }
 
 // psi_j = theta_j + m_j - turned, m_j the reference angle: d m = kb.de/(2 |e|), kb that of clamp and edge (add_twist() of rod/pair.h)

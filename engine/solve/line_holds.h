@@ -16,13 +16,15 @@
 // middles of both edges in place of the cell's own B/l are this one and the cell's, for
 //     (u_a^2/w + u_b^2/(1 - w)) B/(2 l) = (u_a + u_b)^2 B/(2 l) + ((1 - w) u_a - w u_b)^2 / (2 c),
 // u_a the turn from edge a to the clamp, u_b that from the clamp to edge b. In an edge's middle the spring is rigid; c is no less than
-// a share of l/B, which puts the clamp off by that share of an edge. In the half cell at the tip c = (distance to the middle)/B. Left
-// out: what bends by nature within that half cell, and a change of stiffness within the cell that the place is in.
+// a share of l/B, which puts the clamp off by that share of an edge. In the half cell at the tip c = (distance to the middle)/B.
+// Where the cell is not even, as at the tip of a catheter over a soft wire, direction counts what bends instead of lengths: with a and b
+// the compliances from the place to both middles the half springs are 1/a and 1/b, the cell's own 1/(a + b), so w = a/(a + b) and
+// c = a b/(a + b). Left out: what bends by nature within the half cell at the tip, a change of twist stiffness within a cell, and that
+// other instruments' ends within a cell slide.
 //
-// **Position**: F = lambda + K (p - x). K is ten times an edge's own stiffness EA/l, so that Newton's method sees next to nothing
-// else of the place. Each time it has converged, lambda takes in the remaining force (refine()), until x is at p to 1e-7 of an
-// edge.
-// The force is remembered from step to step.
+// **Position**: x(s) is on the edge that the material goes on with (coaxial_edge_of). F = lambda + K (p - x). K is ten times an
+// edge's own stiffness EA/l, so that Newton's method sees next to nothing else of the place. Each time it has converged, lambda
+// takes in the remaining force (refine()), until x is at p to 1e-7 of an edge. The force is remembered from step to step.
 //
 // **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line. So the holds pull at it by dU/ds along the line (of a
 // position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is
@@ -85,6 +87,7 @@ private:
         double spin_weight[2] = {0, 1};  // of these in psi
         bool ends = false;        // the instrument's own tip is between the middles: of its spin b alone counts
         double length = 0;        // l: between the middles [m]
+        double bend_length = 0;   // 1/(dw/ds) of direction [m]
         double bend = 0, bend_rate = 0;    // c of direction [1/(N m)], dc/ds
         double twist = 0, twist_rate = 0;  // likewise of spin
         double stiffness = 0;     // K [N/m]
@@ -108,6 +111,7 @@ private:
 
     [[nodiscard]] Active place(const HeldWire& held, int wire, const WireConstraints::LineHold& hold);
     void set_springs(const HeldWire& held, const RodView& line, Active& active) const;
+    static void set_uneven(const CoaxialBend& bend, Active& active);
     void find_angles(const HeldWire& held, int wire, Active& active);
     [[nodiscard]] EdgeState edge_state(const HeldWire& held, const TrialState& trial, int edge);
     void evaluate(const HeldWire& held, int wire, const TrialState& trial, Active& active);

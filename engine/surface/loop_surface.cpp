@@ -73,7 +73,7 @@ namespace {
 
 /// Weights of a corner's points at a place of its triangle: rounds of subdivision until a regular child holds it.
 template <int channels, class Functions>
-void corner_weights(const LoopCorner& corner, Local at, const Functions& functions, double (*out)[channels])
+void corner_weights(const LoopCorner& corner, Local at, const Functions& at_place, double (*out)[channels])
 {
     int round = 0;
     for (; round < LoopCorner::depth && at.u + at.v < 0.5; ++round) at = child_place(at, 0);
@@ -92,7 +92,7 @@ void corner_weights(const LoopCorner& corner, Local at, const Functions& functio
     }
     const int child = child_of(at.u, at.v) == 0 ? 3 : child_of(at.u, at.v);
     double regular[12][channels];
-    functions(child_place(at, child), regular);
+    at_place(child_place(at, child), regular);
     const double* row = corner.patch(round, child);
     for (int i = 0; i < 12; ++i, row += points)
         for (int k = 0; k < points; ++k)
@@ -116,12 +116,12 @@ void LoopSurface::weigh(std::int32_t triangle, double u, double v, Weights<curve
     const Child& child = children_[static_cast<std::size_t>(patch.first_child + c)];
     double points[LoopTopology::max_valence + 8][channels];
     int count = 12;
-    const auto functions = [&](const Local& place, double(*out)[channels]) { weights.functions(place, out); };
-    if (child.corner < 0) functions(at, points);
+    const auto of_patch = [&](const Local& place, double(*out)[channels]) { weights.functions(place, out); };
+    if (child.corner < 0) of_patch(at, points);
     else {
         const LoopCorner& corner = corners_[static_cast<std::size_t>(child.corner)];
         count = corner.points;
-        corner_weights<channels>(corner, at, functions, points);
+        corner_weights<channels>(corner, at, of_patch, points);
     }
     weights.clear(patch.vertex_count);
     const std::int32_t* row = &rows_[static_cast<std::size_t>(child.first_point)];

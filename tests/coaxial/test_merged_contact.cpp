@@ -131,6 +131,50 @@ TEST_SUITE("coaxial/merged contact")
     }
 
     // The wire slides out of a catheter that stands still: all of its friction is in its own hand.
+    // A catheter that comes down to a plane at a slope, by so much further than it: a cantilever of 3 B d/L^3, though a thread goes on from its tip.
+    // The wall itself gives by 3 % of d. Where the polyline turns before the tip, the force on the half edge between is along the thread, not the
+    // catheter: hands share it by up to the angle between both, 0.05.
+    TEST_CASE("analytic: the tip of a catheter presses on a wall as a cantilever's does, though a thread goes on from there")
+    {
+        const double stiffness = 1e-3, slope = 0.05, pressed = 1e-3, radius = 0.9e-3;
+        for (int k = 0; k < 8; ++k) {
+            const double length = 0.05 + 2.5e-4 * k;
+            CAPTURE(k);
+            TestSetup made;
+            made.gravity = Vec3::Zero();
+            VesselSpec plane;
+            plane.shape = VesselShape::Plane;
+            plane.size = 0.2;
+            plane.triangles = 800;
+            add_vessel(made, make_plane(plane), plane);
+            WireSpec outer = steel_wire(0.3, 151), inner = steel_wire(0.3, 151);
+            outer.shaft.radius = radius;
+            outer.shaft.bend_stiffness = outer.shaft.twist_stiffness = stiffness;
+            inner.shaft.bend_stiffness = inner.shaft.twist_stiffness = 1e-8;
+            for (WireSpec* spec : {&outer, &inner}) {
+                spec->shaft.mu_static = spec->shaft.mu_sliding = 0;
+                made.wires.push_back(fed_wire(*spec, {0, 0, radius + length * slope - pressed}, 0));
+                made.wires.back().feed.direction = Vec3(1, 0, -slope).normalized();
+                made.wires.back().feed.keys = {{0, spec == &outer ? 0.02 : 0.03, 0}};
+            }
+            made.systems = {2};
+            made.integrator.damping_mass = 200;
+            WorldSetup setup = made;
+            setup.coaxial.push_back({.order = {0, 1}, .model = CoaxialSpec::Model::Merged});
+            World world(setup);
+            go(world, {0.02, 0.03}, {length, 0.06}, 300);
+            go(world, {length, 0.06}, {length, 0.06}, 100);
+            Vec3 force = Vec3::Zero();
+            for (const Vec3& f : world.nodal_contact_force(0)) force += f;
+            const double cantilever = 3 * stiffness * pressed / std::pow(length, 3);
+            CHECK(force.z() == about(cantilever).epsilon(0.03));
+            CHECK(-world.readings(0).base_force.z() == about(force.z()).epsilon(1e-3));
+            const double along = slope * force.z() - std::pow(force.z() * length, 2) / (2 * stiffness);  // at the inlet, less (1/2) B kappa^2 there
+            CHECK(world.readings(0).hand_force + world.readings(1).hand_force == about(along).scale(cantilever).epsilon(5e-3));
+            CHECK(std::abs(world.readings(1).hand_force) < 0.06 * cantilever);
+        }
+    }
+
     TEST_CASE("property: friction is felt by the hand of the instrument that it acts on")
     {
         World world(in_a_bend(0.01, 0.02));

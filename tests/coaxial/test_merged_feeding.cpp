@@ -181,6 +181,37 @@ TEST_SUITE("coaxial/merged feeding")
         CHECK(world.rod(0).material_s[world.rod(0).n - 1] == about(0.04).epsilon(1e-3));
     }
 
+    // No torque acts on an instrument that is still in the introducer: it is untwisted, at its hub's angle, and nothing of it is in the wire.
+    TEST_CASE("property: a catheter that is turned before it comes in changes nothing of the wire, and comes in untwisted")
+    {
+        constexpr double turned = 0.7;
+        WorldSetup setup = catheter_and_wire(0, 0.03);
+        setup.wires[0].feed.advance = 0;
+        setup.gravity = Vec3::Zero();
+        for (WireSetup& wire : setup.wires) wire.wire.sections.clear();  // straight by nature
+        World still(setup), world(setup);
+        for (int k = 1; k <= 50; ++k)
+            for (World* one : {&still, &world}) {
+                Control control;
+                control.move_to(0, 0, one == &world ? turned * k / 50 : 0);
+                control.move_to(1, 0.03 + 1e-4 * k, 0.01 * k);
+                REQUIRE_FALSE(step(*one, control, 1e-3).failed());
+            }
+        const ConstRodView wire = world.rod(1), alone = still.rod(1);
+        REQUIRE(wire.n == alone.n);
+        for (int j = 0; j < wire.n - 1; ++j) CHECK(wire.theta[j] == alone.theta[j]);
+        CHECK(world.readings(1).energy.hand == still.readings(1).energy.hand);
+        for (int k = 1; k <= 20; ++k) {
+            Control control;
+            control.move_to(0, 1e-3 * k, turned);
+            control.move_to(1, 0.035, 0.5);
+            REQUIRE_FALSE(step(world, control, 1e-3).failed());
+            CAPTURE(k);
+            CHECK(std::abs(world.readings(0).hand_torque) <= 1e-9);
+        }
+        CHECK(angle_deg(world, 0, 0.005) == about(180 / pi * turned).epsilon(1e-6));
+    }
+
     // Hand and clamp are joined by the twist of the length between: torque = C (hand's turn - clamp's)/length, which gets
     // shorter.
     TEST_CASE("property: what lies behind the inlet twists, and is as long as has not been pushed in")

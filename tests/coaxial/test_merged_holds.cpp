@@ -185,6 +185,31 @@ TEST_SUITE("coaxial/merged holds")
         }
     }
 
+    // What goes on from there is a thread, which holds nothing, wherever the tip is between two nodes: 3 B d/L^3, or 12 B d/L^3 with its direction
+    // held. (EA pulls along with the square of d, 5e-5 of the force across.) A clamp's moment 6 B d/L^2 bends up to an edge l before the tip, which
+    // the line goes along straight: 3 (l/L)^2 of d, and about as much for the polyline.
+    TEST_CASE("analytic: a catheter held at its tip bends as far as that, though a thread goes on from there")
+    {
+        const double stiffness = 1e-2, height = 1e-5, edge = 2e-3;
+        HoldSpec tip = lifted(0, height);
+        tip.at.kind = WirePoint::Kind::Tip;
+        for (int k = 0; k < 16; ++k) {
+            const double length = 0.05 + 2.5e-4 * (k / 2);
+            tip.direction = k % 2 == 1;
+            CAPTURE(k);
+            WorldSetup setup = merged_setup({instrument_of({{0.4, stiffness, 0}}, 1), instrument_of({{0.6, 1e-8, 0}}, 1)}, {length, 0.06}, edge);
+            setup.integrator.tolerance = 1e-9;
+            setup.wires[0].holds.push_back(tip);
+            World world(setup);
+            for (int i = 0; i < 3; ++i) advance(world, length, 0.06);
+            const double force = (tip.direction ? 12 : 3) * stiffness * height / std::pow(length, 3);
+            CHECK(-world.readings(0).base_force.z() == about(force).epsilon(6 * std::pow(edge / length, 2)));
+            CHECK(std::abs(world.readings(1).hand_force) < 1e-3 * force);
+            const double slope = tip.direction ? 0 : -1.5 * height / length;  // straight on from the tip: tangents point to the hub
+            CHECK(world.rod(1).tangent(0).z() == about(slope).scale(height / length).epsilon(0.05));
+        }
+    }
+
     // Pulled forwards by d: the line is stretched by both EA, and the hand of the held instrument bears the pull. The hold on
     // its edge's chord is stiffer by the compliance of the edge, at b(1 - b) of its length: 0.19 % here.
     TEST_CASE("analytic: the hand of the one that is held holds what its hold pulls along")
@@ -296,41 +321,57 @@ TEST_SUITE("coaxial/merged holds")
         }
     }
 
-    // U = |t_c - (1 - w) t_a - w t_b|^2 / (2 c), c = w (1 - w) l/B: its derivative by the place, which the hand feels, by differences
+    // U = |t_c - (1 - w) t_a - w t_b|^2 / (2 c), w = C_a/(C_a + C_b), c = C_a C_b/(C_a + C_b) of the compliances from the place to both middles: its
+    // derivative by the place, which the hand feels, by differences. An outer tip in the cell goes along with a place of the outer one, and
+    // stays where it is as the inner one slides.
     TEST_CASE("derivative: what a held direction pulls along is the slope of its energy")
     {
         std::mt19937 random(6);
         const double edge = 2e-3;
-        for (const double from_tip : {0.0113, 0.0117, 0.0126, 0.0189}) {
-            WorldSetup setup = straight_pair(0.03, 0.03, Scheme::Static, edge);
-            setup.wires[1].holds.push_back(hold_at(from_tip, false, true, false));
+        struct Case {
+            double outer;  // how far it is in [m]
+            int wire;
+            double from_tip;
+        };
+        for (const Case& at : {Case{0.03, 1, 0.0113}, Case{0.03, 1, 0.0117}, Case{0.03, 1, 0.0126}, Case{0.03, 1, 0.0189}, Case{0.0183, 1, 0.0113},
+                               Case{0.0183, 1, 0.0126}, Case{0.0183, 0, 0}, Case{0.0183, 0, 0.0007}}) {
+            const auto& [outer, held_wire, from_tip] = at;
+            WorldSetup setup = straight_pair(outer, 0.03, Scheme::Static, edge);
+            setup.wires[held_wire].holds.push_back(hold_at(from_tip, false, true, false));
             World world(setup);
             WorldData& data = data_of(world);
             const Vec3 held = data.rod(0).tangent(0);
             (void)bend_at_random(data, random);
             const RodView line = data.rod(0);
-            const int a = static_cast<int>(std::floor(from_tip / edge - 0.5));  // the place is between the middles of edges a and a + 1
-            const auto energy = [&](double s) {
-                const double w = s / edge - 0.5 - a;
-                return (held - (1 - w) * line.tangent(a) - w * line.tangent(a + 1)).squaredNorm() * pair_bend / (2 * w * (1 - w) * edge);
+            const double tip = 0.03 - outer, place = held_wire == 0 ? tip + from_tip : from_tip;
+            const int a = static_cast<int>(std::floor(place / edge - 0.5));  // the place is between the middles of edges a and a + 1
+            const auto energy = [&, from = (a + 0.5) * edge](double s) {
+                const double outer_tip = held_wire == 0 ? s - from_tip : tip;
+                const auto compliance = [&](double begin, double end) {
+                    const double both = end - std::clamp(outer_tip, begin, end);
+                    return (end - begin - both) / (0.5 * bend) + both / pair_bend;
+                };
+                const double before = compliance(from, s), after = compliance(s, from + edge), all = before + after;
+                const Vec3 off = held - (after / all) * line.tangent(a) - (before / all) * line.tangent(a + 1);
+                return off.squaredNorm() * all / (2 * before * after);
             };
             TrialState trial;
             for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(data.state.rods.total_capacity());
             for (const int wire : {0, 1})
                 for (int i = 0; i < line.n; ++i) {
-                    const int at = data.state.rods.node_begin(wire) + i;
-                    trial.x[at] = line.pos(i).x();
-                    trial.y[at] = line.pos(i).y();
-                    trial.z[at] = line.pos(i).z();
+                    const int k = data.state.rods.node_begin(wire) + i;
+                    trial.x[k] = line.pos(i).x();
+                    trial.y[k] = line.pos(i).y();
+                    trial.z[k] = line.pos(i).z();
                 }
             const std::vector<std::uint8_t> live = {1, 1};
             data.forces.line_holds->prepare(data.state.rods, live);
             data.forces.line_holds->evaluate({trial, 0, live});
             // 1e-5 of an edge: the difference's own error is (1e-5)^2 of a slope that changes over a tenth of an edge
-            const double step = 1e-5 * edge, slope = (energy(from_tip + step) - energy(from_tip - step)) / (2 * step);
-            CAPTURE(from_tip);
-            CHECK(data.forces.line_holds->along(1) == about(slope).epsilon(1e-6));
-            CHECK(data.forces.line_holds->along(0) == 0);
+            const double step = 1e-5 * edge, slope = (energy(place + step) - energy(place - step)) / (2 * step);
+            CAPTURE(place);
+            CHECK(data.forces.line_holds->along(held_wire) == about(slope).epsilon(1e-6));
+            CHECK(data.forces.line_holds->along(1 - held_wire) == 0);
         }
     }
 

@@ -112,6 +112,35 @@ TEST_SUITE("contact/contact_patch")
         CHECK(area == test::about(0.04 * 1.2 * r).epsilon(0.02));
         CHECK(most == test::about(load / (1.2 * r)).epsilon(0.02));
     }
+
+    // Lists of what is near hold facets within radius, reach and slack of where they were made. Along a floor to a wall that was beyond that then.
+    TEST_CASE("property: a wire moved sideways finds a wall as one that starts there does")
+    {
+        const double radius = 0.4445e-3, wide = 0.03, high = 0.01, side = 0.01;
+        test::TestSetup setup;
+        setup.gravity = Vec3::Zero();
+        setup.vessel.shape = VesselShape::Plane;
+        setup.mesh.vertices = {{-wide, -wide, 0}, {wide, -wide, 0}, {wide, side, 0}, {-wide, side, 0}, {wide, side, high}, {-wide, side, high}};
+        setup.mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}, {{3, 2, 4}}, {{3, 4, 5}}};
+        WireSpec spec = test::steel_wire(0.02, 11);
+        spec.shaft.bend_stiffness = 1e-2;
+        setup.wires = {test::placed_wire(spec, {-0.01, side - 1.6 * radius, 0.99 * radius})};
+        HoldSpec base, tip;
+        base.position = base.direction = tip.position = true;
+        tip.at.kind = WirePoint::Kind::Tip;
+        base.move = tip.move = {{0, 0, 0, 0}, {0.03, 0, 0.62 * radius, 0}};
+        setup.wires[0].holds = {base, tip};
+        World world(setup), fresh(setup);
+        double pushed = 0;
+        for (int k = 0; k < 30; ++k) {
+            fresh.restore_state(world.save_state());
+            for (World* one : {&world, &fresh}) REQUIRE_FALSE(step(*one, 1e-3).failed());
+            REQUIRE(world.state_hash() == fresh.state_hash());
+            pushed = 0;
+            for (const Vec3& force : world.nodal_contact_force(0)) pushed += force.y();
+        }
+        CHECK(pushed < 0);
+    }
 }
 
 }  // namespace test_contact_patch

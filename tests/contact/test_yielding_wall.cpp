@@ -5,6 +5,7 @@
 #include "support/approx.h"
 #include "support/fed_world.h"
 #include "contact/elastic/yielding_wall.h"
+#include "stages/step_stages.h"
 #include "world/world.h"
 
 #include <doctest/doctest.h>
@@ -410,6 +411,42 @@ TEST_CASE("property: a wall that buckles in long steps alone is taken through sh
     CHECK((flags & StepHalved) != 0);
     CHECK(sub_steps > 1);
     CHECK(world.readings(0).inserted == about(4e-3).epsilon(1e-9));
+}
+
+// Above the wall, which stands: a node that goes 1.5 times as far as the limit has 1/1.5 of its path open, wherever the others are.
+TEST_CASE("analytic: the path of a trial is open as far as the node that goes farthest may go")
+{
+    TestSetup setup = wire_on_plate(0, 1e-3, 0.008, 800);
+    setup.integrator.scheme = Scheme::Newton;
+    setup.wires[0].wire.shaft.density = 7900;
+    setup.wires[0].wire.place.base.z() = 3 * radius;
+    World world{WorldSetup(setup)};
+    WorldData& data = data_of(world);
+    StepReport report;
+    take_control(data, {}, 1e-3);
+    begin_step(data);
+    data.work.pending.begin(1e-3, data.systems.running(), feed_parts(data, 1e-3, report));
+    const SubStep* sub = data.work.pending.next();
+    REQUIRE(sub);
+    begin_sub_step(data, *sub);
+    feed_hubs(data, *sub);
+    hold_and_load(data, *sub);
+    find_contacts(data);
+    YieldingWall& wall = *data.forces.yielding;
+    const double limit = wall.traits().most_move[0];
+    REQUIRE(limit == about(0.45 * radius).epsilon(1e-6));
+    const ConstRodView rod = world.rod(0);
+    const std::vector<std::uint8_t> live = {1};
+    for (const double moved : {0.9, 1.5, 4.0}) {
+        CAPTURE(moved);
+        TrialState trial;
+        for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(data.state.rods.total_capacity());
+        for (int i = 0; i < rod.n; ++i) trial.x[i] = rod.x[i], trial.y[i] = rod.y[i] + (i == 40 ? moved * limit : 0), trial.z[i] = rod.z[i];
+        wall.evaluate({trial, 1e-3, live});
+        const TermAnswer answer = wall.answer(0, Ask::Trial);
+        CHECK(answer.open == about(std::min(1.0, 1 / moved)).epsilon(1e-6));
+        CHECK(answer.admissible == (moved < 1));
+    }
 }
 
 }  // namespace test_yielding_wall

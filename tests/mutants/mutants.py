@@ -10,7 +10,8 @@
 Golden rows and tests of the command are left out: they say "changed", not "wrong". The source tree is never written to. A mutant is a
 copy of one file below build/mutants, compiled alone and linked before the engine's library; so nothing has to be restored, and nothing
 can be left behind. The other files of its unity group are compiled alone once, because a call inside a group may have been inlined.
-Results are kept in build/mutants/results.json: what is there is not run again. The same seed and the same files draw the same list.
+Results are kept in build/mutants/results.json: what is there is not run again. The same seed and the same files draw the same list; to
+go on with a list that other sources drew: `git worktree add /tmp/then COMMIT`, then `run --seed N --drawn-in /tmp/then`.
 
 Entries run in an order: the mutated file's room first, short ones first; the first failure ends a mutant. An entry that uses ten times
 the processor time that it takes otherwise, and 20 s, counts as a failure ("times out"). An entry that fails counts only if it passes
@@ -76,15 +77,15 @@ def breaks(line, draw):
     return found
 
 
-def draw_list(seed):
+def draw_list(seed, root):
     """All that can break, in the order of the draw: a kind, then any of its places; one for each line."""
     draw, places = random.Random(seed), {}
     for room, patterns in ROOMS.items():
-        for file in sorted({f for p in patterns for f in ROOT.glob(p)}):
+        for file in sorted({f for p in patterns for f in root.glob(p)}):
             for number, line in enumerate(file.read_text().splitlines(), 1):
                 if NOT_BROKEN.search(line): continue
                 for kind, start, end, new in breaks(line, draw):
-                    places.setdefault(kind, []).append(dict(file=str(file.relative_to(ROOT)), line=number, kind=kind, room=room, before=line.strip(),
+                    places.setdefault(kind, []).append(dict(file=str(file.relative_to(root)), line=number, kind=kind, room=room, before=line.strip(),
                                                             after=(line[:start] + new + line[end:]).strip(), text=line[:start] + new + line[end:]))
     seen, kinds = set(), sorted(places)
     while any(places.values()):
@@ -94,6 +95,13 @@ def draw_list(seed):
         if (place["file"], place["line"]) in seen or place["before"] == place["after"]: continue
         seen.add((place["file"], place["line"]))
         yield place
+
+
+def here(mutant):
+    """A mutant drawn in other sources, in the sources of now: the same line, the nearest one if there are several. None if it is gone."""
+    lines = (ROOT / mutant["file"]).read_text().splitlines() if (ROOT / mutant["file"]).exists() else []
+    same = [i + 1 for i, line in enumerate(lines) if line.strip() == mutant["before"]]
+    return dict(mutant, line=min(same, key=lambda at: abs(at - mutant["line"]))) if same else None
 
 
 def by_hand():
@@ -243,7 +251,7 @@ def reasons():
 
 def chosen(arguments):
     if arguments.by_hand: yield from by_hand()
-    else: yield from draw_list(arguments.seed)
+    else: yield from filter(None, map(here, draw_list(arguments.seed, arguments.drawn_in.resolve())))
 
 
 def run(arguments, build):
@@ -295,6 +303,8 @@ def main():
     parser.add_argument("action", choices=["run", "table", "list"])
     parser.add_argument("--by-hand", action="store_true", help="those of tests/mutants/by_hand.txt")
     parser.add_argument("--seed", type=int, default=41)
+    parser.add_argument("--drawn-in", type=Path, default=ROOT, metavar="FOLDER",
+                        help="draw in these sources, an older commit's for example; break the same lines here")
     parser.add_argument("--count", type=int, default=60, help="mutants that compile and differ")
     parser.add_argument("--again", action="store_true", help="run those that survived once more")
     parser.add_argument("--entries", default="", help="regular expression: only these test entries")

@@ -78,6 +78,19 @@ TEST_SUITE("nodes/adapt")
         }
     }
 
+    // A preformed bend that a lumen holds straight: its moments rise, and there is no curve between nodes that a polyline could miss.
+    TEST_CASE("property: where moments hold a wire straight the polyline misses no bending energy")
+    {
+        StraightWire wire(12);
+        std::vector<Vec3> moment;
+        for (int i = 0; i < wire.rod.n; ++i) moment.emplace_back(0, 0, 2e-4 * (i % 3));
+        NodeDemands demands;
+        demands.moment = moment;
+        const BendingError error = wire.planner.bending_error(wire.rod, wire.spec, demands);
+        CHECK(error.energy > 0);
+        CHECK(error.missed == 0);
+    }
+
     TEST_CASE("property: both edges beside a node with contact are as short as asked for, and edges elsewhere are not")
     {
         StraightWire wire(12);

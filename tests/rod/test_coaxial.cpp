@@ -278,6 +278,19 @@ TEST_SUITE("rod/coaxial")
 
     // Every end and change of section passes through cells, edges and nodes, for which energy has no jump: it changes by no more
     // than the force times the step.
+    // A push of all hubs by the same length moves the line and no offset.
+    TEST_CASE("property: the hands of a group push the line together, of as many instruments as there may be")
+    {
+        CoaxialHands hands;
+        hands.line_force = 10;
+        for (int k = 0; k < most_coaxial; ++k) hands.offset_force[k] = k + 1;
+        for (int instruments = 1; instruments <= most_coaxial; ++instruments) {
+            double all = 0;
+            for (int k = 0; k < instruments; ++k) all += hands.push(k, 0, instruments);
+            CHECK(all == 10);
+        }
+    }
+
     TEST_CASE("property: the energy is continuous in the offsets")
     {
         Shaken c(3, 5, 0.3);

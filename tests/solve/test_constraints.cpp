@@ -166,6 +166,24 @@ TEST_SUITE("solve/constraints")
         CHECK(bent.tip().z() == about(radius).epsilon(0.002));
     }
 
+    TEST_CASE("property: what is prescribed changes until the last key, the end of a ramp, or an end in time")
+    {
+        Rig rig(nitinol(0.1), 11);
+        LoadSpec slow, fast;
+        slow.at = fast.at = at_distance(0.05);
+        slow.ramp = 4;
+        fast.ramp = 1;
+        HoldSpec moved = clamp_base();
+        moved.move = {{0, 0, 0, 0}, {3, 0, 0, 0.001}};
+        const auto until = [&](const std::vector<LoadSpec>& loads) { return WireHolds(std::vector{moved}, loads, {}, rig.rod(), 0.1).moving_until(); };
+        CHECK(until({}) == 3);
+        CHECK(until({fast}) == 3);
+        CHECK(until({slow, fast}) == 4);
+        CHECK(until({fast, slow}) == 4);
+        fast.until = 5;
+        CHECK(until({slow, fast}) == 5);
+    }
+
     TEST_CASE("property: an equilibrium is followed along moves in parts, to where they end")
     {
         Rig rig(nitinol(0.1), 11);

@@ -301,7 +301,10 @@ TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, an
 
 TEST_CASE("what is known of single vertices is what all of them are, at the start of a step and untouched at its end")
 {
-    const Plate plate;
+    std::vector<WallLoad> loads;
+    SUBCASE("pushed") {}
+    SUBCASE("pushed and under a load") { loads = {{0, Vec3(0.004, -0.003, 0), Vec3(0.01, 0, 0.04)}}; }
+    const Plate plate(1e4, 0.02, loads);
     WallDynamics dynamics(*plate.wall);
     const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}};
     for (int k = 0; k < 13; ++k) {
@@ -322,7 +325,12 @@ TEST_CASE("what is known of single vertices is what all of them are, at the star
 TEST_CASE("a saved wall goes on with the same bits, and a damaged one is refused")
 {
     const Plate plate;
-    const WallDynamics::Push push[] = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}};
+    std::vector<WallDynamics::Push> push;
+    SUBCASE("pushed at one vertex") { push = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}}; }
+    SUBCASE("pushed everywhere")
+    {
+        for (std::int32_t v = 0; v < plate.wall->unknowns() / 3; ++v) push.push_back({0, v, Vec3(2e-4, 0, -5e-4)});
+    }
     WallDynamics whole(*plate.wall), resumed(*plate.wall);
     const auto advance = [&](WallDynamics& wall, int steps) {
         for (int k = 0; k < steps; ++k) {
