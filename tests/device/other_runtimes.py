@@ -125,8 +125,13 @@ def check_float32(bench):
         check(hand <= FORCE, f"{scene}: the hand force is {hand} of its largest from that of float64")
         # float's tolerance is the wider one: what divides a step in it and not in double is an error
         check(summary["halved_steps"] <= double["halved_steps"] + (3 if until else 0), f"{scene}: divided steps")
+        told = any("float32" in sentence for sentence in summary["warnings"])
+        check(told == (summary["halved_steps"] > 0), f"{scene}: the warning of float32 where something has snapped: {summary['warnings']}")
         if until is None:
             continue
+        pressure = abs(summary["contact_pressure_max_pa"] / double["contact_pressure_max_pa"] - 1)
+        print(f"{scene}: largest pressure of contact {pressure:.2f} apart")
+        check(pressure <= 0.25, f"{scene}: the pressure is farther off than the warning says")
         twins = [apart(exact, bench.trace(scene, "twin", None, "--set", f"wire.density={density}")[1]) for density in TWINS]
         whole = apart(exact, rows)
         for what, own, others in zip(("tip", "hand force"), whole, zip(*twins)):
