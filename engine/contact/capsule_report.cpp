@@ -35,7 +35,6 @@ ContactRow CapsuleContact::row_of(int wire, int edge, int point, const ContactSt
 std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
 {
     std::vector<ContactRow> rows;
-    states_.bring_accepted();
     for (int w = 0; w < rods.wire_count(); ++w) {
         const WireQuadrature& wire = quadrature_.wires[w];
         const RodView rod = rods.view(w);  // whose nodes may be others than those of the step
@@ -53,7 +52,6 @@ std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
 
 void CapsuleContact::add_loads(RodArrays& rods, std::span<WireLoads> loads)
 {
-    states_.bring_accepted();
     for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const WireQuadrature& wire = quadrature_.wires[static_cast<std::size_t>(w)];
         WireLoads& own = loads[static_cast<std::size_t>(w)];

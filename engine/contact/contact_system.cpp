@@ -6,6 +6,14 @@
 
 namespace seldinger {
 
+namespace {
+
+// Of the bound. The bound takes all samples of an edge to be off by four roundings to the same side; distances of a few samples, each
+// off by half a rounding to either side, leave about a tenth of it.
+constexpr double usual_rounding = 0.1;
+
+}  // namespace
+
 ContactMethod::ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : context_(context),
       rods_(rods),
@@ -46,7 +54,10 @@ TermAnswer ContactMethod::answer(int wire, Ask what)
     TermAnswer answer;
     if (what == Ask::Trial) {
         sums_.answer(wire, answer);
-        if (context_.float32()) answer.rounding = sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire));
+        if (context_.float32()) {
+            answer.rounding_most = sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire));
+            answer.rounding = usual_rounding * answer.rounding_most;
+        }
     } else if (what == Ask::Energies) {
         const ContactTotals t = totals(wire);
         answer.energies = {t.work, 0, (t.normal + t.friction) * t.depth};

@@ -47,7 +47,8 @@ PointStates::PointStates(device::Context& context, QuadratureSet& quadrature)
     : context_(context),
       quadrature_(quadrature),
       host_t0_(2 * quadrature.models.size()),
-      host_(context.float32() ? 0 : host_t0_.size()),
+      host_(host_t0_.size()),
+      copied_(context.float32() || !context.on_cpu()),
       evaluated_(quadrature.wires.size()),
       models_(context, quadrature.models.size() * device_size<QuadratureModel>(context)),
       places_(record_buffer(context, quadrature.places, quadrature.places.size())),
@@ -81,7 +82,7 @@ void PointStates::commit(std::span<const std::uint8_t> active)
 {
     if (std::all_of(active.begin(), active.end(), [](std::uint8_t on) { return on != 0; })) {
         std::swap(states_t0_, states_);
-        if (!context_.float32()) host_t0_.swap(host_);
+        host_t0_.swap(host_);
     } else {
         context_.enter(device::Queue::Inline);
         const std::size_t record = 2 * device_size<ContactState>(context_);
@@ -91,8 +92,7 @@ void PointStates::commit(std::span<const std::uint8_t> active)
             for (; w < active.size() && active[w]; ++w) points += quadrature_.wires[w].capacity;
             const auto begin = static_cast<std::size_t>(quadrature_.wires[first].begin);
             context_.copy(device::Queue::Inline, states_, states_t0_, points * record, begin * record);
-            if (!context_.float32() && !context_.on_cpu())
-                std::copy_n(host_.begin() + 2 * begin, 2 * points, host_t0_.begin() + 2 * begin);
+            if (copied_) std::copy_n(host_.begin() + 2 * begin, 2 * points, host_t0_.begin() + 2 * begin);
             while (w < active.size() && !active[w]) ++w;
         }
         context_.finish(device::Queue::Inline);
@@ -114,25 +114,12 @@ std::vector<ContactState> PointStates::living(int wire)
 
 void PointStates::bring_trial(device::Queue queue, std::span<const std::uint32_t> points)
 {
-    if (context_.float32() || context_.on_cpu()) return;
+    if (!copied_) return;
     const auto copy = [&](std::size_t first, std::size_t end) {
-        context_.read(queue, states_, &host_[2 * first], 2 * (end - first) * sizeof(ContactState), 2 * first * sizeof(ContactState));
+        read_records(context_, queue, states_, &host_[2 * first], 2 * (end - first), 2 * first, narrow_);
     };
     Runs runs(context_, copy);
     for (const std::uint32_t point : points) runs.add(point, point + 1);
-    runs.close();
-}
-
-void PointStates::bring_accepted()
-{
-    if (!context_.float32()) return;
-    context_.enter(device::Queue::Inline);
-    const auto copy = [&](std::size_t first, std::size_t end) {
-        read_records(context_, device::Queue::Inline, states_t0_, &host_t0_[2 * first], 2 * (end - first), 2 * first, narrow_);
-    };
-    Runs runs(context_, copy);
-    for (const std::vector<std::uint32_t>& points : evaluated_)
-        if (!points.empty()) runs.add(points.front(), points.back() + 1);
     runs.close();
 }
 
@@ -171,7 +158,7 @@ void PointStates::walk_state(StateWalk& walk, int wire, std::size_t triangles)
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_, 2 * static_cast<std::size_t>(own.begin));
     context_.finish(device::Queue::Inline);
-    if (!context_.float32()) std::copy(states.begin(), states.end(), host_t0_.begin() + 2 * own.begin);
+    if (copied_) std::copy(states.begin(), states.end(), host_t0_.begin() + 2 * own.begin);
 }
 
 }  // namespace seldinger

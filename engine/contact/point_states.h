@@ -35,8 +35,6 @@ public:
             }
         commit(active);
     }
-    /// Before for_each_contact(): brings the records of all wires to the host, in few copies.
-    void bring_accepted();
     /// Calls f(point, state) with each record of a wire that a contact of the last step wrote, in the order of its points.
     template <class F>
     void for_each_contact(int wire, const F& f) const
@@ -48,9 +46,10 @@ public:
                     f(static_cast<int>(point), state);
             }
     }
-    /// Brings what an evaluation of these points, in rising order, has written to the host: on a CPU it is there. Not in float32.
+    /// Brings what an evaluation of these points, in rising order, has written to the host: on a CPU it is there in
+    /// double precision.
     void bring_trial(device::Queue queue, std::span<const std::uint32_t> points);
-    /// What evaluations since the last commit wrote, two records for each point; others are older. Empty in float32.
+    /// What evaluations since the last commit wrote, two records for each point; others are older.
     [[nodiscard]] std::span<const ContactState> at_trial() const { return host_; }
     /// @param triangles  of the wall. @throws Error BadFile: a state that was read is none of a contact
     void walk_state(StateWalk& walk, int wire, std::size_t triangles);
@@ -69,8 +68,9 @@ private:
 
     device::Context& context_;
     QuadratureSet& quadrature_;
-    // In double precision the same as states_t0_ and states_, where a step has written: on a CPU their memory, elsewhere copies.
+    // The same as states_t0_ and states_, where a step has written: on a CPU in double precision their memory, elsewhere copies.
     std::vector<ContactState> host_t0_, host_;
+    bool copied_;
     std::vector<std::vector<std::uint32_t>> evaluated_;  // [wires] points that the last step has evaluated
     device::Buffer models_, places_, states_t0_, states_;
     std::vector<std::uint32_t> narrow_places_, narrow_;  // scratch of a float32 context (device_records.h)

@@ -40,7 +40,7 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
     phase_ = Phase::Guess;
     for (WireProblem* wire : problem.solved()) {
         course_.move_limit = std::min(course_.move_limit, terms.most_move(wire->wire));
-        wire->norm = wire->rounding = 0;
+        wire->norm = wire->rounding = wire->rounding_most = 0;
     }
     model_.start(options.shifted, options.pseudo_transient ? 100 : 0);
     if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
@@ -93,13 +93,13 @@ SolveReport NewtonSystem::report(const WireProblem& wire) const
 {
     SolveReport report;
     report.converged = converged();
-    report.best_effort = converged() && course_.settling && !course_.cut_short;
+    report.best_effort = converged() && course_.settling && !course_.cut_short && !course_.rounded;
     report.cut_short = converged() && course_.cut_short;
     report.non_finite = course_.non_finite;
     report.iterations = course_.iterations;
     report.evaluations = course_.evaluations;
     report.residual = wire.norm;
-    report.tolerance = wire.tolerance + wire.rounding;
+    report.tolerance = wire.tolerance + wire.rounding_most;
     report.force_scale = wire.force_scale;
     return report;
 }

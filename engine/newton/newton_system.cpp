@@ -153,12 +153,17 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
     }
     // one linearised step is always taken: force terms evaluated the start, and their state must be the end's
     if (!options_.linearised && problem.balanced() && problem.at_prescribed()) {
+        if (improves()) return false;
         if (options_.shifted && course_.mode_perturbations < most_mode_perturbations && !model_.stable(terms))
             perturb_along_softest_mode();
         else if (!may_be_saddle() || !leave_saddle(terms)) phase_ = Phase::Done;
         return true;
     }
     if (phase_ != Phase::Search) return false;
+    if (at_base_.balanced) {
+        end_at_base();
+        return true;
+    }
     const Jump jump = jump_of_force(terms);
     if (jump == Jump::Turns) {
         phase_ = Phase::Done;
@@ -167,6 +172,20 @@ bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
     if (jump == Jump::Passed || acceptable(terms)) return false;
     if (at_kink()) phase_ = Phase::Done;
     return true;
+}
+
+/// Forces in float round, most of the time by a tenth of the bound that always holds. A residual between the two is rounding, or
+/// that of a step which one more iteration lowers by orders of magnitude: it is taken as long as each leaves less than half.
+bool NewtonSystem::improves() const
+{
+    return problem.may_improve() && (phase_ == Phase::Guess || problem.residual_share() < 0.5 * at_base_.residual_share);
+}
+
+/// The base was balanced, but for rounding, and the trial is not: the base is the state.
+void NewtonSystem::end_at_base()
+{
+    course_.settling = course_.rounded = true;
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
 }
 
 /// Where no move may be longer than force terms have searched, a part of the step is no step: half the time is asked for instead.
@@ -194,6 +213,7 @@ bool NewtonSystem::goes_round()
 /// accepted it, and admissible. One more evaluation gives the force terms this trial.
 void NewtonSystem::give_up()
 {
+    if (at_base_.balanced && phase_ == Phase::Search && !course_.settling) return end_at_base();
     if (!options_.best_effort || course_.settling || course_.iterations == 0 || phase_ != Phase::Search) {
         phase_ = Phase::Failed;
         return;
@@ -210,6 +230,7 @@ void NewtonSystem::take_base()
     at_base_.can_be_state = can_be_state();
     problem.set_base();
     at_base_.residual_share = problem.residual_share();
+    at_base_.balanced = !options_.linearised && problem.balanced() && problem.may_improve() && problem.at_prescribed();
     if (options_.shifted && problem.far_from_reference()) problem.move_reference();
     std::copy_n(problem.trial.begin(), size, base_.begin());
     std::copy_n(problem.residual.begin(), size, base_residual_.begin());

@@ -100,6 +100,8 @@ private:
     [[nodiscard]] bool ends_at_trial(const ForceTerms& terms);
     [[nodiscard]] bool can_be_state() const;
     [[nodiscard]] bool ends_when_due();
+    [[nodiscard]] bool improves() const;
+    void end_at_base();
     void take_linearised();
     [[nodiscard]] bool keeps_factors() const;
     [[nodiscard]] bool goes_round();
@@ -143,6 +145,7 @@ private:
         bool settling = false;    // taking the best trial instead of failing
         bool non_finite = false;  // the last evaluation was
         bool due = false, cut_short = false;
+        bool rounded = false;  // settling at a base that is balanced
         int iterations = 0, first_iteration = 0;  // the latter: after which multipliers were renewed
         double residual_shares[2] = {};  // of the last two bases
         int same_again = 0;              // bases in a row whose residual was that of the one before the last
@@ -152,7 +155,7 @@ private:
     } course_;
     struct Base {
         double residual_share = 0;  // of the tolerance
-        bool can_be_state = false;
+        bool can_be_state = false, balanced = false;
     } at_base_;
     struct Direction {
         double alpha = 1, first_alpha = 1;  // of the present and of the first trial on it

@@ -36,19 +36,27 @@ void SystemProblem::note_residuals()
     for (WireProblem* wire : solved_) {
         wire->norm = wire->residual_norm();
         wire->rounding = wire->terms.rounding;
+        wire->rounding_most = wire->terms.rounding_most;
     }
+    for (const CoaxialProblem* group : solved_coaxial_) group->fold_rounding();
 }
 
 bool SystemProblem::balanced() const
 {
     return std::all_of(solved_.begin(), solved_.end(),
-                       [](const WireProblem* wire) { return wire->norm <= wire->tolerance + wire->rounding; });
+                       [](const WireProblem* wire) { return wire->norm <= wire->tolerance + wire->rounding_most; });
+}
+
+bool SystemProblem::may_improve() const
+{
+    return std::any_of(solved_.begin(), solved_.end(),
+                       [](const WireProblem* wire) { return wire->norm > wire->tolerance + wire->rounding; });
 }
 
 double SystemProblem::residual_share() const
 {
     double share = 0;
-    for (const WireProblem* wire : solved_) share = std::max(share, wire->norm / (wire->tolerance + wire->rounding));
+    for (const WireProblem* wire : solved_) share = std::max(share, wire->norm / (wire->tolerance + wire->rounding_most));
     return share;
 }
 

@@ -95,6 +95,8 @@ public:
     void note_residuals();
     /// Whether all that were noted are within their tolerances.
     [[nodiscard]] bool balanced() const;
+    /// Whether one that is balanced may be further from balance than rounding explains: see NewtonSystem::improves().
+    [[nodiscard]] bool may_improve() const;
     /// The largest of those that were noted, of its tolerance [-].
     [[nodiscard]] double residual_share() const;
     /// Whether all at the trial are below `share` of them.

@@ -284,6 +284,10 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
     const double frequent = has_windows ? StepTwin::most_divided : 1 - 1 / StepTwin::safety;
     if (static_cast<double>(tally.halved_steps) > frequent * static_cast<double>(tally.steps))
         list.push_back(share(tally.halved_steps) + " were halved to converge: a comparison with half the step says little of the error. Fix: a smaller scene.dt_s");
+    // a snap multiplies the error of float (docs/performance.md): bands are wider than that, but what is read at one instant has none
+    if (notes.scene->contact.precision == Precision::Float32 && tally.halved_steps > 0)
+        list.push_back(fmt::format("contact in float32 and {} divided steps: where a wire snaps, readings of one instant without a band, such as "
+                                   "contact_pressure_max_pa, may be off by a quarter. Fix: take contact.precision out", tally.halved_steps));
     if (tally.missed_steps > 0)
         list.push_back(share(tally.missed_steps) + " missed the tolerance even in the smallest parts: their forces are not in equilibrium. Fix: a smaller scene.dt_s");
     constexpr double deep = 0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step

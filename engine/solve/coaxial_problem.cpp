@@ -122,6 +122,14 @@ void CoaxialProblem::fold_residual()
     }
 }
 
+void CoaxialProblem::fold_rounding() const
+{
+    for (std::size_t k = 1; k < wires_.size(); ++k) {
+        line().rounding += wires_[k]->rounding;
+        line().rounding_most += wires_[k]->rounding_most;
+    }
+}
+
 void CoaxialProblem::add_tangent(HessianMode mode, bool symmetric, const double* all, BandMatrix& band, FarEntries& far)
 {
     const int n = line().rod.n, width = group_.rod.dofs().per_node();

@@ -28,6 +28,8 @@ public:
     void add_residual();
     /// Forces on passengers' positions go to the line's.
     void fold_residual();
+    /// So does what these may be off by.
+    void fold_rounding() const;
     /// Elastic tangent into band and far entries of the system. @param all  start of the system's vector of unknowns
     /// @param symmetric  the symmetric part of what dead moments do
     void add_tangent(HessianMode mode, bool symmetric, const double* all, BandMatrix& band, FarEntries& far);

@@ -41,6 +41,7 @@ TermAnswer& TermAnswer::operator+=(const TermAnswer& other)
     open = std::min(open, other.open);
     largest_force = std::max(largest_force, other.largest_force);
     rounding += other.rounding;
+    rounding_most += other.rounding_most;
     kinks += other.kinks;
     energies += other.energies;
     return *this;

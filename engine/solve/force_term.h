@@ -112,7 +112,8 @@ struct TermAnswer {
     bool unsymmetric = false;  // the tangent (sliding friction)
     double open = 1;           // share of the straight path from the base to the trial; a law that never overlaps asks for all
     double largest_force = 0;  // on one edge [N]: the scale of a jump that a kink of the wall can make
-    double rounding = 0;       // of the force on a node at most [N]: no residual is smaller. 0: nothing that counts
+    double rounding = 0;       // of the force on a node [N]: no smaller residual is looked for. 0: nothing that counts
+    double rounding_most = 0;  // that bound of it which always holds [N]: a residual below it is left where Newton's method does not lower it
     KinksPassed kinks;      // Ask::Kinks
     TermEnergies energies;  // Ask::Energies
     /// Answer of two terms together.

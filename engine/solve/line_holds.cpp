@@ -328,7 +328,7 @@ void LineHolds::add(int wire, std::span<double> residual, BandRows* tangent, boo
 TermAnswer LineHolds::answer(int wire, Ask what)
 {
     TermAnswer answer;
-    if (what == Ask::Trial) answer.rounding = rounding(wire);
+    if (what == Ask::Trial) answer.rounding = answer.rounding_most = rounding(wire);
     if (what != Ask::Energies) return answer;
     for (const Active& active : wires_[static_cast<std::size_t>(wire)].active) {
         answer.energies.applied += active.work;

@@ -10,6 +10,8 @@
 // for it, and a few bytes of loop invariants go to scratch (tests/device/kernel_shapes.csv).
 #if defined(__AMDGCN__) && defined(SEL_FLOAT32)
     #define SEL_WALK_KERNEL __attribute__((amdgpu_waves_per_eu(4))) SEL_KERNEL
+#elif defined(__gfx90a__) && !defined(SEL_CALLS_FUNCTIONS)  // it has twice the registers: as many for an item, and twice the groups
+    #define SEL_WALK_KERNEL __attribute__((amdgpu_waves_per_eu(4))) SEL_KERNEL
 #elif defined(__AMDGCN__)
     #define SEL_WALK_KERNEL __attribute__((amdgpu_waves_per_eu(2))) SEL_KERNEL
 #else
