@@ -120,8 +120,8 @@ public:
 
     double length_scale = 0;                // mean rest length of an edge [m]: turns angles into lengths and moments into forces
     double force_scale = 0, tolerance = 0;  // [N], see set_scales
-    double norm = 0;                             // residual at the trial [N]
-    double rounding = 0, rounding_most = 0;      // of force terms, which adds to its tolerance (TermAnswer) [N]
+    double norm = 0;                        // residual at the trial [N]
+    double rounding = 0, rounding_most = 0;  // of force terms, which adds to its tolerance (TermAnswer) [N]
     double base_tension_excess = 0;         // of the trial beyond the equations solved: 0 but for one linearised step [N]
 
 private:
