@@ -20,7 +20,7 @@
 // blocks (an error of the order of the scheme's own). If it exceeds 10 % of w0, it is solved for in every step. Forces of a block
 // are summed up, F = sum s^k f, and in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had
 // solved for anyway. So a full solve is needed twice in a block, not twice in a step, and whoever asks only for a few vertices
-// pays for these.
+// pays for these. Where contact touches so much of the wall that these sums read more memory than a solve, each step has its solve.
 
 #include "wall/elastic_wall.h"
 #include "wall/wall_patch.h"
@@ -65,6 +65,8 @@ public:
     double relax(std::span<const Push> pushed);
     /// Whether a step is too long for the forces of large displacements.
     [[nodiscard]] bool is_limited() const { return limited_; }
+    /// Steps of the block that the last begin_step() was in.
+    [[nodiscard]] std::int32_t block_length() const { return steps_; }
     /// The shell that takes part in this block; null: the linear one alone.
     [[nodiscard]] const LargeShell* large() const { return large_; }
 
@@ -91,6 +93,10 @@ private:
     }
     void forget() const;
     void list_pushes() const;
+    /// M^-1 F of all vertices [3V]; one solve, unless F is that of the last call.
+    const std::vector<double>& answer() const;
+    /// Whether that is cheaper than sums over columns of what contact touches.
+    [[nodiscard]] bool solves_cheaper() const;
     void forget_motion();
 
     const ElasticWall& wall_;
@@ -124,6 +130,7 @@ private:
         int slot;
         double force[9];  // three times: beside each row of a block
     };
+    mutable std::vector<double> answer_;    // M^-1 F [3V]; empty: not solved for
     mutable std::vector<SlotPush> pushes_;  // F by slots of the patch, in order of vertices; of the stamp pushes_at_
     std::vector<double> scratch_;
 };
