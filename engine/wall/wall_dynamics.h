@@ -22,6 +22,7 @@
 // solved for anyway. So a full solve is needed twice in a block, not twice in a step, and whoever asks only for a few vertices
 // pays for these. Where contact touches so much of the wall that these sums read more memory than a solve, each step has its solve.
 
+#include "math/block_cholesky.h"
 #include "wall/elastic_wall.h"
 #include "wall/wall_patch.h"
 
@@ -93,8 +94,8 @@ private:
     }
     void forget() const;
     void list_pushes() const;
-    /// M^-1 F of all vertices [3V]; one solve, unless F is that of the last call.
-    const std::vector<double>& answer() const;
+    /// M^-1 F at a vertex.
+    [[nodiscard]] Vec3 answer(std::int32_t vertex) const;
     /// Whether that is cheaper than sums over columns of what contact touches.
     [[nodiscard]] bool solves_cheaper() const;
     void forget_motion();
@@ -130,7 +131,8 @@ private:
         int slot;
         double force[9];  // three times: beside each row of a block
     };
-    mutable std::vector<double> answer_;    // M^-1 F [3V]; empty: not solved for
+    mutable BlockCholesky::Partial answer_;  // M^-1 F
+    mutable bool answer_begun_ = false;
     mutable std::vector<SlotPush> pushes_;  // F by slots of the patch, in order of vertices; of the stamp pushes_at_
     std::vector<double> scratch_;
 };
