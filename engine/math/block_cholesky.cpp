@@ -86,7 +86,11 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
         order_[k] = free_block[static_cast<std::size_t>(best.order[k])];
         place[static_cast<std::size_t>(order_[k])] = static_cast<std::int32_t>(k);
     }
-    return factor_panels(matrix, best, place);
+    if (!factor_panels(matrix, best, place)) return false;
+    place_ = std::move(place);
+    panel_of_.resize(order_.size());
+    for (std::size_t p = 0; p < panels_.size(); ++p) std::fill_n(panel_of_.begin() + panels_[p].first, panels_[p].columns, static_cast<std::int32_t>(p));
+    return true;
 }
 
 /// As solves read it: three columns at a time, eight rows of each beside each other, one stream from end to end.
@@ -289,6 +293,42 @@ void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) con
         for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(x[s] + 3 * order_[k], y[s] + 3 * k, 3 * sizeof(double));
         for (const std::int32_t b : skipped_) std::memset(x[s] + 3 * b, 0, 3 * sizeof(double));
     }
+}
+
+void BlockCholesky::begin(std::span<const double> b, Partial& partial) const
+{
+    SEL_ASSERT(b.size() == static_cast<std::size_t>(3 * blocks_));
+    partial.x.resize(3 * order_.size());
+    partial.known.assign(panels_.size(), 0);
+    partial.work.resize(static_cast<std::size_t>(widest_));
+    for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(&partial.x[3 * k], &b[3 * static_cast<std::size_t>(order_[k])], 3 * sizeof(double));
+    double *y[] = {partial.x.data()}, *t[] = {partial.work.data()};
+    for (const Panel& panel : panels_) down<1>(panel, y, t);
+}
+
+void BlockCholesky::read(std::int32_t block, Partial& partial, double* to) const
+{
+    const std::int32_t place = place_[static_cast<std::size_t>(block)];
+    if (place < 0) {
+        std::fill_n(to, 3, 0.0);
+        return;
+    }
+    thread_local std::vector<std::int32_t> way;  // up to a panel that is known, or the root
+    way.clear();
+    for (std::int32_t p = panel_of_[static_cast<std::size_t>(place)]; !partial.known[static_cast<std::size_t>(p)];) {
+        way.push_back(p);
+        const Panel& panel = panels_[static_cast<std::size_t>(p)];
+        if (panel.rows == 0) break;
+        p = panel_of_[static_cast<std::size_t>(rows_[static_cast<std::size_t>(panel.first_row)])];  // rows rise: the parent has the first
+    }
+    double *y[] = {partial.x.data()}, *t[] = {partial.work.data()};
+    for (; !way.empty(); way.pop_back()) {
+        const auto p = static_cast<std::size_t>(way.back());
+        const bool last = p + 1 == panels_.size();
+        up<1>(panels_[p], values_.data() + (last ? values_.size() : static_cast<std::size_t>(panels_[p + 1].first_value)), y, t);
+        partial.known[p] = 1;
+    }
+    std::memcpy(to, &partial.x[3 * static_cast<std::size_t>(place)], 3 * sizeof(double));
 }
 
 void BlockCholesky::solve(std::span<double> x, std::vector<double>& work) const

@@ -31,6 +31,17 @@ public:
     /// Three at once.
     void solve(std::span<double> x, std::span<double> y, std::span<double> z, std::vector<double>& work) const;
 
+    /// A solution of which only some blocks are asked for: each takes the panels on the way from the root to it that no other has taken.
+    struct Partial {
+        std::vector<double> x;            // in the new order
+        std::vector<unsigned char> known;  // [panels]
+        std::vector<double> work;
+    };
+    /// The way down: y = L^-1 b. @param b  [3B]
+    void begin(std::span<const double> b, Partial& partial) const;
+    /// The solution's three numbers of a block; the bits are those of solve().
+    void read(std::int32_t block, Partial& partial, double* to) const;
+
     /// Numbers that a solve reads, once down and once up.
     [[nodiscard]] std::size_t entries() const { return values_.size() + inverse_.size(); }
 
@@ -59,6 +70,8 @@ private:
     std::int32_t widest_ = 0;          // greatest stride
     std::vector<std::int32_t> order_;  // [free blocks] old block of each new one
     std::vector<std::int32_t> skipped_;
+    std::vector<std::int32_t> place_;     // [B] new block of each old one; -1: skipped
+    std::vector<std::int32_t> panel_of_;  // [free blocks] in the new order
     std::vector<Panel> panels_;       // children before parents
     std::vector<std::int32_t> rows_;  // new blocks
     std::vector<double> values_;

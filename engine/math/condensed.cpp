@@ -104,9 +104,10 @@ void KnownSolutions::combine(std::span<const double> b, std::span<double> u) con
     }
 }
 
-void KnownSolutions::add(std::span<const double> u, std::span<const double> b)
+void KnownSolutions::add(std::span<const double> u, std::span<const double> b, double error)
 {
-    constexpr double new_share = 1e-10;  // of b, below which rounding is most of it
+    constexpr double rounding = 1e-13;  // of a product with some hundred rows and columns
+    const double new_share = 10 * std::max(error, rounding);  // of b
     const std::size_t size = b.size();
     if (count_ == most) return;
     u_.resize(std::max(u_.size(), (count_ + 1) * size));
@@ -245,7 +246,7 @@ void Condensed::solve_rows(std::span<double> u, double to) const
     if (!(size > least)) return;
     more = left;
     solve_gmres(more, least / size, product);
-    known_->add(more, left);
+    known_->add(more, left, least / size);
     view(u) += view(std::span<const double>(more));
 }
 
@@ -328,7 +329,7 @@ int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fi
     });
     if (known_) {
         own_product(u, dv);
-        known_->add(u, dv);
+        known_->add(u, dv, 0);
     }
     spread(u);
     for (std::size_t i = 0; i < n; ++i) r_to_x[i] += along[i];

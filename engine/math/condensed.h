@@ -35,7 +35,9 @@ public:
     /// Of all their sums the u whose A u is nearest to b.
     void combine(std::span<const double> b, std::span<double> u) const;
     /// One more, A u = b, unless there is no room or it says nothing new.
-    void add(std::span<const double> u, std::span<const double> b);
+    /// @param error  |A u - b| / |b|. What is new of b is divided by its size, and with it the error: a tenth of it at most may be error, else
+    /// sums with it would have to be solved for again
+    void add(std::span<const double> u, std::span<const double> b, double error);
 
 private:
     static constexpr std::size_t most = 16;

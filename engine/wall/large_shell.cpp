@@ -2,6 +2,7 @@
 #include "wall/large_shell.h"
 
 #include "core/check.h"
+#include "math/node_lanes.h"
 #include "wall/shell_strain.h"
 #include "wall/tied_strain.h"
 
@@ -28,7 +29,21 @@ struct Pull {
     Pull(const Vec3& n, const Vec3& x_1, const Vec3& x_2) : on_1(n[0] * x_1 + n[2] * x_2), on_2(n[1] * x_2 + n[2] * x_1) {}
 };
 
+/// A vector's components side by side, the last lane 0.
+Vec4d lanes_of(const double* from) { return Vec4d{from[0], from[1], from[2], 0}; }
+Vec4d lanes_of(const Vec3& v) { return Vec4d{v[0], v[1], v[2], 0}; }
+Vec3 vector_of(const Vec4d& v) { return {v[0], v[1], v[2]}; }
+
 }  // namespace
+
+/// Displacements of a triangle's control vertices, which its points and edges share.
+struct LargeShell::Local {
+    Vec4d at[capacity];
+    Local(std::span<const Shell::Weight> weights, std::span<const double> displacement)
+    {
+        for (std::size_t i = 0; i < weights.size(); ++i) at[i] = lanes_of(displacement.data() + 3 * weights[i].vertex);
+    }
+};
 
 LargeShell::LargeShell(const Shell& shell) : shell_(shell), triangles_(shell.points().size() / per_triangle)
 {
@@ -66,17 +81,20 @@ std::span<const double> LargeShell::edge_weights(std::size_t triangle, std::size
     return {edge_weights_.data() + edge_points * static_cast<std::size_t>(q.first_vertex) / per_triangle + point * count, count};
 }
 
-LargeShell::Point LargeShell::move_point(std::size_t triangle, std::size_t k, std::span<const double> displacement) const
+LargeShell::Point LargeShell::move_point(std::size_t triangle, std::size_t k, const Local& local) const
 {
     const ShellPoint& q = shell_.points()[per_triangle * triangle + k];
     Point p;
-    p.u = p.u_1 = p.u_2 = Vec3::Zero();
-    std::array<Vec3, 3> u_s = {p.u, p.u, p.u};
-    for (const Shell::Weight& w : shell_.weights(q)) {
-        const Vec3 d(displacement.data() + 3 * w.vertex);
-        p.u += w.n * d, p.u_1 += w.n_1 * d, p.u_2 += w.n_2 * d;
-        u_s[0] += w.n_11 * d, u_s[1] += w.n_22 * d, u_s[2] += w.n_12 * d;
+    Vec4d u{}, u_1{}, u_2{}, u_11{}, u_22{}, u_12{};
+    const auto weights = shell_.weights(q);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const Shell::Weight& w = weights[i];
+        const Vec4d& d = local.at[i];
+        u += w.n * d, u_1 += w.n_1 * d, u_2 += w.n_2 * d;
+        u_11 += w.n_11 * d, u_22 += w.n_22 * d, u_12 += w.n_12 * d;
     }
+    p.u = vector_of(u), p.u_1 = vector_of(u_1), p.u_2 = vector_of(u_2);
+    const std::array<Vec3, 3> u_s = {vector_of(u_11), vector_of(u_22), vector_of(u_12)};
     p.x_1 = q.e1 + p.u_1, p.x_2 = q.e2 + p.u_2;
     const Vec3 across = p.x_1.cross(p.x_2);
     p.stretch = across.norm();
@@ -100,18 +118,19 @@ LargeShell::Moved LargeShell::move(std::size_t triangle, std::span<const double>
     Moved now;
     now.strain = now.linear = Vec3::Zero();
     now.area = 0;
+    const Local local(shell_.weights(shell_.points()[per_triangle * triangle]), displacement);
     for (std::size_t k = 0; k < per_triangle; ++k) {
-        now.at[k] = move_point(triangle, k, displacement);
+        now.at[k] = move_point(triangle, k, local);
         now.strain += rest.of_point[k] * now.at[k].strain.membrane;
         now.linear += rest.of_point[k] * now.at[k].linear.membrane;
         now.area += shell_.points()[per_triangle * triangle + k].area;
     }
-    const auto w = shell_.weights(shell_.points()[per_triangle * triangle]);
     for (std::size_t e = 0; e < edge_points; ++e) {
         const auto n_s = edge_weights(triangle, e);
+        Vec4d sum{};
+        for (std::size_t k = 0; k < n_s.size(); ++k) sum += n_s[k] * local.at[k];
         Vec3& u_s = now.u_s[e];
-        u_s = Vec3::Zero();
-        for (std::size_t k = 0; k < w.size(); ++k) u_s += n_s[k] * Vec3(displacement.data() + 3 * w[k].vertex);
+        u_s = vector_of(sum);
         now.linear += rest.edge[e].dot(u_s) * rest.of_edge[e];
         now.strain += (rest.edge[e].dot(u_s) + u_s.dot(u_s) / 2) * rest.of_edge[e];
     }
@@ -172,8 +191,7 @@ void LargeShell::add_excess(std::span<const double> displacement, std::span<doub
         const Moved now = move(t, displacement);
         const Triangle& rest = triangles_[t];
         const Vec3 pulled = now.area * spec.thickness * (h * now.strain), linear = now.area * spec.thickness * (h * now.linear);
-        std::array<Vec3, capacity> sum;
-        sum.fill(Vec3::Zero());
+        Vec4d sum[capacity] = {};
         for (std::size_t k = 0; k < per_triangle; ++k) {
             const ShellPoint& q = shell_.points()[per_triangle * t + k];
             const Point& p = now.at[k];
@@ -186,21 +204,22 @@ void LargeShell::add_excess(std::span<const double> displacement, std::span<doub
             const Vec3 on = third * p.u_1.cross(p.u_2);
             const Vec3 on_1 = by.on_1 - by_linear.on_1 + p.x_2.cross(tilt) + third * p.u_2.cross(p.u);
             const Vec3 on_2 = by.on_2 - by_linear.on_2 + tilt.cross(p.x_1) + third * p.u.cross(p.u_1);
+            const Vec4d f = lanes_of(on), f_1 = lanes_of(on_1), f_2 = lanes_of(on_2), normal = lanes_of(p.normal), normal_rest = lanes_of(q.normal);
             const auto w = shell_.weights(q);
             for (std::size_t i = 0; i < w.size(); ++i) {
                 const Shell::Weight& v = w[i];
                 const double bent = m[0] * v.n_11 + m[1] * v.n_22 + 2 * m[2] * v.n_12;
                 const double bent_linear = m_linear[0] * v.n_11 + m_linear[1] * v.n_22 + 2 * m_linear[2] * v.n_12;
-                sum[i] += v.n * on + v.n_1 * on_1 + v.n_2 * on_2 + bent * p.normal - bent_linear * q.normal;
+                sum[i] += v.n * f + v.n_1 * f_1 + v.n_2 * f_2 + bent * normal - bent_linear * normal_rest;
             }
         }
         const auto w = shell_.weights(shell_.points()[per_triangle * t]);
         for (std::size_t e = 0; e < edge_points; ++e) {
             const auto n_s = edge_weights(t, e);
-            const Vec3 on = rest.of_edge[e].dot(pulled) * (rest.edge[e] + now.u_s[e]) - rest.of_edge[e].dot(linear) * rest.edge[e];
+            const Vec4d on = lanes_of(rest.of_edge[e].dot(pulled) * (rest.edge[e] + now.u_s[e]) - rest.of_edge[e].dot(linear) * rest.edge[e]);
             for (std::size_t i = 0; i < w.size(); ++i) sum[i] += n_s[i] * on;
         }
-        for (std::size_t i = 0; i < w.size(); ++i) add_to(&force[3 * static_cast<std::size_t>(w[i].vertex)], sum[i]);
+        for (std::size_t i = 0; i < w.size(); ++i) add_to(&force[3 * static_cast<std::size_t>(w[i].vertex)], vector_of(sum[i]));
     }
 }
 

@@ -71,10 +71,11 @@ private:
         double area;
     };
 
+    struct Local;
     /// @param moves2  [V] squares of the control vertices' displacements [m^2]
     [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2, double share) const;
     [[nodiscard]] Moved move(std::size_t triangle, std::span<const double> displacement) const;
-    [[nodiscard]] Point move_point(std::size_t triangle, std::size_t k, std::span<const double> displacement) const;
+    [[nodiscard]] Point move_point(std::size_t triangle, std::size_t k, const Local& local) const;
     [[nodiscard]] std::span<const double> edge_weights(std::size_t triangle, std::size_t point) const;
 
     const Shell& shell_;

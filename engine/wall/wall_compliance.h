@@ -23,6 +23,9 @@ class WallFactor {
 public:
     /// In place: force [N] in, displacement [m] out, [3V]. Loads on held vertices are ignored, and they get 0.
     void solve(std::span<double> rhs, WallSolveWork& work) const;
+    /// The same where it is asked for: see BlockCholesky::Partial.
+    void begin(std::span<const double> force, BlockCholesky::Partial& partial) const { cholesky_.begin(force, partial); }
+    void read(std::int32_t vertex, BlockCholesky::Partial& partial, double* to) const { cholesky_.read(vertex, partial, to); }
     /// Two at once, in one and a half times the time of one.
     void solve(std::span<double> rhs_a, std::span<double> rhs_b, WallSolveWork& work) const;
     /// Displacement [3V] under a unit force on a control vertex along x, y, z: [3][3V], one after the other. Solved for on first

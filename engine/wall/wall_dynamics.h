@@ -20,8 +20,9 @@
 // blocks (an error of the order of the scheme's own). If it exceeds 10 % of w0, it is solved for in every step. Forces of a block
 // are summed up, F = sum s^k f, and in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had
 // solved for anyway. So a full solve is needed twice in a block, not twice in a step, and whoever asks only for a few vertices
-// pays for these.
+// pays for these. Where contact touches so much of the wall that these sums read more memory than a solve, each step has its solve.
 
+#include "math/block_cholesky.h"
 #include "wall/elastic_wall.h"
 #include "wall/wall_patch.h"
 
@@ -65,6 +66,8 @@ public:
     double relax(std::span<const Push> pushed);
     /// Whether a step is too long for the forces of large displacements.
     [[nodiscard]] bool is_limited() const { return limited_; }
+    /// Steps of the block that the last begin_step() was in.
+    [[nodiscard]] std::int32_t block_length() const { return steps_; }
     /// The shell that takes part in this block; null: the linear one alone.
     [[nodiscard]] const LargeShell* large() const { return large_; }
 
@@ -91,6 +94,10 @@ private:
     }
     void forget() const;
     void list_pushes() const;
+    /// M^-1 F at a vertex.
+    [[nodiscard]] Vec3 answer(std::int32_t vertex) const;
+    /// Whether that is cheaper than sums over columns of what contact touches.
+    [[nodiscard]] bool solves_cheaper() const;
     void forget_motion();
 
     const ElasticWall& wall_;
@@ -124,6 +131,8 @@ private:
         int slot;
         double force[9];  // three times: beside each row of a block
     };
+    mutable BlockCholesky::Partial answer_;  // M^-1 F
+    mutable bool answer_begun_ = false;
     mutable std::vector<SlotPush> pushes_;  // F by slots of the patch, in order of vertices; of the stamp pushes_at_
     std::vector<double> scratch_;
 };

@@ -165,4 +165,20 @@ TEST_CASE("solutions with one matrix that follow each other are those of the den
     for (int k = 0; k < 20; ++k) check(first.cwiseProduct(Eigen::VectorXd::LinSpaced(m, k, 1)));  // more than are kept
 }
 
+// Solutions of the identity, of which the second one's new part, 1e-7 of it, is smaller than its error of 1e-6. Were it kept, the sum for that
+// part would be ten times as large as it.
+TEST_CASE("a known solution counts only if what it adds is more than its error")
+{
+    const std::vector<double> first = {1, 0}, b = {1, 1e-7}, u = {1, 1e-7 + 1e-6}, asked = {0, 1};
+    std::vector<double> sum(2);
+    KnownSolutions known;
+    known.add(first, first, 0);
+    known.add(u, b, 1e-6);
+    known.combine(asked, sum);
+    CHECK(sum == std::vector<double>{0, 0});
+    known.add(b, b, 0);  // the same without an error
+    known.combine(asked, sum);
+    CHECK(sum[1] == test::about(1).epsilon(1e-8));  // rounding over the new part: 1e-16 / 1e-7
+}
+
 }  // namespace test_condensed

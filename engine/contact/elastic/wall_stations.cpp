@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace seldinger {
 
@@ -161,6 +162,12 @@ void StationCompliance::reset(const WallStations& stations, std::span<const int>
         }
         first_.push_back(parts_.size());
     }
+    users_.assign(slots_.size(), 0);
+    for (const Part& part : parts_) ++users_[static_cast<std::size_t>(part.slot)];
+    rising_.resize(slots_.size());
+    std::iota(rising_.begin(), rising_.end(), 0);
+    std::sort(rising_.begin(), rising_.end(), [&](int a, int b) { return slots_[static_cast<std::size_t>(a)] < slots_[static_cast<std::size_t>(b)]; });
+    needed_.resize(slots_.size());
     known_.assign(rows.size(), Unknown);
     wanted_.clear();
     w_.resize(9 * rows.size() * rows.size());
@@ -177,42 +184,61 @@ void StationCompliance::want(int row)
 // Rows of the patch do not fit the cache, and stations beside each other share most of theirs: a few at once.
 void StationCompliance::provide()
 {
-    constexpr std::size_t at_once = 4;
+    constexpr std::size_t at_once = 8;
     for (std::size_t begin = 0; begin < wanted_.size(); begin += at_once)
         provide_some(std::span(wanted_).subspan(begin, std::min(at_once, wanted_.size() - begin)));
     wanted_.clear();
 }
 
+/// Slots that share in a row which is not known yet: W is symmetric. Short runs, so that sums over one stay in the cache.
+/// @return how many
+std::size_t StationCompliance::list_needed()
+{
+    constexpr int longest = 48;
+    runs_.clear();
+    int count = 0;
+    for (const int place : rising_) {
+        if (users_[static_cast<std::size_t>(place)] == 0) continue;
+        const int slot = slots_[static_cast<std::size_t>(place)];
+        needed_[static_cast<std::size_t>(place)] = count++;
+        if (!runs_.empty() && runs_.back().slot + runs_.back().count == slot && runs_.back().count < longest) ++runs_.back().count;
+        else runs_.push_back({slot, 1});
+    }
+    return static_cast<std::size_t>(count);
+}
+
 void StationCompliance::provide_some(std::span<const std::size_t> some)
 {
-    const std::size_t size = 9 * slots_.size();
+    const std::size_t size = 9 * list_needed();
     shares_.clear();
     for (std::size_t k = 0; k < some.size(); ++k)
         for (std::size_t part = first_[some[k]]; part < first_[some[k] + 1]; ++part) shares_.push_back({parts_[part].slot, k, parts_[part].share});
     std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.slot < b.slot; });
     answer_.assign(some.size() * size, 0.0);
-    for (const Share& own : shares_) {  // along a row of the patch, which lies as it is read
-        const double* const from = patch_->block(slots_[static_cast<std::size_t>(own.slot)], 0);
-        double* to = &answer_[own.station * size];
-        for (const int slot : slots_) {
-            const double* const g = from + 9 * static_cast<std::size_t>(slot);
-            for (int c = 0; c < 9; ++c) to[c] += own.share * g[c];
-            to += 9;
+    double* run_to = answer_.data();
+    for (const Run& run : runs_) {
+        const int count = 9 * run.count;
+        for (const Share& own : shares_) {  // along a row of the patch, which lies as it is read
+            const double* const g = patch_->block(slots_[static_cast<std::size_t>(own.slot)], run.slot);
+            double* const to = run_to + own.station * size;
+            for (int c = 0; c < count; ++c) to[c] += own.share * g[c];
         }
+        run_to += count;
     }
     for (std::size_t k = 0; k < some.size(); ++k) put(some[k], std::span(answer_).subspan(k * size, size));
 }
 
-/// Of a station, three rows and columns of W. @param answer  [slots_][9] to a force on it
+/// Of a station, three rows and columns of W. @param answer  [needed slots][9] to a force on it
 void StationCompliance::put(std::size_t own, std::span<const double> answer)
 {
     const std::size_t rows = known_.size(), m = 3 * rows;
     known_[own] = Known;
+    for (std::size_t part = first_[own]; part < first_[own + 1]; ++part) --users_[static_cast<std::size_t>(parts_[part].slot)];
     for (std::size_t other = 0; other < rows; ++other) {
         if (known_[other] == Known && other != own) continue;
         double block[9] = {};
         for (std::size_t part = first_[other]; part < first_[other + 1]; ++part) {
-            const double* const from = &answer[9 * static_cast<std::size_t>(parts_[part].slot)];
+            const double* const from = &answer[9 * static_cast<std::size_t>(needed_[static_cast<std::size_t>(parts_[part].slot)])];
             for (int c = 0; c < 9; ++c) block[c] += parts_[part].share * from[c];
         }
         for (std::size_t r = 0; r < 3; ++r)

@@ -116,18 +116,27 @@ private:
         std::size_t station;
         double share;
     };
+    /// Slots of the patch that follow each other.
+    struct Run {
+        int slot, count;
+    };
     enum Row : std::uint8_t { Unknown, Wanted, Known };
     void provide_some(std::span<const std::size_t> some);
+    std::size_t list_needed();
     void put(std::size_t own, std::span<const double> answer);
 
     const WallPatch* patch_ = nullptr;
     std::vector<std::size_t> wanted_;
     std::vector<Share> shares_;
+    std::vector<Run> runs_;             // of slots that are needed
     std::vector<int> slots_;            // of the patch, each once, in the order in which stations share in them
+    std::vector<int> rising_;           // places in slots_, by slot
+    std::vector<int> users_;            // [slots_] parts of rows that are not known yet
+    std::vector<int> needed_;           // [slots_] place among the needed ones
     std::vector<Part> parts_;           // of all rows, one row's after the other's
     std::vector<std::size_t> first_;    // [rows + 1] among parts_
     std::vector<Row> known_;            // [rows]
-    std::vector<double> w_, answer_;    // answer_: [stations][slots_][9] of a station to a force on a control vertex
+    std::vector<double> w_, answer_;    // answer_: [stations][needed slots][9] of a station to a force on a control vertex
     std::vector<int> place_;            // [slots of the patch] among slots_, or -1
 };
 

@@ -92,6 +92,7 @@ struct YieldingWall::System {
     std::vector<double> u_free;      // [3 rows]
     std::vector<double> y_start;     // [3 nodes] of the start of the step [m]
     std::vector<double> scratch_q, scratch_m;
+    std::vector<std::size_t> loaded;  // rows on which a force acted in the accepted state
     mutable std::vector<double> missed;
     std::vector<WallDynamics::Push> pushed;
     std::vector<WallDynamics::Push> exerted, exerted_before;  // pushed in the accepted state, of which it is a part, and in the one before

@@ -158,17 +158,18 @@ void YieldingWall::evaluate_start(const TermTrial& start)
 /// Where the wall goes under the forces of the accepted state, which change little in a step.
 void YieldingWall::guess(System& system) const
 {
+    const auto force_on = [&](std::size_t k) -> const Vec3& { return system.force_before[static_cast<std::size_t>(system.rows[k])]; };
+    std::vector<std::size_t>& loaded = system.loaded;
+    loaded.clear();
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        if (force_on(k).isZero()) continue;
+        loaded.push_back(k);
+        system.compliance.want(static_cast<int>(k));
+    }
+    system.compliance.provide();  // all at once: stations beside each other share most of it
     std::vector<double>& u = system.trial().u;
     u.assign(3 * system.rows.size(), 0.0);
-    for (std::size_t k = 0; k < system.rows.size(); ++k) {
-        const Vec3& force = system.force_before[static_cast<std::size_t>(system.rows[k])];
-        if (!force.isZero()) system.compliance.want(static_cast<int>(k));
-    }
-    system.compliance.provide();
-    for (std::size_t k = 0; k < system.rows.size(); ++k) {
-        const Vec3& force = system.force_before[static_cast<std::size_t>(system.rows[k])];
-        if (!force.isZero()) system.compliance.add(static_cast<int>(k), -force, u);
-    }
+    for (const std::size_t k : loaded) system.compliance.add(static_cast<int>(k), -force_on(k), u);
     for (std::size_t k = 0; k < u.size(); ++k) u[k] += system.u_free[k];
 }
 
