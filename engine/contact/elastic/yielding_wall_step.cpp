@@ -169,8 +169,12 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
 void YieldingWall::begin_step(RodArrays& rods, Settling how)
 {
     const auto start = Clock::now();
-    for_each_item(rods.wire_count(), wire_grain, [&](int w) { carry_back(rods, w); });
-    for (const auto& system : systems_) system->begun = false;
+    // by systems: wires of one ask the same wall, which keeps what it has answered
+    for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
+        System& system = *systems_[static_cast<std::size_t>(s)];
+        for (const int w : system.wires) carry_back(rods, w);
+        system.begun = false;
+    });
     take_times(seconds_since(start));
     contact_.begin_step(unmoved_, how);
 }
@@ -178,10 +182,12 @@ void YieldingWall::begin_step(RodArrays& rods, Settling how)
 void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 {
     const auto start = Clock::now();
-    for_each_item(rods.wire_count(), wire_grain, [&](int w) {
-        if (live[w]) place_and_copy(rods, w);
+    for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
+        System& system = *systems_[static_cast<std::size_t>(s)];
+        for (const int w : system.wires)
+            if (live[w]) place_and_copy(rods, w);
+        system.begun = false;
     });
-    for (const auto& system : systems_) system->begun = false;
     const double seconds = seconds_since(start);
     contact_.prepare(unmoved_, live);
     take_times(seconds);
