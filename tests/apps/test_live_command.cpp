@@ -168,7 +168,7 @@ TEST_SUITE("apps/live")
         const ScratchFolder folder;
         folder.write("t.toml", live_scene);
         const AppResult result =
-            run_app(folder, "live t.toml --port 0 --udp 0 --rate 2000 --set wire.nodes=801 --set feed.direction=[1.0,0.0,0.0] "
+            run_app(folder, "live t.toml --port 0 --udp 0 --rate 2000 --set wire.nodes=1601 --set feed.direction=[1.0,0.0,0.0] "
                             "--set feed.keys.0.advance_m=0.08 --duration 1.1 --record s.record --json");
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
