@@ -41,17 +41,18 @@ SEL_FN void add_couple(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_GLO
     }
 }
 
-// Written in place: a copy of the record would take as long as the sum of one point.
-SEL_FN void clear_edge_force(SEL_GLOBAL EdgeForce* out)
+SEL_FN EdgeForce no_edge_force(void)
 {
-    for (int k = 0; k < 3; ++k) out->force_a[k] = out->force_b[k] = out->st_a[k] = out->st_b[k] = out->ut_a[k] = out->ut_b[k] = 0;
-    for (int k = 0; k < 6; ++k) out->s_aa[k] = out->s_bb[k] = 0;
-    for (int k = 0; k < 9; ++k) out->s_ab[k] = out->u_aa[k] = out->u_ab[k] = out->u_ba[k] = out->u_bb[k] = 0;
-    out->torque = out->s_tt = 0;
-    out->depth = (real)-1e30;
-    out->normal_sum = out->friction_sum = out->sliding_sum = out->rolling_sum = out->length = 0;
-    out->normal_work = out->friction_work = out->rolling_work = 0;
-    out->flags = out->contacts = 0;
+    EdgeForce none;
+    for (int k = 0; k < 3; ++k) none.force_a[k] = none.force_b[k] = none.st_a[k] = none.st_b[k] = none.ut_a[k] = none.ut_b[k] = 0;
+    for (int k = 0; k < 6; ++k) none.s_aa[k] = none.s_bb[k] = 0;
+    for (int k = 0; k < 9; ++k) none.s_ab[k] = none.u_aa[k] = none.u_ab[k] = none.u_ba[k] = none.u_bb[k] = 0;
+    none.torque = none.s_tt = 0;
+    none.depth = (real)-1e30;
+    none.normal_sum = none.friction_sum = none.sliding_sum = none.rolling_sum = none.length = 0;
+    none.normal_work = none.friction_work = none.rolling_work = 0;
+    none.flags = none.contacts = 0;
+    return none;
 }
 
 // Force on the axis point x = a x_a + b x_b, and the symmetric part of its tangent.
@@ -93,7 +94,7 @@ SEL_FN void add_sliding(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_GL
 SEL_FN void reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last,
                         SEL_GLOBAL EdgeForce* out)
 {
-    clear_edge_force(out);
+    *out = no_edge_force();
     for (uint k = first; k < last; ++k) {
         SEL_GLOBAL const ContactForce* f = forces + k;
         out->depth = max_r(out->depth, f->depth);
