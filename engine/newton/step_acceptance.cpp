@@ -60,8 +60,9 @@ bool NewtonSystem::acceptable(const ForceTerms& terms)
 
 // |correction at alpha| <= (1 - alpha/4) |d|. Else from what the linear equations did not foresee of the correction, which grows
 // with alpha^2: omega = 2 |correction - (1 - alpha) d|/(alpha^2 |d|^2) gives the next alpha = 1/(omega |d|). A correction of more than
-// 2 |d| comes from contacts that begin on the way. It is proportional to their force, which grows with a power of the depth: Hertz's 3/2, more
-// where the law hardens. By 5/2 the next alpha is where it is |d|. (3 to 2 instead of 5/2 make little difference: docs/performance.md.)
+// 2 |d| mostly comes from contacts that begin on the way, and goes with their force: a power of the depth, Hertz's 3/2, more where the law
+// hardens. (Seldom it comes from a large static move.) By 5/2 the next alpha is where it is |d|. (Powers from 2 to 3 make little
+// difference: docs/performance.md.)
 bool NewtonSystem::natural_test(bool slope_falls, double slope, const ForceTerms& terms)
 {
     correct();

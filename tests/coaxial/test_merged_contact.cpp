@@ -158,7 +158,6 @@ TEST_SUITE("coaxial/merged contact")
         CHECK(second.readings(0).energy.wall == whole.readings(0).energy.wall);
     }
 
-    // The wire slides out of a catheter that stands still: all of its friction is in its own hand.
     // A catheter that comes down to a plane at a slope, by so much further than it: a cantilever of 3 B d/L^3, though a thread goes on from its tip.
     // The wall itself gives by 3 % of d. Where the polyline turns before the tip, the force on the half edge between is along the thread, not the
     // catheter: hands share it by up to the angle between both, 0.05.
@@ -203,6 +202,7 @@ TEST_SUITE("coaxial/merged contact")
         }
     }
 
+    // The wire slides out of a catheter that stands still: all of its friction is in its own hand.
     TEST_CASE("property: friction is felt by the hand of the instrument that it acts on")
     {
         World world(in_a_bend(0.01, 0.02));

@@ -3,7 +3,6 @@
 #include "contact/elastic/yielding_system.h"
 #include "core/clock.h"
 
-#include "core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -116,8 +115,7 @@ void YieldingWall::evaluate(const TermTrial& trial)
     bool again = true;
     for (int round = 0; again; ++round) {
         auto start = Clock::now();
-        for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
-            System& system = *systems_[s];
+        for_each_system([&](System& system) {
             if (!system.is_in(todo_)) return;
             if (!begun(system, trial.h)) return;
             if (round > 0) system.correct();

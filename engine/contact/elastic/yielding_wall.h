@@ -15,6 +15,7 @@
 
 #include "contact/contact_system.h"
 #include "contact/elastic/wall_stations.h"
+#include "core/parallel.h"
 #include "math/banded_solver.h"
 
 #include <memory>
@@ -72,6 +73,12 @@ public:
 private:
     struct System;
     [[nodiscard]] System& of(int wire) const { return *systems_[system_of_[wire]]; }
+    /// On threads, one system on each: its wires ask the same wall, which keeps what it has answered.
+    template <class F>
+    void for_each_system(const F& f)
+    {
+        for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) { f(*systems_[static_cast<std::size_t>(s)]); });
+    }
     void evaluate_start(const TermTrial& start);
     [[nodiscard]] double work_from_outside(int wire) const;
     void take_times(double seconds);

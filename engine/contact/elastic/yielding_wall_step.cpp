@@ -3,7 +3,6 @@
 #include "contact/elastic/yielding_system.h"
 
 #include "core/clock.h"
-#include "core/parallel.h"
 #include "core/state_walk.h"
 #include "wall/shell.h"
 
@@ -169,9 +168,7 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
 void YieldingWall::begin_step(RodArrays& rods, Settling how)
 {
     const auto start = Clock::now();
-    // by systems: wires of one ask the same wall, which keeps what it has answered
-    for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
-        System& system = *systems_[static_cast<std::size_t>(s)];
+    for_each_system([&](System& system) {
         for (const int w : system.wires) carry_back(rods, w);
         system.begun = false;
     });
@@ -182,8 +179,7 @@ void YieldingWall::begin_step(RodArrays& rods, Settling how)
 void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 {
     const auto start = Clock::now();
-    for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
-        System& system = *systems_[static_cast<std::size_t>(s)];
+    for_each_system([&](System& system) {
         for (const int w : system.wires)
             if (live[w]) place_and_copy(rods, w);
         system.begun = false;
@@ -316,8 +312,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
 {
     contact_.commit(active);
     const auto start = Clock::now();
-    for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
-        System& system = *systems_[s];
+    for_each_system([&](System& system) {
         if (!system.begun || !system.is_in(active)) return;
         system.begun = false;
         const WallTrial& now = system.trial();
