@@ -157,15 +157,6 @@ namespace {
 std::mutex launching;
 std::vector<Context*> alive;  // under `launching`
 
-std::string platform_name(cl_device_id device)
-{
-    cl_platform_id platform = nullptr;
-    char name[64] = {};
-    CL_CHECK(clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr));
-    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
-    return name;
-}
-
 }  // namespace
 
 Context::Context(int index, bool float32) : float32_(float32)
@@ -179,17 +170,17 @@ Context::Context(int index, bool float32) : float32_(float32)
     check_device_index(index);
     cl_device_id heavy = all[index < 0 ? default_device(all) : index];
     cl_device_id light = heavy;
-    if (index < 0 && device_text(heavy, CL_DEVICE_NAME).rfind("pthread", 0) == 0)
+    const PoclDevice of_pocl = pocl_device(heavy);
+    if (index < 0 && of_pocl == PoclDevice::Pool)
         for (cl_device_id other : all)
-            if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0) light = other;
+            if (pocl_device(other) == PoclDevice::Caller) light = other;
     if (thread_count() == 1) heavy = light;  // a pool of one would only be handed what the caller can do
     cl_device_type type = 0;
     CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_TYPE, sizeof type, &type, nullptr));
     const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     cpu_ = cpu && !asked_own_memory();
-    const std::string platform = platform_name(heavy);
-    single_items_ = cpu && platform != "rusticl";
-    sees_host_ = cpu_ && platform == "Portable Computing Language";
+    single_items_ = cpu && platform_name(heavy) != "rusticl";
+    sees_host_ = cpu_ && of_pocl != PoclDevice::None;
     // else division and square root in float may be off by a few units in the last place, and results are another device's no more
     cl_device_fp_config single = 0;
     clGetDeviceInfo(heavy, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, nullptr);

@@ -1,9 +1,9 @@
 #pragma once
 // The only C++ that names OpenCL: devices, a context with its queues, buffers, programs and launches.
 //
-// On PoCL the context holds two devices on the same buffers: `pthread` (15 us a launch, all cores) and `basic` (0.35 us, the
-// caller's thread). A chain of launches goes to one of them, chosen by the amount of work alone (never by measured time or thread
-// count), and ends with one blocking read. Results are the same bits on both.
+// On PoCL the context holds two devices on the same buffers: its pool (15 us a launch, all cores) and the caller's thread (0.35 us).
+// A chain of launches goes to one of them, chosen by the amount of work alone (never by measured time or thread count), and ends
+// with one blocking read. Results are the same bits on both.
 
 #include "core/check.h"
 
@@ -109,7 +109,7 @@ public:
 private:
     [[nodiscard]] cl_command_queue command_queue(Queue queue) const { return queues_[queue == Queue::Inline ? 0 : 1]; }
     SharedContext* shared_ = nullptr;
-    cl_command_queue queues_[2] = {nullptr, nullptr};                         // light, heavy; the same queue on one device
+    cl_command_queue queues_[2] = {nullptr, nullptr};  // light, heavy; the same queue on one device
     std::vector<std::tuple<std::string, std::size_t, std::string, cl_program>> programs_;  // file, work-group size, defines
     std::string name_;
     std::string rounding_;  // compiler option

@@ -17,6 +17,8 @@ namespace seldinger::device {
 
 namespace {
 
+constexpr std::string_view pocl = "Portable Computing Language";
+
 /// PoCL 3.1 with LLVM 14: 650 MB while a kernel is compiled, a thread for each core, and two processes that link it. Without them it
 /// ends the process by a signal.
 SystemNeeds needs_of_opencl() { return {"OpenCL", std::size_t{700} << 20, library_threads("POCL_MAX_PTHREAD_COUNT") + 2}; }
@@ -42,7 +44,7 @@ std::vector<cl_device_id> all_devices()
     for (cl_platform_id platform : platforms) {
         char name[64] = {};
         clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
-        if (std::strncmp(name, "Portable Computing Language", 27) == 0) std::call_once(prepared, prepare_kernel_cache);
+        if (name == pocl) std::call_once(prepared, prepare_kernel_cache);
     }
     std::vector<std::vector<cl_device_id>> by_platform;
     for (cl_platform_id platform : platforms) {
@@ -78,11 +80,29 @@ void check_device_index(int index)
                 fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, count - 1));
 }
 
+std::string platform_name(cl_device_id device)
+{
+    cl_platform_id platform = nullptr;
+    clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr);
+    char name[256] = {};
+    if (platform) clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
+    return name;
+}
+
+PoclDevice pocl_device(std::string_view platform, std::string_view device)
+{
+    if (platform != pocl) return PoclDevice::None;
+    if (device.starts_with("basic") || device.starts_with("cpu-minimal")) return PoclDevice::Caller;
+    return device.starts_with("pthread") || device.starts_with("cpu") ? PoclDevice::Pool : PoclDevice::None;
+}
+
+PoclDevice pocl_device(cl_device_id device) { return pocl_device(platform_name(device), device_text(device, CL_DEVICE_NAME)); }
+
 int default_device(const std::vector<cl_device_id>& devices)
 {
-    for (std::size_t i = 0; i < devices.size(); ++i)
-        if (device_text(devices[i], CL_DEVICE_NAME).rfind("pthread", 0) == 0) return static_cast<int>(i);
-    return 0;
+    const auto pool =
+        std::find_if(devices.begin(), devices.end(), [](auto* device) { return pocl_device(device) == PoclDevice::Pool; });
+    return pool == devices.end() ? 0 : static_cast<int>(pool - devices.begin());
 }
 
 }  // namespace seldinger::device
@@ -108,11 +128,7 @@ std::vector<DeviceInfo> list_devices()
         cl_ulong memory = 0;
         clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, nullptr);
         info.memory_bytes = memory;
-        cl_platform_id platform = nullptr;
-        clGetDeviceInfo(id, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr);
-        char name[256] = {};
-        clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
-        info.platform = name;
+        info.platform = device::platform_name(id);
         list.push_back(info);
     }
     return list;

@@ -4,6 +4,7 @@
 #include <CL/cl.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace seldinger::device {
@@ -11,6 +12,15 @@ namespace seldinger::device {
 /// Every device of every platform, in the order of their indices on the command line. Never throws; empty without OpenCL.
 /// The first call asks PoCL, unless the user has set POCL_DEVICES, to offer its caller's-thread device beside the threaded one.
 [[nodiscard]] std::vector<cl_device_id> all_devices();
+
+/// PoCL offers a processor twice: `Caller` computes in the thread that launches, `Pool` in a thread for each core.
+enum class PoclDevice { None, Caller, Pool };
+
+/// By its name: `basic` and `pthread` up to PoCL 3, `cpu-minimal` and `cpu` from PoCL 4 on. `None`: a device of another platform.
+[[nodiscard]] PoclDevice pocl_device(cl_device_id device);
+
+/// The same for a name that is known already.
+[[nodiscard]] PoclDevice pocl_device(std::string_view platform, std::string_view device);
 
 /// PoCL's threaded CPU device where present (the built-in default), else the first device.
 [[nodiscard]] int default_device(const std::vector<cl_device_id>& devices);
@@ -20,5 +30,8 @@ void check_device_index(int index);
 
 /// A textual property; empty where the device does not answer.
 [[nodiscard]] std::string device_text(cl_device_id device, cl_device_info what);
+
+/// Name of the platform that the device belongs to.
+[[nodiscard]] std::string platform_name(cl_device_id device);
 
 }  // namespace seldinger::device

@@ -1,6 +1,7 @@
 // What the step loop does on the device, the bits it gives on each, and the messages when something is wrong.
 
 #include "device/device.h"
+#include "device/enumerate.h"
 #include "support/skip.h"
 #include "support/world_fixture.h"
 
@@ -126,6 +127,23 @@ TEST_SUITE("device")
         CHECK(reads <= launches);
         CHECK(reads <= (data_of(world).forces.context->on_cpu() ? 3.0 : 6.0) * (iterations + 200));
         CHECK(launches >= 2 * 100);
+    }
+
+    TEST_CASE("property: PoCL's devices are known by their names of any version, and by no other platform's")
+    {
+        using device::PoclDevice;
+        const std::string pocl = "Portable Computing Language";
+        CHECK(device::pocl_device(pocl, "basic-skylake-avx512-AMD EPYC") == PoclDevice::Caller);  // up to 3
+        CHECK(device::pocl_device(pocl, "pthread-skylake-avx512-AMD EPYC") == PoclDevice::Pool);
+        CHECK(device::pocl_device(pocl, "cpu-minimal-skylake-avx512-AMD EPYC") == PoclDevice::Caller);  // from 4 on
+        CHECK(device::pocl_device(pocl, "cpu-skylake-avx512-AMD EPYC") == PoclDevice::Pool);
+        CHECK(device::pocl_device(pocl, "cuda-sm_80") == PoclDevice::None);
+        CHECK(device::pocl_device("Intel(R) OpenCL", "cpu-minimal") == PoclDevice::None);
+        // the default is never the caller's thread alone where a pool is offered
+        const auto all = device::all_devices();
+        bool pool = false;
+        for (cl_device_id one : all) pool |= device::pocl_device(one) == PoclDevice::Pool;
+        if (pool) CHECK(device::pocl_device(all[static_cast<std::size_t>(device::default_device(all))]) == PoclDevice::Pool);
     }
 
     TEST_CASE("property: the same bits run after run, on each device and on the pair, for any number of threads")
