@@ -43,25 +43,31 @@ inline constexpr WordRun record_words<WallMemory>[] = {{23, true}, {14, false}};
 template <>
 inline constexpr WordRun record_words<ContactParams>[] = {{6, false}, {3, true}};
 
-template <class Record>
-constexpr std::size_t double_size()
+/// Words of a record on a float32 device, and its bytes on the host.
+[[nodiscard]] constexpr std::size_t words_of(std::span<const WordRun> runs)
+{
+    std::size_t words = 0;
+    for (const WordRun& run : runs) words += static_cast<std::size_t>(run.count);
+    return words;
+}
+[[nodiscard]] constexpr std::size_t bytes_of(std::span<const WordRun> runs)
 {
     std::size_t bytes = 0;
-    for (const WordRun& run : record_words<Record>) bytes += run.count * (run.reals ? sizeof(double) : sizeof(uint));
+    for (const WordRun& run : runs)
+        bytes += static_cast<std::size_t>(run.count) * (run.reals ? sizeof(double) : sizeof(std::uint32_t));
     return bytes;
 }
 template <class Record>
 constexpr std::size_t float_size()
 {
-    std::size_t words = 0;
-    for (const WordRun& run : record_words<Record>) words += run.count;
-    return words * sizeof(float);
+    return words_of(record_words<Record>) * sizeof(float);
 }
+
 /// Size of a record on the device. A record that has grown needs its words above put right.
 template <class Record>
 [[nodiscard]] std::size_t device_size(const device::Context& context)
 {
-    static_assert(double_size<Record>() == sizeof(Record), "record_words does not describe this record");
+    static_assert(bytes_of(record_words<Record>) == sizeof(Record), "record_words does not describe this record");
     return context.float32() ? float_size<Record>() : sizeof(Record);
 }
 
