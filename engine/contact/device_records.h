@@ -39,9 +39,9 @@ inline constexpr WordRun record_words<EdgeForce>[] = {{86, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<Clearance>[] = {{8, true}};
 template <>
-inline constexpr WordRun record_words<WallMemory>[] = {{23, true}, {14, false}};
+inline constexpr WordRun record_words<WallMemory>[] = {{23, true}, {14, false}, {19, true}, {2, false}};
 template <>
-inline constexpr WordRun record_words<ContactParams>[] = {{6, false}, {3, true}};
+inline constexpr WordRun record_words<ContactParams>[] = {{8, false}, {3, true}};
 
 template <class Record>
 constexpr std::size_t double_size()
