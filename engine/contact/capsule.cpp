@@ -45,6 +45,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& set
     params_.normal_law = kernel_law(setup.method().normal);
     params_.smoothing = 0.002;    // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
     params_.smooth_speed = smooth_friction_speed;
+    params_.returns = setup.known_velocities;
     params_.slots = near_.slots();
     set_limits();
     if (params_.normal_law == SEL_NORMAL_BARRIER) barrier_.emplace(context, quadrature_, rods.total_capacity());

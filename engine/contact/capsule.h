@@ -46,8 +46,8 @@ private:
     void begin(RodArrays& rods) override;
     void evaluate_forces(const TermTrial& trial) override;
     void set_limits();
-    /// A barrier's path ends at no valley.
-    [[nodiscard]] bool valleys_known() const { return !barrier_; }
+    /// A barrier's path ends at no valley, and a step of one iteration looks for none.
+    [[nodiscard]] bool valleys_known() const { return !barrier_ && !params_.returns; }
     void warm_up();
     void find_near(std::span<const std::uint8_t> active);
     void set_wire_nodes(DeviceNodes& nodes, int wire, const RodView& rod) const;

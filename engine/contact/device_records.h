@@ -39,9 +39,9 @@ inline constexpr WordRun record_words<EdgeForce>[] = {{86, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<Clearance>[] = {{8, true}};
 template <>
-inline constexpr WordRun record_words<WallMemory>[] = {{23, true}, {14, false}};
+inline constexpr WordRun record_words<WallMemory>[] = {{23, true}, {14, false}, {19, true}, {2, false}};
 template <>
-inline constexpr WordRun record_words<ContactParams>[] = {{6, false}, {3, true}};
+inline constexpr WordRun record_words<ContactParams>[] = {{8, false}, {3, true}};
 
 /// Words of a record on a float32 device, and its bytes on the host.
 [[nodiscard]] constexpr std::size_t words_of(std::span<const WordRun> runs)

@@ -44,7 +44,7 @@ SEL_WALK_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
             ahead(states_t0 + 2 * then, 2 * sizeof(ContactState));
             ahead(states + 2 * then, 2 * sizeof(ContactState));
             ahead(models + then, sizeof(QuadratureModel));
-            ahead(memories + then, sizeof(WallMemory));
+            ahead(memories + then, sizeof(WallMemory) - (par.returns ? 0u : (uint)sizeof(TouchMemory)));
             ahead(forces + item + SEL_AHEAD, sizeof(ContactForce));
         }
         const NearWallView near = near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]);

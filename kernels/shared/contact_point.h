@@ -89,6 +89,8 @@ SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, L
     NeighbourPlanes planes;
     ContactPoint side;
     out.behind = 0;
+    out.second.found = 0;
+    if (find_touch(&out.first, ball, last_side(was), &recall)) return out;
     SEL_ROLLED for (int front_only = 0; front_only <= out.behind; ++front_only) {
         nearest_of_all(&side, ball, near, front_only, was, &recall, &list);
         if (front_only) break;
@@ -96,7 +98,6 @@ SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, L
     }
     side.side = last_side(was);
     out.first = side;
-    out.second.found = 0;
     // the smooth maximum is taken on both sides: which of them is nearer may change without a jump
     SEL_ROLLED for (int k = 0; k < 2; ++k) {
         const int joins = has_sides(&side, ball);
@@ -105,7 +106,10 @@ SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, L
         else out.second = side;
         if (k == 1 || !joins) break;
         find_opposite(&out.first, &side, ball, near, &recall);
-        if (!side.found) break;
+        if (!side.found) {
+            keep_touch(&out.first, ball, &recall);
+            break;
+        }
         list.count = SEL_NEAR_MOST + 1;  // it was of the first
     }
     return out;
@@ -190,7 +194,7 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
     const LastTouch was = last_touch(s, point.place.epoch, view.states_t0);
     uint written = 0;  // bit b: the record b
     const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
-    ContactPointPair touching = contact_points_of(ball, point.near, was, recall_wall(memory, clearance, ball));
+    ContactPointPair touching = contact_points_of(ball, point.near, was, recall_wall(memory, clearance, ball, par.returns));
     if (touching.behind && !par.known && gone_through(at.offset, c.mv.move, at.origin, point.near)) out.flags |= SEL_FORCE_BLOCKED;
     if (touching.first.found) {
         const uint first = record_of(touching.first.normal, was, s, par, view);

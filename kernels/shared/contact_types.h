@@ -153,6 +153,8 @@ typedef struct ContactParams {
     uint settling;      // SEL_SETTLE_*, scene start = "settled"; 0: not settling
     uint normal_law;    // SEL_NORMAL_*
     uint known;         // SEL_KNOWN_*; 0: the law at the trial, moves are those of the step
+    uint returns;       // 1: a step begins with an evaluation where the last one has ended (TouchMemory)
+    uint pad;
     real inv_dt;        // [1/s]; 0 in static equilibrium: no damping
     real smoothing;     // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
     real smooth_speed;  // regularisation of `smooth` [m/s]

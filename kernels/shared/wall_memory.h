@@ -7,6 +7,9 @@
 //   * `clear`: within radius + reach + clear of `clear_at` the wall keeps, along clear_side, that distance behind the axis:
 //     (clear_at - x) . clear_side >= clear for all its points x. At p, with another side, a point within the reach that counts has
 //     (p - x) . side >= clear - m - |side - clear_side| (radius + reach + m). While that is not below 0 there is no opposite wall.
+//   * `touch`: the contact point at one place, where there was no opposite wall. A linearised step (D5) begins where the last one has
+//     ended, and finds the same point there (par.returns). Its side is another one by then. If the room is known for that side too, all
+//     facets within reach have (p - x) . side >= 0 with both, and are of the own side.
 // Triangles are noted in the tree's order, and tested again in that order. Holds knowledge of the wall only: results have the same
 // bits with it and without (tests/contact/test_wall_memory.cpp).
 #ifndef SEL_SHARED_WALL_MEMORY_H
@@ -21,6 +24,14 @@ SEL_BEGIN
 #define SEL_KEPT_BEYOND ((real)0.1)
 #define SEL_KEPT_BEYOND_CROWDED ((real)0.01)
 #define SEL_KEPT_CLEAR ((real)0.3)
+#define SEL_TOUCH_DEEPEST ((real)0.9)  // of the radius: with its axis on a facet a point's normal is the facet's, not p - x
+
+// Contact of a point at one place; `known` 0: none.
+typedef struct TouchMemory {
+    real offset[3], origin[3];  // of the ball: the same bits
+    real normal[3], to_wall[3], depth, hessian[6];
+    uint triangle, known;
+} TouchMemory;
 
 // Zeros: nothing is known. Positions are relative to the mesh centre [m].
 typedef struct WallMemory {
@@ -30,6 +41,7 @@ typedef struct WallMemory {
     uint triangle[SEL_KEPT_MOST];
     uint count;
     uint crowded;  // how often they were too many near `at`: 1: less is noted, 2: nothing
+    TouchMemory touch;  // last: only who returns reads it
 } WallMemory;
 
 #if !SEL_SUMS_IN_MEMORY
@@ -52,6 +64,7 @@ typedef struct Recall {
     SEL_GLOBAL const Clearance* known;
     real moved;  // since triangles were noted, at most [m]
     int kept;    // they may serve
+    int returns;  // ContactParams'
 } Recall;
 
 SEL_FN Recall no_recall(void)
@@ -61,16 +74,18 @@ SEL_FN Recall no_recall(void)
     recall.known = 0;
     recall.moved = 0;
     recall.kept = 0;
+    recall.returns = 0;
     return recall;
 }
 
-// @param memory  0: none
-SEL_FN Recall recall_wall(SEL_GLOBAL WallMemory* memory, SEL_GLOBAL const Clearance* known, ContactBall ball)
+// @param memory  0: none     returns  ContactParams'
+SEL_FN Recall recall_wall(SEL_GLOBAL WallMemory* memory, SEL_GLOBAL const Clearance* known, ContactBall ball, uint returns)
 {
     Recall recall = no_recall();
     if (!memory) return recall;
     recall.memory = memory;
     recall.known = known;
+    recall.returns = returns != 0;
     recall.moved = distance_of(ball.origin + ball.p, memory->at) + SEL_CLEARANCE_MARGIN * ball.radius;
     recall.kept = recall.moved < memory->range;
     return recall;
@@ -134,6 +149,12 @@ SEL_FN real room_lost(const ContactPoint* first, ContactBall ball, SEL_GLOBAL co
     return moved + distance_of(first->side, memory->clear_side) * (ball.radius + ball.reach + moved);
 }
 
+// Is it known that there is no opposite wall?
+SEL_FN int is_known_clear(const ContactPoint* first, ContactBall ball, SEL_GLOBAL const WallMemory* memory)
+{
+    return memory->clear > 0 && room_lost(first, ball, memory) <= memory->clear;
+}
+
 // walk_opposite, unless it is known to find nothing.
 SEL_FN void find_opposite(const ContactPoint* first, ContactPoint* second, ContactBall ball, NearWallView near, const Recall* recall)
 {
@@ -141,7 +162,7 @@ SEL_FN void find_opposite(const ContactPoint* first, ContactPoint* second, Conta
     const vec3 p = ball.origin + ball.p;
     real room = 0;
     if (memory && first->limit < 0) {
-        if (memory->clear > 0 && room_lost(first, ball, memory) <= memory->clear) {
+        if (is_known_clear(first, ball, memory)) {
             second->found = 0;
             return;
         }
@@ -158,6 +179,52 @@ SEL_FN void find_opposite(const ContactPoint* first, ContactPoint* second, Conta
     memory->clear_side[0] = first->side.x;
     memory->clear_side[1] = first->side.y;
     memory->clear_side[2] = first->side.z;
+}
+
+SEL_FN void put_vec3(SEL_GLOBAL real* to, vec3 v)
+{
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+}
+
+SEL_FN vec3 vec3_at(SEL_GLOBAL const real* from) { return make_vec3(from[0], from[1], from[2]); }
+
+SEL_FN int is_at(vec3 v, SEL_GLOBAL const real* at) { return v.x == at[0] && v.y == at[1] && v.z == at[2]; }
+
+// Keeps what a point with sides has found, if it is known that there is no opposite wall.
+SEL_FN void keep_touch(const ContactPoint* first, ContactBall ball, const Recall* recall)
+{
+    if (!recall->returns || !(first->limit < 0) || first->depth > SEL_TOUCH_DEEPEST * ball.radius) return;
+    if (!is_known_clear(first, ball, recall->memory)) return;
+    SEL_GLOBAL TouchMemory* touch = &recall->memory->touch;
+    put_vec3(touch->offset, ball.p);
+    put_vec3(touch->origin, ball.origin);
+    put_vec3(touch->normal, first->normal);
+    put_vec3(touch->to_wall, first->to_wall);
+    touch->depth = first->depth;
+    for (int k = 0; k < 6; ++k) touch->hessian[k] = first->hessian[k];
+    touch->triangle = first->triangle;
+    touch->known = 1;
+}
+
+// The contact point that was found at this very place, if its side has room there too. @return it is that
+SEL_FN int find_touch(ContactPoint* first, ContactBall ball, vec3 side, const Recall* recall)
+{
+    if (!recall->returns || !(dot3(side, side) > 0)) return 0;
+    SEL_GLOBAL const TouchMemory* touch = &recall->memory->touch;
+    if (!touch->known || !is_at(ball.p, touch->offset) || !is_at(ball.origin, touch->origin)) return 0;
+    *first = no_contact_point(ball.reach);
+    first->side = side;
+    if (!is_known_clear(first, ball, recall->memory)) return 0;
+    first->limit = -SEL_SIDE;
+    first->found = 1;
+    first->normal = vec3_at(touch->normal);
+    first->to_wall = vec3_at(touch->to_wall);
+    first->depth = touch->depth;
+    for (int k = 0; k < 6; ++k) first->hessian[k] = touch->hessian[k];
+    first->triangle = touch->triangle;
+    return 1;
 }
 
 #endif

@@ -78,7 +78,7 @@ TEST_SUITE("contact/wall_memory")
     TEST_CASE("property: with what it remembers a point finds the contact points that it finds without, bit by bit")
     {
         Random draw;
-        int kept = 0, walked = 0, clear = 0, opposite = 0, crowded = 0;
+        int kept = 0, walked = 0, clear = 0, opposite = 0, crowded = 0, returned = 0;
         for (const double tube : {0.36e-3, 0.003})
             for (const int triangles : {3000, 30000, 300000}) {
                 VesselSpec spec;
@@ -117,7 +117,7 @@ TEST_SUITE("contact/wall_memory")
                         const NearWallView near = near_wall_view(wall, near_nodes.data(), count);
                         const ContactBall ball = contact_ball(at.offset, at.origin, r, reach, 0.002);
                         const WallMemory before = memory;
-                        const ContactPointPair with = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball)),
+                        const ContactPointPair with = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball, 1)),
                                                without = contact_points_of(ball, near, touched.last(), no_recall());
                         CAPTURE(tube);
                         CAPTURE(triangles);
@@ -131,18 +131,31 @@ TEST_SUITE("contact/wall_memory")
                         clear += with.first.found && before.clear > 0 && std::memcmp(before.clear_at, memory.clear_at, sizeof before.clear_at) == 0;
                         opposite += with.second.found;
                         crowded += memory.crowded > 0;
+                        // where the next step begins, at the same place with another side
+                        const double again = angle + draw(-1, 1) * (draw(0, 1) < 0.5 ? 0.1 : 2);
+                        const Touched next(v3(0, -std::cos(again), -std::sin(again)));
+                        WallMemory kept_there = memory;
+                        const Recall recall = recall_wall(&kept_there, &known, ball, 1);
+                        ContactPoint found = no_contact_point(reach);
+                        returned += find_touch(&found, ball, last_side(next.last()), &recall);
+                        const ContactPointPair there = contact_points_of(ball, near, next.last(), recall),
+                                               anew = contact_points_of(ball, near, next.last(), no_recall());
+                        REQUIRE(same(there.first, anew.first));
+                        REQUIRE(same(there.second, anew.second));
+                        REQUIRE(there.behind == anew.behind);
                         x += draw(-0.2, 1) * stride;
                         angle += draw(-1, 1) * stride / tube;
                         gap = std::clamp(gap + draw(-1, 1) * stride, -0.05 * r, 0.15 * r);
                     }
                 }
             }
-        MESSAGE(kept << " kept, " << walked << " walked, " << clear << " clear, " << opposite << " opposite, " << crowded << " crowded");
+        MESSAGE(kept << " kept, " << walked << " walked, " << clear << " clear, " << opposite << " opposite, " << crowded << " crowded, " << returned << " returned");
         REQUIRE(kept > 2000);
         REQUIRE(walked > 1000);
         REQUIRE(clear > 2000);
         REQUIRE(opposite > 200);
         REQUIRE(crowded > 200);
+        REQUIRE(returned > 1000);
     }
 
     // What was noted 0.98 radii over the floor lacks the ceiling, 1.14 above: it is the nearer one after 0.09. What had room above,
@@ -173,7 +186,7 @@ TEST_SUITE("contact/wall_memory")
                 known = found_clearance(p, range, 0.4 * r, r, count);
                 const NearWallView near = near_wall_view(wall, near_nodes.data(), count);
                 const ContactBall ball = contact_ball(p, at.origin, r, reach, 0.002);
-                with[step] = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball));
+                with[step] = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball, 1));
                 without = contact_points_of(ball, near, touched.last(), no_recall());
                 if (step == 0) REQUIRE(memory.range > 0);
                 if (step == 0) REQUIRE((memory.clear > 0) == (c.up > 0.3));  // the first has the ceiling within 1.4 radii
