@@ -40,6 +40,7 @@ public:
     {
         sums_.add(wire, rods_.node_begin(wire), gradient, jacobian, symmetric);
     }
+    void make_positive(int wire) final { sums_.make_positive(wire, rods_.view(wire).radius[0]); }
     [[nodiscard]] ContactTotals totals(int wire) const
     {
         ContactTotals sum = sums_.totals(wire, rods_.view(wire).radius[0]);

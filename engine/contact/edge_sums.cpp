@@ -2,10 +2,18 @@
 
 #include "contact/edge_sums.h"
 
+#include "math/jacobi.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace seldinger {
+
+namespace {
+
+constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // place of (i, j) among xx xy xz yy yz zz
+
+}  // namespace
 
 ContactTotals& ContactTotals::operator+=(const ContactTotals& other)
 {
@@ -49,7 +57,6 @@ double EdgeSums::rounding(int wire, int begin, const RodView& rod) const
 
 void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandRows* jacobian, bool symmetric) const
 {
-    static constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // place of (i, j) among xx xy xz yy yz zz
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
         const EdgeForce& f = edges[e];
         if (f.contacts == 0) continue;
@@ -76,6 +83,38 @@ void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandRows* ja
             jacobian->add(t, b + i, f.st_b[i] + (skew ? f.ut_b[i] : 0));
         }
         jacobian->add(t, t, f.s_tt);
+    }
+}
+
+void EdgeSums::make_positive(int wire, double radius)
+{
+    constexpr int b = 3, spin = 6;  // rows: x_a, x_b, radius theta
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
+        EdgeForce& f = edges[e];
+        if (f.contacts == 0) continue;
+        FixedMatrix<7> s;
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                s(i, j) = f.s_aa[tri[i][j]];
+                s(i, b + j) = s(b + j, i) = f.s_ab[3 * i + j];
+                s(b + i, b + j) = f.s_bb[tri[i][j]];
+            }
+            s(i, spin) = s(spin, i) = f.st_a[i] / radius;
+            s(b + i, spin) = s(spin, b + i) = f.st_b[i] / radius;
+        }
+        s(spin, spin) = f.s_tt / (radius * radius);
+        s = positive_part(s);
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                f.s_ab[3 * i + j] = s(i, b + j);
+                if (j < i) continue;
+                f.s_aa[tri[i][j]] = s(i, j);
+                f.s_bb[tri[i][j]] = s(b + i, b + j);
+            }
+            f.st_a[i] = radius * s(i, spin);
+            f.st_b[i] = radius * s(b + i, spin);
+        }
+        f.s_tt = radius * radius * s(spin, spin);
     }
 }
 

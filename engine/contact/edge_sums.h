@@ -42,6 +42,8 @@ struct EdgeSums {
     [[nodiscard]] double rounding(int wire, int begin, const RodView& rod) const;
     /// @param begin  first node of the wire in the concatenated arrays; see ForceTerm::add
     void add(int wire, int begin, std::span<double> gradient, BandRows* jacobian, bool symmetric) const;
+    /// Replaces each edge's symmetric tangent by its positive part, with angles times the wire's radius as lengths.
+    void make_positive(int wire, double radius);
     void add_nodal_forces(int wire, int begin, std::span<Vec3> forces) const;
     /// The forces' work on material that slides by a unit along the edges that it lies on, towards the tip [N].
     [[nodiscard]] double along(int wire, int begin, const RodView& rod) const;

@@ -1,6 +1,8 @@
-// LU, Cholesky and Jacobi's eigenvalues of small dense matrices [Golub13, sec. 3.4, 4.2, 8.5].
+// LU, Cholesky and eigenvalues of small dense matrices [Golub13, sec. 3.4, 4.2].
 
 #include "math/small_dense.h"
+
+#include "math/jacobi.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,45 +81,10 @@ void SmallLu::solve_transposed(std::span<double> x) const
     for (int k = n - 1; k >= 0; --k) std::swap(x[k], x[row_[k]]);
 }
 
-namespace {
-
-/// Rotates rows and columns p and q of `a` so that a(p, q) becomes 0.
-void rotate(SmallMatrix& a, SmallMatrix& vectors, int p, int q)
-{
-    if (a(p, q) == 0) return;
-    const double cot = (a(q, q) - a(p, p)) / (2 * a(p, q));
-    const double t = (cot >= 0 ? 1 : -1) / (std::abs(cot) + std::sqrt(1 + cot * cot));
-    const double c = 1 / std::sqrt(1 + t * t), s = t * c;
-    for (int k = 0; k < a.size(); ++k) {
-        const double kp = a(k, p), kq = a(k, q);
-        a(k, p) = c * kp - s * kq;
-        a(k, q) = s * kp + c * kq;
-    }
-    for (int k = 0; k < a.size(); ++k) {
-        const double pk = a(p, k), qk = a(q, k), vp = vectors(k, p), vq = vectors(k, q);
-        a(p, k) = c * pk - s * qk;
-        a(q, k) = s * pk + c * qk;
-        vectors(k, p) = c * vp - s * vq;
-        vectors(k, q) = s * vp + c * vq;
-    }
-}
-
-}  // namespace
-
 SmallModes::SmallModes(SmallMatrix a) : vectors(a.size())
 {
-    constexpr int most_sweeps = 30;  // convergence is quadratic: 6 to 10 are the rule
-    const int n = a.size();
-    for (int k = 0; k < n; ++k) vectors(k, k) = 1;
-    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-        double off = 0, all = 0;
-        for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j) (i == j ? all : off) += a(i, j) * a(i, j);
-        if (!(off > 1e-30 * all)) break;
-        for (int p = 0; p < n; ++p)
-            for (int q = p + 1; q < n; ++q) rotate(a, vectors, p, q);
-    }
-    for (int k = 0; k < n; ++k) values.push_back(a(k, k));
+    diagonalise(a, vectors);
+    for (int k = 0; k < a.size(); ++k) values.push_back(a(k, k));
 }
 
 SmallMatrix small_cholesky(const SmallMatrix& symmetric)

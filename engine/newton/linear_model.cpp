@@ -49,8 +49,9 @@ void LinearModel::factorise(bool shortened, const ForceTerms& terms)
     unsymmetric_ = whole || projected_steps_ >= 3;
     const int indefinite = factorise_with(HessianMode::Exact, terms);
     if (indefinite == 0 || (projected_steps_ >= 3 && indefinite < problem_.size())) return;
-    unsymmetric_ = whole;
     ++projected_steps_;
+    for (const WireProblem* wire : problem_.solved()) terms.make_positive(wire->wire);
+    unsymmetric_ = whole;
     if (factorise_with(HessianMode::Projected, terms) < problem_.size() || !unsymmetric_) return;
     unsymmetric_ = false;
     (void)factorise_with(HessianMode::Projected, terms);

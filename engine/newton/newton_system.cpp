@@ -100,6 +100,7 @@ bool NewtonSystem::decide(bool finite, const ForceTerms& terms)
     if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
     else new_direction(terms);
     launch();
+    along_.admits = at_trial_.crossed.share < 1;
     chord_steps(terms);
     return true;
 }

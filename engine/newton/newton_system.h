@@ -12,10 +12,13 @@
 // trial is taken when one of two conditions holds. Either the simplified Newton correction A^-1 R(q + alpha d) of those mixed
 // equations, in metres, has shrunk against d (the natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution).
 // Or the derivative along d has: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Where the correction has grown, the derivative is
-// believed three times in a step, because more such trials go round in a circle. Trials that are cut short by the limits below may
-// do so too: six bases in a row with the residual of the one before the last end the search. Else alpha is reduced. No edge turns by more
-// than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of these,
-// which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
+// believed three times in a step, because more such trials go round in a circle. Of a direction of the projected Hessian, which is
+// not the derivative, it is enough that the derivative along it is still negative: it leaves a saddle. A direction whose residual had
+// the forces of valleys added (below) is not what the correction tends to as alpha falls: there the residual is asked, too. Where two
+// trials in a row show that both grow in proportion to alpha, no shorter one can pass. Trials that are cut short by the limits below
+// may pass for ever: six bases in a row with the residual of the one before the last end the search. Else alpha is reduced. No edge
+// turns by more than half a radian and no node moves farther than force terms have searched in one update. Between two evaluations of
+// these, which cost most of a step, the equations with linearised terms are solved further by back-substitutions (chord steps). The next
 // evaluation then meets the terms' own curvature only. A contact that goes over a valley of the wall, from facet to facet, leaves
 // its curvature's sight: where a trial has, the direction from it leads to the valley (contact/valleys.h). Where the step's first
 // trial fails for that, all its valleys are balanced together first (kink_balance.h). Where instruments touch, the factors may
@@ -119,6 +122,7 @@ private:
     [[nodiscard]] bool natural_test(bool slope_falls, double slope, const ForceTerms& terms);
     [[nodiscard]] bool redirect(const ForceTerms& terms);
     void take_redirection_back();
+    [[nodiscard]] bool fails_however_short(double contraction, double slope);
     void correct();
     [[nodiscard]] Jump jump_of_force(const ForceTerms& terms);
     [[nodiscard]] bool at_kink() const;
@@ -161,8 +165,11 @@ private:
         double alpha = 1, first_alpha = 1;  // of the present and of the first trial on it
         double norm = 0, slope = 0;         // slope: R . direction at the base
         bool into_valley = false;  // the trial was shortened
+        bool admits = false;       // the direction is that of a residual with the forces of valleys: Valleys::admit
         bool redirected = false;  // the trial has been, to the balance of the kinks: correction_ is what this changed
         KinksPassed before_redirection;
+        // per share, at the last trial on it that failed: by how much the correction grows, and the derivative along it
+        std::optional<double> growth, slope_growth;
     } along_;
     struct Trial {
         KinksPassed crossed;

@@ -13,7 +13,9 @@ namespace {
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_jumps = 8;
 constexpr int most_grown = 3;  // trials whose correction grows that are taken for their derivative along d: more go round in a circle
+constexpr double most_descending = 2;  // correction against the direction, up to which a trial is taken for its energy: 5 does no better
 constexpr double contact_power = 2.5;  // of the depth, in the force of contacts that begin
+constexpr double same_growth = 0.05;  // of correction and derivative per share, at two trials [-]; 0.1 also ends directions that lead on
 constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
 
 }  // namespace
@@ -69,15 +71,21 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope, const ForceTerms
     const double contraction = problem.norm(correction_) / along_.norm;
     at_trial_.contraction = contraction;
     const bool grows = contraction > 1;
-    if (contraction <= 1 - along_.alpha / 4 || (slope_falls && !(grows && course_.times_grown >= most_grown))) {
+    // the derivative of a direction of the projected Hessian need not fall: while it is negative, energy does
+    const bool descends = slope_falls || (model_.projected_steps() > 0 && slope <= 0 && contraction < most_descending);
+    if (contraction <= 1 - along_.alpha / 4 || (descends && !(grows && course_.times_grown >= most_grown))) {
         course_.times_grown += grows;
         return true;
     }
     // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
-    if ((along_.into_valley || at_trial_.crossed.entered) && problem.residual_share() <= at_base_.residual_share) return true;
+    if ((along_.into_valley || along_.admits || at_trial_.crossed.entered) && problem.residual_share() <= at_base_.residual_share) return true;
     if (redirect(terms)) return false;
     if (at_trial_.crossed.share < 1 && along_.alpha == along_.first_alpha) {  // into the valley, whose tangent is the next direction's
         shorten(std::max(at_trial_.crossed.share, 0.1) * along_.alpha, at_trial_.crossed.width > 0);
+        return false;
+    }
+    if (!options_.shifted && at_trial_.crossed.share == 1 && fails_however_short(contraction, slope)) {
+        give_up();
         return false;
     }
     for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - along_.alpha) * direction_[i];
@@ -86,6 +94,21 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope, const ForceTerms
     const double onset = contraction > 2 ? along_.alpha * std::pow(contraction, -1 / contact_power) : 0.0;
     shorten(std::clamp(std::max({natural, secant, onset}), 0.1 * along_.alpha, 0.5 * along_.alpha));
     return false;
+}
+
+/// Whether two trials in a row on a direction, both of which fail both tests, lie where correction and derivative are linear in the
+/// share. Then every shorter one fails too: the factors are not those of the derivative (symmetric or made positive) and the
+/// direction does not lead down. The step is better divided than searched to the smallest share.
+bool NewtonSystem::fails_however_short(double contraction, double slope)
+{
+    const double growth = (contraction - 1) / along_.alpha, slope_growth = (slope / along_.slope - 1) / along_.alpha;
+    const auto same = [](const std::optional<double>& before, double now) {
+        return before && std::abs(now - *before) <= same_growth * std::max(1.0, std::abs(now));
+    };
+    const bool linear = same(along_.growth, growth) && same(along_.slope_growth, slope_growth);
+    along_.growth = growth;
+    along_.slope_growth = slope_growth;
+    return linear && slope_growth > -0.5;  // else a derivative that was overshot passes at some shorter trial
 }
 
 /// Sets a trial where all kinks are balanced that the step's first one has gone over. In later iterations of a step, where balances

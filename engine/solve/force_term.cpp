@@ -109,6 +109,11 @@ void ForceTerms::couple(const SystemUnknowns& system, std::span<double> residual
     for (const ForceTerm* term : list_) term->couple(system, residual, tangent, symmetric);
 }
 
+void ForceTerms::make_positive(int wire) const
+{
+    for (ForceTerm* term : list_) term->make_positive(wire);
+}
+
 void ForceTerms::take(int wire, ForceTerm::Base base, std::span<double> kinks) const
 {
     for (ForceTerm* term : list_) term->take(wire, base, kinks);

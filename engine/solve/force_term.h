@@ -144,6 +144,8 @@ public:
                         bool /*symmetric*/) const
     {
     }
+    /// Until the next evaluation, add() gives a symmetric part of the tangent that is positive semidefinite, where the term can make one.
+    virtual void make_positive(int /*wire*/) {}
     /// Kinks that Ask::Kinks has found to be passed; valid until the next call.
     [[nodiscard]] virtual std::span<const Kink> kinks(int /*wire*/) { return {}; }
     enum class Base { Trial, Start };
@@ -189,6 +191,7 @@ public:
     [[nodiscard]] TermAnswer answer(int wire, Ask what) const;
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const;
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const;
+    void make_positive(int wire) const;
     void take(int wire, ForceTerm::Base base, std::span<double> kinks = {}) const;
     /// f(kink) of each that Ask::Kinks has found.
     template <class F>

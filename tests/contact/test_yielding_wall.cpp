@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 #include "support/approx.h"
 #include "support/fed_world.h"
+#include "support/world_fixture.h"
 #include "contact/elastic/yielding_wall.h"
 #include "stages/step_stages.h"
 #include "world/world.h"

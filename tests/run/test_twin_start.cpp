@@ -103,12 +103,12 @@ TEST_SUITE("run/step_twin")
         CHECK(moved <= coarse.work.band);
     }
 
-    // Draw 6 of seed 9: a tip that leaves a crease, after a rise of 2.3 mN to 3.2. Shorter steps move it by 0.5 mN
+    // Draw 6 of seed 9, fed 1.5 mm farther: a tip that leaves a crease, after a rise of about 2.3 mN to 3.2; with a tenth more or less friction, too.
     TEST_CASE("property: a release widens the band, and is no reason for a warning")
     {
         const ErrorEstimate e = run(read_scene_text("[scene]\nduration_s = 1.7853878341310223\ndt_s = 0.016666666666666666\n[wire]\npreset = \"bentson-035\"\nlength_m = 0.4\n"
                                                     "mu_sliding = 0.02\nmu_static = 0.024\nnodes = \"adaptive\"\n[feed]\ninlet = \"auto\"\n"
-                                                    "keys = [{t_s = 0, advance_m = 0.13}, {t_s = 1.7853878341310223, advance_m = 0.23947741697772348}]\n"
+                                                    "keys = [{t_s = 0, advance_m = 0.13}, {t_s = 1.7853878341310223, advance_m = 0.241}]\n"
                                                     "[vessel]\nshape = \"aortic-arch\"\ntriangles = 30000\n",
                                                     "crease.toml"));
         REQUIRE(e.hand_peak.let_go);
