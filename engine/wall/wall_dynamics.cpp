@@ -172,7 +172,7 @@ Vec3 WallDynamics::now(std::int32_t vertex) const
         const int slot = patch_.slot(vertex);
         double by[9] = {};  // per row and component of the force: nine sums side by side
         for (const SlotPush& push : pushes_) {
-            const double* g = patch_.block(slot, push.slot);
+            const float* g = patch_.block(slot, push.slot);
             for (int k = 0; k < 9; ++k) by[k] += g[k] * push.force[k];
         }
         for (int r = 0; r < 3; ++r) w[r] += by[3 * r] + by[3 * r + 1] + by[3 * r + 2];

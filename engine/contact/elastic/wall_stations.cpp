@@ -219,7 +219,7 @@ void StationCompliance::provide_some(std::span<const std::size_t> some)
     for (const Run& run : runs_) {
         const int count = 9 * run.count;
         for (const Share& own : shares_) {  // along a row of the patch, which lies as it is read
-            const double* const g = patch_->block(slots_[static_cast<std::size_t>(own.slot)], run.slot);
+            const float* const g = patch_->block(slots_[static_cast<std::size_t>(own.slot)], run.slot);
             double* const to = run_to + own.station * size;
             for (int c = 0; c < count; ++c) to[c] += own.share * g[c];
         }
