@@ -28,12 +28,12 @@ public:
         asked_[static_cast<std::size_t>(known)] = 1;
         return known;
     }
-    /// Its column is solved for, if it has not been.
+    /// Its column is solved for, if it has not been; the compliance is symmetric, so that it is its row too.
     void provide(int slot)
     {
         if (!solved_[static_cast<std::size_t>(slot)]) fill(slot);
     }
-    /// Displacement of vertex `at` [3] per force on vertex `from` [3], row by row; provide(from) must have run.
+    /// Displacement of vertex `at` [3] per force on vertex `from` [3], row by row; provide(at) must have run. A row lies as it is read.
     [[nodiscard]] const float* block(int at, int from) const
     {
         return &blocks_[place(at, from)];

@@ -57,7 +57,7 @@ TEST_SUITE("wall/wall_compliance")
             }
     }
 
-    TEST_CASE("property: blocks of a patch are those of the columns, whatever it has forgotten in between")
+    TEST_CASE("property: rows of a patch are the columns, whatever it has forgotten in between")
     {
         const LoopSurface s(tube(0.012, 0.06, 12, 12));
         const WallCompliance wall(Shell(s, ShellSpec{}));
@@ -80,7 +80,7 @@ TEST_SUITE("wall/wall_compliance")
                 for (int r = 0; r < 3; ++r)
                     for (int c = 0; c < 3; ++c) {
                         const int slot = patch.slot(at);
-                        CHECK(patch.block(slot, patch.slot(from))[3 * r + c] == columns[columns.size() / 3 * static_cast<std::size_t>(c) + static_cast<std::size_t>(3 * at + r)]);
+                        CHECK(patch.block(patch.slot(from), slot)[3 * r + c] == columns[columns.size() / 3 * static_cast<std::size_t>(r) + static_cast<std::size_t>(3 * at + c)]);
                     }
         }
     }
