@@ -61,7 +61,7 @@ std::vector<std::int32_t> BlockCholesky::take(Eigen::Index unknowns, std::span<c
 }
 
 bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<const unsigned char> skip,
-                           std::span<const double> along)
+                           std::span<const double> along, std::size_t from)
 {
     SEL_ASSERT(matrix.rows() == matrix.cols());
     const std::vector<std::int32_t> free_index = take(matrix.rows(), skip);
@@ -87,6 +87,7 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
         place[static_cast<std::size_t>(order_[k])] = static_cast<std::int32_t>(k);
     }
     if (!factor_panels(matrix, best, place)) return false;
+    if (values_.size() >= from) round_if_accurate();
     place_ = std::move(place);
     panel_of_.resize(order_.size());
     for (std::size_t p = 0; p < panels_.size(); ++p) std::fill_n(panel_of_.begin() + panels_[p].first, panels_[p].columns, static_cast<std::int32_t>(p));
@@ -119,7 +120,7 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
 {
     using Dense = Eigen::MatrixXd;
     const std::size_t count = symbolic.rows.size();
-    panels_.clear(), rows_.clear(), values_.clear();
+    panels_.clear(), rows_.clear(), values_.clear(), singles_.clear();
     inverse_.assign(9 * order_.size(), 0);
     widest_ = 0;
     std::vector<Dense> update(count);
@@ -184,6 +185,13 @@ inline Eight load(const double* p)
     std::memcpy(&v.low, p, sizeof v.low), std::memcpy(&v.high, p + 4, sizeof v.high);
     return v;
 }
+inline Eight load(const float* p)
+{
+    typedef float FourSingle __attribute__((vector_size(16)));
+    FourSingle low, high;
+    std::memcpy(&low, p, sizeof low), std::memcpy(&high, p + 4, sizeof high);
+    return {__builtin_convertvector(low, Four), __builtin_convertvector(high, Four)};
+}
 inline void store(double* p, const Eight& v) { std::memcpy(p, &v.low, sizeof v.low), std::memcpy(p + 4, &v.high, sizeof v.high); }
 inline double sum(const Eight& v)
 {
@@ -194,8 +202,8 @@ inline double sum(const Eight& v)
 }  // namespace
 
 /// y = L^-1 y for a panel's unknowns; contributions to the rows below are subtracted there.
-template <int sides>
-void BlockCholesky::down(const Panel& panel, double* const* y, double* const* t) const
+template <int sides, class Value>
+void BlockCholesky::down(const Panel& panel, const Value* values, double* const* y, double* const* t) const
 {
     const int stride = panel.stride, own = 3 * panel.columns;
     bool any = false;  // a force on a few blocks reaches their ancestors alone
@@ -206,7 +214,7 @@ void BlockCholesky::down(const Panel& panel, double* const* y, double* const* t)
         std::memcpy(t[s], y[s] + 3 * panel.first, static_cast<std::size_t>(own) * sizeof(double));
         std::memset(t[s] + own, 0, static_cast<std::size_t>(stride - own) * sizeof(double));
     }
-    const double* value = values_.data() + panel.first_value;
+    const Value* value = values + panel.first_value;
     const double* d = inverse_.data() + 9 * panel.first;
     for (int k = 0; k < own; k += 3, d += 9) {
         double a[sides], b[sides], c[sides];
@@ -237,8 +245,8 @@ void BlockCholesky::down(const Panel& panel, double* const* y, double* const* t)
 }
 
 /// y = L^-T y for a panel's unknowns, those of the rows below being known. @param end  of the panel's values
-template <int sides>
-void BlockCholesky::up(const Panel& panel, const double* end, double* const* y, double* const* t) const
+template <int sides, class Value>
+void BlockCholesky::up(const Panel& panel, const Value* end, double* const* y, double* const* t) const
 {
     const int stride = panel.stride, own = 3 * panel.columns;
     const std::int32_t* row = rows_.data() + panel.first_row;
@@ -248,12 +256,12 @@ void BlockCholesky::up(const Panel& panel, const double* end, double* const* y, 
         for (std::int32_t k = 0; k < panel.rows; ++k, z += 3) std::memcpy(z, y[s] + 3 * row[k], 3 * sizeof(double));
         std::memset(z, 0, static_cast<std::size_t>(stride - own - 3 * panel.rows) * sizeof(double));
     }
-    const double* value = end;
+    const Value* value = end;
     const double* d = inverse_.data() + 9 * (panel.first + panel.columns - 1);
     for (int k = own - 3; k >= 0; k -= 3, d -= 9) {
         Eight u[sides][3] = {};
         value -= 3 * (stride - k / 8 * 8);
-        const double* group = value;
+        const Value* group = value;
         for (int i = k / 8 * 8; i < stride; i += 8, group += 24) {
             const Eight p = load(group), q = load(group + 8), r = load(group + 16);
             for (int s = 0; s < sides; ++s) {
@@ -271,8 +279,8 @@ void BlockCholesky::up(const Panel& panel, const double* end, double* const* y, 
     for (int s = 0; s < sides; ++s) std::memcpy(y[s] + 3 * panel.first, t[s], static_cast<std::size_t>(own) * sizeof(double));
 }
 
-template <int sides>
-void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) const
+template <int sides, class Value>
+void BlockCholesky::run(const Value* values, std::size_t count, double* const* x, std::vector<double>& work) const
 {
     // right-hand sides in the new order, then one panel's unknowns
     const std::size_t n = 3 * order_.size(), wide = static_cast<std::size_t>(widest_);
@@ -283,16 +291,44 @@ void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) con
         t[s] = work.data() + sides * n + static_cast<std::size_t>(s) * wide;
         for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(y[s] + 3 * k, x[s] + 3 * order_[k], 3 * sizeof(double));
     }
-    for (const Panel& panel : panels_) down<sides>(panel, y, t);
-    const double* end = values_.data() + values_.size();
+    for (const Panel& panel : panels_) down<sides>(panel, values, y, t);
+    const Value* end = values + count;
     for (std::size_t k = panels_.size(); k-- > 0;) {
         up<sides>(panels_[k], end, y, t);
-        end = values_.data() + panels_[k].first_value;
+        end = values + panels_[k].first_value;
     }
     for (int s = 0; s < sides; ++s) {
         for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(x[s] + 3 * order_[k], y[s] + 3 * k, 3 * sizeof(double));
         for (const std::int32_t b : skipped_) std::memset(x[s] + 3 * b, 0, 3 * sizeof(double));
     }
+}
+
+/// Of the largest number: a solution of soft modes.
+double BlockCholesky::error_of_singles() const
+{
+    std::vector<double> force(static_cast<std::size_t>(3 * blocks_)), work;
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] = 1 + 0.3 * static_cast<double>(i * 7 % 11) - static_cast<double>(i % 3);
+    const auto solved = [&](const auto& values, std::vector<double> x) {
+        double* sides[] = {x.data()};
+        run<1>(values.data(), values.size(), sides, work);
+        return x;
+    };
+    for (int rounds = 0; rounds < 3; ++rounds) {  // inverse iteration
+        force = solved(values_, std::move(force));
+        const double most = Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())).lpNorm<Eigen::Infinity>();
+        for (double& f : force) f /= most;
+    }
+    const std::vector<double> x = solved(values_, force), rounded = solved(singles_, force);
+    double miss = 0, most = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) miss = std::max(miss, std::abs(rounded[i] - x[i])), most = std::max(most, std::abs(x[i]));
+    return miss / most;
+}
+
+void BlockCholesky::round_if_accurate()
+{
+    singles_.assign(values_.begin(), values_.end());
+    if (error_of_singles() < single_error) values_ = {};
+    else singles_ = {};
 }
 
 void BlockCholesky::begin(std::span<const double> b, Partial& partial) const
@@ -303,7 +339,9 @@ void BlockCholesky::begin(std::span<const double> b, Partial& partial) const
     partial.work.resize(static_cast<std::size_t>(widest_));
     for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(&partial.x[3 * k], &b[3 * static_cast<std::size_t>(order_[k])], 3 * sizeof(double));
     double *y[] = {partial.x.data()}, *t[] = {partial.work.data()};
-    for (const Panel& panel : panels_) down<1>(panel, y, t);
+    with_values([&](const auto* values, std::size_t) {
+        for (const Panel& panel : panels_) down<1>(panel, values, y, t);
+    });
 }
 
 void BlockCholesky::read(std::int32_t block, Partial& partial, double* to) const
@@ -322,12 +360,14 @@ void BlockCholesky::read(std::int32_t block, Partial& partial, double* to) const
         p = panel_of_[static_cast<std::size_t>(rows_[static_cast<std::size_t>(panel.first_row)])];  // rows rise: the parent has the first
     }
     double *y[] = {partial.x.data()}, *t[] = {partial.work.data()};
-    for (; !way.empty(); way.pop_back()) {
-        const auto p = static_cast<std::size_t>(way.back());
-        const bool last = p + 1 == panels_.size();
-        up<1>(panels_[p], values_.data() + (last ? values_.size() : static_cast<std::size_t>(panels_[p + 1].first_value)), y, t);
-        partial.known[p] = 1;
-    }
+    with_values([&](const auto* values, std::size_t count) {
+        for (; !way.empty(); way.pop_back()) {
+            const auto p = static_cast<std::size_t>(way.back());
+            const bool last = p + 1 == panels_.size();
+            up<1>(panels_[p], values + (last ? count : static_cast<std::size_t>(panels_[p + 1].first_value)), y, t);
+            partial.known[p] = 1;
+        }
+    });
     std::memcpy(to, &partial.x[3 * static_cast<std::size_t>(place)], 3 * sizeof(double));
 }
 

@@ -14,6 +14,7 @@ namespace seldinger {
 namespace {
 
 constexpr double guessed = 1e-6;  // accuracy of guess_own: less than Newton leaves
+constexpr double single_from = 1e-8;  // own_accuracy from which W between rows may be rounded to 6e-8
 
 using Vector = Eigen::Map<Eigen::VectorXd>;
 using ConstVector = Eigen::Map<const Eigen::VectorXd>;
@@ -157,11 +158,17 @@ void Condensed::close()
         SEL_ASSERT(entry.unknown >= 0);
     }
     const std::size_t n = row_count();
-    w_rows_.resize(n * n);
-    for (std::size_t k = 0; k < n; ++k) {
-        const double* from = &w_[static_cast<std::size_t>(places_[k]) * size_];
-        for (std::size_t l = 0; l < n; ++l) w_rows_[k * n + l] = from[places_[l]];
-    }
+    const bool single = n > most_direct && own_accuracy >= single_from;
+    w_rows_.resize(single ? 0 : n * n);
+    w_single_.resize(single ? n * n : 0);
+    const auto gather = [&](auto* to) {
+        for (std::size_t k = 0; k < n; ++k) {
+            const double* from = &w_[static_cast<std::size_t>(places_[k]) * size_];
+            for (std::size_t l = 0; l < n; ++l) to[k * n + l] = static_cast<std::decay_t<decltype(*to)>>(from[places_[l]]);
+        }
+    };
+    if (single) gather(w_single_.data());
+    else gather(w_rows_.data());
     if (n <= most_direct) known_.reset();
     else if (known_.use_count() == 1) known_->clear();
     else known_ = std::make_shared<KnownSolutions>();
@@ -213,13 +220,32 @@ void Condensed::factor_own() const
     factored_ = true;
 }
 
+void Condensed::times_w_rows(std::span<const double> v, std::span<double> out) const
+{
+    const std::size_t n = v.size();
+    if (w_single_.empty()) {
+        view(out).noalias() = ConstMatrix(w_rows_.data(), index(n), index(n)) * view(v);
+        return;
+    }
+    view(out).setZero();
+    const float* w = w_single_.data();  // symmetric: its rows are its columns
+    std::size_t k = 0;
+    double* const to = out.data();
+    for (; k + 4 <= n; k += 4, w += 4 * n) {
+        const double a = v[k], b = v[k + 1], c = v[k + 2], e = v[k + 3];
+        for (std::size_t l = 0; l < n; ++l) to[l] += (a * double(w[l]) + b * double(w[n + l])) + (c * double(w[2 * n + l]) + e * double(w[3 * n + l]));
+    }
+    for (; k < n; ++k, w += n)
+        for (std::size_t l = 0; l < n; ++l) to[l] += v[k] * double(w[l]);
+}
+
 /// (I + W D) u
 void Condensed::own_product(std::span<const double> u, std::span<double> out) const
 {
     thread_local std::vector<double> force;
     force.resize(u.size());
     d.times(u, force);
-    view(out).noalias() = ConstMatrix(w_rows_.data(), index(u.size()), index(u.size())) * view(std::span<const double>(force));
+    times_w_rows(force, out);
     view(out) += view(u);
 }
 
@@ -270,7 +296,7 @@ void Condensed::guess_own(std::span<double> u) const
 void Condensed::take_off(std::span<double> fx, std::span<double> y) const
 {
     std::vector<double> u(fx.size());
-    view(std::span(u)).noalias() = ConstMatrix(w_rows_.data(), index(u.size()), index(u.size())) * view(fx);
+    times_w_rows(fx, u);
     solve_rows(u);
     for (double& value : u) value = -value;
     e_transposed.add_transposed(u, y);
@@ -301,7 +327,6 @@ int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fi
     const std::size_t m = row_count(), n = r_to_x.size();
     for (auto* array : {&fx, &dv, &u}) array->resize(m);
     along.resize(n);
-    const ConstMatrix w(w_rows_.data(), index(m), index(m));
     const auto off_fixed = [&] {
         for (std::size_t i = 0; i < n; ++i)
             if (fixed[i]) along[i] = 0;
@@ -311,7 +336,7 @@ int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fi
     std::copy(r_to_x.begin(), r_to_x.end(), along.begin());
     off_fixed();
     f.times(along, fx);
-    view(std::span(u)).noalias() = w * view(std::span<const double>(fx));
+    times_w_rows(fx, u);
     const auto spread = [&](std::span<const double> v) {
         std::fill(along.begin(), along.end(), 0.0);
         e_transposed.add_transposed(v, along);
@@ -324,7 +349,7 @@ int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fi
         f.times(along, fx);
         d.times(v, dv);
         view(std::span(dv)) -= view(std::span<const double>(fx));
-        view(out).noalias() = w * view(std::span<const double>(dv));
+        times_w_rows(dv, out);
         view(out) += view(v);
     });
     if (known_) {

@@ -82,7 +82,9 @@ public:
     int solve(std::span<double> r_to_x, std::span<const unsigned char> fixed,
               const std::function<void(std::span<double>)>& band) const;
     double accuracy = 1e-5;  // of x: |what is left of the others' equations| over their right side
-    double own_accuracy = 1e-11;  // likewise of solve_rows() and add_product()
+    /// Likewise of solve_rows() and add_product(). From 1e-8 on, W between many rows is kept in single precision for them: products
+    /// take as long as it takes to be read.
+    double own_accuracy = 1e-11;
 
     // ---- parts, for those who keep u ----
     /// W v, [m]; v is mostly zeros.
@@ -99,6 +101,8 @@ public:
 private:
     static constexpr std::size_t most_direct = 120;
     void factor_own() const;
+    /// out = W between rows times v
+    void times_w_rows(std::span<const double> v, std::span<double> out) const;
     void solve_rows(std::span<double> u, double to) const;
     void own_product(std::span<const double> u, std::span<double> out) const;
     void take_off(std::span<double> fx_to_u, std::span<double> y) const;
@@ -108,6 +112,7 @@ private:
     std::vector<int> places_;     // [rows] among the m
     std::vector<int> row_of_;     // [m] or -1
     std::vector<double> w_rows_;  // W between rows
+    std::vector<float> w_single_;  // in its place
     mutable SmallLu own_;         // of (I + W D)^T
     mutable bool factored_ = false;
     std::shared_ptr<KnownSolutions> known_;  // beyond most_direct; shared with those that have taken this

@@ -219,8 +219,8 @@ void Recorder::take_greatest(const Output& now)
     const WallReadings& wall = now.walls[0].readings;
     // displacement and stress are in proportion to the load
     WallBand move = wall.move_band, stress = wall.stress_band;
-    move.nodes = wall_nodes_ * wall.move_max;
-    stress.nodes = wall_nodes_ * wall.stress_max;
+    move.nodes = move_nodes_ * wall.move_max;
+    stress.nodes = stress_nodes_ * wall.stress_max;
     tally_.wall_move.take_in(wall.move_max, wall.move_at, move, now.time);
     tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, stress, now.time);
 }
@@ -229,7 +229,15 @@ void Recorder::gauge(const World& world, const Output& now)
 {
     if (now.walls.empty()) return;
     const WallReadings& wall = now.walls[0].readings;
-    if (wall.move_max > tally_.wall_move.value || wall.stress_max > tally_.wall_stress.value) wall_nodes_ = GridErrorGauge().of(world).patch.nodes;
+    // by steps of a fixed scale, so that a resumed run takes them where a whole one does
+    const auto outgrows = [](double largest, double before) {
+        constexpr double a_per_cent = 100;
+        return largest > before && std::floor(a_per_cent * std::log(largest)) > std::floor(a_per_cent * std::log(before));
+    };
+    const auto known = [](const Greatest& so_far) { return so_far.value > 0 ? so_far.band.nodes / so_far.value : 0.0; };
+    if (outgrows(wall.move_max, tally_.wall_move.value) || outgrows(wall.stress_max, tally_.wall_stress.value))
+        move_nodes_ = stress_nodes_ = GridErrorGauge().of(world).patch.nodes;
+    else move_nodes_ = known(tally_.wall_move), stress_nodes_ = known(tally_.wall_stress);
 }
 
 void Recorder::passed(const Output& now)

@@ -39,7 +39,8 @@ public:
     Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
              const Checkpoint& checkpoint);
 
-    /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes, if one is the largest so far.
+    /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes, if one is the largest so far. It is
+    /// found for each per cent that the largest grows by; in between it is that of the last one, as a share.
     void gauge(const World& world, const Output& now);
     /// At an intermediate equilibrium of a static run: takes its readings in, and writes a row. @param now  Output::Everything
     void passed(const Output& now);
@@ -98,7 +99,7 @@ private:
     bool has_wall_ = false;
     ClosedEnds closed_ends_;
     bool yields_ = false;             // and it yields
-    double wall_nodes_ = 0;           // error of its load by nodes, relative
+    double move_nodes_ = 0, stress_nodes_ = 0;  // error of its load by nodes, as a share of what it does
     std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
     RunTally tally_;
     long passed_ = 0;        // equilibria on the way of a static run

@@ -136,7 +136,7 @@ void WallFactor::solve(std::span<double> rhs_a, std::span<double> rhs_b, WallSol
 
 std::size_t WallFactor::bytes() const
 {
-    return sizeof(double) * (entries() + static_cast<std::size_t>(3 * solved_columns() * vertex_count_));
+    return cholesky_.bytes() + sizeof(float) * static_cast<std::size_t>(3 * solved_columns() * vertex_count_);
 }
 
 long WallFactor::solved_columns() const
@@ -145,17 +145,19 @@ long WallFactor::solved_columns() const
     return 3 * static_cast<long>(std::count_if(columns_.begin(), columns_.end(), [](const auto& c) { return c != nullptr; }));
 }
 
-std::span<const double> WallFactor::columns(std::int32_t vertex) const
+std::span<const float> WallFactor::columns(std::int32_t vertex) const
 {
     const std::size_t n = static_cast<std::size_t>(3 * vertex_count_);
     SEL_ASSERT(vertex >= 0 && vertex < vertex_count_);
     const std::lock_guard lock(guard_);
     auto& kept = columns_[static_cast<std::size_t>(vertex)];
     if (!kept) {
-        kept = std::make_unique<double[]>(3 * n);  // zeros
-        std::span<double> x(kept.get(), n), y(kept.get() + n, n), z(kept.get() + 2 * n, n);
-        for (std::size_t axis = 0; axis < 3; ++axis) kept[axis * n + static_cast<std::size_t>(3 * vertex) + axis] = 1;
-        cholesky_.solve(x, y, z, work_);
+        solved_.assign(3 * n, 0.0);
+        const std::span<double> all(solved_);
+        for (std::size_t axis = 0; axis < 3; ++axis) all[axis * n + static_cast<std::size_t>(3 * vertex) + axis] = 1;
+        cholesky_.solve(all.first(n), all.subspan(n, n), all.last(n), work_);
+        kept = std::make_unique_for_overwrite<float[]>(3 * n);
+        std::copy(solved_.begin(), solved_.end(), kept.get());
     }
     return {kept.get(), 3 * n};
 }

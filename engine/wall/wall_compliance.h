@@ -29,8 +29,8 @@ public:
     /// Two at once, in one and a half times the time of one.
     void solve(std::span<double> rhs_a, std::span<double> rhs_b, WallSolveWork& work) const;
     /// Displacement [3V] under a unit force on a control vertex along x, y, z: [3][3V], one after the other. Solved for on first
-    /// use, then kept. Zeros for a held vertex.
-    [[nodiscard]] std::span<const double> columns(std::int32_t vertex) const;
+    /// use, then kept in single precision: a wire comes to touch a thousand vertices. Zeros for a held vertex.
+    [[nodiscard]] std::span<const float> columns(std::int32_t vertex) const;
 
     [[nodiscard]] double step() const { return h_; }
     [[nodiscard]] double factor_seconds() const { return seconds_; }
@@ -45,8 +45,8 @@ private:
     BlockCholesky cholesky_;
     int vertex_count_ = 0;
     mutable std::mutex guard_;                                // of what follows
-    mutable std::vector<double> work_;                        // scratch of the columns' solves
-    mutable std::vector<std::unique_ptr<double[]>> columns_;  // [V]
+    mutable std::vector<double> work_, solved_;               // scratch of the columns' solves
+    mutable std::vector<std::unique_ptr<float[]>> columns_;   // [V]
 };
 
 /// What the factors that are kept have taken.

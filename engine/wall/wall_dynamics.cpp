@@ -152,7 +152,7 @@ void WallDynamics::list_pushes() const
     pushes_.clear();
     for (const std::int32_t u : touched_) {
         const Vec3 f = at(pushed_, u);
-        pushes_.push_back({patch_.slot(u), {f[0], f[1], f[2], f[0], f[1], f[2], f[0], f[1], f[2]}});
+        pushes_.push_back({patch_.slot(u), {f[0], f[0], f[0], f[1], f[1], f[1], f[2], f[2], f[2]}});
         patch_.provide(pushes_.back().slot);
     }
     pushes_at_ = stamp_;
@@ -170,12 +170,12 @@ Vec3 WallDynamics::now(std::int32_t vertex) const
     } else {
         if (pushes_at_ != stamp_) list_pushes();
         const int slot = patch_.slot(vertex);
-        double by[9] = {};  // per row and component of the force: nine sums side by side
+        double by[9] = {};  // per component of the force and of what it moves: nine sums side by side
         for (const SlotPush& push : pushes_) {
-            const double* g = patch_.block(slot, push.slot);
+            const float* g = patch_.block(push.slot, slot);
             for (int k = 0; k < 9; ++k) by[k] += g[k] * push.force[k];
         }
-        for (int r = 0; r < 3; ++r) w[r] += by[3 * r] + by[3 * r + 1] + by[3 * r + 2];
+        for (int r = 0; r < 3; ++r) w[r] += by[r] + by[3 + r] + by[6 + r];
     }
     w.store(&known_[first]);
     known_at_[static_cast<std::size_t>(vertex)] = stamp_;

@@ -129,7 +129,7 @@ private:
     mutable std::uint32_t stamp_ = 1, pushes_at_ = 0;
     struct SlotPush {
         int slot;
-        double force[9];  // three times: beside each row of a block
+        double force[9];  // each component three times: beside its row of a block
     };
     mutable BlockCholesky::Partial answer_;  // M^-1 F
     mutable bool answer_begun_ = false;

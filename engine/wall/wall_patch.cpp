@@ -37,7 +37,7 @@ void WallPatch::trim()
         return solved_[i] != solved_[j] ? solved_[i] > solved_[j] : vertices_[i] < vertices_[j];
     });
     const int room = least_room(static_cast<int>(stay.size()));
-    std::vector<double> blocks(static_cast<std::size_t>(room) * static_cast<std::size_t>(room) * 9);
+    std::vector<float> blocks(static_cast<std::size_t>(room) * static_cast<std::size_t>(room) * 9);
     std::vector<std::int32_t> vertices;
     std::vector<std::uint8_t> solved;
     for (const std::int32_t v : vertices_) slots_[static_cast<std::size_t>(v)] = -1;
@@ -57,11 +57,11 @@ void WallPatch::trim()
 
 void WallPatch::copy_block(int at, int from)
 {
-    const std::span<const double> columns = factor_->columns(vertices_[static_cast<std::size_t>(from)]);
-    const std::size_t size = columns.size() / 3, row = 3 * static_cast<std::size_t>(vertices_[static_cast<std::size_t>(at)]);
-    double* to = &blocks_[place(at, from)];
+    const std::span<const float> columns = factor_->columns(vertices_[static_cast<std::size_t>(at)]);
+    const std::size_t size = columns.size() / 3, row = 3 * static_cast<std::size_t>(vertices_[static_cast<std::size_t>(from)]);
+    float* to = &blocks_[place(at, from)];
     for (std::size_t r = 0; r < 3; ++r)
-        for (std::size_t c = 0; c < 3; ++c) to[3 * r + c] = columns[c * size + row + r];
+        for (std::size_t c = 0; c < 3; ++c) to[3 * r + c] = columns[r * size + row + c];
 }
 
 int WallPatch::add(std::int32_t vertex)
@@ -69,7 +69,7 @@ int WallPatch::add(std::int32_t vertex)
     const int slot = static_cast<int>(vertices_.size());
     if (slot == room_) {
         const int room = least_room(room_);
-        std::vector<double> larger(static_cast<std::size_t>(room) * static_cast<std::size_t>(room) * 9);
+        std::vector<float> larger(static_cast<std::size_t>(room) * static_cast<std::size_t>(room) * 9);
         for (int at = 0; at < room_; ++at)
             std::copy_n(block(at, 0), 9 * static_cast<std::size_t>(room_),
                         &larger[static_cast<std::size_t>(at) * static_cast<std::size_t>(room) * 9]);
@@ -80,15 +80,15 @@ int WallPatch::add(std::int32_t vertex)
     vertices_.push_back(vertex);
     solved_.push_back(0);
     asked_.push_back(1);
-    for (int from = 0; from < slot; ++from)
-        if (solved_[static_cast<std::size_t>(from)]) copy_block(slot, from);
+    for (int at = 0; at < slot; ++at)
+        if (solved_[static_cast<std::size_t>(at)]) copy_block(at, slot);
     return slot;
 }
 
 void WallPatch::fill(int slot)
 {
     solved_[static_cast<std::size_t>(slot)] = 1;
-    for (int at = 0; at < static_cast<int>(vertices_.size()); ++at) copy_block(at, slot);
+    for (int from = 0; from < static_cast<int>(vertices_.size()); ++from) copy_block(slot, from);
 }
 
 }  // namespace seldinger

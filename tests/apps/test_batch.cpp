@@ -99,8 +99,9 @@ TEST_SUITE("apps/batch")
             const double without = std::hypot(band.at("mesh").get<double>(), band.at("geometry").get<double>(), band.at("nodes").get<double>());
             CHECK(band.at("nodes").get<double>() > 0.01 * without);
             if (unit == "_m") REQUIRE(alone.at(name + unit).get<double>() > 1.02 * without);
-            // a run reads the whole wall with each row of its trace, a batch does not: 0.2 % here
-            CHECK(std::stod(row.at(name + unit)) == about(without).epsilon(0.005));
+            // a run reads the whole wall with each row of its trace, a batch does not: 0.2 % here; it has the share of nodes for each per cent of the
+            // largest reading, which is 0.6 % of the band here
+            CHECK(std::stod(row.at(name + unit)) == about(without).epsilon(0.01));
             const std::string reading = name.substr(0, name.size() - 5) + unit;
             const double by_step = 3 * std::abs(std::stod(row.at(reading)) - std::stod(half.at(reading)));
             // the whole wall is read with each row, at other moments in the batch of half the step: 3e-4 of this band, and the step adds 2e-3 to that of the displacement

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <Eigen/Cholesky>
 #include <random>
+#include <tuple>
 
 namespace test_block_cholesky {
 
@@ -40,9 +41,11 @@ TEST_SUITE("math/block_cholesky")
         CHECK(Eigen::l3CacheSize() == 32 << 20);
     }
 
-    TEST_CASE("twin: a dense solve, with blocks left out, in one piece and in two")
+    // The matrices' condition is below 30, so that L rounded to 6e-8 leaves less than 1e-6.
+    TEST_CASE("twin: a dense solve, with blocks left out, in one piece and in two, stored in double and in single precision")
     {
-        for (const int cut : {-1, 4}) {
+        for (const auto& [cut, from, tolerance] :
+             {std::tuple(-1, BlockCholesky::single_from, 1e-13), {4, BlockCholesky::single_from, 1e-13}, {-1, std::size_t{0}, 1e-6}}) {
             const Eigen::SparseMatrix<double> m = grid_matrix(9, 14, cut);
             const Eigen::Index n = m.rows();
             std::vector<unsigned char> skip(std::size_t(n / 3), 0);
@@ -56,10 +59,13 @@ TEST_SUITE("math/block_cholesky")
             const Eigen::VectorXd expected = dense.llt().solve(known);
             for (const bool hint : {false, true}) {
                 BlockCholesky cholesky;
-                REQUIRE(cholesky.factor(m, skip, hint ? std::span<const double>(along) : std::span<const double>()));
+                REQUIRE(cholesky.factor(m, skip, hint ? std::span<const double>(along) : std::span<const double>(), from));
+                REQUIRE(cholesky.single() == (from == 0));
+                CHECK((cholesky.bytes() < 6 * cholesky.entries()) == cholesky.single());
                 std::vector<double> x(rhs.data(), rhs.data() + n), y = x, z = x;
                 cholesky.solve(x, work);
-                CHECK((Eigen::Map<Eigen::VectorXd>(x.data(), n) - expected).norm() < 1e-13 * expected.norm());
+                CHECK((Eigen::Map<Eigen::VectorXd>(x.data(), n) - expected).norm() < tolerance * expected.norm());
+                CHECK(cholesky.single() == ((Eigen::Map<Eigen::VectorXd>(x.data(), n) - expected).norm() > 1e-13 * expected.norm()));
                 cholesky.solve(y, z, work);
                 CHECK(x == y);
                 CHECK(x == z);
@@ -90,6 +96,24 @@ TEST_SUITE("math/block_cholesky")
         CHECK(!cholesky.factor(chain.sparseView()));
         chain.topLeftCorner<3, 3>() += Eigen::Matrix3d::Identity();
         CHECK(cholesky.factor(chain.sparseView()));
+    }
+
+    // A beam of 600 places on springs. On stiff ones rounding of L is not felt; on springs of 1e-10 its softest answer would be off by 2e-4.
+    TEST_CASE("property: a factor is stored in single precision only if the softest answers stay accurate")
+    {
+        constexpr Eigen::Index n = 600;
+        Eigen::MatrixXd bent = Eigen::MatrixXd::Zero(n - 2, n);
+        for (Eigen::Index i = 0; i < n - 2; ++i) bent(i, i) = bent(i, i + 2) = 1, bent(i, i + 1) = -2;
+        for (const auto& [spring, single] : {std::pair(1e-2, true), {1e-10, false}}) {
+            const Eigen::MatrixXd m = bent.transpose() * bent + spring * Eigen::MatrixXd::Identity(n, n);
+            BlockCholesky cholesky;
+            REQUIRE(cholesky.factor(m.sparseView(), {}, {}, 0));
+            CHECK(cholesky.single() == single);
+            if (!single) continue;
+            std::vector<double> x(n, 1.0), work;  // a load that does not bend it
+            cholesky.solve(x, work);
+            for (const double u : x) CHECK(std::abs(u * spring - 1) < BlockCholesky::single_error);
+        }
     }
 
     TEST_CASE("property: elimination from an end fills a strip's band, and orders are permutations")

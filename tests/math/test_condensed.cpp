@@ -139,6 +139,28 @@ TEST_CASE("a singular compliance is no matter")
     CHECK(x[3] == test::about(0.5));
 }
 
+// Single precision has W to 6e-8, and with it what it does: 1e-6 of the right side with a condition below 1e3 and 150 rows.
+TEST_CASE("W between many rows may be kept in single precision")
+{
+    const int size = 24, m = 150;
+    Coupled c(size, m, true, 12u);
+    Condensed rounded = c.solver.condensed;
+    rounded.own_accuracy = 1e-8;
+    rounded.close();
+    rounded.own_accuracy = 1e-11;  // GMRES itself
+    const Eigen::MatrixXd own = c.whole.bottomRightCorner(m, m);
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(m, -1, 2);
+    const auto left_of = [&](const Condensed& beside) {
+        std::vector<double> u(b.data(), b.data() + m);
+        beside.solve_rows(u);
+        return (own * Eigen::Map<const Eigen::VectorXd>(u.data(), m) - b).norm() / b.norm();
+    };
+    CHECK(left_of(c.solver.condensed) < 1e-10);
+    const double left = left_of(rounded);
+    CHECK(left < 1e-6);
+    CHECK(left > 1e-10);  // it is rounded
+}
+
 // So many rows are solved by GMRES, to 1e-11 of the right side, and what is known is used: sums of earlier right sides and one that
 // a solve of the whole has met.
 TEST_CASE("solutions with one matrix that follow each other are those of the dense matrix")

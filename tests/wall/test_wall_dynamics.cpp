@@ -331,7 +331,7 @@ TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, an
     for (std::size_t i = 0; i < rest.size(); ++i) CHECK(std::abs(expected[i] - rest[i]) <= 1e-12 * largest(rest));
 }
 
-// Pushed on one vertex, it takes sums of columns; pushed on all of them, a solve.
+// Pushed on one vertex, it takes sums of columns, which are kept in single precision: 6e-8 of each. Pushed on all of them, a solve.
 TEST_CASE("what is known of single vertices is what all of them are, at the start of a step and untouched at its end")
 {
     std::vector<WallLoad> loads;
@@ -340,12 +340,14 @@ TEST_CASE("what is known of single vertices is what all of them are, at the star
     const Plate plate(1e4, 0.02, loads);
     WallDynamics dynamics(*plate.wall);
     std::vector<WallDynamics::Push> push = {{0, plate.middle(), Vec3(0.02, 0, -0.05)}};
+    double accuracy = 1e-7;
     SUBCASE("one") {}
     SUBCASE("all")
     {
         const auto count = static_cast<std::int32_t>(plate.wall->surface().control().vertices.size());
         REQUIRE(static_cast<std::size_t>(count) * count > plate.wall->compliance().factor(1e-3)->entries() / 100);
         for (std::int32_t v = 0; v < count; ++v) push.push_back({0, v, Vec3(0, 1e-4, 1e-4 * std::sin(v))});
+        accuracy = 1e-12;
     }
     for (int k = 0; k < 13; ++k) {
         dynamics.begin_step(k == 5 ? 5e-4 : 1e-3);  // and a step of another length
@@ -355,8 +357,8 @@ TEST_CASE("what is known of single vertices is what all of them are, at the star
         const std::vector<double> end = untouched.displacement();
         const double scale = std::max(largest(now), 1e-9);
         for (const std::int32_t v : {plate.middle(), 0, plate.middle() / 2}) {
-            CHECK((dynamics.now(v) - Vec3(&now[3 * static_cast<std::size_t>(v)])).norm() <= 1e-12 * scale);
-            CHECK((dynamics.free(v) - Vec3(&end[3 * static_cast<std::size_t>(v)])).norm() <= 1e-12 * scale);
+            CHECK((dynamics.now(v) - Vec3(&now[3 * static_cast<std::size_t>(v)])).norm() <= accuracy * scale);
+            CHECK((dynamics.free(v) - Vec3(&end[3 * static_cast<std::size_t>(v)])).norm() <= accuracy * scale);
         }
         dynamics.end_step(push);
     }

@@ -151,7 +151,6 @@ void StationCompliance::reset(const WallStations& stations, std::span<const int>
         const LoopStencil& s = stations[node].weights;
         for (int k = 0; k < s.size; ++k) {
             const int slot = patch.slot(s.vertex[k]);
-            patch.provide(slot);
             if (static_cast<int>(place_.size()) <= slot) place_.resize(static_cast<std::size_t>(slot) + 64, -1);
             int& place = place_[static_cast<std::size_t>(slot)];
             if (place < 0) {
@@ -212,14 +211,17 @@ void StationCompliance::provide_some(std::span<const std::size_t> some)
     const std::size_t size = 9 * list_needed();
     shares_.clear();
     for (std::size_t k = 0; k < some.size(); ++k)
-        for (std::size_t part = first_[some[k]]; part < first_[some[k] + 1]; ++part) shares_.push_back({parts_[part].slot, k, parts_[part].share});
+        for (std::size_t part = first_[some[k]]; part < first_[some[k] + 1]; ++part) {
+            shares_.push_back({parts_[part].slot, k, parts_[part].share});
+            patch_->provide(slots_[static_cast<std::size_t>(parts_[part].slot)]);
+        }
     std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.slot < b.slot; });
     answer_.assign(some.size() * size, 0.0);
     double* run_to = answer_.data();
     for (const Run& run : runs_) {
         const int count = 9 * run.count;
         for (const Share& own : shares_) {  // along a row of the patch, which lies as it is read
-            const double* const g = patch_->block(slots_[static_cast<std::size_t>(own.slot)], run.slot);
+            const float* const g = patch_->block(slots_[static_cast<std::size_t>(own.slot)], run.slot);
             double* const to = run_to + own.station * size;
             for (int c = 0; c < count; ++c) to[c] += own.share * g[c];
         }

@@ -125,7 +125,7 @@ private:
     std::size_t list_needed();
     void put(std::size_t own, std::span<const double> answer);
 
-    const WallPatch* patch_ = nullptr;
+    WallPatch* patch_ = nullptr;
     std::vector<std::size_t> wanted_;
     std::vector<Share> shares_;
     std::vector<Run> runs_;             // of slots that are needed
