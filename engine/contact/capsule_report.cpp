@@ -1,7 +1,7 @@
 // Reports of contact with quadrature points: its rows, and the choices it made.
 
 #include "contact/capsule.h"
-#include "contact/contact_patch.h"
+#include "contact/loads/contact_patch.h"
 #include "core/parallel.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // Area and pressure where a wire lies on a wall: the chord, laws with and without an overlap, and what a world tells.
-#include "contact/contact_patch.h"
+#include "contact/loads/contact_patch.h"
 
 #include "support/approx.h"
 #include "support/world_fixture.h"

@@ -1,6 +1,6 @@
 // State of contact between instruments from step to step: saved, restored, reported.
 
-#include "contact/contact_patch.h"
+#include "contact/loads/contact_patch.h"
 #include "contact/rods/instrument_contact.h"
 
 #include "contact/point_states.h"

@@ -101,7 +101,7 @@ struct WireOutput {
     double time = 0;  // its simulated time; of one that failed or was retired, when it stopped [s]
     bool at_rest = false, retired = false;
     Vec3 tip = Vec3::Zero();  // [m]
-    // Output::Contacts; contact/contact_patch.h
+    // Output::Contacts; contact/loads/contact_patch.h
     double contact_area = 0;          // sum over its contacts [m^2]
     double contact_pressure_max = 0;  // of one of them [Pa]
     // Output::Contacts; of Output::Loads per_length_max and patch_force with their places; contact/force_per_length.h

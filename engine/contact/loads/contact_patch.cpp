@@ -1,6 +1,6 @@
 // Area and pressure of a contact point from its overlap or, where the law has none, from its force.
 
-#include "contact/contact_patch.h"
+#include "contact/loads/contact_patch.h"
 
 #include "shared/multiplier_law.h"
 
