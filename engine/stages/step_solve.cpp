@@ -118,11 +118,11 @@ void begin_step(WorldData& world)
     world.output.reports.assign(world.wire_count(), WireReport{});
 }
 
-// One sub-step that is stopped is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other
-// systems, may have been accepted by then.
+// One sub-step that is stopped is put back as one that has failed. A whole state is kept where earlier sub-steps, or other systems, may
+// have been accepted by then, and of an elastic wall, on which an attempt has moved the feet of the nodes.
 void keep_start(WorldData& world, const SubStep& sub)
 {
-    const bool whole = sub.h > 0.999 * world.work.length && world.systems.count() == 1;
+    const bool whole = sub.h > 0.999 * world.work.length && world.systems.count() == 1 && !world.forces.yielding;
     if (world.work.stop_asked && world.work.step_start.empty() && !whole) world.work.step_start = saved_state(world);
 }
 

@@ -59,6 +59,33 @@ TEST_SUITE("step/stopped_step")
         }
     }
 
+    // What a step has looked up on an elastic wall before it was stopped must not be where the next attempt begins.
+    TEST_CASE("property: on an elastic wall, too")
+    {
+        TestSetup setup = pushed(false);
+        setup.vessel.elastic = true;
+        setup.vessel.youngs = 4e5;
+        setup.vessel.thickness = 5e-4;
+        setup.vessel.wall_edge = 1.5e-3;
+        FedWorld plain(setup), stopped(setup);
+        int asked = 0, end_at = -1, ended = 0;
+        stopped.stop_when([&] { return ++asked == end_at; });
+        for (int k = 0; k < 150; ++k) {
+            REQUIRE_FALSE(step(plain, 2e-3).failed());
+            for (int at = 1;; at += at > 3 ? 5 : 1) {
+                const std::vector<std::uint8_t> bytes = stopped.save_state();
+                asked = 0;
+                end_at = at;
+                if (!(step(stopped, 2e-3).flags & StepStopped)) break;
+                ++ended;
+                CHECK(stopped.save_state() == bytes);
+            }
+            CHECK(stopped.state_hash() == plain.state_hash());
+        }
+        REQUIRE(plain.wall_readings().move_max > 0);
+        REQUIRE(ended > 150);
+    }
+
     TEST_CASE("property: with other systems in the world none of them advances")
     {
         TestSetup setup = pushed(false);
