@@ -114,21 +114,23 @@ void begin_step(WorldData& world)
     });
     world.work.terms_in_solve = 0;
     world.work.step_start.clear();
+    if (world.work.stop_asked && world.forces.yielding) world.forces.yielding->keep_feet();
     for (WireState& wire : world.state.wires) wire.left.clear();
     world.output.reports.assign(world.wire_count(), WireReport{});
 }
 
-// One sub-step that is stopped is put back as one that has failed. A whole state is kept where earlier sub-steps, or other systems, may
-// have been accepted by then, and of an elastic wall, on which an attempt has moved the feet of the nodes.
+// One sub-step that is stopped is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other systems, may
+// have been accepted by then, and where an attempt starts a block of steps of an elastic wall.
 void keep_start(WorldData& world, const SubStep& sub)
 {
-    const bool whole = sub.h > 0.999 * world.work.length && world.systems.count() == 1 && !world.forces.yielding;
-    if (world.work.stop_asked && world.work.step_start.empty() && !whole) world.work.step_start = saved_state(world);
+    const bool whole = sub.h > 0.999 * world.work.length && world.systems.count() == 1 && !(world.forces.yielding && world.forces.yielding->begins_block(sub.h));
+    if (world.work.stop_asked && world.work.step_start.empty() && !whole) save_state(world, world.work.step_start);  // its memory stays
 }
 
 StepReport put_back(WorldData& world, StepReport& report)
 {
     if (!world.work.step_start.empty()) put_back_saved(world, world.work.step_start);
+    if (world.forces.yielding) world.forces.yielding->put_feet_back();
     show_instruments(world);
     world.work.step_start.clear();
     note(world, report, 0, StepStopped);

@@ -68,7 +68,7 @@ bool WallDynamics::begin_step(double h)
 {
     forget();
     if (h != h_ || !factor_) return start_block(h);
-    if (step_ == steps_) next_block();
+    if (begins_block(h)) next_block();
     return true;
 }
 

@@ -81,6 +81,9 @@ public:
 
     double work = 0;  // done on the wall by contact since the beginning [J]
 
+    /// Whether begin_step(h) starts a block, and so changes the state.
+    [[nodiscard]] bool begins_block(double h) const { return h != h_ || !factor_ || step_ == steps_; }
+
 private:
     [[nodiscard]] bool start_block(double h);
     void next_block();

@@ -191,7 +191,7 @@ void keep_wire(WorldData& world, int wire);
 void put_back_wire(WorldData& world, int wire);
 void put_back_wires(WorldData& world, const WireMask& wires);
 /// Everything that World::save_state() returns; put back unchecked.
-[[nodiscard]] std::vector<std::uint8_t> saved_state(WorldData& world);
+void save_state(WorldData& world, std::vector<std::uint8_t>& to);
 void put_back_saved(WorldData& world, std::span<const std::uint8_t> bytes);
 
 /// Fills wall_loads and instrument_loads, once for each state.

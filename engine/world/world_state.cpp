@@ -201,7 +201,13 @@ void put_back_wires(WorldData& world, const WireMask& wires)
         if (wires[group->line()]) refresh_group(world, *group);
 }
 
-std::vector<std::uint8_t> saved_state(WorldData& world) { return saved_bytes(world, -1); }
+void save_state(WorldData& world, std::vector<std::uint8_t>& to)
+{
+    to.clear();
+    StateWalk walk(to);
+    walk_saved(world, walk, -1);
+}
+
 void put_back_saved(WorldData& world, std::span<const std::uint8_t> bytes) { take_saved(world, bytes, -1, true); }
 
 std::vector<std::uint8_t> World::save_state() const { return saved_bytes(*data_, -1); }

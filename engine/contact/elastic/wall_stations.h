@@ -68,6 +68,7 @@ public:
     /// Forgets nodes `first` to `last`, which have been removed.
     void forget(int first, int last);
     [[nodiscard]] WallFoot& foot(int node) { return feet_[node]; }
+    [[nodiscard]] std::span<WallFoot> feet() { return feet_; }
     [[nodiscard]] const WallStation& operator[](int node) const { return stations_[node]; }
     [[nodiscard]] WallStation& operator[](int node) { return stations_[node]; }
     [[nodiscard]] int count() const { return static_cast<int>(stations_.size()); }

@@ -74,6 +74,7 @@ struct YieldingWall::System {
     std::vector<int> wires;
     WallStations stations, kept;  // kept: while rows() reads
     std::vector<WallEnd> ends;  // [nodes] of the accepted state
+    std::vector<WallFoot> feet_before;  // [nodes] YieldingWall::keep_feet
     std::vector<std::optional<Vec3>> before;  // [nodes] y to go on from; none: not known
     std::vector<Vec3> force_before;           // [nodes] of the accepted state
     int first_node;  // of the system in the concatenated arrays

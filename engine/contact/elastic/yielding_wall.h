@@ -41,6 +41,11 @@ public:
     void commit(std::span<const std::uint8_t> active) override;
     void walk_state(StateWalk& walk, int wire) override;
 
+    /// Feet of the nodes on the wall before a step that may be stopped, and put back after it has been: attempts move them.
+    void keep_feet();
+    void put_feet_back();
+    /// Whether a step of h starts a block of steps of a wall, which changes what walk_state() saves.
+    [[nodiscard]] bool begins_block(double h) const;
     /// As of the contact behind it.
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire);
     /// Displacement of the control vertices [3V] [m], and contact's work on them since the beginning [J].

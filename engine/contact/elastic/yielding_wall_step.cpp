@@ -278,6 +278,21 @@ void YieldingWall::add_rows(System& system) const
 
 // ---- the accepted state ----
 
+void YieldingWall::keep_feet()
+{
+    for (const auto& system : systems_) system->feet_before.assign(system->stations.feet().begin(), system->stations.feet().end());
+}
+
+void YieldingWall::put_feet_back()
+{
+    for (const auto& system : systems_) std::copy(system->feet_before.begin(), system->feet_before.end(), system->stations.feet().begin());
+}
+
+bool YieldingWall::begins_block(double h) const
+{
+    return std::any_of(systems_.begin(), systems_.end(), [&](const auto& system) { return system->dynamics.begins_block(h); });
+}
+
 void YieldingWall::System::walk_wall(StateWalk& walk)
 {
     dynamics.walk_state(walk);
