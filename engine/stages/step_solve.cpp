@@ -123,8 +123,10 @@ void begin_step(WorldData& world)
 // have been accepted by then, and where an attempt starts a block of steps of an elastic wall.
 void keep_start(WorldData& world, const SubStep& sub)
 {
-    const bool whole = sub.h > 0.999 * world.work.length && world.systems.count() == 1 && !(world.forces.yielding && world.forces.yielding->begins_block(sub.h));
-    if (world.work.stop_asked && world.work.step_start.empty() && !whole) save_state(world, world.work.step_start);  // its memory stays
+    if (!world.work.stop_asked || !world.work.step_start.empty()) return;
+    const bool alone = sub.h > 0.999 * world.work.length && world.systems.count() == 1;
+    const bool changes_wall = world.forces.yielding && world.forces.yielding->begins_block(sub.h);
+    if (!alone || changes_wall) save_state(world, world.work.step_start);  // its memory stays
 }
 
 StepReport put_back(WorldData& world, StepReport& report)

@@ -3,7 +3,6 @@
 #include "contact/elastic/yielding_system.h"
 #include "core/clock.h"
 
-
 #include <algorithm>
 #include <array>
 #include <cmath>
