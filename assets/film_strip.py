@@ -4,7 +4,7 @@
     film_strip.py out/iliac/frame_000009.png ... -o strip.png [--columns 3] [--scale 0.5]
 
 For pictures that one call of `seldinger render --frames A:B` made, wider than high: they share camera and scales, and their legend is on
-the right (engine/view/legend.cpp, lay_out_sheet). The legend is not scaled down, so that it can be read.
+the right (engine/pictures/view/legend.cpp, lay_out_sheet). The legend is not scaled down, so that it can be read.
 """
 import argparse
 import sys

@@ -10,7 +10,7 @@ mass, nodes, law of friction, radius of the wire - tries its values, keeps the b
 It is made once with the step free and once with the step of a display, 1/60 s.
 
 Better is, in this order: a run that ends by itself; no point of the axis outside the lumen; no overlap beyond the radius; a hand
-that does not jitter (engine/models/classify.h); the root mean square distance of the tip from that of converged steps of 1 ms.
+that does not jitter (engine/studies/models/classify.h); the root mean square distance of the tip from that of converged steps of 1 ms.
 Every run is one line of the table, with the texts that repeat it; `best` marks the winner of a search.
 """
 import argparse
@@ -82,7 +82,7 @@ def run(app, scene, until, settings, limit, folder):
 
 
 def jitter(forces):
-    """Worst window of 50 steps, as engine/models/classify.h has it."""
+    """Worst window of 50 steps, as engine/studies/models/classify.h has it."""
     worst = 0.0
     turns = [0.0] + [min(abs(b - a), abs(c - b)) if (b - a) * (c - b) < 0 else 0.0
                      for a, b, c in zip(forces, forces[1:], forces[2:])] + [0.0]

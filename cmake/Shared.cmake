@@ -23,7 +23,8 @@ endfunction()
 
 seldinger_shared_library(seldinger_shared seldinger_loops)
 target_include_directories(seldinger_shared PUBLIC
-  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/engine> $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/engine/include/seldinger>
+  "$<BUILD_INTERFACE:${engine_rooms}>" $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/engine/include/seldinger>
+  "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/engine/pictures;${CMAKE_SOURCE_DIR}/engine/studies;${CMAKE_SOURCE_DIR}/engine/live>"
   $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/kernels> $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/bench>
   $<INSTALL_INTERFACE:include> $<INSTALL_INTERFACE:include/seldinger>)
 target_compile_features(seldinger_shared PUBLIC cxx_std_20)

@@ -1,5 +1,5 @@
 // Start of a step with the barrier law, and the largest feasible step of a trial.
-//   launch  engine/contact/barrier_path.cpp       test  tests/contact/test_host_reference.cpp
+//   launch  engine/physics/contact/barrier_path.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/barrier_path.h"
 #include "shared/kernel.h"
 #include "shared/sweep.h"

@@ -1,6 +1,6 @@
 // Segmented sum of forces and tangents: one edge per item, its quadrature points (or pairs) in order, so that the same bits come
 // from any number of threads.
-//   launch  engine/contact/evaluation.cpp, engine/contact/layer.cpp       test  tests/contact/test_host_reference.cpp
+//   launch  engine/physics/contact/evaluation.cpp, engine/physics/contact/layer.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/edge_sums.h"
 #include "shared/kernel.h"
 

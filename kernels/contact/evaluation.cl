@@ -1,5 +1,5 @@
 // Forces of quadrature points, by any law: in one kernel where an item is a work-group, that is on a CPU, else in stages.
-//   launch  engine/contact/force_kernels.cpp       test  tests/contact/test_host_reference.cpp
+//   launch  engine/physics/contact/force_kernels.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/barrier_path.h"
 #include "shared/kernel.h"
 

@@ -1,5 +1,5 @@
 // Contact between instruments: forces of the neighbours of cells, which the host has found (shared/instrument_near.h).
-//   launch  engine/contact/rods/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
+//   launch  engine/physics/contact/rods/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
 #define SEL_LAW_FN SEL_STAGE_CALL
 #define SEL_CALLS_FUNCTIONS  // half of the registers are the caller's: kernel.h asks for fewer groups
 #include "shared/instrument_stages.h"

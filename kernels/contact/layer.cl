@@ -1,5 +1,5 @@
 // The published layer detection: pairs of an edge, and their forces. Their sums: edge_sums.cl.
-//   launch  engine/contact/layer.cpp       test  tests/contact/test_layer.cpp, tests/contact/test_host_reference.cpp
+//   launch  engine/physics/contact/layer.cpp       test  tests/contact/test_layer.cpp, tests/contact/test_host_reference.cpp
 #define SEL_LAW_FN SEL_STAGE_CALL
 #include "shared/kernel.h"
 #include "shared/layer.h"

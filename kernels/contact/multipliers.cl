@@ -1,5 +1,5 @@
 // Multipliers at the start of a solve and between solves.
-//   launch  engine/contact/multipliers.cpp       test  tests/contact/test_host_reference.cpp
+//   launch  engine/physics/contact/multipliers.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/kernel.h"
 #include "shared/multipliers.h"
 

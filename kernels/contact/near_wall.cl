@@ -1,5 +1,5 @@
 // The wall near quadrature points: near nodes of the tree (walk.h), distance of the wall.
-//   launch  engine/contact/near_wall.cpp       test  tests/contact/test_host_reference.cpp
+//   launch  engine/physics/contact/near_wall.cpp       test  tests/contact/test_host_reference.cpp
 #include "shared/clearance.h"
 #include "shared/kernel.h"
 #include "shared/wall_distance.h"

@@ -14,7 +14,7 @@
 
 SEL_BEGIN
 
-#define SEL_INSTRUMENT_EXACT ((real)0.8)  // of depth_limit: as for the wall, see engine/contact/wall_law.cpp
+#define SEL_INSTRUMENT_EXACT ((real)0.8)  // of depth_limit: as for the wall, see engine/physics/contact/wall_law.cpp
 #define SEL_WEIGHT_GRAVITY ((real)9.81)
 
 // Depth that the law may reach [m]: half of the smaller radius, or of the wall round a lumen, if that is less. Axes are then

@@ -280,7 +280,7 @@ SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int 
     touch->until[touch->count++] = until;
 }
 
-#define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/rod/no_state.h)
+#define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/bodies/rod/no_state.h)
 
 // How far the gap may lie below both of two marks between them, `apart` along the material. The gap is the least of smooth functions of s, one for
 // each near place of the stretch. None curves by more than 1/D + kappa_a + kappa_b, which is 2/r with axes 1.5 radii apart and strands bent

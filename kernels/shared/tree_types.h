@@ -1,6 +1,6 @@
 #ifndef SEL_SHARED_TREE_TYPES_H
 #define SEL_SHARED_TREE_TYPES_H
-// Layout of the wall's AABB tree, read by C++ and by OpenCL C. Built by engine/vessel/tree.cpp.
+// Layout of the wall's AABB tree, read by C++ and by OpenCL C. Built by engine/bodies/vessel/tree.cpp.
 //
 // Coordinates are float32 relative to the tree's centre (WallTree::centre, double, world frame): a vertex is rounded once,
 // and the rounded triangle IS the wall from then on. Boxes are the exact minima and maxima of those floats, so a

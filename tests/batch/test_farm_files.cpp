@@ -1,4 +1,4 @@
-// engine/batch/farm.cpp: a farm's plan and results that were altered, and sealed anew, are refused in one line.
+// engine/studies/batch/farm.cpp: a farm's plan and results that were altered, and sealed anew, are refused in one line.
 
 #include "core/error.h"
 #include "core/file_io.h"

@@ -1,4 +1,4 @@
-// engine/batch/sweep.cpp: the runs of a sweep file, and messages for a wrong one.
+// engine/studies/batch/sweep.cpp: the runs of a sweep file, and messages for a wrong one.
 
 #include "core/error.h"
 #include "batch/sweep.h"

@@ -1,4 +1,4 @@
-// kernels/shared/contact_law.h and engine/contact/wall_law.h: normal law, friction and rolling of one quadrature point.
+// kernels/shared/contact_law.h and engine/physics/contact/wall_law.h: normal law, friction and rolling of one quadrature point.
 
 #include "contact/one_quadrature_point.h"
 

@@ -1,4 +1,4 @@
-// engine/contact/valleys: one contact that goes from one facet of a valley to the other, and back over a ridge.
+// engine/physics/contact/valleys: one contact that goes from one facet of a valley to the other, and back over a ridge.
 
 #include "contact/active_set.h"
 #include "contact/valleys.h"

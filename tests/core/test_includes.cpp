@@ -1,4 +1,4 @@
-// The folders' order (CONTRIBUTING.md), kept true by reading every #include line.
+// The folders' order (engine/README.md), kept true by reading every #include line.
 
 #include <doctest/doctest.h>
 
@@ -53,6 +53,27 @@ const std::map<std::string, std::set<std::string>> below = {
     {"session", {"record", "run", "scene", "io", "api", "core"}},
 };
 
+// The rooms of engine/, and the folders of each. The first four are the engine; no folder of these may include the last three, which are
+// optional libraries: the table above says so folder by folder.
+const std::map<std::string, std::set<std::string>> rooms = {
+    {"base", {"core", "math", "device"}},
+    {"bodies", {"rod", "nodes", "vessel", "shapes", "repair", "surface", "wall"}},
+    {"physics", {"solve", "newton", "contact", "world", "stages"}},
+    {"files", {"io", "scene", "setup", "run", "record"}},
+    {"pictures", {"xray", "view", "pictures"}},
+    {"studies", {"batch", "models", "plan", "lab"}},
+    {"live", {"session"}},
+};
+const std::set<std::string> optional_rooms = {"pictures", "studies", "live"};
+
+// Path below engine/ -> path as an #include names it, without the room
+fs::path as_included(const fs::path& from_root)
+{
+    const std::string first = from_root.begin()->string();
+    if (first == "include") return fs::relative(from_root, "include/seldinger");
+    return rooms.count(first) ? fs::relative(from_root, first) : from_root;
+}
+
 std::string folder_of(const fs::path& relative)
 {
     // a room within a folder has a line of its own in the table
@@ -76,7 +97,7 @@ TEST_SUITE("core/includes")
                 const std::string extension = entry.path().extension();
                 if (extension != ".h" && extension != ".cpp" && extension != ".cl") continue;
                 const fs::path from_root = fs::relative(entry.path(), base),
-                               relative = *from_root.begin() == "include" ? fs::relative(from_root, "include/seldinger") : from_root;
+                               relative = base == root ? as_included(from_root) : from_root;
                 // kernels/<folder>/*.cl and kernels/shared read kernels/shared alone
                 const std::string folder = base == root ? folder_of(relative) : "shared";
                 REQUIRE_MESSAGE(below.count(folder) == 1, "a new folder needs its place in the table: " << folder);
@@ -92,6 +113,31 @@ TEST_SUITE("core/includes")
                 }
             }
         REQUIRE(seen > 200);
+    }
+
+    TEST_CASE("property: a folder of engine/ lies in its room, and the engine includes no optional library")
+    {
+        const fs::path root = fs::path(SEL_SOURCE_DIR) / "engine";
+        std::set<std::string> found;
+        for (const auto& room : fs::directory_iterator(root)) {
+            if (!room.is_directory() || room.path().filename() == "include") continue;
+            const std::string name = room.path().filename();
+            REQUIRE_MESSAGE(rooms.count(name) == 1, "engine/" << name << " is not a room");
+            for (const auto& folder : fs::directory_iterator(room))
+                CHECK_MESSAGE(rooms.at(name).count(folder.path().filename()) == 1, folder.path().string() << ": not a folder of " << name);
+            for (const std::string& folder : rooms.at(name)) {
+                CHECK_MESSAGE(fs::is_directory(room.path() / folder), "engine/" << name << "/" << folder << " is not there");
+                found.insert(folder);
+            }
+        }
+        CHECK(found.size() == 28);
+        for (const auto& [room, folders] : rooms) {
+            if (optional_rooms.count(room)) continue;
+            for (const std::string& folder : folders)
+                for (const std::string& optional_room : optional_rooms)
+                    for (const std::string& part : rooms.at(optional_room))
+                        CHECK_MESSAGE(below.at(folder).count(part) == 0, folder << " may not include " << part << ", of an optional library");
+        }
     }
 
     // that list is read by a build of its own, which plain builds never configure

@@ -1,4 +1,4 @@
-// engine/nodes/adapt.cpp: refined edges, coarsened edges, kept edges; and that it ends.
+// engine/bodies/nodes/adapt.cpp: refined edges, coarsened edges, kept edges; and that it ends.
 
 #include "nodes/adapt.h"
 #include "rod/rod_fixture.h"

@@ -1,4 +1,4 @@
-// engine/newton/kink_balance: forces across kinks against a closed form, and against all combinations of bounds tried in turn.
+// engine/physics/newton/kink_balance: forces across kinks against a closed form, and against all combinations of bounds tried in turn.
 
 #include "math/dof_map.h"
 #include "math/small_dense.h"

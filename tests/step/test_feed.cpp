@@ -1,4 +1,4 @@
-// engine/solve/feed.cpp through step(): inserted length, hand force, and no jumps.
+// engine/physics/solve/feed.cpp through step(): inserted length, hand force, and no jumps.
 
 #include "support/world_fixture.h"
 

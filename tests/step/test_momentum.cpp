@@ -1,4 +1,4 @@
-// engine/newton/momentum.h: what a wire's readings say of its forces adds up to the change of its momentum, step by step.
+// engine/physics/newton/momentum.h: what a wire's readings say of its forces adds up to the change of its momentum, step by step.
 
 #include "failure/hard_vessels.h"
 #include "support/world_fixture.h"

@@ -1,4 +1,4 @@
-// engine/world/world.cpp: wires of one world are independent, and a saved state continues with the same bits.
+// engine/physics/world/world.cpp: wires of one world are independent, and a saved state continues with the same bits.
 
 #include "support/world_fixture.h"
 

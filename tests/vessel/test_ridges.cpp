@@ -1,4 +1,4 @@
-// engine/vessel/ridges: a roof, a valley, a bend that is meshed finer and finer; what contact samples make of them.
+// engine/bodies/vessel/ridges: a roof, a valley, a bend that is meshed finer and finer; what contact samples make of them.
 
 #include "vessel/ridges.h"
 
