@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The tables of docs/speed-accuracy.md, from what `seldinger chart` wrote.
+"""The tables of bench/results/chart.md, from what `seldinger chart` wrote.
 
-    bench/chart_page.py DIR [--page docs/speed-accuracy.md]
+    bench/chart_page.py DIR [--page bench/results/chart.md]
 
 Reads chart.csv and references.csv of DIR and writes two tables over what stands between the marks <!-- published --> … <!-- end --> and
 <!-- fronts --> … <!-- end --> of the page: where the published method stands in every scene, and the front of every scene.
@@ -66,7 +66,7 @@ def fronts(scenes, references):
         front = sorted((r for r in rows if r["tip_front"] == "1"), key=cost)
         text = "; ".join(f"{r['model']}: {seconds(cost(r))}, {length(number(r['tip_rms_m']))}" for r in front)
         known = "analytic" if tip["convergence"] == "analytic" else length(number(tip["uncertainty"]))
-        lines.append(f"| [{name}](charts/chart-{name}.png) | {known} | {text if tip['charted'] == '1' else 'not charted: the reference ' + tip['convergence']} |")
+        lines.append(f"| [{name}](../../docs/charts/chart-{name}.png) | {known} | {text if tip['charted'] == '1' else 'not charted: the reference ' + tip['convergence']} |")
     return lines
 
 
@@ -81,7 +81,7 @@ def replaced(text, mark, lines):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dir", type=pathlib.Path)
-    parser.add_argument("--page", type=pathlib.Path, default=HERE / "docs" / "speed-accuracy.md")
+    parser.add_argument("--page", type=pathlib.Path, default=HERE / "bench" / "results" / "chart.md")
     options = parser.parse_args()
     scenes, references = {}, {}
     for reference in csv.DictReader(open(options.dir / "references.csv", newline="", encoding="utf-8")):
