@@ -47,16 +47,35 @@ def row(names, meaning):
     return "| `{}` | {} |".format(names.replace("|", "\\|"), meaning.replace("|", "\\|").replace("<", "&lt;").replace("[", "\\["))
 
 
-def section(app, words):
+def rows_of(app, words, found):
+    """{command: rows of its options}, for a command and those below it."""
+    _, parts = parsed(help_of(app, words))
+    found[" ".join(words)] = [row(*entry) for heading in ("Positionals", "Options") for entry in parts.get(heading, ()) if not entry[0].startswith("-h,")]
+    for below, _ in parts.get("Subcommands", ()):
+        rows_of(app, [*words, below], found)
+    return found
+
+
+def shared(rows):
+    """{row: commands} of the options that at least three commands have with the same text: they stand once, in a table of their own."""
+    commands = {}
+    for name, its in rows.items():
+        for one in its:
+            if one.startswith("| `-"):
+                commands.setdefault(one, []).append(f"`{name}`")
+    return {one: names for one, names in commands.items() if len(names) >= 3}
+
+
+def section(app, words, rows, several):
     """The section of one command, and those of the commands below it."""
     text, parts = parsed(help_of(app, words))
     name = " ".join(words)
     more = f" More: [{ANCHORS[name].partition('#')[0]}]({ANCHORS[name]})." if name in ANCHORS else ""
     lines = [f"## {name}", "", text[0].upper() + text[1:] + "." + more, ""]
-    rows = [row(*entry) for heading in ("Positionals", "Options") for entry in parts.get(heading, ()) if not entry[0].startswith("-h,")]
-    lines += ["| option | meaning |", "|---|---|", *rows, ""] if rows else []
+    own = [one for one in rows[name] if one not in several]
+    lines += ["| option | meaning |", "|---|---|", *own, ""] if own else []
     for below, _ in parts.get("Subcommands", ()):
-        lines += section(app, [*words, below])
+        lines += section(app, [*words, below], rows, several)
     return lines
 
 
@@ -64,7 +83,12 @@ def main():
     app, page = sys.argv[1], Path(sys.argv[2])
     _, parts = parsed(help_of(app, []))
     commands = [name for name, _ in parts["Subcommands"]]
-    text = HEAD + "\n" + "\n".join(line for name in commands for line in section(app, [name])).rstrip("\n") + "\n"
+    rows = {}
+    for name in commands:
+        rows_of(app, [name], rows)
+    several = shared(rows)
+    table = ["## Several commands", "", "| option | meaning | commands |", "|---|---|---|", *(f"{one} {', '.join(names)} |" for one, names in several.items()), ""]
+    text = HEAD + "\n" + "\n".join(table + [line for name in commands for line in section(app, [name], rows, several)]).rstrip("\n") + "\n"
     if "--write" in sys.argv:
         page.write_text(text, encoding="utf-8")
     if page.read_text(encoding="utf-8") == text:
