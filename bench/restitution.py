@@ -5,7 +5,7 @@
 
 A step is given as a part of t_c, the time that the contact lasts by the law itself; of the hard laws, by Hunt-Crossley's with e = 1.
 Contact begins somewhere within a step, so that coarse steps are run from two gaps, and the worst is what counts. Restitution got is the
-root of what is left of the kinetic energy (the wire stays straight). --table prints the CSV as the tables of docs/validation.md.
+root of what is left of the kinetic energy (the wire stays straight). --table prints the CSV as the tables of bench/results/restitution.md.
 
 First order in h, a scheme integrates not x' = v, v' = a(x, v) = -x^n (1 + b v) but (modified equations [Hairer06, chapter IX])
     backward Euler   x' = v + h/2 a,  v' = a + h/2 (a_x v + a_v a)

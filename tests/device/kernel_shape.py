@@ -4,7 +4,7 @@
     tests/device/kernel_shape.py spirv                 every program as SPIR-V, in both precisions; spirv-val accepts it
     tests/device/kernel_shape.py shape                 no kernel needs more than tests/device/kernel_shapes.csv says
     tests/device/kernel_shape.py shape --write         writes that file anew
-    tests/device/kernel_shape.py table [--csv FILE]    the file as the table of docs/performance.md
+    tests/device/kernel_shape.py table [--csv FILE]    the file as a table
 
 SPIR-V needs Debian's clang-15, llvm-spirv-15 and spirv-tools. Shapes for AMD (gfx906) need clang-15 and libclc-15, those for NVIDIA
 (sm_80) also ptxas, which the PyPI wheel nvidia-cuda-nvcc-cu12 brings (--ptxas PATH, or in PATH). Exit code 77 where tools are missing:

@@ -144,7 +144,7 @@ TEST_SUITE("solve/vibration")
         }
     }
 
-    // at a hundred times that amplitude the trapezoid blows up with 120 steps a period and fewer (map in docs/validation.md)
+    // at a hundred times that amplitude the trapezoid blows up with 120 steps a period and fewer (map in docs/rod.md)
     TEST_CASE("property: energy-momentum steps keep large vibrations' energy too, over 100 periods")
     {
         for (const Wire& wire : wires) {
