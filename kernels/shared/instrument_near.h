@@ -118,12 +118,6 @@ SEL_FN real way_limit(real way, uint rod, InstrumentBodies bodies)
     return rod == SEL_NO_ROD ? way : way + bodies.rods[rod].inside;
 }
 
-SEL_FN vec3 point_of_material(SplineView rod, real s)
-{
-    const SplinePlace p = spline_place(spline_at(rod, s), rod.count);
-    return spline_sum(rod, p.node, p.w);
-}
-
 // Points of each cell's axis: its start, its middle and its end.
 #define SEL_AXIS_POINTS 3
 typedef SEL_GLOBAL const real* CellAxes;  // [cells][SEL_AXIS_POINTS][3] [m]

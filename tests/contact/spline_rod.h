@@ -1,5 +1,5 @@
 #pragma once
-// Nodes of one rod, for tests of points on its curve (kernels/shared/spline.h).
+// Nodes of one rod, for tests and points on its curve (kernels/shared/spline.h).
 
 #include "shared/spline.h"
 
@@ -14,5 +14,12 @@ struct SplineRod {
         return {position.data(), material.data(), theta.data(), static_cast<uint>(material.size())};
     }
 };
+
+/// The curve's point at arc length s from the tip.
+inline vec3 point_of_material(SplineView rod, real s)
+{
+    const SplinePlace p = spline_place(spline_at(rod, s), rod.count);
+    return spline_sum(rod, p.node, p.w);
+}
 
 }  // namespace seldinger::test

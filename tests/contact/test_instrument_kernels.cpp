@@ -2,6 +2,7 @@
 
 #include "contact/host_reference_support.h"
 #include "contact/rods/instrument_cells.h"
+#include "contact/spline_rod.h"
 #include "shared/instrument_block.h"
 
 #include <doctest/doctest.h>
@@ -41,7 +42,7 @@ struct Bundle {
         for (std::size_t cell = 0; cell < cells->surfaces.size(); ++cell)
             for (int k = 0; k < SEL_AXIS_POINTS; ++k) {
                 const InstrumentRod& rod = cells->rods[cells->rod_of[cell]];
-                const vec3 at = point_of_material(spline_of(nodes(), rod.node, rod.count), rod.spacing * (cell - rod.cell + 0.5 * k));
+                const vec3 at = test::point_of_material(spline_of(nodes(), rod.node, rod.count), rod.spacing * (cell - rod.cell + 0.5 * k));
                 points.insert(points.end(), {at.x, at.y, at.z});
             }
         return points;

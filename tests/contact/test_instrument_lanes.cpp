@@ -91,7 +91,7 @@ TEST_CASE("instrument lanes: places and gaps are those of searches one by one")
                     CHECK(std::abs(at.slope - one.slope) < 1e-11);
                     CHECK(std::abs(at.g.bend - one.g.bend) < 1e-9 * std::abs(one.g.bend));
                     if (!lanes.known_t0) continue;
-                    const vec3 x = point_of_material(strands.scene.a_t0, s[k]);
+                    const vec3 x = test::point_of_material(strands.scene.a_t0, s[k]);
                     CHECK(std::abs(lanes.gap[4 + k] - instrument_gap(strands.scene.b_t0, x, start[k], strands.scene.part).gap) <
                           1e-15);
                 }

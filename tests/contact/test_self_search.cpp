@@ -1,5 +1,6 @@
 // Search for places where a wire touches itself, against all pairs of points: what is passed over is too far apart to touch.
 
+#include "contact/spline_rod.h"
 #include "shared/instrument_block.h"
 #include "support/approx.h"
 
@@ -63,7 +64,7 @@ struct Helix {
     }
     [[nodiscard]] InstrumentNodes nodes() const { return {position.data(), material.data(), theta.data()}; }
     [[nodiscard]] InstrumentBodies bodies() const { return instrument_bodies(&rod, &pair, surfaces.data(), rod_of.data()); }
-    [[nodiscard]] vec3 point(double s) const { return point_of_material(spline_of(nodes(), 0, rod.count), s); }
+    [[nodiscard]] vec3 point(double s) const { return test::point_of_material(spline_of(nodes(), 0, rod.count), s); }
     [[nodiscard]] SlotList slots(uint cell) const
     {
         InstrumentParams par{};

@@ -206,23 +206,6 @@ TEST_SUITE("math/node_factors")
         }
     }
 
-    TEST_CASE("analytic: columns on top, with prescribed unknowns")
-    {
-        Filled solver({std::mt19937(6), true}, 0.1);
-        solver.set_order(in_turn());
-        MatrixXd a = dense(solver), u = MatrixXd::Zero(size, 2), c(2, 2);
-        c << 500, 30, 20, 700;
-        const std::vector<LowRank::Column> columns = {{{2, 1.0}, {77, -1.0}}, {{13, 0.5}, {101, 2.0}}};
-        for (int k = 0; k < 2; ++k)
-            for (const auto& [unknown, value] : columns[k]) u(unknown, k) = value;
-        solver.columns.add(columns, std::vector<double>{500, 30, 20, 700});
-        a += u * c * u.transpose();
-        for (const int i : {5, 77}) solver.fix(i), fix(a, i);
-        CHECK(solver.factor_unsymmetric() == 0);
-        CHECK(miss(solved(solver, any_vector()), a.partialPivLu().solve(any_vector())) < 1e-11);
-        CHECK(solver.last_residual() < 1e-13);
-    }
-
     TEST_CASE("property: the pattern follows what is coupled, and the same entries give the same bits")
     {
         Filled solver({std::mt19937(8), true}, 0.1), again({std::mt19937(8), true}, 0.1);

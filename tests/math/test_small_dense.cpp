@@ -15,7 +15,7 @@ using namespace seldinger;
 TEST_SUITE("math/small_dense")
 {
     // Sizes around the four pivots that are taken at a time. Condition numbers of these matrices are below 1e4.
-    TEST_CASE("LU solves with a matrix and with its transpose")
+    TEST_CASE("LU solves with the transpose of a matrix")
     {
         std::mt19937 random(5);
         std::uniform_real_distribution<double> number(-1, 1);
@@ -30,15 +30,11 @@ TEST_SUITE("math/small_dense")
             }
             SmallLu lu;
             lu.factor(matrix);
-            std::vector<double> x(right.data(), right.data() + n), y = x;
-            lu.solve(x);
+            std::vector<double> y(right.data(), right.data() + n);
             lu.solve_transposed(y);
-            const Eigen::VectorXd of = dense.partialPivLu().solve(right), of_transposed = dense.transpose().partialPivLu().solve(right);
-            for (int i = 0; i < n; ++i) {
-                CHECK(x[i] == test::about(of[i]).epsilon(1e-10).scale(of.norm()));
+            const Eigen::VectorXd of_transposed = dense.transpose().partialPivLu().solve(right);
+            for (int i = 0; i < n; ++i)
                 CHECK(y[i] == test::about(of_transposed[i]).epsilon(1e-10).scale(of_transposed.norm()));
-            }
-            CHECK(lu.sign() == (dense.determinant() > 0 ? 1 : -1));
         }
     }
 }

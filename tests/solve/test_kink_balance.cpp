@@ -32,18 +32,18 @@ std::vector<double> by_enumeration(const KinkBalance& b)
     for (int code = 0; code < all; ++code) {
         std::vector<int> state;
         for (int k = 0, left = code; k < n; ++k, left /= 3) state.push_back(left % 3);
-        SmallMatrix m(n);
+        SmallMatrix transposed(n);
         std::vector<double> p(static_cast<std::size_t>(n));
         for (int k = 0; k < n; ++k) {
             const Kink& kink = b.met[k].kink;
             p[k] = state[k] == 0 ? 0 : state[k] == 2 ? kink.force : kink.rest + b.met[k].free_move;
             for (int l = 0; l < n; ++l)
-                m(k, l) = (state[k] == 1 ? b.compliance[KinkBalance::most * k + l] : 0.0) +
+                transposed(l, k) = (state[k] == 1 ? b.compliance[KinkBalance::most * k + l] : 0.0) +
                           (k == l ? (state[k] == 1 ? kink.width / kink.force : 1.0) : 0.0);
         }
         SmallLu lu;
-        lu.factor(m);
-        lu.solve(p);
+        lu.factor(transposed);
+        lu.solve_transposed(p);
         bool agrees = true;
         for (int k = 0; k < n; ++k) {
             double y = b.met[k].free_move;

@@ -35,15 +35,15 @@ public:
     {
         const int wire_a = system.rod_of(0), wire_b = system.rod_of(1);
         if (wire_a < 0 || wire_b < 0) return;
-        std::vector<LowRank::Column> columns;
+        const double k = (mean_ ? 0.5 : 1.0) * stiffness_;
         for (int c = 0; c < RodDofs::coordinates; ++c) {
             const int a = system.map.position(wire_a, node_[0], c), b = system.map.position(wire_b, node_[1], c);
             residual[a] -= force()[c];
             residual[b] += force()[c];
-            columns.push_back({{a, 1.0}, {b, -1.0}});
+            if (!tangent) continue;
+            tangent->band.add(a, a, k), tangent->band.add(b, b, k);
+            tangent->far.add(a, b, -k), tangent->far.add(b, a, -k);
         }
-        const double k = (mean_ ? 0.5 : 1.0) * stiffness_;
-        if (tangent) tangent->columns.add(columns, std::array{k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k});
     }
 
     [[nodiscard]] Vec3 force() const { return -stiffness_ * (mean_ ? Vec3(0.5 * (start_ + apart_)) : apart_); }  // on wire 0
@@ -126,7 +126,7 @@ TEST_SUITE("solve/systems")
     }
 
     // The force in the spring, as a dead load on either wire alone, bends it to the same shape: an equilibrium found without
-    // columns. Small deflections: F = k gap/(1 + 2 k/k_beam), k_beam = 3 B/L^3, to (gap/L)^2 and the clamp's and nodes' (1/n)^2.
+    // the coupling. Small deflections: F = k gap/(1 + 2 k/k_beam), k_beam = 3 B/L^3, to (gap/L)^2 and the clamp's and nodes' (1/n)^2.
     TEST_CASE("analytic: two cantilevers with a spring between their tips meet where beam theory says")
     {
         const int n = 41;

@@ -66,14 +66,12 @@ public:
     }
     [[nodiscard]] int position(int rod, int i, int c) const { return node(rod, i) + c; }
     [[nodiscard]] int spin(int rod, int j) const { return node(rod, j) + RodDofs::spin_place; }
-    /// How many nodes apart in this order two nodes are at most that a stencil of one rod joins: 2 with one rod after the other.
-    [[nodiscard]] int node_reach() const { return reach_; }
     [[nodiscard]] int half_bandwidth() const { return RodDofs::per_node * reach_ + RodDofs::coordinates - 1; }
 
 private:
     std::vector<int> first_node_ = {0};  // [rods + 1] in the concatenation
     std::vector<int> place_;             // [nodes] where the node of the concatenation is; empty: there
-    int reach_ = RodDofs::reach;
+    int reach_ = RodDofs::reach;  // places that two nodes of one stencil are apart at most
 };
 
 }  // namespace seldinger

@@ -64,18 +64,6 @@ void FarEntries::add_product(std::span<const double> x, std::span<double> y) con
     }
 }
 
-void FarEntries::add_product(std::span<const double> x, std::span<double> y, std::span<const unsigned char> drop) const
-{
-    for (const Block& block : blocks_)
-        for (int r = 0; r < width; ++r) {
-            if (drop[width * block.row + r]) continue;
-            double sum = 0;
-            for (int c = 0; c < width; ++c)
-                if (!drop[width * block.col + c]) sum += block.value[r][c] * x[width * block.col + c];
-            y[width * block.row + r] += sum;
-        }
-}
-
 void FarEntries::add_column(int j, double x_j, std::span<double> y) const
 {
     for (int at = head(j / width); at >= 0; at = blocks_[at].next) {

@@ -35,8 +35,6 @@ public:
 
     /// y += F x
     void add_product(std::span<const double> x, std::span<double> y) const;
-    /// The same without rows and columns i with drop[i] (unknowns that are prescribed).
-    void add_product(std::span<const double> x, std::span<double> y, std::span<const unsigned char> drop) const;
     /// y += x_j times column j
     void add_column(int j, double x_j, std::span<double> y) const;
 

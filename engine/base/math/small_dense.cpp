@@ -1,8 +1,6 @@
-// LU, Cholesky and eigenvalues of small dense matrices [Golub13, sec. 3.4, 4.2].
+// LU of small dense matrices [Golub13, sec. 3.4].
 
 #include "math/small_dense.h"
-
-#include "math/jacobi.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +14,6 @@ void SmallLu::factor(const SmallMatrix& matrix)
     lu_ = matrix;
     const int n = lu_.size();
     row_.assign(n, 0);
-    sign_ = 1;
     for (int first = 0; first < n; first += wide) {
         const int last = std::min(n, first + wide);
         for (int k = first; k < last; ++k) {
@@ -50,21 +47,6 @@ void SmallLu::exchange(int k)
         if (std::abs(lu_(i, k)) > std::abs(lu_(best, k))) best = i;
     row_[k] = best;
     for (int j = 0; j < n && best != k; ++j) std::swap(lu_(k, j), lu_(best, j));
-    if (best != k) sign_ = -sign_;
-    if (lu_(k, k) < 0) sign_ = -sign_;
-    if (lu_(k, k) == 0) sign_ = 0;
-}
-
-void SmallLu::solve(std::span<double> x) const
-{
-    const int n = lu_.size();
-    for (int k = 0; k < n; ++k) std::swap(x[k], x[row_[k]]);
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < i; ++j) x[i] -= lu_(i, j) * x[j];
-    for (int i = n - 1; i >= 0; --i) {
-        for (int j = i + 1; j < n; ++j) x[i] -= lu_(i, j) * x[j];
-        x[i] /= lu_(i, i);
-    }
 }
 
 void SmallLu::solve_transposed(std::span<double> x) const
@@ -79,30 +61,6 @@ void SmallLu::solve_transposed(std::span<double> x) const
         for (int j = 0; j < i; ++j) x[j] -= lu_(i, j) * own;
     }
     for (int k = n - 1; k >= 0; --k) std::swap(x[k], x[row_[k]]);
-}
-
-SmallModes::SmallModes(SmallMatrix a) : vectors(a.size())
-{
-    diagonalise(a, vectors);
-    for (int k = 0; k < a.size(); ++k) values.push_back(a(k, k));
-}
-
-SmallMatrix small_cholesky(const SmallMatrix& symmetric)
-{
-    const int n = symmetric.size();
-    SmallMatrix l(n);
-    for (int j = 0; j < n; ++j) {
-        double pivot = symmetric(j, j);
-        for (int k = 0; k < j; ++k) pivot -= l(j, k) * l(j, k);
-        if (!(pivot > 1e-14 * std::abs(symmetric(j, j)))) continue;
-        l(j, j) = std::sqrt(pivot);
-        for (int i = j + 1; i < n; ++i) {
-            double entry = symmetric(i, j);
-            for (int k = 0; k < j; ++k) entry -= l(i, k) * l(j, k);
-            l(i, j) = entry / l(j, j);
-        }
-    }
-    return l;
 }
 
 }  // namespace seldinger

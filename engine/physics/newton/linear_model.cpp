@@ -92,9 +92,8 @@ int LinearModel::factorise_with(HessianMode mode, const ForceTerms& terms)
         linear.add_column(i, problem_.prescribed_value[i] - problem_.trial[i], coupling_);
     }
     // spin angles that are left out take no part in the band's factors, and need not be fixed there
-    const bool all = !problem_.without_spins() || !linear.columns.empty();
     for (int i = 0; i < size; ++i)
-        if (problem_.prescribed[i] && (all || !RodDofs::is_spin(i))) linear.fix(i);
+        if (problem_.prescribed[i] && !(problem_.without_spins() && RodDofs::is_spin(i))) linear.fix(i);
     add_shift(shift);
     return factorise_matrix();
 }

@@ -194,7 +194,6 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
         for (int i = 0; i < count; ++i) velocities_[i] = trial[i] - base[i];
         term_tangent_.multiply(velocities_, scratch_);
         (solved_coaxial_.empty() ? linear.far : far_of_terms_).add_product(velocities_, scratch_);
-        linear.columns.add_product(velocities_, scratch_);
         linear.condensed.add_product(velocities_, scratch_);
         for (int i = 0; i < count; ++i) residual[i] += term_residual_[i] + scratch_[i];
     }

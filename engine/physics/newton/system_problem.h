@@ -1,6 +1,6 @@
 #pragma once
 // The equations of one system, the wires that are solved together: their unknowns in one vector, their tangents in one band with
-// columns for the coupling (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
+// entries far from it for the coupling (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
 // unknowns in it. Convergence: each wire meets its own tolerance, so that a system whose wires do not touch solves none of them
 // less far than it would be alone.
 
@@ -83,7 +83,7 @@ public:
     void assemble_tangent(HessianMode mode, bool symmetric, const ForceTerms& terms);
     /// Whether the tangent last assembled is still there for evaluate_linear_terms() after other systems have been worked on: that of
     /// instruments that touch is.
-    [[nodiscard]] bool keeps_tangent() const { return several_rods() && !linear.far.empty() && linear.columns.empty() && linear.condensed.empty(); }
+    [[nodiscard]] bool keeps_tangent() const { return several_rods() && !linear.far.empty() && linear.condensed.empty(); }
     /// Whether dR/dq is not symmetric even without force terms.
     [[nodiscard]] bool unsymmetric() const;
     /// Whether it is made of instruments that are a rod each, which may touch.
