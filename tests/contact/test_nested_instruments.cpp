@@ -76,6 +76,7 @@ struct PullThrough {
         WorldSetup made = touching({catheter, wire});
         made.instruments_touch = false;
         CoaxialSpec nest;
+        nest.model = CoaxialSpec::Model::Separate;
         nest.order = {0, 1};
         nest.mu_static = nest.mu_sliding = mu;
         nest.stiffness = 1e10;
@@ -119,6 +120,7 @@ std::array<Vec3, 2> tips_of_j_wire(const nlohmann::json& in, double inserted, do
     setup.integrator.scheme = Scheme::Newton;
     setup.integrator.damping_mass = 100;
     CoaxialSpec nest;
+    nest.model = CoaxialSpec::Model::Separate;
     nest.order = {0, 1};
     nest.mu_static = nest.mu_sliding = 0;
     nest.stiffness = 1e11;

@@ -76,6 +76,7 @@ struct Fed {
         WorldSetup made = many;
         for (int k = 0; k < copies; ++k) {
             CoaxialSpec nest;
+            nest.model = CoaxialSpec::Model::Separate;
             nest.order = {2 * k, 2 * k + 1};
             made.coaxial.push_back(nest);
         }

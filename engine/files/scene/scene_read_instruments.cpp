@@ -86,7 +86,6 @@ void read_coaxial(const toml::table& table, Scene& scene)
     CoaxialSpec spec;
     const TableReader t(table, "coaxial", keys::coaxial(spec, scene));
     spec.order = read_order(t, scene);
-    spec.model = coaxial_words[0].value;
     t.read(keys::coaxial(spec, scene));
     if (spec.model == CoaxialSpec::Model::Merged && spec.order.size() > most_coaxial)
         t.fail("order", fmt::format("got {} instruments; expected at most {} in one centreline; take model = \"separate\"",

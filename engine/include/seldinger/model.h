@@ -33,7 +33,7 @@ struct CoaxialSpec {
         Separate  // a rod each, the inner one touches the lumen of the next outer one (D13)
     };
     std::vector<int> order;  // places in WorldSetup::wires, outer first, two at least
-    Model model = Model::Separate;
+    Model model = Model::Merged;  // as in scene files
     double mu_static = 0.06, mu_sliding = 0.05;  // between an instrument and the lumen that it is in [-]
     double stiffness = 0;                        // of that contact, force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall
     // Merged, between instruments next to each other and per length of overlap: dry friction [N/m], resistance of a film
