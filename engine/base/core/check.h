@@ -1,17 +1,10 @@
 #pragma once
-// Our own mistakes (index, shape, invariant): a message and abort. SEL_ASSERT is cheap and on in every build type but
-// Release; SEL_VALIDATE guards O(N) checks and is on in Debug only.
-
-#include <cstdio>
-#include <cstdlib>
+// Our own mistakes (index, shape, invariant): a message and abort. SEL_ASSERT is cheap and on in this project's builds, Release too
+// (CMakeLists.txt: SEL_ENABLE_ASSERTS). SEL_VALIDATE guards O(N) checks and is on in Debug only.
 
 namespace seldinger::detail {
-[[noreturn]] inline void assertion_failed(const char* condition, const char* file, int line)
-{
-    std::fprintf(stderr, "seldinger: internal error: %s does not hold (%s:%d). Please report the scene that led here.\n",
-                 condition, file, line);
-    std::abort();
-}
+/// Calls the program's handler (core/assertion.h), or prints the condition; then aborts.
+[[noreturn]] void assertion_failed(const char* condition, const char* file, int line);
 }  // namespace seldinger::detail
 
 #if !defined(NDEBUG) || defined(SEL_ENABLE_ASSERTS)

@@ -9,6 +9,7 @@
 //     const double force = world.readings(0).hand_force;     // [N]
 
 #include "control.h"
+#include "core/assertion.h"
 #include "core/error.h"
 #include "device/device_info.h"
 #include "model.h"
