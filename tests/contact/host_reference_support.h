@@ -1,6 +1,6 @@
 #pragma once
 // What the reference tests of both precisions share. Includes nothing of kernels/shared: those headers are compiled twice, once
-// with float arithmetic and under another namespace (test_twin_float32.cpp).
+// with float arithmetic and under another namespace (test_host_reference_float32.cpp).
 
 #include "contact/force_kernels.h"
 #include "device/device.h"

@@ -2,7 +2,7 @@
 // Finds the cheapest model that meets a tolerance for a scene, by trials on the scene itself.
 //
 //   1. A reference: the scene refined in nodes and steps at once until two refinements bound the remaining error
-//      (plan_reference.h).
+//      (models/refinement.h).
 //   2. A search over models. Each runs over the whole path, is compared with the reference and stops early once it is plainly too
 //      wrong (plan_trials.h, plan_search.h). Promised errors are measured, not extrapolated.
 //   3. The best are timed again, and each choice of the winner is exchanged for its neighbour, to report simplifications and their
