@@ -256,7 +256,7 @@ SEL_FN real self_zero(const SelfScene* self, CellMark in, CellMark out)
 // Two stretches may grow together within a step, or come apart. One rule over both gives another force than a rule over each: by 2 % if a deep place
 // and a shallow one share a cell. Newton's method cannot solve across such a jump, however short the step. So no rule takes more than a
 // quarter of a cell: what grows together within one is shallow, and the jump is below 1e-3 of the force, which Newton's method lets pass where
-// positions are known to 1e-6 radii (step_acceptance.cpp).
+// positions are known to 1e-6 radii (newton/kinks.cpp).
 typedef struct SelfTouch {
     real from[SEL_SELF_PARTS + 1], until[SEL_SELF_PARTS + 1];
     uint count;

@@ -177,7 +177,7 @@ TEST_SUITE("contact/instrument_self")
     }
 
     // With one rule over a whole cell the force jumps by up to 1.6 %. A rule over each quarter lets a deep place and a shallow one grow together within
-    // a quarter of a cell only. Newton's method takes a jump of 1e-3 for solved, where positions are known (step_acceptance.cpp).
+    // a quarter of a cell only. Newton's method takes a jump of 1e-3 for solved, where positions are known (newton/kinks.cpp).
     TEST_CASE("property: the force hardly jumps where two places of a cell that touch grow together")
     {
         for (const double place : crest_places) {

@@ -46,9 +46,9 @@ void LinearModel::factorise(bool shortened, const ForceTerms& terms)
     for (const WireProblem* wire : problem_.solved()) loaded = loaded || wire->terms.unsymmetric;
     const bool whole = loaded && (!shortened || problem_.conserving());
     projected_steps_ = shortened ? 0 : projected_steps_;
-    unsymmetric_ = whole || projected_steps_ >= 3;
+    unsymmetric_ = whole || projected_steps_ >= newton_constants.projected_in_a_row;
     const int indefinite = factorise_with(HessianMode::Exact, terms);
-    if (indefinite == 0 || (projected_steps_ >= 3 && indefinite < problem_.size())) return;
+    if (indefinite == 0 || (projected_steps_ >= newton_constants.projected_in_a_row && indefinite < problem_.size())) return;
     ++projected_steps_;
     for (const WireProblem* wire : problem_.solved()) terms.make_positive(wire->wire);
     unsymmetric_ = whole;
@@ -61,14 +61,15 @@ void LinearModel::factorise_shifted(const ForceTerms& terms)
 {
     unsymmetric_ = problem_.unsymmetric();
     int raised = factorise_with(HessianMode::Exact, terms);
-    for (int attempt = 0; attempt < 12 && raised > 0; ++attempt) raised = raise_shift(std::max(4 * shift, smallest_shift));
+    for (int attempt = 0; attempt < newton_constants.most_shifts && raised > 0; ++attempt)
+        raised = raise_shift(std::max(4 * shift, newton_constants.smallest_shift));
     if (raised > 0) (void)factorise_with(HessianMode::Projected, terms);
 }
 
 bool LinearModel::stable(const ForceTerms& terms)
 {
     unsymmetric_ = problem_.unsymmetric();
-    shift = smallest_shift;
+    shift = newton_constants.smallest_shift;
     return factorise_with(HessianMode::Exact, terms) == 0;
 }
 

@@ -7,6 +7,7 @@
 // With sliding friction, dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same.
 // Statics: a Levenberg-Marquardt shift on the diagonal, as little as makes the exact matrix positive definite.
 
+#include "newton/options.h"
 #include "newton/system_problem.h"
 
 #include <vector>
@@ -45,8 +46,7 @@ public:
     [[nodiscard]] int projected_steps() const { return projected_steps_; }
     void forget_projected_steps() { projected_steps_ = 0; }
 
-    double shift = 0;                                // [-] of the weights
-    static constexpr double smallest_shift = 1e-3;   // [-] below it there is none
+    double shift = 0;  // [-] of the weights
 
 private:
     [[nodiscard]] int factorise_with(HessianMode mode, const ForceTerms& terms);

@@ -12,8 +12,6 @@ namespace seldinger {
 
 namespace {
 
-constexpr double most_accelerated = 0.05;  // of the move with the velocity, that the acceleration may change [-]
-
 /// h^2 a where nothing is prescribed. @param move  [unknowns] of the wire, overwritten
 void accelerated_move(const WireProblem& wire, double* move)
 {
@@ -32,43 +30,39 @@ void accelerated_move(const WireProblem& wire, double* move)
 
 void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
 {
-    options_ = options;
-    course_ = {};
-    along_ = {};
-    at_base_ = {};
-    at_trial_ = {};
-    phase_ = Phase::Guess;
+    at_.start(options);
+    std::vector<double>& guess = at_.guess;
     for (WireProblem* wire : problem.solved()) {
-        course_.move_limit = std::min(course_.move_limit, terms.most_move(wire->wire));
+        at_.course.move_limit = std::min(at_.course.move_limit, terms.most_move(wire->wire));
         wire->norm = wire->rounding = wire->rounding_most = 0;
     }
-    model_.start(options.shifted, options.pseudo_transient ? 100 : 0);
+    direction_.start();
     if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
 
     // one that is solved alone is solved as ever, whoever else is in its system
     const bool accelerated = problem.several_rods() && problem.solved().size() > 1 && problem.solved().front()->time.euler();
     for (const WireProblem* wire : problem.solved()) {
-        double* move = guess_.data() + problem.first_of(*wire);
+        double* move = guess.data() + problem.first_of(*wire);
         for (int i = 0; i < wire->size(); ++i) move[i] = wire->time.known_move(i);
-        if (accelerated) accelerated_move(*wire, correction_.data() + (move - guess_.data()));
+        if (accelerated) accelerated_move(*wire, at_.correction.data() + (move - guess.data()));
     }
     // what lets go or strikes has an acceleration that the next step has not
-    if (accelerated && problem.norm(correction_) <= most_accelerated * problem.norm(guess_))
-        for (int i = 0; i < problem.size(); ++i) guess_[i] += correction_[i];
-    const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
+    if (accelerated && problem.norm(at_.correction) <= newton_constants.most_accelerated * problem.norm(guess))
+        for (int i = 0; i < problem.size(); ++i) guess[i] += at_.correction[i];
+    const double move = problem.largest_move(guess), turn = problem.largest_turn(guess);
     double fraction = 1;
-    if (move > course_.move_limit) fraction = course_.move_limit / move;
-    if (turn * fraction > largest_edge_turn) fraction = largest_edge_turn / turn;
+    if (move > at_.course.move_limit) fraction = at_.course.move_limit / move;
+    if (turn * fraction > newton_constants.largest_edge_turn) fraction = newton_constants.largest_edge_turn / turn;
     set_guess(std::isfinite(fraction) && move > 0 ? fraction : 0);
 }
 
 // A prescribed unknown that the guess all but meets is set exactly; one that it does not becomes part of the first direction.
 void NewtonSystem::set_guess(double fraction)
 {
-    course_.guess_fraction = fraction;
-    const double met = 1e-6 * problem.length_scale();
+    at_.course.guess_fraction = fraction;
+    const double met = newton_constants.met_prescribed * problem.length_scale();
     for (int i = 0; i < problem.size(); ++i) {
-        problem.trial[i] = fraction == 0 ? problem.start[i] : problem.start[i] + fraction * guess_[i];
+        problem.trial[i] = fraction == 0 ? problem.start[i] : problem.start[i] + fraction * at_.guess[i];
         if (problem.prescribed[i] && std::abs(problem.prescribed_value[i] - problem.trial[i]) < met)
             problem.trial[i] = problem.prescribed_value[i];
     }
@@ -76,28 +70,34 @@ void NewtonSystem::set_guess(double fraction)
 
 void NewtonSystem::resume()
 {
-    phase_ = Phase::Guess;
-    course_.guess_fraction = 0;
-    model_.shift = 0;
-    along_ = {};
-    course_.first_iteration = course_.iterations;
+    at_.phase = Phase::Guess;
+    at_.course.guess_fraction = 0;
+    direction_.resume();
+    at_.along = {};
+    at_.course.first_iteration = at_.course.iterations;
 }
 
 void NewtonSystem::stop_short()
 {
-    course_.settling = options_.best_effort;
-    phase_ = course_.settling ? Phase::Done : Phase::Failed;
+    at_.course.settling = at_.options.best_effort;
+    at_.phase = at_.course.settling ? Phase::Done : Phase::Failed;
+}
+
+void NewtonSystem::abandon()
+{
+    at_.phase = Phase::Failed;
+    at_.course.settling = false;
 }
 
 SolveReport NewtonSystem::report(const WireProblem& wire) const
 {
     SolveReport report;
     report.converged = converged();
-    report.best_effort = converged() && course_.settling && !course_.cut_short && !course_.rounded;
-    report.cut_short = converged() && course_.cut_short;
-    report.non_finite = course_.non_finite;
-    report.iterations = course_.iterations;
-    report.evaluations = course_.evaluations;
+    report.best_effort = converged() && at_.course.settling && !at_.course.cut_short && !at_.course.rounded;
+    report.cut_short = converged() && at_.course.cut_short;
+    report.non_finite = at_.course.non_finite;
+    report.iterations = at_.course.iterations;
+    report.evaluations = at_.course.evaluations;
     report.residual = wire.norm;
     report.tolerance = wire.tolerance + wire.rounding_most;
     report.force_scale = wire.force_scale;

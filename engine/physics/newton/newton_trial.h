@@ -7,7 +7,7 @@ struct NewtonTrial {
     enum class End {
         Taken,    // it is the base of a new direction
         Refused,  // not admissible, or not finite: a force term does not allow it
-        TooLong,  // neither test of step_acceptance.cpp holds: a shorter one follows
+        TooLong,  // neither test of acceptance.h holds: a shorter one follows
         Solved,   // the equations hold
         Settled,  // at a kink or a jump: the position is known, the equations do not hold
         GivenUp,  // nothing left to try

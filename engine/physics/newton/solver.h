@@ -19,7 +19,7 @@
 
 namespace seldinger {
 
-struct NewtonOptions;  // newton/newton_system.h
+struct NewtonOptions;  // newton/options.h
 class NewtonSystem;
 class WireProblem;
 

@@ -1,5 +1,5 @@
 #pragma once
-// Tensions of a wire's edges as separate unknowns, condensed out of the equations ([Magisano17], newton/newton_system.h).
+// Tensions of a wire's edges as separate unknowns, condensed out of the equations ([Magisano17], newton/direction.h).
 //
 // The shape's own tension N(q) = EA (|e|/l - 1) changes by EA phi^2/2 when an edge turns by phi, far more than any real force.
 // The mixed equations keep N as an unknown and linearise its law: from the base, where a direction d starts,
