@@ -6,14 +6,13 @@
 // quadrature point has moved by its skin. Each Newton iteration calls evaluate: three small writes, two launches, one read-back of
 // the edges' sums. commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
-#include "contact/contact_row.h"
 #include "contact/contact_setup.h"
 #include "contact/device_views.h"
 #include "contact/edge_sums.h"
 #include "contact/force_per_length.h"
 #include "contact/quadrature.h"
+#include "contact/wall_contact.h"
 #include "device/device.h"
-#include "solve/force_term.h"
 #include "vessel/tree.h"
 
 #include <memory>
@@ -23,7 +22,7 @@ namespace seldinger {
 
 /// A detection method: what World needs of it beside what the solver needs. However contact is found, the device leaves sums per
 /// edge (edge_sums.h), and what the solver asks is answered from those.
-class ContactMethod : public ForceTerm {
+class ContactMethod : public WallContact {
 public:
     void begin_step(RodArrays& rods, Settling how) final
     {
@@ -47,20 +46,16 @@ public:
         if (sum.deepest >= 0) sum.deepest -= rods_.node_begin(wire);
         return sum;
     }
-    /// Adds contact forces on the nodes of a wire, [n].
-    void add_nodal_forces(int wire, std::span<Vec3> forces) const
+    void add_nodal_forces(int wire, std::span<Vec3> forces) const override
     {
         sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces);
     }
     /// The wall's force on what slides along a wire's line, + towards the tip [N].
     [[nodiscard]] double along(int wire) const { return sums_.along(wire, rods_.node_begin(wire), rods_.view(wire)); }
 
-    /// Whether a wire on its present nodes is clear of the wall; asked of laws that never overlap.
-    [[nodiscard]] virtual bool is_clear(RodArrays& /*rods*/, int /*wire*/) { return true; }
     /// Exposure of a wire that shares its nodes with others: see WireQuadrature. Before begin_step and again before prepare.
     virtual void set_exposure(int /*wire*/, double /*offset*/, double /*exposed*/) {}
-    [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
-    /// What these rows bear, in their order. @param loads  [wires], to which it is added
+    /// What rows() bears, in its order. @param loads  [wires], to which it is added
     virtual void add_loads(RodArrays& rods, std::span<WireLoads> loads);
     /// Spacing of a wire's samples [m]; 0: its contacts represent no length.
     [[nodiscard]] virtual double spacing(int /*wire*/) const { return 0; }

@@ -1,7 +1,7 @@
 // The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
 
 #include "contact/contact_sums.h"
-#include "contact/elastic/yielding_wall.h"
+#include "contact/wall_contact.h"
 #include "device/device.h"
 #include "repair/repair.h"
 #include "stages/step_stages.h"
@@ -39,15 +39,7 @@ void audit_outside(WorldData& world, int wire)
             std::make_unique<LumenQuery>(world.setup.mesh, open ? describe(world.setup.mesh).loops : std::vector<BoundaryLoop>{});
     }
     std::vector<Vec3> places;  // beside the wall before it moved
-    const RodView rod = world.rod(wire);
-    if (world.forces.yielding) {
-        world.forces.yielding->list_seen(wire, places);
-    } else {
-        for (int j = 0; j + 1 < rod.n; ++j) {
-            places.push_back(rod.pos(j));
-            places.push_back((rod.pos(j) + rod.pos(j + 1)) / 2);
-        }
-    }
+    world.forces.wall_contact->list_seen(world.state.rods, wire, places);
     double& outside = world.output.results[wire].contact.outside;
     for (const Vec3& p : places) {
         const LumenPlace place = world.output.lumen->locate(p);
@@ -90,7 +82,7 @@ void check_state(WorldData& world, double dt, StepReport& report)
         // readings of a failed wire belong to another state than the one that was restored
         if (!world.output.reports[w].failed() && !samples_add_up(world, w)) note(world, report, w, StepContactSums);
         // more than a fifth of the lumen's radius
-        const bool is_wall_far = world.forces.yielding && world.forces.yielding->move_share(world.systems.of(w)) > 1;
+        const bool is_wall_far = world.forces.wall_contact && world.forces.wall_contact->move_share(world.systems.of(w)) > 1;
         if (needs_audit(world, w, dt, is_wall_far)) audit_outside(world, w);
         if (is_wall_far) note(world, report, w, StepWallFar);
         if (world.output.results[w].contact.outside > 0) note(world, report, w, StepWallPenetration);

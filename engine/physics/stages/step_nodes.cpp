@@ -1,9 +1,8 @@
 // The adapt stage: splits and merges edges of rods between steps, and births at the inlet of a fed rod.
 
-#include "contact/elastic/yielding_wall.h"
+#include "contact/wall_contact.h"
 #include "core/clock.h"
 #include "stages/step_stages.h"
-#include "wall/elastic_wall.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +59,7 @@ bool where_clear(const WorldRod& rod, Change change)
     }
     change();
     set_exposures(world);
-    if (std::ranges::all_of(rod.wires(), [&](int w) { return world.forces.is_clear(world.state.rods, w); })) return true;
+    if (std::ranges::all_of(rod.wires(), [&](int w) { return world.forces.wall_contact->is_clear(world.state.rods, w); })) return true;
     for (const int w : rod.wires()) {
         put_back_wire(world, w);
         world.output.results[w].nodal_contact = world.work.wires[w].nodal_backup;
@@ -111,15 +110,17 @@ bool adapt_ends(const WorldRod& rod, double dt)
     return adapt_base(rod, even_edge(rod.bounds(), now.material_s[now.n - 2], edge), dt) || changed;
 }
 
-/// Between two nodes the displacement of an elastic wall is linear (contact/elastic/wall_stations.h).
-void note_elastic_wall(const WorldRod& rod, NodeDemands& demands)
+/// Between two nodes the displacement of a wall is taken to be linear (contact/elastic/wall_stations.h).
+void note_wall(const WorldRod& rod, NodeDemands& demands)
 {
     WorldData& world = rod.world();
+    const WallContact* wall = world.forces.wall_contact;
+    if (!wall || !std::isfinite(wall->edge_touched())) return;
     demands.contact = rod.contact();
-    demands.touching_edge = std::max(rod.bounds().min_edge, world.forces.elastic_wall->edge_touched());
+    demands.touching_edge = std::max(rod.bounds().min_edge, wall->edge_touched());
     if (!demands.may_merge) return;
     world.work.bowed.assign(static_cast<std::size_t>(rod.view().n), 0);
-    for (const int w : rod.wires()) world.forces.yielding->mark_bowed(world.state.rods, w, world.work.bowed);
+    for (const int w : rod.wires()) wall->mark_bowed(world.state.rods, w, world.work.bowed);
     demands.bowed = world.work.bowed;
 }
 
@@ -144,7 +145,7 @@ bool adapt_rod(const WorldRod& rod, double dt, bool may_merge)
     if (changed) demands = rod.demands();
     demands.may_merge = may_merge && !changed;
     demands.may_refine = !changed;  // the moments beside a new node settle within the next step; until then only lengths are judged
-    if (world.forces.elastic_wall) note_elastic_wall(rod, demands);
+    note_wall(rod, demands);
     const std::span<const NodeChange> changes = planner.plan(rod.view(), rod.bounds(), demands, capacity);
     // each by itself where it may be refused, or moves offsets
     const std::size_t at_once = world.forces.terms.traits().never_overlaps || rod.wires().size() > 1 ? 1 : changes.size();

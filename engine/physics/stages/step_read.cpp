@@ -50,7 +50,7 @@ void read_contact(WorldData& world, int wire, const RodView& line)
     if (world.forces.contact) {
         result.contact = world.forces.contact->totals(wire);
         read_overlap(result, line);
-        world.forces.add_wall_forces(wire, forces);
+        world.forces.wall_contact->add_nodal_forces(wire, forces);
     }
     if (!world.forces.instruments) return;
     const ContactTotals between = world.forces.instruments->totals(wire);

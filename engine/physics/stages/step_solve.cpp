@@ -1,7 +1,7 @@
 // From the start of a step to the accepted states: the state that a failed attempt returns to, detection, Newton, and the treatment
 // of systems that do not converge.
 
-#include "contact/elastic/yielding_wall.h"
+#include "contact/wall_contact.h"
 #include "core/clock.h"
 #include "core/parallel.h"
 #include "core/prefetch.h"
@@ -100,7 +100,7 @@ void note(WorldData& world, StepReport& report, int wire, unsigned flags, int ne
 unsigned why_lost(const WorldData& world, int wire)
 {
     if (world.work.reports[wire].non_finite) return StepNonFinite;
-    const bool stands = !world.forces.yielding || world.forces.yielding->stands(world.systems.of(wire));
+    const bool stands = !world.forces.wall_contact || world.forces.wall_contact->stands(world.systems.of(wire));
     return stands ? StepNotConverged : StepNotConverged | StepWallBuckles;
 }
 
@@ -114,7 +114,7 @@ void begin_step(WorldData& world)
     });
     world.work.terms_in_solve = 0;
     world.work.step_start.clear();
-    if (world.work.stop_asked && world.forces.yielding) world.forces.yielding->keep_feet();
+    if (world.work.stop_asked && world.forces.wall_contact) world.forces.wall_contact->keep_feet();
     for (WireState& wire : world.state.wires) wire.left.clear();
     world.output.reports.assign(world.wire_count(), WireReport{});
 }
@@ -125,14 +125,14 @@ void keep_start(WorldData& world, const SubStep& sub)
 {
     if (!world.work.stop_asked || !world.work.step_start.empty()) return;
     const bool alone = sub.h > 0.999 * world.work.length && world.systems.count() == 1;
-    const bool changes_wall = world.forces.yielding && world.forces.yielding->begins_block(sub.h);
+    const bool changes_wall = world.forces.wall_contact && world.forces.wall_contact->begins_block(sub.h);
     if (!alone || changes_wall) save_state(world, world.work.step_start);  // its memory stays
 }
 
 StepReport put_back(WorldData& world, StepReport& report)
 {
     if (!world.work.step_start.empty()) put_back_saved(world, world.work.step_start);
-    if (world.forces.yielding) world.forces.yielding->put_feet_back();
+    if (world.forces.wall_contact) world.forces.wall_contact->put_feet_back();
     show_instruments(world);
     world.work.step_start.clear();
     note(world, report, 0, StepStopped);

@@ -57,9 +57,12 @@ void WorldForces::make_contacts(const WorldSetup& setup, const SystemList& syste
         context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
         if (elastic_wall) unmoved_rods = std::make_unique<RodArrays>(rods);
         contact = make_contact(*context, contact_setup(setup, *wall), unmoved_rods ? *unmoved_rods : rods);
-        if (elastic_wall)
+        wall_contact = contact.get();
+        if (elastic_wall) {
             yielding = std::make_unique<YieldingWall>(*elastic_wall, *contact, rods, *unmoved_rods, systems.of_each());
-        terms.add(yielding ? static_cast<ForceTerm&>(*yielding) : *contact);
+            wall_contact = yielding.get();
+        }
+        terms.add(*wall_contact);
     }
     const InstrumentSetup touching = instrument_setup(setup, systems.of_each());
     if (!touching.any()) return;
@@ -68,22 +71,10 @@ void WorldForces::make_contacts(const WorldSetup& setup, const SystemList& syste
     terms.add(*instruments);
 }
 
-bool WorldForces::is_clear(RodArrays& rods, int wire) const
-{
-    return yielding ? yielding->is_clear(rods, wire) : contact->is_clear(rods, wire);
-}
-
-void WorldForces::add_wall_forces(int wire, std::span<Vec3> forces) const
-{
-    if (yielding) yielding->add_nodal_forces(wire, forces);
-    else contact->add_nodal_forces(wire, forces);
-}
-
 std::vector<ContactRow> WorldForces::rows(RodArrays& rods) const
 {
     std::vector<ContactRow> list;
-    if (yielding) list = yielding->rows(rods);
-    else if (contact) list = contact->rows(rods);
+    if (wall_contact) list = wall_contact->rows(rods);
     if (!instruments) return list;
     for (ContactRow& row : instruments->rows(rods)) list.push_back(row);
     std::sort(list.begin(), list.end(), [](const ContactRow& p, const ContactRow& q) {

@@ -19,6 +19,7 @@ class ElasticWall;        // wall/elastic_wall.h
 class InstrumentContact;  // contact/rods/instrument_contact.h
 class LineHolds;          // solve/line_holds.h
 class SystemList;         // world/systems.h
+class WallContact;        // contact/wall_contact.h
 class YieldingWall;       // contact/elastic/yielding_wall.h
 namespace device {
 class Context;  // device/device.h
@@ -40,16 +41,13 @@ struct WorldForces {
     std::shared_ptr<const ElasticWall> elastic_wall;  // only of an elastic vessel, and so the next two; twins share it
     std::unique_ptr<RodArrays> unmoved_rods;         // the wires as the wall sees them where it has not moved
     std::unique_ptr<ContactMethod> contact;          // none without a vessel
-    std::unique_ptr<YieldingWall> yielding;          // contact as it acts on the wires and the moving wall
+    std::unique_ptr<YieldingWall> yielding;          // in front of it, of an elastic vessel
+    WallContact* wall_contact = nullptr;             // contact as the wires feel it, one of the two
     std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
     std::unique_ptr<CoaxialFriction> coaxial_friction;  // between those that share a centreline
     std::unique_ptr<LineHolds> line_holds;              // of instruments that share a centreline; none without
     ForceTerms terms;                                // all of them
 
-    /// Whether a wire on its present nodes is clear of the wall; asked where the law never overlaps.
-    [[nodiscard]] bool is_clear(RodArrays& rods, int wire) const;
-    /// The wall's forces on the nodes of a wire, as the wire feels them.
-    void add_wall_forces(int wire, std::span<Vec3> forces) const;
     /// Contacts of the accepted state, in an order that does not depend on the device.
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) const;
 };

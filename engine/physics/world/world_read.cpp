@@ -2,7 +2,6 @@
 
 #include "contact/contact_sums.h"
 #include "contact/contact_system.h"
-#include "contact/elastic/yielding_wall.h"
 #include "contact/rods/instrument_contact.h"
 #include "nodes/adapt.h"
 #include "rod/curvature.h"
@@ -189,8 +188,8 @@ void read_shape(const ConstRodView& rod, std::span<const Vec3> contact_force, Wi
 
 WallReadings World::wall_readings(int system) const
 {
-    if (!data_->forces.yielding) return {};
-    return data_->forces.yielding->readings(system, data_->forces.yielding->displacement(system));
+    const WallContact* wall = data_->forces.wall_contact;
+    return wall ? wall->readings(system, wall->displacement(system)) : WallReadings{};
 }
 
 void World::stop_when(std::function<bool()> asked)
@@ -219,15 +218,16 @@ void read_walls(const WorldData& world, unsigned parts, std::vector<WallOutput>&
     for (int system = 0; system < world.systems.count(); ++system) {
         WallOutput& wall = into[static_cast<std::size_t>(system)];
         wall = {};
-        if (!world.forces.yielding) continue;
+        const WallContact* contact = world.forces.wall_contact;
+        if (!contact) continue;
         if (!(parts & (Output::Wall | Output::WallShape))) {
-            wall.readings = world.forces.yielding->under(system);
+            wall.readings = contact->under(system);
             continue;
         }
-        const std::vector<double> w = world.forces.yielding->displacement(system);
+        const std::vector<double> w = contact->displacement(system);
         std::vector<double> stress;
-        wall.readings = world.forces.yielding->readings(system, w, &stress);
-        if (!(parts & Output::WallShape)) continue;
+        wall.readings = contact->readings(system, w, &stress);
+        if (!world.output.wall_shape || !(parts & Output::WallShape)) continue;
         wall.displacement = world.output.wall_shape->displacement(w);
         wall.stress = world.output.wall_shape->spread(stress);
     }
@@ -293,11 +293,11 @@ void World::read(Output& into, unsigned parts) const
     }
     for (int w = 0; w < wire_count() && (parts & (Output::Contacts | Output::Loads)) == Output::Loads; ++w)
         read_loads(w, into.wires[static_cast<std::size_t>(w)]);
-    if ((parts & Output::WallShape) && data_->forces.yielding && !data_->output.wall_shape)
+    if ((parts & Output::WallShape) && data_->forces.elastic_wall && !data_->output.wall_shape)
         data_->output.wall_shape = std::make_unique<WallShape>(*data_->forces.elastic_wall, data_->setup.mesh);
     if (!(parts & (Output::Wall | Output::WallShape | Output::WallUnder))) return;
     read_walls(*data_, parts, into.walls);
-    if (!data_->forces.yielding || !(parts & (Output::Wall | Output::WallShape))) return;
+    if (!(parts & (Output::Wall | Output::WallShape))) return;
     // a step looks under its wires only: loads may have moved the wall elsewhere
     for (int w = 0; w < wire_count(); ++w)
         if (into.walls[static_cast<std::size_t>(system_of(w))].readings.move_share > 1)

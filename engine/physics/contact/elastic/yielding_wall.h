@@ -23,7 +23,7 @@
 
 namespace seldinger {
 
-class YieldingWall final : public ForceTerm {
+class YieldingWall final : public WallContact {
 public:
     /// @param unmoved  what `contact` was made with; as `rods`, carried back @param systems  [wires]  @param rods  of the world
     YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
@@ -41,39 +41,28 @@ public:
     void commit(std::span<const std::uint8_t> active) override;
     void walk_state(StateWalk& walk, int wire) override;
 
-    /// Feet of the nodes on the wall before a step that may be stopped, and put back after it has been: attempts move them.
-    void keep_feet();
-    void put_feet_back();
-    /// Whether a step of h starts a block of steps of a wall, which changes what walk_state() saves.
-    [[nodiscard]] bool begins_block(double h) const;
+    void keep_feet() override;
+    void put_feet_back() override;
+    [[nodiscard]] bool begins_block(double h) const override;
     /// As of the contact behind it.
-    [[nodiscard]] bool is_clear(RodArrays& rods, int wire);
-    /// Displacement of the control vertices [3V] [m], and contact's work on them since the beginning [J].
-    [[nodiscard]] std::vector<double> displacement(int system) const;
-    [[nodiscard]] double work(int system) const;
-    /// Largest displacement and stress under the wires at the end of the last step; the rest of the readings is 0. Looked at are
-    /// nodes with at least half of the largest force, and the triangles there.
-    [[nodiscard]] const WallReadings& under(int system) const;
-    /// Readings of all of the wall, with those under the wires.    @param stress  as read_wall
-    [[nodiscard]] WallReadings readings(int system, std::span<const double> displacement, std::vector<double>* stress = nullptr) const;
-    /// Contact forces on the nodes of a wire, [n], as the wire feels them.
-    void add_nodal_forces(int wire, std::span<Vec3> forces) const;
-    /// Contacts of the accepted state where the wall is now.
-    [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
+    [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
+    [[nodiscard]] std::vector<double> displacement(int system) const override;
+    [[nodiscard]] double work(int system) const override;
+    /// Looked at are nodes with at least half of the largest force, and the triangles there.
+    [[nodiscard]] WallReadings under(int system) const override;
+    [[nodiscard]] WallReadings readings(int system, std::span<const double> displacement, std::vector<double>* stress = nullptr) const override;
+    void add_nodal_forces(int wire, std::span<Vec3> forces) const override;
+    [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.
     void carry_back(RodArrays& rods, int wire);
-    /// Nodes of a wire and middles of its edges, as WallStations::seen_at: what contact takes them for, without what it carries over
-    /// from step to step and between nodes.
-    void list_seen(int wire, std::vector<Vec3>& places) const;
-    /// Flags nodes of the accepted state that must stay: between their neighbours the displacement of the wall is not linear. Without
-    /// such a node the wire would be mapped back to other points at once, deeper in the wall than its law bears.
-    /// @param bowed  [n] flags, set there
-    void mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const;
-    /// Farthest that the wall has moved under a wire of this system, of 20 % of the lumen's radius there [-].
-    [[nodiscard]] double move_share(int system) const;
-    /// Whether the wall of this system could take the last step or equilibrium that was tried (WallDynamics::begin_step); trials of
-    /// its wires are not admissible else.
-    [[nodiscard]] bool stands(int system) const;
+    /// As WallStations::seen_at, without what contact carries over from step to step and between nodes.
+    void list_seen(RodArrays& rods, int wire, std::vector<Vec3>& places) const override;
+    [[nodiscard]] double edge_touched() const override { return wall_.edge_touched(); }
+    /// Without such a node the wire would be mapped back to other points at once, deeper in the wall than its law bears.
+    void mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const override;
+    [[nodiscard]] double move_share(int system) const override;
+    /// See WallDynamics::begin_step.
+    [[nodiscard]] bool stands(int system) const override;
 
 private:
     struct System;

@@ -100,11 +100,11 @@ void YieldingWall::System::note_ends(int first, int count)
     }
 }
 
-void YieldingWall::list_seen(int wire, std::vector<Vec3>& places) const
+void YieldingWall::list_seen(RodArrays& rods, int wire, std::vector<Vec3>& places) const
 {
     const System& system = of(wire);
-    const ConstRodView rod = rods_.view(wire);
-    const int first = rods_.node_begin(wire) - system.first_node, capacity = static_cast<int>(rod.x.size());
+    const ConstRodView rod = rods.view(wire);
+    const int first = rods.node_begin(wire) - system.first_node, capacity = static_cast<int>(rod.x.size());
     places.clear();
     Vec3 moved = Vec3::Zero();  // of the node before
     for (int i = 0; i < rod.n; ++i) {
@@ -457,7 +457,7 @@ WallReadings YieldingWall::readings(int system, std::span<const double> displace
     return all;
 }
 
-const WallReadings& YieldingWall::under(int system) const { return systems_[system]->under; }
+WallReadings YieldingWall::under(int system) const { return systems_[system]->under; }
 
 std::vector<double> YieldingWall::displacement(int system) const { return systems_[system]->dynamics.displacement(); }
 
