@@ -1,53 +1,12 @@
 #pragma once
-// Estimate of what the lengths of edges and the facets of the wall do to a run's forces, from its state at one moment.
+// Error bands of a run's forces and tip (D17): the shares of the edges' lengths and of the wall's facets, from the run's state at one moment.
 //
-// In a lumen the wall prescribes the wire's shape, so that forces are derivatives of the bending energy U, which is quadratic in the
-// deflections d of the wire: U = K d^2/2, F = K d.
+// In a lumen the wall prescribes the wire's shape, so that forces are derivatives of its bending energy. D17 has the formula of each
+// share: energy, work of the normal forces over the distance from a smooth wall, push along the wire, creases, places of loads, patch,
+// weight, and the tip on its two nearest regions of contact.
 //
-//     edges     energy wrong by dU in the same shape: a stiffness wrong by dU/U, so   dF/F = dU/U       (nodes/adapt.h)
-//     facets    a wall that lies o nearer to the axis than a smooth one gives U back as the work of the normal forces F_i on it,
-//               dU = sum F_i o_i, of a deflection that is wrong by dd/d = dU/(2 U), so  dF/F = sum F_i o_i/(2 U)
-//     facets    a normal n_i that differs from the smooth wall's m_i pushes along the wire's tangent t_i:  dF = sum F_i (n_i - m_i).t_i
-//
-// These are errors of what pushes the wire back along its path, dU/ds. Each contact is borne by the spans beside it, up to the next regions of
-// contact, and by passes_span (nodes/adapt.h) of those behind them: the error of its normal force is that of their energy, and of the work of the normal forces there. Friction goes by the normal forces, the force on a patch by its region's.
-//
-//     creases   a wire in the crease of two facets is borne by both. With the angle a between each facet's normal and the direction in which
-//               they push together, the sum of their forces is 1/cos a of the force of a smooth wall (contact_law.h reports the sum)
-//
-// The smooth wall goes through the mesh's vertices with the normals there (means over their triangles by angle). At a point x
-// with barycentric coordinates b_k it has the normal sum b_k m_k, and lies at o = sum b_k (x - v_k).m_k/2, the sagitta L^2/(8 R) in the middle
-// of a facet of length L across a radius R: tangent planes at the vertices are twice as far away as the surface that touches them.
-//
-//     place     a load lies on the wire's samples, and an edge is straight: where along the wire it lies is known to d = h/2 of the edge h there, and
-//               to what facets move it by (lengthways, as sideways below)
-//
-// A beam over supports at l_1 and l_2 from a contact, tangent to the wall there, has the force F = 3 B (l_1 + l_2) w/(l_1 l_2)^2 (w: its deflection). Where the
-// place moves by d, w grows by d w (l_2 - l_1)/(l_1 l_2), which leaves dF/F = (1/l_2 - 1/l_1) d; 1.5 times that for ends that are held. A support that moves
-// by d has dF/F = d (l_1 + 2 l_2)/(2 l_1 (l_1 + l_2)). Taken is dF/F = d (1/l_1 + 1/l_2), about the root of the sum of squares of the three. It is of first order in h where errors by
-// energy are of second. Loads within 1.5 edges may be the same one and are no supports. That is a bound of the force on a patch, of one place. A hand and
-// friction have the sum of all, whose places are independent: the root of the sum of squares of F dF/F, over sqrt(3), the root mean square of a place that is as
-// likely anywhere within d. Weight is borne wherever it lies, and has none of it; nor have instruments that bend together.
-//
-// The equilibrium of that push changes normal forces and friction by the same share of themselves, sum F_i (n_i - m_i).t_i/sum F_i.
-//
-//     patch     a load between two nodes is borne by both. Where an edge is longer than the patch that a force is read on, the loads of two
-//               places of contact beside each other may be one patch's: the larger one, F_1, may be F_1 + F_2.
-//
-// Weight on the floor of a lumen is borne whatever the wire's stiffness: the errors by energy are those of the part of the normal forces
-// beyond the weight. The rest is off by what the nodes of the span l between hub and nearest contact share out wrongly: 1/(2 n^2) of the weight w l of its n = l/h
-// edges, as of a cantilever, and w h/2 where an edge is longer than the span. Of the sum N of normal forces that is w h^2/(2 l N).
-// A wire that touches nothing is bent by its weight alone. Its moment at the hub, w L^2/2, is read off half an edge: it errs by h/L besides.
-//
-// The tip stands on the regions of contact nearest to it, at s_1 and s_2 from it. Facets move their places by d_1, d_2:
-//
-//     inwards   o, as above
-//     sideways  in a lumen of radius R across the wire, a load rests where the wall's normal opposes it. A normal that is off by
-//               (n - m).(t x m) moves that place by R times as much, as a pendulum's
-//
-// A beam over two supports has a slope of up to 3/2 (d_1 + d_2)/(s_2 - s_1) at the first (the next span held; 1 where it turns freely), so that the tip moves by
-// a_1 = 1 + 3/2 s_1/(s_2 - s_1) times d_1, and a_1 - 1 times d_2. Along the wall it moves by the mean of o times the angle that the wire turns by,
-// the difference in length of two parallel curves. The three are independent: root of the sum of squares.
+// The smooth wall goes through the mesh's vertices with the normals there (means over their triangles by angle). Each contact is borne
+// by the spans beside it, up to the next regions of contact, and by passes_span (nodes/adapt.h) of those behind them.
 //
 // Elastic walls: their facets move, and the mesh has bands of its own (wall/wall_resolution.h); none here.
 

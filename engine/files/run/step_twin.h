@@ -1,66 +1,16 @@
 #pragma once
-// Estimate of the error in a run's forces and tip by its step, its nodes and the facets of its wall, by the run itself.
+// Error bands of a run's forces and tip (D17): the share of the step, by windows of the run that are computed again with shorter ones.
 //
-// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Some are computed again in a separate
-// world, from the state at their beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
-// far; and the run's first 2 mean_time, with all means that begin within the first one: a hub that starts at once is felt there. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
-// and the band is
+// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Computed again, in a world of its own and from
+// the state at their beginning, are: every periodic-th window, the last, those with the largest hand force and friction so far, and the
+// run's first 2 mean_time. A twin has the run's nodes and wall and half its step. The windows of the largest forces are taken again with
+// fine_step too, from one window earlier: halved steps agree where both damp the oscillations after a slip. The window in which the sum
+// of normal forces falls most within mean_time is taken again with quarters of the step, for strikes.
 //
-//     band = safety r/(r - 1) |Q(h) - Q(h/r)|,    safety = 1.5
+// The shares of nodes and facets come from the state at the end of each window (run/grid_error.h); a release has a bound of its own
+// (run/release_watch.h). Of several instruments the first one's hand is read (run/joint_readings.h), the others' from the same windows.
 //
-// 3 |Q(h) - Q(h/2)| for halves: the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994,
-// doi:10.1115/1.2910291; order 1, ratio 2). Newmark's order 2 does not show where contacts come and go, so that all schemes have order 1. The
-// difference of a reading is that of its own window, or the root mean square of all windows compared where that is more: other windows say
-// what this one might have shown. Compared are the largest mean over mean_time in a window (peaks) and the tip's position at its end. Single values
-// of a wire that sticks, slips and strikes differ however short the step is.
-//
-// The largest value of a run may have come from another window with a shorter step. In a window with Q(h) and its twin Q(h/r) it is at most
-// Q(h) + safety r/(r - 1) (Q(h/r) - Q(h)): the band of a largest value reaches up to the largest of these.
-//
-// Hand force and friction at the end are means over the last mean_time (math/end_mean.h). Their difference is that of
-// these means, or the root mean square of such differences at all times of the last window, or that of the means over all windows.
-//
-// A step that did not converge, or that fed much, was divided, in the run as in its twin. The error of order 1 of a step in n parts is 1/n of
-// that of a whole one. With the mean m of 1/n over a window's steps, the ratio r is m of the run over m/parts of the twin. Where m is small
-// the twin takes quarters, so that r stays above 2.
-//
-// For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
-// oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the
-// largest hand force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th
-// part of the step where that is longer.
-//
-// A largest force that is a release has its own band (run/release_watch.h): a twin releases where the run did. That band is a bound, of a release at any other time within
-// 0.1 s. It is no expected error, and so no reason for a warning.
-//
-// It cannot see a history that differed before the window began (a branch missed, an earlier slip).
-// A reference for that is `seldinger plan` or a run with a shorter step.
-//
-// Twins have the run's nodes and wall. What edges and facets do is estimated from the state at the end of each window: the tip's
-// error by the wire's shape (nodes/adapt.h), that of forces by energy and contacts (run/grid_error.h). They are
-// sums of magnitudes, as if all edges and facets erred alike, and have no factor for safety but the one by which they join the others.
-// These shares and that of the step are independent: a band is the root of the sum of their squares.
-//
-// Facets push along the wire by the slope that a wire which goes on meets, up on one half of a facet and down on the other. The mean of a
-// push over a distance d is the change of the work of the normal forces N on the facets over d: no more than N o/d for facets that are o from a smooth
-// wall (GridErrors::rise). It is that, with the distance d of the hand in mean_time, or the root mean square of the push itself where that is less.
-//
-// Of several instruments, the hand force is the first one's (run/joint_readings.h). The hands of the others have bands of their own, made
-// alike: from the same windows, and one more with the largest force of each.
-//
-// The largest force on a patch is that of single steps. Its share by the step is the difference of the largest values in the window that
-// has it. A largest of single steps has no order in the step, so that it is believed to be off by the difference itself. Two bounds widen the band and make no warning:
-//
-//     chatter    the largest fall of the force on a patch within mean_time in that window: another step or mesh catches another moment of it
-//     strikes    with shorter steps a strike is larger, and may exceed a force that rose slowly. The window in which the sum of normal forces falls most within
-//                mean_time is taken again with quarters of the step, and its largest force may be Q(h) + safety r/(r - 1) (Q(h/r) - Q(h)). The run's own force on a patch is read
-//                only where it may be the largest; elsewhere it is that of the twin less what the twin's strike is larger by
-//
-// The work of the hand is a sum over the run: its share by the step is the mean difference of the compared windows' mean forces, over the whole path of the hand.
-// Histories of n windows add up like independent ones, to sqrt(n) times that of one. By nodes and facets it errs as the energy at the end does, and by what friction
-// loses on the way. Besides, a wire that springs from one place to another loses the energy between the two. Which part of its way is such a spring hangs on the nodes.
-// So the share by nodes has all that scheme, contacts and damping took; not that of the first window, in which the wire comes to rest from where it was placed.
-//
-// The twin is a separate world: the run's bits are those of a run without it.
+// A band cannot see a history that differed before the window began. `seldinger plan`, or a run with a shorter step, does.
 
 #include "engine.h"
 #include "math/end_mean.h"
