@@ -5,13 +5,16 @@
 
 #include "command_line.h"
 #include "commands.h"
+#include "core/child_process.h"
 #include "core/note.h"
+#include "core/parallel.h"
 #include "quantity.h"
 #include "render_fluoro.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -99,6 +102,9 @@ ExitCode export_model(const RenderArguments& options, RenderOptions& what)
 
 ExitCode render(const RenderArguments& options)
 {
+    if (options.frames.parent > 0) end_with_parent(options.frames.parent, SIGTERM);
+    if (!options.frames.farm.empty()) check_farm_of(options.frames.farm, options.dir);
+    set_thread_count(options.frames.threads);
     const bool fluoro = options.view == "fluoro";
     const std::string alien = options.fluoro.first_given();
     if (!fluoro && !alien.empty()) throw Error(ExitCode::BadScene, alien + ": is an option of --view fluoro; give that too");
