@@ -110,7 +110,7 @@ void add_batch(CommandLine& app, Command& chosen)
     command->add_flag("--bands", options->bands, "each run a second time with half the step: a band for each force, --set output.bands=true");
     command->add_option("--keep", options->keep, "files of each run in DIR/runs: traces, last-frame or traces,last-frame (default: none)")->type_name("WHAT");
     command->add_option("--part", options->part,
-                        "only part K of N of the runs, in DIR/parts; goes on with it where it has begun; `batch merge DIR` makes the table")
+                        "only part K of N of the runs, in DIR/parts, from where it stands; `batch merge DIR` makes the table of all")
         ->type_name("K/N");
     command->add_option("--scene-at", options->scene_at)->hidden();  // of a farm, which has a copy of the scene
     command->add_option("--parent", options->parent)->hidden();      // of a farm: ends with it, its state saved

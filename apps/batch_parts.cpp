@@ -21,9 +21,8 @@ std::string batch_key(const BatchSource& source, const std::string& sweep_text)
 /// The part from the first folder that has all of it.
 std::optional<SavedBatch> find_part(const std::vector<Folder>& folders, const PartPlan& plan, std::size_t part)
 {
-    const auto [begin, end] = plan.range(part);
     for (const Folder& folder : folders)
-        if (std::optional<SavedBatch> saved = read_part(folder, plan, part); saved && saved->rows.size() == end - begin) return saved;
+        if (std::optional<SavedBatch> saved = read_part(folder, plan, part); saved && saved->rows.size() == plan.size(part)) return saved;
     return std::nullopt;
 }
 

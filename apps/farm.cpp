@@ -75,7 +75,7 @@ PartCommand batch_command(const FarmArguments& options)
     return command;
 }
 
-/// Each value as a separate word, and paths that do not depend on where a part starts.
+/// Each value as a separate word, and paths that do not depend on where a part starts or how they are spelt.
 std::vector<std::string> farm_words(const std::vector<std::string>& given)
 {
     std::vector<std::string> words;
@@ -84,32 +84,12 @@ std::vector<std::string> farm_words(const std::vector<std::string>& given)
         words.push_back(word.substr(0, equals));
         if (equals != std::string::npos) words.push_back(word.substr(equals + 1));
     }
-    for (std::size_t k = 0; k + 1 < words.size(); ++k)
-        if (words[k] == "--views") words[k + 1] = fs::absolute(words[k + 1]).lexically_normal().string();
-        else if (words[k] == "--labels") words[k + 1] = (fs::path(words[k + 1]) / "").lexically_normal().parent_path().string();
-    return words;
-}
-
-/// What a farm's pictures may be told: how they look and what else is known of them. All else of `render` says where to write, or is
-/// given by the farm.
-constexpr const char* looks[] = {"--size",    "--camera", "--background", "--no-legend", "--wall",   "--wall-max",    "--force-max", "--view",
-                                 "--c-arm",   "--views",  "--sid",        "--sod",       "--field",  "--kvp",         "--kev",       "--photons",
-                                 "--blur",    "--body",   "--seed",       "--mask",      "--log",    "--no-contrast", "--no-noise",  "--labels",
-                                 "--label-vessel"};
-
-void check_render_words(const std::vector<std::string>& words)
-{
-    for (std::size_t k = 0; k < words.size(); ++k) {
-        const std::string& word = words[k];
-        const bool is_option = word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
-        if (is_option && std::find(std::begin(looks), std::end(looks), word) == std::end(looks))
-            throw Error(ExitCode::BadScene, fmt::format("{}: tasks of a farm make only numbered pictures and their labels; leave it out (a "
-                                                        "film: farm merge DIR --video FILE.mp4)",
-                                                        word));
-        if (word == "--labels" && (k + 1 == words.size() || !leads_below(words[k + 1])))
-            throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below the farm's. Fix: give a name, --labels labels",
-                                                        k + 1 < words.size() ? words[k + 1] : "nothing"));
+    for (std::size_t k = 0; k + 1 < words.size(); ++k) {
+        const fs::path path = words[k + 1], plain = (path / "").lexically_normal().parent_path();
+        if (words[k] == "--views") words[k + 1] = fs::absolute(path).lexically_normal().string();
+        else if (words[k] == "--labels" && !plain.empty()) words[k + 1] = plain.string();
     }
+    return words;
 }
 
 /// Of the run that the pictures show, 16 digits: the first of a plan's key.
@@ -121,7 +101,6 @@ PartPlan plan_frames(const FarmArguments& options, const std::vector<std::string
     PartPlan plan;
     plan.frames = true;
     plan.files = files_of_frame(words);
-    check_render_words(words);
     const RunFolder run = read_run_folder(options.source);
     FrameChoice choice;
     choice.first = 0, choice.last = static_cast<int>(run.frames.size()) - 1;
@@ -173,7 +152,7 @@ void check_words(const FarmArguments& options)
 // ---------------------------------------------------------------- status, merge
 
 struct Status {
-    std::size_t done = 0, items = 0;
+    std::size_t items = 0;             // that are there
     std::vector<std::size_t> missing;  // parts
 };
 
@@ -181,11 +160,9 @@ Status status_of(const Folder& dir, const PartPlan& plan)
 {
     Status status;
     for (std::size_t part = 1; part <= plan.parts; ++part) {
-        const auto [begin, end] = plan.range(part);
         const std::size_t there = items_there(dir, plan, part);
         status.items += there;
-        if (there == end - begin) status.done++;
-        else status.missing.push_back(part);
+        if (there < plan.size(part)) status.missing.push_back(part);
     }
     return status;
 }
@@ -200,16 +177,13 @@ ExitCode show_status(const ViewOptions& options)
     const Folder dir(options.dir);
     const PartPlan plan = read_plan(dir);
     const Status status = status_of(dir, plan);
-    if (options.json) {
-        const std::string items = fmt::format("{}s", plan.item_word());
-        const Json out = {{items, plan.items}, {items + "_done", status.items}, {"tasks", plan.parts}, {"done", status.done},
-                          {"missing", list_ranges(status.missing)}};
-        print(json_text(out, 2) + "\n");
-        return ExitCode::Done;
-    }
-    const std::string rest = status.missing.empty() ? fmt::format("all done: seldinger farm merge {}", options.dir.string())
-                                                    : "missing: tasks " + list_ranges(status.missing);
-    print(head_of(dir, plan) + fmt::format("  {} tasks done, {} {}s; {}\n", status.done, status.items, plan.item_word(), rest));
+    const std::size_t done = plan.parts - status.missing.size();
+    const std::string items = fmt::format("{}s", plan.item_word()), missing = list_ranges(status.missing);
+    const Json out = {{items, plan.items}, {items + "_done", status.items}, {"tasks", plan.parts}, {"done", done}, {"missing", missing}};
+    if (options.json) print(json_text(out, 2) + "\n");
+    else
+        print(head_of(dir, plan) + fmt::format("  {} tasks done, {} {}; {}\n", done, status.items, items,
+                                               missing.empty() ? "all done: seldinger farm merge " + dir.path().string() : "missing: tasks " + missing));
     return ExitCode::Done;
 }
 
@@ -245,15 +219,14 @@ ExitCode merge(const ViewOptions& options)
 
 // ---------------------------------------------------------------- farm
 
-std::string for_slurm(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
+ExitCode give_to_slurm(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
 {
-    const auto arrays = write_slurm_jobs(dir, plan, command, options.sbatch);
-    std::string text = head_of(dir, plan);
-    if (options.submit) text += submit(dir, arrays);
-    else
-        for (const auto& array : arrays) text += "  " + shell_text(array) + "\n";
-    if (arrays.empty()) text += fmt::format("  all done: seldinger farm merge {}\n", options.dir.string());
-    return text;
+    const Status status = status_of(dir, plan);
+    const auto array = write_slurm_job(dir, plan, command, options.sbatch, status.missing);
+    print(head_of(dir, plan) + (status.missing.empty() ? fmt::format("  all done: seldinger farm merge {}\n", options.dir.string())
+                                : options.submit       ? submit(dir, array)
+                                                       : "  " + shell_text(array) + "\n"));
+    return ExitCode::Done;
 }
 
 ExitCode run_and_merge(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
@@ -261,7 +234,8 @@ ExitCode run_and_merge(const Folder& dir, const PartPlan& plan, const PartComman
     const ExitCode code = run_here(dir, plan, command, options.local);
     const Status status = status_of(dir, plan);
     if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
-        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue", status.done, plan.parts));
+        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
+                                      plan.parts - status.missing.size(), plan.parts));
     if (!status.missing.empty())
         throw Error(ExitCode::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them", options.dir.string(),
                                                    list_ranges(status.missing)));
@@ -278,21 +252,17 @@ ExitCode farm(FarmArguments& options)
     if (options.submit) need_slurm();
     options.source = fs::absolute(options.source).lexically_normal();
     options.dir = fs::absolute(options.dir).lexically_normal();
-    if (options.backend == "slurm") check_job_scripts(options.dir, options.sbatch);
+    if (options.backend == "slurm") check_job_script(options.dir, options.sbatch);
     const bool frames = !options.frames.empty();
     const std::vector<std::string> words = farm_words(options.render);
     const PartPlan plan = frames ? plan_frames(options, words) : plan_sweep(options);
     const Folder dir(options.dir);
     PartCommand command = frames ? render_command(options, words) : batch_command(options);
     command.words.insert(command.words.begin(), fs::read_symlink("/proc/self/exe").string());
-    if (options.backend == "slurm") {
-        print(for_slurm(dir, plan, command, options));
-        return ExitCode::Done;
-    }
+    if (options.backend == "slurm") return give_to_slurm(dir, plan, command, options);
     if (!options.dry_run) return run_and_merge(dir, plan, command, options);
     std::string text = "# " + head_of(dir, plan);
-    for (std::size_t part = 1; part <= plan.parts; ++part)
-        if (!is_done(dir, plan, part)) text += shell_text(command.of(plan, part)) + "\n";
+    for (const std::size_t part : status_of(dir, plan).missing) text += shell_text(command.of(plan, part)) + "\n";
     print(text);
     return ExitCode::Done;
 }

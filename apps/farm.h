@@ -21,17 +21,17 @@ struct LocalBackend {
     int jobs = 1, threads = 0, device = -1;
     bool quiet = false;
 };
-/// Runs every part that is not done, in `jobs` processes at a time; returns when all are, or those left have failed here.
+/// Runs every part that is not done, in `jobs` processes at a time, and waits for those that others run.
 /// @return Done, or TimeLimit, Interrupted after a signal, or a failed part's code. @throws Error
 ExitCode run_here(const Folder& dir, const PartPlan& plan, const PartCommand& command, const LocalBackend& backend);
 
 /// Refuses a folder or an option that would become commands of a job's script. Before anything is made. @throws Error BadScene
-void check_job_scripts(const std::filesystem::path& dir, const std::vector<std::string>& options);
-/// Writes DIR/job.sh and DIR/merge.sh. @param options  of sbatch. @return the commands that submit the parts that are not done, as words
-[[nodiscard]] std::vector<std::vector<std::string>> write_slurm_jobs(const Folder& dir, const PartPlan& plan, const PartCommand& command,
-                                                                     const std::vector<std::string>& options);
-/// Submits them and the merge behind them. @return what to tell. @throws Error BadFile: no Slurm, or it refuses
-[[nodiscard]] std::string submit(const Folder& dir, const std::vector<std::vector<std::string>>& arrays);
+void check_job_script(const std::filesystem::path& dir, const std::vector<std::string>& options);
+/// Writes DIR/job.sh. @param options  of sbatch. @return the command that submits these parts, as words
+[[nodiscard]] std::vector<std::string> write_slurm_job(const Folder& dir, const PartPlan& plan, const PartCommand& command,
+                                                       const std::vector<std::string>& options, const std::vector<std::size_t>& parts);
+/// Submits it and the merge behind it. @return what to tell. @throws Error BadFile: Slurm refuses
+[[nodiscard]] std::string submit(const Folder& dir, const std::vector<std::string>& array);
 /// @throws Error BadFile: there is no sbatch
 void need_slurm();
 

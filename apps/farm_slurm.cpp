@@ -1,4 +1,4 @@
-// Writes and submits Slurm's array jobs, one of which runs one part of a farm.
+// Writes and submits a job array of Slurm, whose tasks run one part of a farm each, and the merge behind it.
 #include "farm.h"
 
 #include "core/child_process.h"
@@ -7,16 +7,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 
 namespace seldinger::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t default_array_size = 1001;  // Slurm's MaxArraySize unless configured: indices 0 to 1000
 
 struct Said {
     int code;
@@ -30,18 +26,18 @@ Said ask(const std::string& command)
     if (!pipe) throw Error(ExitCode::BadFile, why_not_started("sh", "it is needed to ask Slurm"));
     char part[4096];
     for (std::size_t got = 0; (got = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, got);
-    const int code = exit_code(pclose(pipe));
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    return {code, text};
+    return {exit_code(pclose(pipe)), text};
 }
 
-std::size_t array_size()
+/// @return the job's number
+std::string submitted(const std::vector<std::string>& words)
 {
-    const Said said = ask("scontrol show config");
-    const std::size_t at = said.text.find("MaxArraySize");
-    const std::size_t equals = at == std::string::npos ? at : said.text.find('=', at);
-    if (said.code != 0 || equals == std::string::npos) return default_array_size;
-    return std::max(2ul, std::strtoul(said.text.c_str() + equals + 1, nullptr, 10));
+    const Said said = ask(shell_text(words));
+    const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
+    if (said.code != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
+        throw Error(ExitCode::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch, or take fewer --tasks",
+                                                   shell_text(words), one_line(said.text)));
+    return job;
 }
 
 /// A folder as a line #SBATCH carries it: in quotes for blanks and #, each % twice since Slurm puts the job's number in the place of %j.
@@ -58,60 +54,36 @@ std::string slurm_text(const fs::path& dir)
     return text;
 }
 
-std::string head(const Folder& dir, const char* what, const char* output, const std::vector<std::string>& options)
-{
-    std::string text =
-        fmt::format("#!/bin/sh\n#SBATCH --job-name=seldinger-{}\n#SBATCH --output=\"{}/{}\"\n#SBATCH --open-mode=append\n", what,
-                    slurm_text(dir.path() / "log"), output);
-    for (const std::string& option : options) text += "#SBATCH " + option + "\n";
-    return text;
-}
-
-/// The shell's words for a part's number or frames, where $task is the part.
-std::string part_in_shell(const PartPlan& plan)
-{
-    if (!plan.frames) return fmt::format("\"$task/{}\"", plan.parts);
-    return fmt::format("\"$(({0} + (task - 1) * {1} / {2})):$(({0} + task * {1} / {2} - 1))\"", plan.first, plan.items, plan.parts);
-}
-
 /// TERM@60 goes to the job's steps: the part saves its state and ends with 75, and the script asks for another turn.
-std::string job_script(const Folder& dir, const PartPlan& plan, const PartCommand& command, const std::vector<std::string>& options)
-{
-    return head(dir, "task", "slurm-%A_%a.txt", options) + fmt::format(R"(#SBATCH --requeue
+constexpr const char* script = R"(#!/bin/sh
+#SBATCH --job-name=seldinger-farm
+#SBATCH --output="{log}/slurm-%A_%a.txt"
+#SBATCH --open-mode=append
+#SBATCH --requeue
 #SBATCH --signal=TERM@60
-# task = index in the array + an offset given at submission (an array holds some 1,000)
-task=$((SLURM_ARRAY_TASK_ID + ${{1:-0}}))
+{options}[ "$1" != merge ] || exec {merge}
+task=$SLURM_ARRAY_TASK_ID
 cpus=${{SLURM_CPUS_PER_TASK:-1}}
 step="srun --ntasks=1 --cpus-per-task=$cpus"
 command -v srun >/dev/null 2>&1 || step=
-$step {} --threads "$cpus" {} {}
+$step {part} --threads "$cpus" {which}
 code=$?
 # 75: stopped with its state saved. Ended by a signal (out of memory, a node that goes down): again too, three times
 if [ $code -eq 75 ] || {{ [ $code -gt 128 ] && [ "${{SLURM_RESTART_COUNT:-0}}" -lt 3 ]; }}; then
-    scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}" && exit 0
+    scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$task" && exit 0
 fi
 exit $code
-)",
-                                                                        shell_text(command.words), command.option, part_in_shell(plan));
-}
-
-std::string merge_script(const Folder& dir, const PartCommand& command)
-{
-    return head(dir, "merge", "slurm-merge-%j.txt", {}) +
-           fmt::format("exec {} farm merge {}\n", shell_text({command.words.front()}), shell_text({dir.path().string()}));
-}
+)";
 
 }  // namespace
 
 std::string shell_text(const std::vector<std::string>& words)
 {
+    constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=./,:@%+";
     std::string text;
     for (const std::string& word : words) {
         if (!text.empty()) text += ' ';
-        const bool plain = !word.empty() && word.find_first_not_of(
-                                                "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                                "-_=./,:@%+") == std::string::npos;
-        if (plain) {
+        if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) {
             text += word;
             continue;
         }
@@ -122,7 +94,7 @@ std::string shell_text(const std::vector<std::string>& words)
     return text;
 }
 
-void check_job_scripts(const fs::path& dir, const std::vector<std::string>& options)
+void check_job_script(const fs::path& dir, const std::vector<std::string>& options)
 {
     (void)slurm_text(dir);
     for (const std::string& option : options)
@@ -131,24 +103,20 @@ void check_job_scripts(const fs::path& dir, const std::vector<std::string>& opti
                                             "option, in one line, each time");
 }
 
-std::vector<std::vector<std::string>> write_slurm_jobs(const Folder& dir, const PartPlan& plan, const PartCommand& command,
-                                                       const std::vector<std::string>& options)
+std::vector<std::string> write_slurm_job(const Folder& dir, const PartPlan& plan, const PartCommand& command,
+                                         const std::vector<std::string>& options, const std::vector<std::size_t>& parts)
 {
-    const std::string job = job_script(dir, plan, command, options), merge = merge_script(dir, command);  // refused before either is written
-    (void)dir.make("log");
-    write_file(dir / "job.sh", job);
-    write_file(dir / "merge.sh", merge);
-    const std::size_t most = array_size() - 1;
-    std::vector<std::vector<std::string>> arrays;
-    for (std::size_t offset = 0; offset < plan.parts; offset += most) {
-        std::vector<std::size_t> indices;
-        for (std::size_t part = offset + 1; part <= std::min(plan.parts, offset + most); ++part)
-            if (!is_done(dir, plan, part)) indices.push_back(part - offset);
-        if (indices.empty()) continue;
-        arrays.push_back(
-            {"sbatch", "--parsable", "--array=" + list_ranges(indices, ","), (dir.path() / "job.sh").string(), std::to_string(offset)});
-    }
-    return arrays;
+    const std::string which =
+        !plan.frames ? fmt::format("--part \"$task/{}\"", plan.parts)
+                     : fmt::format("--frames \"$(({0} + (task - 1) * {1} / {2})):$(({0} + task * {1} / {2} - 1))\"", plan.first, plan.items, plan.parts);
+    std::string lines;
+    for (const std::string& option : options) lines += "#SBATCH " + option + "\n";
+    using fmt::arg;
+    const std::string text =
+        fmt::format(script, arg("log", slurm_text(dir.make("log").path())), arg("options", lines), arg("part", shell_text(command.words)),
+                    arg("which", which), arg("merge", shell_text({command.words.front(), "farm", "merge", dir.path().string()})));
+    write_file(dir / "job.sh", text);
+    return {"sbatch", "--parsable", "--array=" + list_ranges(parts, ","), (dir.path() / "job.sh").string()};
 }
 
 void need_slurm()
@@ -159,26 +127,12 @@ void need_slurm()
                     "slurm-client), or give --backend local");
 }
 
-std::string submit(const Folder& dir, const std::vector<std::vector<std::string>>& arrays)
+std::string submit(const Folder& dir, const std::vector<std::string>& array)
 {
-    const auto submitted = [](const std::vector<std::string>& words) {
-        const Said said = ask(shell_text(words));
-        const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
-        if (said.code != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos) {
-            throw Error(ExitCode::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch",
-                                                       shell_text(words), one_line(said.text)));
-        }
-        return job;
-    };
-    std::string told, jobs;
-    for (const std::vector<std::string>& array : arrays) {
-        const std::string job = submitted(array);
-        jobs += ":" + job;
-        told += fmt::format("  job {}: {}\n", job, array[2]);
-    }
-    if (jobs.empty()) return told;
-    return told + fmt::format("  job {}: merge, when they have ended\n",
-                              submitted({"sbatch", "--parsable", "--dependency=afterany" + jobs, (dir.path() / "merge.sh").string()}));
+    const std::string job = submitted(array);
+    const std::string merge = submitted({"sbatch", "--parsable", "--dependency=afterany:" + job,
+                                         "--output=" + slurm_text(dir.path() / "log") + "/slurm-merge-%j.txt", array.back(), "merge"});
+    return fmt::format("  job {}: {}\n  job {}: merge, when they have ended\n", job, array[2], merge);
 }
 
 }  // namespace seldinger::apps

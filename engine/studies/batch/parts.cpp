@@ -137,12 +137,6 @@ std::size_t items_there(const Folder& dir, const PartPlan& plan, std::size_t par
     }
 }
 
-bool is_done(const Folder& dir, const PartPlan& plan, std::size_t part)
-{
-    const auto [begin, end] = plan.range(part);
-    return items_there(dir, plan, part) == end - begin;
-}
-
 std::string list_ranges(const std::vector<std::size_t>& numbers, const char* between)
 {
     std::string text;

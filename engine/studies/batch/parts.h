@@ -28,6 +28,7 @@ struct PartPlan {
     };
     /// Parts differ by one item at most. @param part  from 1
     [[nodiscard]] Range range(std::size_t part) const { return {(part - 1) * items / parts, part * items / parts}; }
+    [[nodiscard]] std::size_t size(std::size_t part) const { return range(part).end - range(part).begin; }
     [[nodiscard]] std::string name(std::size_t part) const { return std::to_string(part) + "-of-" + std::to_string(parts); }
     [[nodiscard]] const char* item_word() const { return frames ? "frame" : "run"; }
 };
@@ -50,7 +51,10 @@ void write_plan(const Folder& dir, const PartPlan& plan);
 
 /// How many of a part's items are there. A damaged part has none.
 [[nodiscard]] std::size_t items_there(const Folder& dir, const PartPlan& plan, std::size_t part);
-[[nodiscard]] bool is_done(const Folder& dir, const PartPlan& plan, std::size_t part);
+[[nodiscard]] inline bool is_done(const Folder& dir, const PartPlan& plan, std::size_t part)
+{
+    return items_there(dir, plan, part) == plan.size(part);
+}
 
 /// "3, 17-19" of increasing numbers.
 [[nodiscard]] std::string list_ranges(const std::vector<std::size_t>& numbers, const char* between = ", ");
