@@ -1,6 +1,7 @@
 #pragma once
 // From a scene and a sweep to a finished results table: steps the worlds one after the other, saves and stops.
 
+#include "batch/parts.h"
 #include "core/folder.h"
 #include "run_loop.h"
 #include "batch/batch.h"
@@ -15,25 +16,38 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] RunOutcome run_batch(const std::filesystem::path& scene, const std::filesystem::path& sweep,
                                    const RunOptions& options);
 
-/// Result of one task of many.
-struct BatchPart {
-    RunOutcome outcome;
-    std::vector<BatchRow> rows;  // of the runs that have ended, in any order
-    double step_s = 0;           // spent in steps by this call
+struct PartChoice {
+    std::size_t part = 0, parts = 0;  // from 1, of so many
+    std::filesystem::path scene_at;   // paths in the scene are as if it lay here; empty: where it is
 };
+/// One part of a batch in options.dir (batch/parts.h), from where it stands; its tables are left to merge_parts(). @throws Error
+[[nodiscard]] RunOutcome run_batch_part(const std::filesystem::path& scene, const std::filesystem::path& sweep, const PartChoice& which,
+                                        RunOptions options);
 
-/// Runs `begin` to `end` of a sweep alone in an open folder; options.use as of a batch in it, options.dir is ignored. @throws Error
-[[nodiscard]] BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_text, std::size_t begin,
-                                       std::size_t end, const Folder& folder, const RunOptions& options);
+/// Prepares a folder for a batch in parts, or finds it prepared. @throws Error
+PartPlan begin_parts(const BatchSource& source, const std::string& sweep_text, std::size_t parts, const std::filesystem::path& dir);
 
+/// Tables of a batch whose parts lie in these folders, in the first of them. @return as of run_batch()
+/// @throws Error BadFile: parts are missing
+[[nodiscard]] RunOutcome merge_parts(const std::vector<std::filesystem::path>& dirs);
+/// The same, and tells of it on stdout.
+ExitCode merge_and_tell(const std::vector<std::filesystem::path>& dirs);
+/// The line about what is missing. @param parts  at least one
+[[noreturn]] void say_missing(const Folder& dir, const PartPlan& plan, const std::vector<std::size_t>& parts);
+
+[[nodiscard]] bool holds_a_batch(const Folder& folder);
 /// Takes a batch's own files out of a folder, by their names. @throws Error BadFile
 void remove_batch(const Folder& folder);
 
-/// The tables of a batch, and of a merged farm. results.csv comes last: who finds it finds the others.
-void write_tables(const Folder& folder, const BatchSource& source, const std::vector<BatchRow>& rows);
-
-/// Counts, outcomes, ranking and the answer in one line, as a batch's summary.json and a farm's have them.
-void add_answer(Json& summary, const BatchSource& source, const std::vector<BatchRow>& rows);
+/// What the table of a batch has.
+struct BatchTable {
+    const Sweep& sweep;
+    const BatchLayout& layout;
+};
+/// results.csv comes last: who finds it finds the others.
+void write_tables(const Folder& folder, const BatchTable& table, const std::vector<BatchRow>& rows);
+/// Counts, outcomes, ranking and the answer in one line, as summary.json has them.
+void add_answer(Json& summary, const BatchTable& table, const std::vector<BatchRow>& rows);
 
 /// The scene with every default filled in, as a batch in `dir` writes it.
 [[nodiscard]] std::string resolved_scene(const BatchSource& source, const std::filesystem::path& dir);

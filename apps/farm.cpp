@@ -1,15 +1,13 @@
 // seldinger farm SCENE.toml --vary SWEEP.toml | RUN --frames A:B | all  -o DIR [--backend slurm | local] [--tasks N] [--jobs N]
 //                [--set ...] [--sbatch OPTION]... [--submit | --dry-run] [options of render]
-// seldinger farm status DIR · farm merge DIR [--video FILE.mp4 [--fps N]] · farm task DIR N | --all
+// seldinger farm status DIR · farm merge DIR [--video FILE.mp4 [--fps N]]
 
+#include "farm.h"
+#include "batch/batch_keep.h"
 #include "batch_loop.h"
 #include "command_line.h"
 #include "commands.h"
-#include "core/child_process.h"
 #include "core/file_io.h"
-#include "core/file_lock.h"
-#include "farm_backend.h"
-#include "farm_task.h"
 #include "io/film_write.h"
 #include "io/json_text.h"
 #include "render_frames.h"
@@ -18,7 +16,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -27,7 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t usual_tasks = 200;  // enough that a lost one is little work, few enough that starting them is
+constexpr std::size_t slurm_tasks = 200;  // enough that a lost one is little work, few enough that starting them is
+constexpr std::size_t local_tasks = 8;    // for each job: enough that all jobs end together
 
 struct FarmArguments {
     fs::path source, sweep, dir;
@@ -45,32 +43,39 @@ struct ViewOptions {
     bool json = false;
 };
 
-std::size_t task_count(const FarmArguments& options, const FarmPlan& plan)
+/// As many parts as asked for, or as the folder has, or as suit who runs them.
+std::size_t part_count(const FarmArguments& options, std::size_t items, const char* word)
 {
-    if (options.tasks && static_cast<std::size_t>(*options.tasks) > plan.items)
-        throw Error(ExitCode::BadScene, fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks,
-                                                    plan.items, plan.item_word()));
-    return options.tasks ? static_cast<std::size_t>(*options.tasks) : std::min(plan.items, usual_tasks);
+    if (options.tasks && static_cast<std::size_t>(*options.tasks) > items)
+        throw Error(ExitCode::BadScene, fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks, items, word));
+    if (options.tasks) return static_cast<std::size_t>(*options.tasks);
+    if (fs::exists(options.dir / "parts.json")) return std::min(items, read_plan(Folder(options.dir)).parts);
+    return std::min(items, options.backend == "slurm" ? slurm_tasks : local_tasks * static_cast<std::size_t>(options.local.jobs));
 }
 
-/// The scene as a batch reads it, every run's values tried.
-FarmPlan plan_sweep(const FarmArguments& options, std::string& scene_text, std::string& sweep_text)
+/// Every run's values are tried. The parts read copies, so that a later edit does not affect half of the table.
+PartPlan plan_sweep(const FarmArguments& options)
 {
-    scene_text = read_file(options.source);
-    sweep_text = read_file(options.sweep);
-    FarmPlan plan;
-    plan.source = fs::absolute(options.source).lexically_normal();
-    plan.sweep = options.sweep;
-    plan.overrides = options.overrides;
-    const BatchSource source = make_source(scene_text, plan.source, options.overrides, sweep_text, options.sweep);
+    const std::string scene_text = read_file(options.source), sweep_text = read_file(options.sweep);
+    const BatchSource source = make_source(scene_text, options.source, options.overrides, sweep_text, options.sweep);
     (void)plan_worlds(source);
-    plan.items = source.item_count();
-    plan.tasks = task_count(options, plan);
-    plan.key = sweep_key(source, sweep_text);
+    const PartPlan plan = begin_parts(source, sweep_text, part_count(options, source.item_count(), "run"), options.dir);
+    const Folder parts = Folder(options.dir).make("parts");
+    if (!parts.has("scene.toml")) write_file(parts / "scene.toml", scene_text);
+    if (!parts.has("sweep.toml")) write_file(parts / "sweep.toml", sweep_text);
     return plan;
 }
 
-/// Each value as a separate word, and paths that do not depend on where a task starts.
+PartCommand batch_command(const FarmArguments& options)
+{
+    const fs::path parts = options.dir / "parts";
+    PartCommand command{{"batch", (parts / "scene.toml").string(), "--scene-at", options.source.string(), "--vary",
+                         (parts / "sweep.toml").string(), "-o", options.dir.string(), "--quiet"}};
+    for (const std::string& setting : options.overrides) command.words.insert(command.words.end(), {"--set", setting});
+    return command;
+}
+
+/// Each value as a separate word, and paths that do not depend on where a part starts or how they are spelt.
 std::vector<std::string> farm_words(const std::vector<std::string>& given)
 {
     std::vector<std::string> words;
@@ -79,38 +84,52 @@ std::vector<std::string> farm_words(const std::vector<std::string>& given)
         words.push_back(word.substr(0, equals));
         if (equals != std::string::npos) words.push_back(word.substr(equals + 1));
     }
-    for (std::size_t k = 0; k + 1 < words.size(); ++k)
-        if (words[k] == "--views") words[k + 1] = fs::absolute(words[k + 1]).lexically_normal().string();
-        else if (words[k] == "--labels") words[k + 1] = (fs::path(words[k + 1]) / "").lexically_normal().parent_path().string();
+    for (std::size_t k = 0; k + 1 < words.size(); ++k) {
+        const fs::path path = words[k + 1], plain = (path / "").lexically_normal().parent_path();
+        if (words[k] == "--views") words[k + 1] = fs::absolute(path).lexically_normal().string();
+        else if (words[k] == "--labels" && !plain.empty()) words[k + 1] = plain.string();
+    }
     return words;
 }
 
-FarmPlan plan_frames(const FarmArguments& options)
+/// Of the run that the pictures show, 16 digits: the first of a plan's key.
+std::string run_key(const fs::path& run) { return plan_key({version(), read_file(run / "wire.pvd")}); }
+
+PartPlan plan_frames(const FarmArguments& options, const std::vector<std::string>& words)
 {
 #ifdef SEL_WITH_VIEW
-    FarmPlan plan;
-    plan.kind = FarmKind::Frames;
-    plan.source = fs::absolute(options.source).lexically_normal();
-    plan.render = farm_words(options.render);
-    plan.files = files_of_frame(plan.render);
-    const std::size_t count = read_run_folder(plan.source).frames.size();
+    PartPlan plan;
+    plan.frames = true;
+    plan.files = files_of_frame(words);
+    const RunFolder run = read_run_folder(options.source);
     FrameChoice choice;
-    choice.first = 0, choice.last = static_cast<int>(count) - 1;
+    choice.first = 0, choice.last = static_cast<int>(run.frames.size()) - 1;
     if (options.frames != "all") {
         const auto [first, last] = two_numbers(options.frames, ':', "--frames", "FIRST:LAST, e.g. 0:499, or all");
         choice.first = first, choice.last = last;
     }
-    const FrameRange range = frames_asked(choice, count);
-    plan.first = range.first;
-    plan.items = range.count();
-    plan.tasks = task_count(options, plan);
-    plan.key = frames_key(plan.source, plan.first, plan.items, plan.render);
-    (void)render_command(plan, plan.part(0), options.dir);
+    const FrameRange range = frames_asked(choice, run.frames.size());
+    plan.first = range.first, plan.items = range.count(), plan.rate = film_rate(choice, run, range);
+    plan.parts = part_count(options, plan.items, "frame");
+    std::vector<std::string> looked = words;
+    for (std::size_t k = 0; k + 1 < words.size(); ++k)
+        if (words[k] == "--views") looked.push_back(read_file(words[k + 1]));
+    plan.key = run_key(options.source) + plan_key(looked);
+    make_folder(options.dir);
+    write_plan(Folder(options.dir), plan);
     return plan;
 #else
-    (void)options;
+    (void)options, (void)words;
     throw Error(ExitCode::BadScene, "--frames: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 #endif
+}
+
+PartCommand render_command(const FarmArguments& options, const std::vector<std::string>& words)
+{
+    PartCommand command{{"render", options.source.string(), "-o", (options.dir / "frame.png").string(), "--farm", options.dir.string(),
+                         "--resume", "--numbered", "--quiet"}, "--frames"};
+    command.words.insert(command.words.end(), words.begin(), words.end());
+    return command;
 }
 
 /// What the words alone can get wrong, before anything is looked for or written.
@@ -130,59 +149,98 @@ void check_words(const FarmArguments& options)
                     "farm: give either --vary SWEEP.toml (runs of a scene) or --frames A:B (pictures of a run)");
 }
 
-/// Plans the farm and prepares its folder, or finds it prepared.
-std::pair<Folder, FarmPlan> make_farm(const FarmArguments& options)
+// ---------------------------------------------------------------- status, merge
+
+struct Status {
+    std::size_t items = 0;             // that are there
+    std::vector<std::size_t> missing;  // parts
+};
+
+Status status_of(const Folder& dir, const PartPlan& plan)
 {
-    std::string scene_text, sweep_text;
-    const bool frames = !options.frames.empty();
-    const FarmPlan plan = frames ? plan_frames(options) : plan_sweep(options, scene_text, sweep_text);
-    make_folder(options.dir);
-    Folder dir(options.dir);
-    // one after the other: a task that another command's worker has begun would be waiting once more
-    const FileLock one_at_a_time = FileLock::of_file(dir / "farm.json", FileLock::Wait::Yes);
-    if (!frames && !dir.has("farm.json")) {
-        if (dir.has("results.csv")) throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
-        write_file(dir / "farm-scene.toml", scene_text);
-        write_file(dir / "farm-sweep.toml", sweep_text);
+    Status status;
+    for (std::size_t part = 1; part <= plan.parts; ++part) {
+        const std::size_t there = items_there(dir, plan, part);
+        status.items += there;
+        if (there < plan.size(part)) status.missing.push_back(part);
     }
-    write_farm(dir, plan);
-    return {std::move(dir), plan};
+    return status;
 }
 
-std::string status_text(const Folder& dir, const FarmPlan& plan, const FarmReport& r)
+std::string head_of(const Folder& dir, const PartPlan& plan)
 {
-    std::string text =
-        fmt::format("{}: {} {}s in {} tasks\n  {} done, {} running, {} waiting, {} lost (their workers are dead)\n", dir.path().string(),
-                    plan.items, plan.item_word(), plan.tasks, r.count(TaskState::Done), r.count(TaskState::Running),
-                    r.count(TaskState::Todo), r.count(TaskState::Lost));
-    text += fmt::format("  begun {} times: {} begun again after a kill or a stop, {} done again that had finished\n", r.began,
-                        r.begun_again, r.finished_again);
-    if (r.count(TaskState::Done) > 0)
-        text += fmt::format("  work {:.3g} s in all; overhead of a task {:.3g} s (median), {:.3g} s (longest)\n", r.work_s,
-                            r.overhead_median_s, r.overhead_max_s);
-    for (const auto& [task, why] : r.failed) text += fmt::format("  task {} failed: {}\n", task, why);
-    if (r.count(TaskState::Done) == plan.tasks) text += fmt::format("  all done: seldinger farm merge {}\n", dir.path().string());
-    return text;
+    return fmt::format("{}: {} {}s in {} tasks\n", dir.path().string(), plan.items, plan.item_word(), plan.parts);
 }
 
-Json status_json(const FarmPlan& plan, const FarmReport& r)
+ExitCode show_status(const ViewOptions& options)
 {
-    Json out;
-    out[plan.kind == FarmKind::Sweep ? "runs" : "frames"] = plan.items;
-    out["tasks"] = plan.tasks;
-    out["done"] = r.count(TaskState::Done);
-    out["running"] = r.count(TaskState::Running);
-    out["waiting"] = r.count(TaskState::Todo);
-    out["lost"] = r.count(TaskState::Lost);
-    out["begun"] = r.began;
-    out["begun_again"] = r.begun_again;
-    out["finished_again"] = r.finished_again;
-    out["failed"] = r.failed.size();
-    out["work_s"] = r.work_s;
-    out["overhead_median_s"] = r.overhead_median_s;
-    out["overhead_max_s"] = r.overhead_max_s;
-    out["missing"] = r.list_missing();
-    return out;
+    const Folder dir(options.dir);
+    const PartPlan plan = read_plan(dir);
+    const Status status = status_of(dir, plan);
+    const std::size_t done = plan.parts - status.missing.size();
+    const std::string items = fmt::format("{}s", plan.item_word()), missing = list_ranges(status.missing);
+    const Json out = {{items, plan.items}, {items + "_done", status.items}, {"tasks", plan.parts}, {"done", done}, {"missing", missing}};
+    if (options.json) print(json_text(out, 2) + "\n");
+    else
+        print(head_of(dir, plan) + fmt::format("  {} tasks done, {} {}; {}\n", done, status.items, items,
+                                               missing.empty() ? "all done: seldinger farm merge " + dir.path().string() : "missing: tasks " + missing));
+    return ExitCode::Done;
+}
+
+ExitCode merge_frames(const Folder& dir, const PartPlan& plan, const ViewOptions& options)
+{
+    if (const Status status = status_of(dir, plan); !status.missing.empty()) say_missing(dir, plan, status.missing);
+    const std::size_t end = plan.first + plan.items;
+    std::string text = fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items, frame_file(plan.files.front(), plan.first),
+                                   frame_file(plan.files.front(), end - 1));
+    std::vector<std::string> pictures;  // of each view
+    for (const std::string& file : plan.files)
+        if (file.starts_with("frame_") && file.ends_with(".png") && file.find('/') == std::string::npos) pictures.push_back(file);
+    for (std::size_t k = 0; k < pictures.size() && !options.video.empty(); ++k) {
+        fs::path name = options.video;
+        if (pictures.size() > 1) name = name.parent_path() / fmt::format("{}_v{}{}", name.stem().string(), k + 1, name.extension().string());
+        FilmWriter film(name, options.fps.value_or(plan.rate));
+        for (std::size_t i = plan.first; i < end; ++i) film.add_png(read_file(dir / frame_file(pictures[k], i)));
+        film.finish();
+        text += name.string() + "\n";
+    }
+    print(text);
+    return ExitCode::Done;
+}
+
+ExitCode merge(const ViewOptions& options)
+{
+    const Folder dir(options.dir);
+    const PartPlan plan = read_plan(dir);
+    if (plan.frames) return merge_frames(dir, plan, options);
+    if (!options.video.empty()) throw Error(ExitCode::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
+    return merge_and_tell({options.dir});
+}
+
+// ---------------------------------------------------------------- farm
+
+ExitCode give_to_slurm(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
+{
+    const Status status = status_of(dir, plan);
+    const auto array = write_slurm_job(dir, plan, command, options.sbatch, status.missing);
+    print(head_of(dir, plan) + (status.missing.empty() ? fmt::format("  all done: seldinger farm merge {}\n", options.dir.string())
+                                : options.submit       ? submit(dir, array)
+                                                       : "  " + shell_text(array) + "\n"));
+    return ExitCode::Done;
+}
+
+ExitCode run_and_merge(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
+{
+    const ExitCode code = run_here(dir, plan, command, options.local);
+    const Status status = status_of(dir, plan);
+    if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
+        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
+                                      plan.parts - status.missing.size(), plan.parts));
+    if (!status.missing.empty())
+        throw Error(ExitCode::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them", options.dir.string(),
+                                                   list_ranges(status.missing)));
+    if (!plan.frames && options.local.quiet) return merge_parts({options.dir}).code;
+    return options.local.quiet ? ExitCode::Done : merge({options.dir, {}, {}, false});
 }
 
 ExitCode farm(FarmArguments& options)
@@ -192,140 +250,30 @@ ExitCode farm(FarmArguments& options)
     if (!options.keep.empty())
         for (const std::string& setting : keep_settings(options.keep)) options.overrides.push_back(setting);
     if (options.submit) need_slurm();
+    options.source = fs::absolute(options.source).lexically_normal();
     options.dir = fs::absolute(options.dir).lexically_normal();
-    if (options.backend == "slurm") check_job_scripts(options.dir, options.sbatch);
-    const auto [dir, plan] = make_farm(options);
-    const std::string head =
-        fmt::format("{}: {} {}s in {} tasks\n", options.dir.string(), plan.items, plan.item_word(), plan.tasks);
-    if (options.backend == "slurm") {
-        const auto arrays = write_slurm_jobs(dir, plan, {options.sbatch});
-        std::string text = head;
-        if (options.submit) text += submit(dir, arrays);
-        else
-            for (const auto& array : arrays) text += "  " + shell_text(array) + "\n";
-        if (arrays.empty()) text += fmt::format("  all done: seldinger farm merge {}\n", options.dir.string());
-        print(text);
-        return ExitCode::Done;
-    }
-    if (options.dry_run) {
-        print(head + fmt::format("  seldinger farm task {} --all\n", options.dir.string()));
-        return ExitCode::Done;
-    }
-    const ExitCode code = run_here(dir, plan, options.local);
-    const FarmReport report = look_at_farm(dir, plan);
-    if (!options.local.quiet) print(status_text(dir, plan, report));
-    if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
-        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
-                                      report.count(TaskState::Done), plan.tasks));
-    if (report.count(TaskState::Done) < plan.tasks)
-        throw Error(ExitCode::Stopped, fmt::format("{}: tasks {} are not done; `seldinger farm status {}` says why",
-                                                   options.dir.string(), report.list_missing(), options.dir.string()));
-    return ExitCode::Done;
-}
-
-// ---------------------------------------------------------------- merge
-
-[[noreturn]] void say_missing(const Folder& dir, const FarmPlan& plan, const std::vector<std::size_t>& tasks)
-{
-    std::vector<std::size_t> items;
-    for (const std::size_t t : tasks)
-        for (std::size_t i = plan.part(t).begin; i < plan.part(t).end; ++i) items.push_back(plan.first + i);
-    throw Error(
-        ExitCode::BadFile,
-        fmt::format("{}: {} of {} tasks are missing: {} ({}s {}); do them (the same `seldinger farm` again) and merge then",
-                    dir.path().string(), tasks.size(), plan.tasks, list_ranges(tasks), plan.item_word(), list_ranges(items)));
-}
-
-ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
-{
-    std::string sweep_text;
-    const BatchSource source = farm_source(dir, plan, sweep_text);
-    const Scene first = source.scene(0);
-    std::vector<BatchRow> rows;
-    std::vector<std::size_t> missing;
-    for (std::size_t t = 0; t < plan.tasks; ++t) {
-        const auto part = read_rows(dir, plan, t, static_cast<std::size_t>(first.instrument_count()));
-        if (part) rows.insert(rows.end(), part->begin(), part->end());
-        else missing.push_back(t);
-    }
-    if (!missing.empty()) say_missing(dir, plan, missing);
-    Json summary;
-    summary["name"] = first.name;
-    summary["status"] = "done";
-    add_answer(summary, source, rows);
-    summary["results"] = "results.csv";
-    summary["version"] = version();
-    summary["farm"] = status_json(plan, look_at_farm(dir, plan));
-    write_file(dir / "scene.toml", resolved_scene(source, dir.path()));
-    write_file(dir / "sweep.toml", sweep_text);
-    if (const LoadedVessel vessel = load_vessel(first.vessel); !vessel.mesh.triangles.empty()) write_file(dir / "vessel.vtp", wall_vtp(vessel.mesh));
-    write_file(dir / "summary.json", json_text(summary, 2) + "\n");
-    write_tables(dir, source, rows);
-    const auto stopped = summary["stopped"].get<long>();
-    const std::string answer = summary["answer"].get<std::string>();
-    print(fmt::format("{}: {} runs, {} stopped: results.csv, results-units.csv, results.npz, shapes.csv, summary.json\n{}", dir.path().string(),
-                      source.sweep.run_count(), stopped, answer.empty() ? "" : answer + "\n"));
-    return stopped > 0 ? ExitCode::Stopped : ExitCode::Done;
-}
-
-ExitCode merge_frames(const Folder& dir, const FarmPlan& plan, const ViewOptions& options)
-{
-    std::vector<std::size_t> missing;
-    for (std::size_t t = 0; t < plan.tasks; ++t) {
-        if (!has_result(dir, plan, t)) missing.push_back(t);
-    }
-    if (!missing.empty()) say_missing(dir, plan, missing);
-    std::string text =
-        fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items, frame_file(plan.files.front(), plan.first),
-                    frame_file(plan.files.front(), plan.first + plan.items - 1));
-#ifdef SEL_WITH_VIEW
-    if (!options.video.empty()) {
-        FrameChoice choice;
-        choice.rate = options.fps.value_or(0);
-        const FrameRange range{plan.first, plan.first + plan.items - 1};
-        const double rate = choice.rate > 0 ? choice.rate : film_rate(choice, read_run_folder(plan.source), range);
-        std::vector<std::string> pictures;  // of each view
-        for (const std::string& file : plan.files)
-            if (file.starts_with("frame_") && file.ends_with(".png") && file.find('/') == std::string::npos) pictures.push_back(file);
-        for (std::size_t k = 0; k < pictures.size(); ++k) {
-            fs::path name = options.video;
-            if (pictures.size() > 1)
-                name = name.parent_path() / fmt::format("{}_v{}{}", name.stem().string(), k + 1, name.extension().string());
-            FilmWriter film(name, rate);
-            for (std::size_t i = range.first; i <= range.last; ++i) film.add_png(read_file(dir / frame_file(pictures[k], i)));
-            film.finish();
-            text += name.string() + "\n";
-        }
-    }
-#endif
+    if (options.backend == "slurm") check_job_script(options.dir, options.sbatch);
+    const bool frames = !options.frames.empty();
+    const std::vector<std::string> words = farm_words(options.render);
+    const PartPlan plan = frames ? plan_frames(options, words) : plan_sweep(options);
+    const Folder dir(options.dir);
+    PartCommand command = frames ? render_command(options, words) : batch_command(options);
+    command.words.insert(command.words.begin(), fs::read_symlink("/proc/self/exe").string());
+    if (options.backend == "slurm") return give_to_slurm(dir, plan, command, options);
+    if (!options.dry_run) return run_and_merge(dir, plan, command, options);
+    std::string text = "# " + head_of(dir, plan);
+    for (const std::size_t part : status_of(dir, plan).missing) text += shell_text(command.of(plan, part)) + "\n";
     print(text);
     return ExitCode::Done;
-}
-
-ExitCode merge(const ViewOptions& options)
-{
-    const Folder dir(options.dir);
-    const FarmPlan plan = read_farm(dir);
-    if (plan.kind == FarmKind::Frames) return merge_frames(dir, plan, options);
-    if (!options.video.empty()) throw Error(ExitCode::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
-    return merge_sweep(dir, plan);
 }
 
 void add_status(CommandLine& farm_command, Command& chosen)
 {
     auto options = std::make_shared<ViewOptions>();
-    CommandLine* command = farm_command.add_subcommand("status", "show the state of each task");
+    CommandLine* command = farm_command.add_subcommand("status", "show how much is done, and which tasks are missing");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_flag("--json", options->json, "as one JSON object");
-    command->callback([options, &chosen] {
-        chosen = [options] {
-            const Folder dir(options->dir);
-            const FarmPlan plan = read_farm(dir);
-            const FarmReport report = look_at_farm(dir, plan);
-            print(options->json ? json_text(status_json(plan, report), 2) + "\n" : status_text(dir, plan, report));
-            return ExitCode::Done;
-        };
-    });
+    command->callback([options, &chosen] { chosen = [options] { return show_status(*options); }; });
 }
 
 void add_merge(CommandLine& farm_command, Command& chosen)
@@ -341,42 +289,24 @@ void add_merge(CommandLine& farm_command, Command& chosen)
     command->callback([options, &chosen] { chosen = [options] { return merge(*options); }; });
 }
 
-void add_task(CommandLine& farm_command, Command& chosen)
+}  // namespace
+
+std::vector<std::string> PartCommand::of(const PartPlan& plan, std::size_t part) const
 {
-    struct One {
-        fs::path dir;
-        std::optional<std::size_t> task;
-        bool all = false;
-        pid_t parent = 0;
-        TaskOptions how;
-    };
-    auto options = std::make_shared<One>();
-    CommandLine* command = farm_command.add_subcommand("task", "run one task, or all that are waiting (called by the backends)");
-    command->add_option("DIR", options->dir, "folder of a farm")->required();
-    command->add_option("N", options->task, "task, from 0");
-    command->add_flag("--all", options->all, "every task that is neither finished nor running");
-    command->add_option("--threads", options->how.threads, "threads of the host (default: all cores)")
-        ->type_name("N")
-        ->check(in_range(1, 1024));
-    command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
-    command->add_option("--parent", options->parent)->hidden();  // of a worker of `farm` here: ends with it, its state saved
-    command->callback([options, &chosen] {
-        chosen = [options] {
-            if (options->parent > 0) end_with_parent(options->parent, SIGTERM);
-            const Folder dir(options->dir);
-            const FarmPlan plan = read_farm(dir);
-            if (options->all == options->task.has_value())
-                throw Error(ExitCode::BadScene, "farm task: give the number of a task, or --all");
-            if (options->all) return do_all_tasks(dir, plan, options->how);
-            if (*options->task >= plan.tasks)
-                throw Error(ExitCode::BadScene,
-                            fmt::format("task {}: the farm has tasks 0 to {}", *options->task, plan.tasks - 1));
-            return do_task(dir, plan, *options->task, options->how);
-        };
-    });
+    const auto [begin, end] = plan.range(part);
+    std::vector<std::string> all = words;
+    all.push_back(option);
+    all.push_back(plan.frames ? fmt::format("{}:{}", plan.first + begin, plan.first + end - 1) : fmt::format("{}/{}", part, plan.parts));
+    return all;
 }
 
-}  // namespace
+void check_farm_of(const fs::path& farm, const fs::path& run)
+{
+    if (const PartPlan plan = read_plan(Folder(farm)); !plan.key.starts_with(run_key(run)))
+        throw Error(ExitCode::BadScene, fmt::format("{}: the run {} has changed since the farm was made, or this is another version ({}); "
+                                                    "make a new farm",
+                                                    farm.string(), run.string(), version()));
+}
 
 void add_farm(CommandLine& app, Command& chosen)
 {
@@ -394,7 +324,7 @@ void add_farm(CommandLine& app, Command& chosen)
         ->allow_extra_args(false);
     command->add_flag("--bands", options->bands, "each run a second time with half the step, as of batch");
     command->add_option("--keep", options->keep, "files of each run in DIR/runs, as of batch")->type_name("WHAT");
-    command->add_option("--tasks", options->tasks, "how many tasks (default: 200, or one for each run or frame)")
+    command->add_option("--tasks", options->tasks, "how many tasks (default: 8 for each of --jobs; slurm: 200)")
         ->type_name("N")
         ->check(in_range(1, 1000000));
     command->add_option("--backend", options->backend, "local (this machine, now) or slurm (array jobs)")
@@ -411,11 +341,10 @@ void add_farm(CommandLine& app, Command& chosen)
         ->type_name("OPTION")
         ->allow_extra_args(false);
     auto* submit_flag = command->add_flag("--submit", options->submit, "slurm: submit the jobs (default: print the commands)");
-    command->add_flag("--dry-run", options->dry_run, "prepare the folder and print what would be done")->excludes(submit_flag);
+    command->add_flag("--dry-run", options->dry_run, "prepare the folder and print a command for each task that is not done")->excludes(submit_flag);
     command->add_flag("--quiet", options->local.quiet, "no progress, no status at the end");
     add_status(*command, chosen);
     add_merge(*command, chosen);
-    add_task(*command, chosen);
     command->callback([options, command, &chosen] {
         if (command->went_below()) return;
         options->render = command->remaining();

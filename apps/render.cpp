@@ -5,13 +5,16 @@
 
 #include "command_line.h"
 #include "commands.h"
+#include "core/child_process.h"
 #include "core/note.h"
+#include "core/parallel.h"
 #include "quantity.h"
 #include "render_fluoro.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -99,6 +102,9 @@ ExitCode export_model(const RenderArguments& options, RenderOptions& what)
 
 ExitCode render(const RenderArguments& options)
 {
+    if (options.frames.parent > 0) end_with_parent(options.frames.parent, SIGTERM);
+    if (!options.frames.farm.empty()) check_farm_of(options.frames.farm, options.dir);
+    set_thread_count(options.frames.threads);
     const bool fluoro = options.view == "fluoro";
     const std::string alien = options.fluoro.first_given();
     if (!fluoro && !alien.empty()) throw Error(ExitCode::BadScene, alien + ": is an option of --view fluoro; give that too");
@@ -188,6 +194,18 @@ std::vector<std::string> files_of_frame(const std::vector<std::string>& words)
     all.insert(all.end(), words.begin(), words.end());
     if (const CommandLine::Parsed parsed = app.parse(std::move(all)); !parsed.error.empty())
         throw Error(ExitCode::BadScene, parsed.error + "; see `seldinger render --help`");
+    FrameArguments& frames = options->frames;
+    for (const auto& [option, given] : std::initializer_list<std::pair<const char*, const std::string&>>{
+             {"--gltf", options->gltf}, {"--usd", options->usd}, {"--frames", frames.frames}, {"-o", frames.output}, {"--video", frames.video},
+             {"--preview", frames.preview}, {"--farm", frames.farm}, {"--raw", options->fluoro.raw}, {"--dicom", options->fluoro.dicom}})
+        if (!given.empty())
+            throw Error(ExitCode::BadScene, fmt::format("{}: a farm makes only numbered pictures and their labels. Fix: leave it out (a film: "
+                                                        "farm merge DIR --video FILE.mp4)",
+                                                        option));
+#ifdef SEL_WITH_VIEW
+    frames.farm = ".";
+    (void)frames.choice();
+#endif
     const std::size_t views = options->view == "fluoro" ? options->fluoro.view_count() : 1;
     const std::string labels = options->frames.labels;
     std::vector<std::string> files;

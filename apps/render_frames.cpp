@@ -22,12 +22,14 @@ void FrameArguments::declare(CommandLine& command)
     command.add_option("--fps", fps, "frames per second of the film (default: real time, at least 15)")->type_name("N");
     command.add_option("--labels", labels, "folder for the ground truth of every picture: NAME.json and NAME_mask.png")
         ->type_name("DIR");
-    command.add_option("--labels-in", labels_in)->hidden();  // of a farm, in whose folder others write: --labels lies below it
+    command.add_option("--farm", farm)->hidden();      // of these pictures: others write in its folder, and --labels lies below it
+    command.add_option("--parent", parent)->hidden();  // a farm's process: ends with it
     command.add_flag("--label-vessel", label_vessel, "with --labels: also the lumen's thickness along each ray, NAME_lumen.png");
     command.add_option("--preview", preview, "one sheet of 16 pictures with their labels drawn in; nothing else is written")
         ->type_name("FILE.png");
     command.add_flag("--resume", resume, "skip pictures that exist already");
     command.add_flag("--numbered", numbered, "number the picture (NAME_######.png) even if it is the only one");
+    command.add_option("--threads", threads, "threads of the host (default: all cores)")->type_name("N")->check(in_range(1, 1024));
     command.add_flag("--quiet", quiet, "print no file names");
 }
 
@@ -59,13 +61,13 @@ FrameChoice FrameArguments::choice() const
         throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --video");
     if (!preview.empty() && !labels.empty())
         throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --labels, or run render once for each");
-    if (!labels_in.empty() && !labels.empty() && !leads_below(labels))
+    if (!farm.empty() && !labels.empty() && !leads_below(labels))
         throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
-    for (const std::string& file : {preview, labels_in.empty() ? labels : std::string()})
+    for (const std::string& file : {preview, farm.empty() ? labels : std::string()})
         if (!file.empty() && std::filesystem::is_directory(file) != (file == labels) && std::filesystem::exists(file))
             throw Error(ExitCode::BadFile, fmt::format("{}: got a {}; expected the name of a {}", file, file == labels ? "file" : "folder",
                                                        file == labels ? "folder" : "file"));
-    choice.labels = labels, choice.labels_in = labels_in, choice.label_vessel = label_vessel, choice.preview = preview;
+    choice.labels = labels, choice.labels_in = farm, choice.label_vessel = label_vessel, choice.preview = preview;
     choice.output = output, choice.film = video;
     choice.rate = fps.value_or(0);
     choice.resume = resume, choice.numbered = numbered;

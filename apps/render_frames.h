@@ -18,7 +18,8 @@ namespace seldinger::apps {
 class CommandLine;
 
 struct FrameArguments {
-    std::string frames, output, video, labels, labels_in, preview;
+    std::string frames, output, video, labels, farm, preview;
+    int threads = 0, parent = 0;
     std::optional<double> fps;
     bool resume = false, numbered = false, quiet = false, label_vessel = false;
 
@@ -32,6 +33,9 @@ struct FrameArguments {
 /// Files of each frame of a farm whose `render` has these further options: "frame_######.png", "labels/frame_v2_######.json".
 /// @throws Error BadFile, BadScene
 [[nodiscard]] std::vector<std::string> files_of_frame(const std::vector<std::string>& words);
+
+/// That the run of a farm's pictures is the one that the farm was made of. @throws Error BadScene
+void check_farm_of(const std::filesystem::path& farm, const std::filesystem::path& run);
 
 /// "AxB" or "A:B". @throws Error BadScene
 [[nodiscard]] std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form);

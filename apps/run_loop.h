@@ -21,7 +21,6 @@ struct RunOptions {
     bool estimate = true;   // the error that the step's length leaves (run/step_twin.h)
     bool asked_estimate = false;  // for it, where it is dear
     bool quiet = false;
-    Folder keep;            // of a batch: where runs/ lies; none: in its own folder
 };
 
 struct RunOutcome {

@@ -223,7 +223,6 @@ TEST_SUITE("apps/batch")
         CHECK(part.code == 0);
         CHECK(slurp(folder.path / "P/results.csv") == csv);
         REQUIRE(run_app(folder, "farm two.toml --vary s.toml -o F --tasks 3").code == 0);
-        REQUIRE(run_app(folder, "farm merge F").code == 0);
         CHECK(slurp(folder.path / "F/results.csv") == csv);
         CHECK(slurp(folder.path / "F/results.npz") == npz);
 

@@ -266,12 +266,12 @@ TEST_SUITE("apps/labels")
         CHECK(slurp(folder.path / "frame_v2_000005.png") == one.at("frame_v2_000005.png"));
         CHECK(slurp(folder.path / "truth/frame_v2_000005.json") == one.at("truth/frame_v2_000005.json"));
         // killed after a few pictures, and gone on with
-        REQUIRE(run_app(folder, "farm run -o killed --tasks 2 --dry-run" + words).code == 0);
         const pid_t child = fork();
         REQUIRE(child >= 0);
         if (child == 0) {
             if (!std::freopen("/dev/null", "w", stderr)) _exit(126);
-            execl(app_path(), app_path(), "farm", "task", (folder.path / "killed").c_str(), "0", nullptr);
+            if (chdir(folder.path.c_str()) != 0) _exit(126);
+            execl("/bin/sh", "sh", "-c", ("exec \"$0\" farm run -o killed --tasks 2 --quiet" + words).c_str(), app_path(), nullptr);
             _exit(127);
         }
         while (waitpid(child, nullptr, WNOHANG) != child) {

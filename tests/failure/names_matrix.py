@@ -22,9 +22,8 @@ NAMES = {"blanks": b"a  b ", "line break": b"a\nb", "percent": b"100%d%j", "colo
          "no UTF-8": b"\xff\xfe\xe4", "hash": b"#a", "backslash": b"a\\b", "dash": b"-x"}
 SHORT = SCENE.replace("duration_s = 0.4", "duration_s = 0.02")
 # names that a command uses on the way, beside those that it leaves
-PASSING = {"run": [".lock", "trace.csv"], "batch": [".lock"], "farm": ["tasks", "tasks/000000", "tasks/000000/.lock", "tasks/000000/.farm",
-           "tasks/000000/checkpoint.bin", "tasks/000000/results.csv", "tasks/000000/scene.toml", "todo/000000", "running", "done/000000",
-           "rows/000000.rows", "log/000000.csv", "farm-scene.toml"], "film": ["film.mp4.part"], "picture": ["p.png.part"],
+PASSING = {"run": [".lock", "trace.csv"], "batch": [".lock"], "farm": ["parts.json.lock", "parts/1-of-2.lock",
+           "parts/1-of-2.bin.lock"], "film": ["film.mp4.part"], "picture": ["p.png.part"],
            "plan": ["plan.toml.lock", "plan.pilots"], "live": ["live.record.lock"]}
 
 
@@ -54,7 +53,7 @@ def commands(bench):
         C("batch --overwrite", ["batch", "s.toml", "--vary", "v.toml", "-o", "{D}", "--quiet", "--overwrite"], "batch", batch),
         C("batch --resume", ["batch", "s.toml", "--vary", "v.toml", "-o", "{D}", "--quiet", "--resume"], "batch", half),
         C("farm", ["farm", "s.toml", "--vary", "v.toml", "-o", "{D}", "--tasks", "2", "--quiet"], "farm"),
-        C("farm task --all", ["farm", "task", "{D}", "--all"], "farm", planned),
+        C("batch --part", ["batch", "s.toml", "--vary", "v.toml", "-o", "{D}", "--part", "1/2", "--quiet"], "farm", planned),
         C("farm status", ["farm", "status", "{D}"], "farm", farmed),
         C("farm merge", ["farm", "merge", "{D}"], "farm", farmed),
         C("farm, slurm", ["farm", "s.toml", "--vary", "v.toml", "-o", "{D}", "--tasks", "2", "--backend", "slurm"], "farm"),

@@ -6,10 +6,9 @@
 #include "core/file_io.h"
 #include "core/file_lock.h"
 #include "io/film_write.h"
-#include "batch/farm.h"
+#include "batch/parts.h"
 #include "support/skip.h"
 
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <map>
@@ -23,17 +22,17 @@ namespace {
 
 constexpr const char* secret = "a-secret-of-somebody-else";
 
-/// A farm of two tasks that nobody has begun, and somebody's folder beside it with files by the names that a farm uses.
+/// A farm of two parts that nobody has begun, and somebody's folder beside it with files by the names that a farm uses.
 struct Shared : ScratchFolder {
     Shared()
     {
         write("s.toml", free_scene(0.01));
         write("v.toml", "[vary]\n\"wire.density\" = [6000.0, 7000.0]\n");
-        REQUIRE(run_app(*this, "farm s.toml --vary v.toml -o f --tasks 2 --dry-run").code == 0);
+        REQUIRE(run_app(*this, "farm s.toml --vary v.toml -o f --tasks 2 --keep traces --dry-run").code == 0);
         const char* const folders[] = {"theirs", "theirs/000000", "theirs/deeper"};
         for (const char* at : folders) fs::create_directories(path / at);
         for (const char* at : folders)
-            for (const char* name : {"000000", "000000.rows", "000000.csv", "results.csv", "checkpoint.bin", "scene.toml", "notes"})
+            for (const char* name : {"1-of-2.bin", "000000.csv", "results.csv", "sweep.toml", "scene.toml", "notes"})
                 if (!fs::exists(path / at / name)) write(std::string(at) + "/" + name, secret);
     }
     [[nodiscard]] std::map<std::string, std::string> theirs() const
@@ -67,64 +66,32 @@ TEST_SUITE("failure/links")
 {
     TEST_CASE("regression: a farm's folder that is a link is refused, and nothing behind it is touched")
     {
-        for (const char* name : {"tasks", "tasks/000000", "rows", "log", "todo", "running", "done"}) {
+        for (const char* name : {"parts", "runs"}) {
             CAPTURE(name);
             const Shared shared;
             shared.link(std::string("f/") + name);
             const auto before = shared.theirs();
-            const AppResult result = run_app(shared, "farm task f --all");
-            CHECK(result.code != 0);
-            CHECK(result.code > 0);
-            CHECK(result.err.find("is a link or no folder") != std::string::npos);
-            CHECK(shared.theirs() == before);
-            CHECK(run_app(shared, "farm merge f").code > 0);
-            CHECK(shared.theirs() == before);
+            for (const char* words : {"farm s.toml --vary v.toml -o f --keep traces --quiet", "batch s.toml --vary v.toml --part 1/2 -o f --keep traces",
+                                      "farm merge f"}) {
+                const AppResult result = run_app(shared, words);
+                CHECK(result.code > 0);
+                CHECK(shared.theirs() == before);
+                if (words[5] == 's') CHECK(result.err.find("is a link or no folder") != std::string::npos);
+            }
         }
     }
 
-    TEST_CASE("regression: a task's folder with somebody's batch in it is not taken for the farm's")
+    TEST_CASE("regression: a link in the place of a part is not read, and replaced by the part")
     {
         const Shared shared;
-        fs::rename(shared.path / "theirs", shared.path / "f/tasks/000000");
-        const AppResult result = run_app(shared, "farm task f 0");
-        CHECK(result.code == 3);
-        CHECK(result.err.find("holds files of others") != std::string::npos);
-        CHECK(slurp(shared.path / "f/tasks/000000/results.csv") == secret);
-        CHECK(run_app(shared, "farm task f 1").code == 0);
-        CHECK_FALSE(fs::exists(shared.path / "f/tasks/000001"));  // its own goes
-    }
-
-    TEST_CASE("property: what somebody puts into a task's own folder meanwhile stays")
-    {
-        const Shared shared;
-        const FarmPlan plan = read_farm(shared.path / "f");
-        const Folder own = open_task_folder(shared.path / "f", plan, 0);
-        write_file(own / "notes", secret);
-        CHECK(run_app(shared, "farm task f 0").code == 0);
-        CHECK(slurp(shared.path / "f/tasks/000000/notes") == secret);
-        CHECK_FALSE(fs::exists(shared.path / "f/tasks/000000/results.csv"));
-    }
-
-    TEST_CASE("regression: a log whose head a full disk has kept back gets it with the next line")
-    {
-        const Shared shared;
-        const Folder farm(shared.path / "f");
-        rlimit old{};
-        REQUIRE(getrlimit(RLIMIT_FSIZE, &old) == 0);
-        const auto before = std::signal(SIGXFSZ, SIG_IGN);
-        const rlimit none{0, old.rlim_max};
-        REQUIRE(setrlimit(RLIMIT_FSIZE, &none) == 0);
-        const std::string said = refusal([&] { log_event(farm, 0, "w", {"began", 0, 0, {}}); });
-        REQUIRE(setrlimit(RLIMIT_FSIZE, &old) == 0);
-        std::signal(SIGXFSZ, before);
-        CHECK(said.find("cannot be written") != std::string::npos);
-        REQUIRE(fs::file_size(shared.path / "f/log/000000.csv") == 0);
-        log_event(farm, 0, "w", {"began", 0, 0, {}});
-        CHECK(slurp(shared.path / "f/log/000000.csv").starts_with("unix_s,event,worker"));
-        CHECK(look_at_farm(farm, read_farm(farm)).began == 1);
-        // one that was left so by an earlier version counts whole
-        write_file(farm.inner("log") / "000001.csv", "1.0,began,w,0,0,\n");
-        CHECK(look_at_farm(farm, read_farm(farm)).began == 2);
+        const auto before = shared.theirs();
+        for (const char* name : {"1-of-2.bin", "2-of-2.bin"}) {
+            fs::create_symlink(shared.path / "theirs/notes", shared.path / "f/parts" / name);
+            CHECK(run_app(shared, "farm merge f").code == 3);
+        }
+        CHECK(run_app(shared, "farm s.toml --vary v.toml -o f --keep traces --quiet").code == 0);
+        CHECK(fs::is_regular_file(fs::symlink_status(shared.path / "f/parts/1-of-2.bin")));
+        CHECK(shared.theirs() == before);
     }
 
     TEST_CASE("regression: neither a link nor a second name of a file is written to; the temporary name is not taken from anybody")
@@ -222,38 +189,30 @@ TEST_SUITE("failure/links")
         CHECK(included.err.find("includes nothing") != std::string::npos);
     }
 
-    TEST_CASE("regression: a farm.json that was altered and keyed anew has pictures drawn and nothing else written")
+    TEST_CASE("regression: pictures of a farm are told how to look and nothing else; a parts.json that was altered shows no files elsewhere")
     {
         const ScratchFolder folder;
         folder.write("s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n");
         REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
-        if (run_app(folder, "farm R --frames 0:1 -o f --tasks 1 --size 64x64 --dry-run").code != 0) return skip("no renderer");
-        const std::string good = slurp(folder.path / "f/farm.json");
+        const std::string words = "farm R --frames 0:1 -o f --tasks 1 --size 64x64 ";
+        if (run_app(folder, words + "--dry-run").code != 0) return skip("no renderer");
         const std::string target = (folder.path / "written").string();
-        std::vector<std::vector<std::string>> altered = {{"--labels=" + target}, {"--labels=truth"}, {"--labels", "../written"}, {"--labels", "a/../../written"}};
-        for (const char* word : {"--gltf", "--usd", "--video", "--raw", "--dicom", "-o", "--resume", "--fps", "--quiet", "--frames", "--labels", "--labels-in",
-                                 "--preview"})
-            altered.push_back({word, target});
-        for (const std::vector<std::string>& words : altered) {
-            CAPTURE(words.front());
-            nlohmann::ordered_json plan = nlohmann::ordered_json::parse(good);
-            plan["render"] = words;
-            std::vector<std::string> keyed = {version(), slurp(folder.path / "R/wire.pvd"), "0 2"};
-            keyed.insert(keyed.end(), words.begin(), words.end());
-            plan["key"] = farm_key(keyed);
-            folder.write("f/farm.json", plan.dump());
-            const AppResult result = run_app(folder, "farm task f 0");
+        for (const std::string word : {"--labels=" + target, "--labels " + target, std::string("--labels ../written"), std::string("--labels a/../../written"),
+                                       "--gltf " + target, "--usd " + target, "--video " + target, "--raw " + target, "--dicom " + target,
+                                       std::string("--fps 3"), "--farm " + target, "--preview " + target}) {
+            CAPTURE(word);
+            const AppResult result = run_app(folder, words + word);
             CHECK(result.code == 2);
             CHECK(result.error_lines() == 1);
             CHECK_FALSE(fs::exists(target));
             CHECK_FALSE(fs::exists(folder.path / "f/frame_000000.png"));
         }
-        nlohmann::ordered_json plan = nlohmann::ordered_json::parse(good);
+        nlohmann::ordered_json plan = nlohmann::ordered_json::parse(slurp(folder.path / "f/parts.json"));
         plan["files"] = {"frame_######.png", "../written_######"};
-        folder.write("f/farm.json", plan.dump());
+        folder.write("f/parts.json", plan.dump());
         const AppResult result = run_app(folder, "farm status f");
         CHECK(result.code == 3);
-        CHECK_MESSAGE(result.err.find("outside of the farm's folder") != std::string::npos, result.err);
+        CHECK_MESSAGE(result.err.find("outside of its folder") != std::string::npos, result.err);
     }
 
     TEST_CASE("regression: labels of a farm's frames are written through no link, and lie below its folder")
@@ -266,19 +225,19 @@ TEST_SUITE("failure/links")
         REQUIRE(run_app(folder, words + "f --dry-run").code == 0);
         fs::create_directory(folder.path / "elsewhere");
         fs::create_symlink(folder.path / "elsewhere", folder.path / "f/a");
-        const AppResult linked = run_app(folder, "farm task f 0");
-        CHECK(linked.code == 3);
+        const AppResult linked = run_app(folder, words + "f");
+        CHECK(linked.code == 4);
         CHECK_MESSAGE(linked.err.find("f/a: is a link or no folder") != std::string::npos, linked.err);
         CHECK(fs::is_empty(folder.path / "elsewhere"));
         fs::remove(folder.path / "f/a");
-        CHECK(run_app(folder, "farm task f 0").code == 0);
+        CHECK(run_app(folder, words + "f").code == 0);
         CHECK(fs::exists(folder.path / "f/a/truth/frame_000001.json"));
         CHECK(run_app(folder, "farm merge f").code == 0);
         CHECK(run_app(folder, "farm R --frames 0:1 --tasks 1 --size 64x64 --labels ./a/truth/ -o f --dry-run").code == 0);  // the same farm
         for (const char* path : {"../elsewhere", "/elsewhere", "."}) {
             const AppResult outside = run_app(folder, fmt::format("farm R --frames 0:1 --tasks 1 --labels {} -o g --dry-run", path));
             CHECK(outside.code == 2);
-            CHECK_MESSAGE(outside.err.find("expected a folder below the farm's") != std::string::npos, outside.err);
+            CHECK_MESSAGE(outside.err.find("expected a folder below that of the farm") != std::string::npos, outside.err);
             CHECK_FALSE(fs::exists(folder.path / "g"));
         }
     }

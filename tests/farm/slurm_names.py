@@ -102,7 +102,7 @@ def main():
         for name in TAKEN:
             done = farm(name)
             assert done.returncode == 0, (name, done)
-            tried = subprocess.run([b"sbatch", b"--test-only", b"--array=0", name + b"/job.sh", b"0"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            tried = subprocess.run([b"sbatch", b"--test-only", b"--array=1", name + b"/job.sh", b"0"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             assert tried.returncode == 0, (name, tried)
             done = farm(name, "--submit")
             assert done.returncode == 0, (name, done)
@@ -112,7 +112,7 @@ def main():
         plain = Path("plain/results.csv").read_bytes()
         for name in TAKEN:
             logs = [n for n in os.listdir(name + b"/log") if n.startswith(b"slurm-")]
-            assert sorted(n.rsplit(b"_", 1)[-1] for n in logs if b"merge" not in n) == [b"0.txt", b"1.txt"], (name, logs)
+            assert sorted(n.rsplit(b"_", 1)[-1] for n in logs if b"merge" not in n) == [b"1.txt", b"2.txt"], (name, logs)
             assert open(name + b"/results.csv", "rb").read() == plain, name
             assert not os.path.exists("owned"), name
         print(f"{len(TAKEN)} folders taken and done, {len(REFUSED)} refused; {subprocess.run(['sbatch', '--version'], stdout=subprocess.PIPE, text=True).stdout.strip()}")

@@ -24,8 +24,8 @@ def main():
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
         assert done.returncode == 0, done.stdout
         assert Path("a; touch owned/results.csv").exists() and not Path("owned").exists(), os.listdir(".")
-        farm = Path("a; touch owned/farm.json").read_text()
-        assert "scene.duration_s=0.002" in farm and "it is; touch owned" in farm, farm[:2000]
+        scene = Path("a; touch owned/scene.toml").read_text()
+        assert "duration_s = 0.002" in scene and "it is; touch owned" in scene, scene[:2000]
         print("a workflow with blanks, quotes and semicolons in its names ran to its end")
     finally:
         os.chdir("/")

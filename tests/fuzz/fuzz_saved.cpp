@@ -3,7 +3,7 @@
 #include "fuzz_saved.h"
 #include "fuzz_support.h"
 
-#include "batch/farm.h"
+#include "batch/parts.h"
 #include "models/errors.h"
 #include "models/result_table.h"
 #include "record/checkpoint.h"
@@ -27,13 +27,6 @@ const Scene& known_scene()
 const fs::path& folder()
 {
     static const TemporaryFolder made;
-    static const bool filled = [] {
-        for (const char* name : {"todo", "running", "done", "rows", "log"}) fs::create_directory(made.path() / name);
-        put_file(made.path() / "running/000001@w", "");
-        put_file(made.path() / "done/000002", "");
-        return true;
-    }();
-    (void)filled;
     return made.path();
 }
 
@@ -46,33 +39,33 @@ std::string magic_in(const fs::path& file)
     return magic;
 }
 
-void read_plan(const std::string& json, const std::string& log)
+void read_parts_json(const std::string& json)
 {
-    put_file(folder() / "farm.json", json);
-    put_file(folder() / "log/000000.csv", log);
+    put_file(folder() / "parts.json", json);
     answer([&] {
-        FarmPlan plan = read_farm(folder());
-        require(plan.tasks >= 1 && plan.part(plan.tasks - 1).end == plan.items);
-        if (plan.tasks > 1000) return;  // each is looked for in the folder
-        const FarmReport report = look_at_farm(folder(), plan);
-        require(report.state.size() == plan.tasks && report.count(TaskState::Done) <= 1);
-        (void)report.list_missing();
+        const PartPlan plan = read_plan(folder());
+        require(plan.parts >= 1 && plan.range(plan.parts).end == plan.items);
+        if (plan.parts > 1000 || plan.items > 1000) return;  // each is looked for in the folder
+        for (std::size_t part = 1; part <= plan.parts; ++part) (void)items_there(folder(), plan, part);
     });
 }
 
-void read_results(const std::string& payload)
+/// A part of a batch; of the plan that it names, too, since no mutation finds a key.
+void read_a_part(const std::string& payload)
 {
-    FarmPlan plan;
-    plan.items = 5;
-    plan.tasks = 2;
+    PartPlan plan;
+    plan.items = 5, plan.parts = 2;
     plan.key = std::string(16, '0');
-    const fs::path file = folder() / "rows/000001.rows";
-    static const std::string magic = (write_rows(folder(), plan, 1, {}), magic_in(file));
-    put_file(file, sealed(magic, payload));
+    const FilePlace file = part_file(folder(), plan, 2);
+    static const std::string magic = (write_saved(file, {}), magic_in(file.path()));
+    put_file(file.path(), sealed(magic, payload));
     answer([&] {
-        const auto rows = read_rows(folder(), plan, 1, 2);
-        require(rows && rows->size() == 3);
-        for (const BatchRow& row : *rows) require(row.run >= 2 && row.run < 5 && std::isalnum(row.state_hash[0]));
+        std::vector<std::uint8_t> world;
+        plan.key = read_saved(file, world).scene;
+        const auto saved = read_part(folder(), plan, 2);
+        require(saved && saved->rows.size() <= 3 && saved->layout.instruments.size() <= saved->instruments);
+        for (const BatchRow& row : saved->rows)
+            require(row.run >= 2 && row.run < 5 && std::isalnum(row.state_hash[0]) && row.instruments.size() == saved->instruments);
     });
 }
 
@@ -112,12 +105,11 @@ void record(Bytes bytes)
     }, ExitCode::BadScene);
 }
 
-/// farm.json and a task's log, or, after a first byte of 'r', the payload of a task's results.
+/// parts.json, or, after a first byte of 'r', the payload of a part.
 void farm(Bytes bytes)
 {
-    if (!bytes.empty() && bytes[0] == 'r') return read_results(text_of(bytes.subspan(1)));
-    const std::vector<std::string> parts = parts_of(bytes, 2);
-    read_plan(parts[0], parts[1]);
+    if (!bytes.empty() && bytes[0] == 'r') return read_a_part(text_of(bytes.subspan(1)));
+    read_parts_json(text_of(bytes));
 }
 
 /// Saved files of a study: a trajectory without its checksum, compared with itself, or, after a first byte of 'r', a table of

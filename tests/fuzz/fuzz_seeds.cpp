@@ -2,7 +2,7 @@
 #include "fuzz_saved.h"
 #include "fuzz_support.h"
 
-#include "batch/farm.h"
+#include "batch/parts.h"
 #include "engine.h"
 #include "models/trajectory.h"
 #include "record/checkpoint.h"
@@ -60,25 +60,24 @@ void make_records(const fs::path& dir, const fs::path& scratch)
 
 void make_farms(const fs::path& dir, const fs::path& folder)
 {
-    FarmPlan plan;
-    plan.source = "/s.toml";
-    plan.sweep = "v.toml";
-    plan.overrides = {"wire.nodes=41"};
-    plan.items = 5;
-    plan.tasks = 2;
+    PartPlan plan;
+    plan.items = 5, plan.parts = 2;
     plan.key = std::string(16, '0');
-    write_farm(folder, plan);
-    const std::string log = "\x1eunix_s,event,worker,process_s,work_s,message\n1.0,began,w,0.1,0.0,\n2.0,finished,w,0.5,0.3,\n3.0,failed,w,0,0,a, b\n";
-    put_seed(dir, "farm", "sweep", slurp(folder / "farm.json") + log);
-    std::vector<BatchRow> rows(3);
-    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(2 + k), rows[k].state_hash.fill('a'), rows[k].instruments.resize(2), rows[k].shape.resize(2 * 3 * BatchRow::stations);
-    write_rows(folder, plan, 1, rows);
-    put_seed(dir, "farm", "rows", "r" + unsealed(slurp(folder / "rows/000001.rows")));
-    plan.kind = FarmKind::Frames;
-    plan.render = {"--size", "640x480"};
-    fs::remove(folder / "farm.json");
-    write_farm(folder, plan);
-    put_seed(dir, "farm", "frames", slurp(folder / "farm.json"));
+    write_plan(folder, plan);
+    put_seed(dir, "farm", "sweep", slurp(folder / "parts.json"));
+    SavedBatch saved;
+    saved.scene = plan.key, saved.sweep = "[vary]\n", saved.name = "two", saved.device = "host";
+    saved.layout.instruments = {"catheter", "wire"}, saved.layout.runs = 5, saved.layout.target = "the middle";
+    saved.instruments = 2, saved.begin = 2, saved.end = 5;
+    saved.rows.resize(3);
+    for (std::size_t k = 0; k < saved.rows.size(); ++k) saved.rows[k].run = static_cast<std::int64_t>(2 + k), saved.rows[k].state_hash.fill('a'), saved.rows[k].instruments.resize(2), saved.rows[k].shape.resize(2 * 3 * BatchRow::stations);
+    const FilePlace file = part_file(folder, plan, 2);
+    write_saved(file, saved);
+    put_seed(dir, "farm", "rows", "r" + unsealed(slurp(file.path())));
+    plan.frames = true, plan.rate = 15, plan.files = {"frame_######.png"};
+    fs::remove(folder / "parts.json");
+    write_plan(folder, plan);
+    put_seed(dir, "farm", "frames", slurp(folder / "parts.json"));
 }
 
 void make_kept(const fs::path& dir, const fs::path& scratch)

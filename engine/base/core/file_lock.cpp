@@ -56,8 +56,11 @@ long holder(int fd)
                                                           "with something in it); move it away, or choose another folder with -o");
 }
 
-/// @return a descriptor that holds the lock; -1 where the file system knows no locks
-int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
+constexpr int lockless = -1, held = -2;
+
+/// @param refuses  where another process holds it
+/// @return a descriptor that holds the lock; lockless where the file system knows no locks; held
+int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait, bool refuses)
 {
     for (;;) {
         const int fd = ::openat(lock.start(), lock.name().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
@@ -75,7 +78,8 @@ int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
             const int error = errno;
             ::close(fd);
             if (error == EINTR) continue;
-            if (error != EWOULDBLOCK) return -1;
+            if (error != EWOULDBLOCK) return lockless;
+            if (!refuses) return held;
             throw Error(ExitCode::BadFile, fmt::format("{}: is being written by another run{}; wait for its end, stop it, or "
                                                        "choose another place with -o",
                                                        what.string(), by == unnamed ? "" : fmt::format(", process {}", by)));
@@ -100,9 +104,9 @@ pid_t writer_of(const std::string& name)
 
 }  // namespace
 
-FileLock::FileLock(const fs::path& what, FilePlace lock, Wait wait) : lock_(std::move(lock))
+FileLock::FileLock(const fs::path& what, FilePlace lock, Wait wait, bool refuses) : lock_(std::move(lock))
 {
-    fd_ = take(what, lock_, wait);
+    fd_ = take(what, lock_, wait, refuses);
     if (fd_ < 0) return;
     const std::string pid = fmt::format("{}\n", ::getpid());
     // whom to name is a help and no more: a full disk may leave it out
@@ -136,6 +140,12 @@ FileLock FileLock::of_file(const FilePlace& file, Wait wait)
     const fs::path& path = file.path();
     if (file.start() == AT_FDCWD && path.has_parent_path()) make_folder(path.parent_path());
     return {path, file.beside(path.filename().string() + ".lock"), wait};
+}
+
+std::optional<FileLock> FileLock::if_free(const FilePlace& file)
+{
+    FileLock lock(file.path(), file.beside(file.path().filename().string() + ".lock"), Wait::No, false);
+    return lock.fd_ == held ? std::nullopt : std::optional(std::move(lock));
 }
 
 FileLock::~FileLock()

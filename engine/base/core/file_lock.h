@@ -5,6 +5,7 @@
 #include "core/folder.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace seldinger {
@@ -22,6 +23,8 @@ public:
     enum class Wait { No, Yes };  // for another process to end its writing
     /// Locks one file that is to be written, by "FILE.lock" beside it. @throws Error BadFile
     [[nodiscard]] static FileLock of_file(const FilePlace& file, Wait wait = Wait::No);
+    /// The same; nothing where another process has it. @throws Error BadFile
+    [[nodiscard]] static std::optional<FileLock> if_free(const FilePlace& file);
     ~FileLock();
     FileLock(const FileLock&) = delete;
     FileLock& operator=(const FileLock&) = delete;
@@ -33,7 +36,7 @@ public:
     }
 
 private:
-    FileLock(const std::filesystem::path& what, FilePlace lock, Wait wait = Wait::No);
+    FileLock(const std::filesystem::path& what, FilePlace lock, Wait wait = Wait::No, bool refuses = true);
     void swap(FileLock& other) noexcept;
 
     FilePlace lock_{""};

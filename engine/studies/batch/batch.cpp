@@ -88,7 +88,7 @@ BatchSource make_source(std::string scene_text, const std::filesystem::path& sce
                         const std::string& sweep_text, const std::filesystem::path& sweep_file)
 {
     const Scene base = read_scene_text(scene_text, scene_file, overrides);
-    return {std::move(scene_text), scene_file, std::move(overrides), read_sweep_text(sweep_text, sweep_file, base.seed), base.bands};
+    return {std::move(scene_text), scene_file, std::move(overrides), read_sweep_text(sweep_text, sweep_file, base.seed), base.bands, base.seed};
 }
 
 std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp)

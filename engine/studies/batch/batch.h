@@ -27,6 +27,7 @@ struct BatchSource {
     std::vector<std::string> overrides;  // of --set, before the sweep's
     Sweep sweep;
     bool bands = false;  // each run a second time with half the step: items run_count() to 2 run_count()
+    std::int64_t seed = 0;  // of the sweep's draws
 
     /// Runs to compute. An item below sweep.run_count() is that run of the sweep.
     [[nodiscard]] std::size_t item_count() const { return (bands ? 2 : 1) * sweep.run_count(); }

@@ -69,6 +69,14 @@ void write_kept(const Folder& folder, const KeptFiles& files)
     for (const auto& [name, content] : files) write_file(runs / name, content);
 }
 
+void copy_kept(const Folder& from, const Folder& to)
+{
+    if (!from.has(kept_folder)) return;
+    const Folder there = from.inner(kept_folder), here = to.make(kept_folder);
+    for (const std::string& name : there.names())
+        if (is_kept(name) && !name.ends_with(".tmp") && !here.has(name)) write_file(here / name, read_file(there / name));
+}
+
 void remove_kept(const Folder& folder)
 {
     if (!folder.has(kept_folder)) return;

@@ -29,6 +29,8 @@ using KeptFiles = std::vector<std::pair<std::string, std::string>>;
 
 /// Writes them into `folder`/runs, which is made.
 void write_kept(const Folder& folder, const KeptFiles& files);
+/// Copies what write_kept() wrote, where it is not yet.
+void copy_kept(const Folder& from, const Folder& to);
 /// Removes what write_kept() wrote, and runs/ if nothing else is in it.
 void remove_kept(const Folder& folder);
 
