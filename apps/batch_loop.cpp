@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
-constexpr std::string_view magic = "SELBATC8";
+constexpr std::string_view magic = "SELBATC9";
 constexpr const char* batch_files[] = {"results.csv", "results-units.csv", "results.npz", "shapes.csv", "sweep.toml"};
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
@@ -350,10 +350,13 @@ void add_answer(Json& summary, const BatchSource& source, const std::vector<Batc
     summary["runs"] = source.sweep.run_count();
     summary["done"] = runs.size() - stopped;
     summary["stopped"] = stopped;
-    Json branches = Json::object(), left = Json::object();
+    Json branches = Json::object(), paths = Json::object(), left = Json::object();
     for (const auto& [branch, count] : answer.ends.branches) branches[std::to_string(branch)] = count;
+    for (const auto& [place, count] : answer.ends.places)
+        if (!place.second.empty()) paths[place.second] = count;
     for (const auto& [inlet, count] : answer.ends.left) left[std::to_string(inlet)] = count;
     summary["branches"] = std::move(branches);
+    summary["branch_paths"] = std::move(paths);
     summary["left_through"] = std::move(left);
     if (layout.task) {
         Json ranking = Json::array();

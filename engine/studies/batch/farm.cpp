@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view rows_magic = "SELFARM4";
+constexpr std::string_view rows_magic = "SELFARM5";
 // beyond what any farm has, and little enough to be listed in memory
 constexpr std::size_t most_tasks = 1'000'000, most_items = 10'000'000, last_frame = 1'000'000'000;
 
