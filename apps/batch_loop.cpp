@@ -284,10 +284,13 @@ void add_answer(Json& summary, const BatchTable& table, const std::vector<BatchR
     summary["runs"] = sweep.run_count();
     summary["done"] = runs.size() - stopped;
     summary["stopped"] = stopped;
-    Json branches = Json::object(), left = Json::object();
+    Json branches = Json::object(), paths = Json::object(), left = Json::object();
     for (const auto& [branch, count] : answer.ends.branches) branches[std::to_string(branch)] = count;
+    for (const auto& [place, count] : answer.ends.places)
+        if (!place.second.empty()) paths[place.second] = count;
     for (const auto& [inlet, count] : answer.ends.left) left[std::to_string(inlet)] = count;
     summary["branches"] = std::move(branches);
+    summary["branch_paths"] = std::move(paths);
     summary["left_through"] = std::move(left);
     if (layout.task) {
         Json ranking = Json::array();

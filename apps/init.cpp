@@ -49,7 +49,7 @@ std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline
 {
 #ifdef SEL_WITH_VIEW
     try {
-        const Branches numbered(line);
+        const Branches numbered(line, end_at(line, first.inlets[static_cast<std::size_t>(first.inlet) - 1].point));
         std::vector<Vec3> branches;
         for (int k = 1; k <= numbered.count(); ++k) branches.push_back(line.points[static_cast<std::size_t>(numbered.points(k).back())]);
         draw_inlets(picture, mesh, first.inlets, branches, first.inlet);

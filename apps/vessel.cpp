@@ -98,6 +98,8 @@ Json report_of(const LoadedVessel& vessel)
                           {"direction", list(inlet.direction)},
                           {"radius", inlet.radius},
                           {"opening", inlet.opening >= 0 ? Json(inlet.opening) : Json()}});
+    Json unreached = Json::array();
+    for (const Vec3& p : r.unreached) unreached.push_back(list(p));
     return {{"length_unit", "m"},
             {"triangles_read", r.triangles_read},
             {"triangles", r.triangles},
@@ -105,6 +107,7 @@ Json report_of(const LoadedVessel& vessel)
             {"repairs", repairs_of(r)},
             {"loops", loops},
             {"centreline", centreline_of(vessel.centreline)},
+            {"unreached", unreached},
             {"inlets", inlets}};
 }
 

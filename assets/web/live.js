@@ -129,6 +129,7 @@ function showSheet(n) {
   const most = (value, limit, unit) => `${value} ${unit}${limit ? ` of ${limit}` : ''}`;
   row(table, 'Time', most(s.time.toFixed(1), limits.time, 's'), limits.time && s.time > limits.time);
   if (s.distance >= 0) row(table, 'To the target', s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`);
+  if (n.branch >= 0 && state.scene.branches.length > 1) row(table, 'Tip in', `${state.scene.branches[n.branch]}, ${(1e3 * n.branch_depth).toFixed(0)} mm`);
   row(table, 'Wall force', most(s.wall.toFixed(2), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
   row(table, 'its peak, mean', `${s.wall_max.toFixed(2)}, ${s.wall_mean.toFixed(2)} N`, limits.wall_force && s.wall_max > limits.wall_force);
   row(table, `On ${1e3 * limits.patch} mm of wall`, most(s.patch.toFixed(2), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);

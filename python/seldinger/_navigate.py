@@ -29,8 +29,8 @@ class Navigate:
     scene, overrides
         The scene: see `seldinger.World`; `overrides` as a dict.
     target
-        A branch of the arch, "left-subclavian", "left-carotid" or "brachiocephalic"; "branch:k", the k-th (from 1) from the root of any
-        centreline; or a point [3] [m].
+        A branch of the arch, "left-subclavian", "left-carotid" or "brachiocephalic"; "branch:k", the k-th (from 1) from the inlet
+        of any vessel; "branch:2.1", a path, or "branch:name" (docs/answers.md); or a point [3] [m].
     target_depth, target_radius : float
         Distance of the target along the branch from its origin, and the distance at which the tip has arrived [m].
     rate : float
@@ -203,28 +203,12 @@ class Navigate:
 
 
 def branches(world: World) -> list[np.ndarray]:
-    """Branches of the vessel's axis, points [p, 3] from where each leaves the path from the root [m], in the order in which they leave
-    it; the trunk's own end is the last. Branch k of a scene (`task.target.branch`) and target "branch:k" are the k-th, from 1."""
-    line = world.centreline
-    points, parent = line["points"], line["parent"]
-    children = np.bincount(parent[parent >= 0], minlength=len(parent)) if len(parent) else np.zeros(0, int)
-
-    def path_to(leaf: int) -> list[int]:
-        path = [leaf]
-        while parent[path[-1]] >= 0:
-            path.append(int(parent[path[-1]]))
-        return path[::-1]
-
-    def length(path: Sequence[int]) -> float:
-        return float(np.linalg.norm(np.diff(points[list(path)], axis=0), axis=1).sum())
-
-    paths = [path_to(i) for i in range(len(parent)) if not children[i]]
-    trunk = max(range(len(paths)), key=lambda i: length(paths[i]), default=-1)
-    found = []
-    for i, path in enumerate(paths):
-        fork = next((k for k in range(len(path) - 2, -1, -1) if children[path[k]] > 1), 0)
-        found.append((np.inf if i == trunk else length(path[:fork + 2]), path[-1], points[path[fork:]]))
-    return [p for _, _, p in sorted(found, key=lambda x: x[:2])]
+    """Branches of the vessel's axis with a number, points [p, 3] from where each leaves the path from the inlet [m], in the order of
+    their numbers; the trunk's own end is the last. Branch k of a scene (`task.target.branch`) and target "branch:k" are the k-th,
+    from 1. `World.branches` has the vessels between forks, too."""
+    points = world.centreline["points"]
+    ends = sorted((b for b in world.branches() if b["number"]), key=lambda b: b["number"])
+    return [points[b["points"]] for b in ends]
 
 
 _ARCH = ("left-subclavian", "left-carotid", "brachiocephalic")  # from the diaphragm
@@ -233,8 +217,9 @@ _ARCH = ("left-subclavian", "left-carotid", "brachiocephalic")  # from the diaph
 def check_target(target: Union[str, Sequence[float]]) -> None:
     """Refuses what is a target of no vessel."""
     name, _, number = target.partition(":") if isinstance(target, str) else ("", "", "")
-    if isinstance(target, str) and target not in _ARCH and not (name == "branch" and number.isdigit() and int(number) > 0):
-        raise ValueError(f"target: got \"{target}\"; expected {', '.join(_ARCH)}, branch:1 or another number, or a point [3] in metres")
+    if isinstance(target, str) and target not in _ARCH and not (name == "branch" and number and number != "0"):
+        raise ValueError(f"target: got \"{target}\"; expected {', '.join(_ARCH)}, branch:1 or another number, branch:2.1 or another path or name, "
+                         "or a point [3] in metres")
     if not isinstance(target, str) and (np.shape(target) != (3,) or not np.isfinite(np.asarray(target, float)).all()):
         raise ValueError(f"target: got {target}; expected a name or a point [3] in metres")
 
@@ -244,10 +229,14 @@ def target_point(world: World, target: Union[str, Sequence[float]], depth: float
     check_target(target)
     if not isinstance(target, str):
         return np.asarray(target, float)
-    found = branches(world)
-    k = _ARCH.index(target) if target in _ARCH else int(target.partition(":")[2]) - 1
-    if k >= len(found):
-        raise ValueError(f"target: got \"{target}\"; expected branch:1 to branch:{len(found)} of this vessel")
-    line = found[k]
+    found = world.branches()
+    word = str(_ARCH.index(target) + 1) if target in _ARCH else target.partition(":")[2]
+    line = next((b["points"] for b in found if word.isdigit() and b["number"] == int(word)), None)
+    if line is None:
+        line = next((b["points"] for b in found if word in (b["path"], b["name"]) and not word.isdigit()), None)
+    if line is None:
+        raise ValueError(f"target: got \"{target}\"; expected branch:1 to branch:{max(b['number'] for b in found) if found else 0} of this vessel, or branch: and one of "
+                         f"the paths {', '.join(b['path'] for b in found)}")
+    line = world.centreline["points"][line]
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     return np.array([np.interp(depth, along, line[:, d]) for d in range(3)])

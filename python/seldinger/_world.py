@@ -319,8 +319,19 @@ class World:
 
     def branch(self, system: int = 0) -> tuple[int, float]:
         """Branch of the vessel that the leading tip is in, numbered as `task.target.branch`, and how far behind its mouth [m];
-        0: before any, or no centreline."""
-        return self._world.branch(int(system))
+        0: in a vessel that ends in a fork, or no centreline. `branch_path` names that vessel, too."""
+        return self._world.branch(int(system))[:2]
+
+    def branch_path(self, system: int = 0) -> str:
+        """Path of the vessel that the leading tip is in, as `branch_path` of `summary.json`: "0" is the trunk, "2.1" leaves branch 2.
+        Empty without a centreline."""
+        return self._world.branch(int(system))[2]
+
+    def branches(self, system: int = 0) -> list[dict[str, Any]]:
+        """Vessels between forks, as the one who pushes sees them: `path`, `name` (of the centreline's file, or ""), `number` (of an end;
+        0: it ends in a fork), and `points`, indices into `centreline["points"]` from the fork outwards."""
+        return [{"path": path, "name": name, "number": number, "points": np.array(points, int)}
+                for path, name, number, points in self._world.branches(int(system))]
 
     def state_hash(self, system: int = -1) -> str:
         """64-bit FNV-1a over every byte of the state as 16 hex digits, as in `summary.json`; of one system, or of all."""

@@ -60,7 +60,7 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
 
 void Handle::begin_tasks()
 {
-    branches_ = Branches(world_->setup().centreline);
+    branches_ = WorldBranches(*world_);
     if (!scenes_.front().task.on) return;
     if (!watch_) watch_.emplace(scenes_.front(), *world_, ScoreWatch::Patch::WhereItCounts);
     scores_.resize(static_cast<std::size_t>(world_->system_count()));
@@ -85,11 +85,16 @@ const ScoreNumbers& Handle::score(int system) const
     return scores_[static_cast<std::size_t>(std::max(system, 0))];
 }
 
+const Branches& Handle::branches(int system) const
+{
+    check_system(system);
+    return branches_.of(std::max(system, 0));
+}
+
 Branches::Place Handle::branch(int system) const
 {
     check_system(system);
-    const World& at = world();
-    return branches_.locate(at.setup().centreline, at.rod(leading_wire(at, std::max(system, 0))).pos(0));
+    return branches_.tip(world(), std::max(system, 0));
 }
 
 Handle::~Handle() { close(); }

@@ -81,6 +81,7 @@ public:
     [[nodiscard]] const ScoreNumbers& score(int system) const;
     /// The branch of the vessel that a system's leading tip is in.
     [[nodiscard]] Branches::Place branch(int system) const;
+    [[nodiscard]] const Branches& branches(int system) const;
 
     std::mutex& lock() const { return lock_; }
     /// @throws Error BadScene: there is no such system
@@ -106,7 +107,7 @@ private:
     std::optional<SceneRun> run_;  // after begin_run()
     RunPart part_;
     std::vector<std::uint8_t> failed_;
-    Branches branches_;
+    WorldBranches branches_;
     std::optional<ScoreWatch> watch_;   // where the scene has a [task]
     std::vector<ScoreNumbers> scores_;  // of each system
     Control control_;

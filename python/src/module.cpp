@@ -143,7 +143,19 @@ void bind_world(py::module_& module)
     c.def("branch", [](Handle& h, int system) {
         return alone(h, [&] {
             const Branches::Place place = h.branch(system);
-            return std::pair(place.branch, place.depth);
+            return std::tuple(place.branch, place.depth, h.branches(system).path(place));
+        });
+    });
+    c.def("branches", [](Handle& h, int system) {
+        return alone(h, [&] {
+            const Branches& all = h.branches(system);
+            std::vector<std::tuple<std::string, std::string, int, std::vector<int>>> list;
+            for (const Stretch& s : all.stretches()) {
+                std::vector<int> points = s.points;
+                if (const int fork = all.line().parent[static_cast<std::size_t>(points.front())]; fork >= 0) points.insert(points.begin(), fork);
+                list.emplace_back(s.path, s.name, s.number, std::move(points));
+            }
+            return list;
         });
     });
     c.def("at_rest", [](Handle& h) { return alone(h, [&] { return h.world().at_rest(); }); });

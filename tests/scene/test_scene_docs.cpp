@@ -118,7 +118,7 @@ struct RangeText {
                                 r.high_open || r.high == range_end ? ")" : "]"),
                     n.words);
     }
-    std::string operator()(const keys::Count& c) const { return with(fmt::format("[{}, {}]", c.least, c.most), c.words); }
+    std::string operator()(const keys::Count& c) const { return with(fmt::format("[{}, {}]{}", c.least, c.most, c.text ? " or text" : ""), c.words); }
     std::string operator()(const std::int64_t*) const { return "[0, ∞)"; }
     std::string operator()(const bool*) const { return "`true`, `false`"; }
     std::string operator()(const std::string*) const { return "text"; }

@@ -1,8 +1,10 @@
 // Vessels as segmentations, printers and CAD programs make them: in parts, with a thick wall, of exact spheres.
 #include "core/error.h"
 #include "repair/repair.h"
+#include "shapes/swept_lumen.h"
 #include "support/approx.h"
 #include "vessel/extract_centreline.h"
+#include "vessel/mesh_edges.h"
 #include "vessel/mesh_fixtures.h"
 #include "vessel/parts.h"
 
@@ -225,6 +227,80 @@ TEST_SUITE("vessel/field_vessels")
         }
         CHECK(far > 24e-3);
         CHECK(far < 27.5e-3);
+    }
+
+    TEST_CASE("regression: a flap of triangles left over from a cut bends neither the opening nor the axis")
+    {
+        // in front of the flap the nearest wall is its own front: spheres as wide as the vessel is long, and an axis out there
+        constexpr double radius = 15e-3, length = 0.15, flap = 0.04;
+        constexpr int around = 48;
+        WallMesh mesh = tube(radius, length + flap, around, 76);
+        std::erase_if(mesh.triangles, [&](const auto& t) {
+            const Vec3 at = (mesh.vertices[static_cast<std::size_t>(t[0])] + mesh.vertices[static_cast<std::size_t>(t[1])] + mesh.vertices[static_cast<std::size_t>(t[2])]) / 3;
+            return at.x() > length && std::abs(std::atan2(at.z(), at.y())) > 0.25;
+        });
+        RepairReport report;
+        const Centreline line = axis_of(mesh, report);
+        REQUIRE(report.loops.size() == 2);
+        for (const BoundaryLoop& loop : report.loops) {
+            CHECK(loop.radius == about(radius).epsilon(0.01));
+            CHECK(std::hypot(loop.centre.y(), loop.centre.z()) < 0.05 * radius);
+            CHECK(std::abs(loop.inward.x()) > 0.999);
+            CHECK((rim_height(mesh, loop) > 0.9 * flap) == (loop.centre.x() > 0.1));
+        }
+        CHECK(line.main_path().size() == line.points.size());  // one way, without branches
+        CHECK(line.total_length() == about(length).epsilon(0.05));
+        for (std::size_t i = 0; i < line.points.size(); ++i) {
+            CHECK(std::hypot(line.points[i].y(), line.points[i].z()) < 0.1 * radius);
+            CHECK(line.radius[i] < 1.02 * radius);
+        }
+    }
+
+    TEST_CASE("regression: a lumen as flat as those of a dissection has an axis along it, no comb of paths across it")
+    {
+        // 24 x 7 mm, 200 mm long, triangles of 1 mm
+        constexpr int wide = 24, high = 7, along = 200, around = 2 * (wide + high);
+        WallMesh mesh;
+        for (int i = 0; i <= along; ++i)
+            for (int j = 0; j < around; ++j) {
+                const int k = j % (wide + high);
+                const double side = j < wide + high ? 1 : -1;
+                const double y = k < wide ? -0.5 * wide + k : 0.5 * wide, z = k < wide ? -0.5 * high : -0.5 * high + (k - wide);
+                mesh.vertices.emplace_back(1e-3 * i, 1e-3 * side * y, 1e-3 * side * z);
+            }
+        for (std::int32_t i = 0; i < along; ++i)
+            for (std::int32_t j = 0; j < around; ++j) {
+                const std::int32_t a = i * around + j, b = i * around + (j + 1) % around, c = b + around, d = a + around;
+                mesh.triangles.push_back({a, c, b});
+                mesh.triangles.push_back({a, d, c});
+            }
+        const RepairReport report = repair(mesh);
+        REQUIRE(report.loops.size() == 2);
+        CentrelineGaps gaps;
+        const Centreline line = extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops), &gaps);
+        CHECK(line.total_length() > 0.19);
+        CHECK(line.total_length() < 0.3);
+        CHECK(gaps.side_by_side >= 12);
+    }
+
+    TEST_CASE("property: a branch that is too fine for its triangles is on the axis, or said to be missing")
+    {
+        // triangles of about 0.45 mm on a branch of 0.42 mm radius
+        const auto straight = [](const Vec3& from, const Vec3& to, double radius) {
+            SweptTube made;
+            for (int k = 0; k <= 60; ++k) made.points.push_back(from + (to - from) * k / 60.0), made.radius.push_back(radius);
+            return made;
+        };
+        const Vec3 tip(0.03, 0.02, 0);
+        const SweptLumen lumen({straight({0, 0, 0}, {0.06, 0, 0}, 3e-3), straight({0.03, 0, 0}, tip, 0.42e-3)}, 0.3e-3);
+        WallMesh mesh = mesh_lumen(lumen, {{{0.002, 0, 0}, -Vec3::UnitX(), 6e-3}, {{0.058, 0, 0}, Vec3::UnitX(), 6e-3}}, 13000);
+        const RepairReport report = repair(mesh);
+        CentrelineGaps gaps;
+        const Centreline line = extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops), &gaps);
+        double to_tip = 1;
+        for (const Vec3& p : line.points) to_tip = std::min(to_tip, (p - tip).norm());
+        const bool said = gaps.unreached.size() == 1 && std::abs(gaps.unreached[0].x() - tip.x()) < 1e-3 && gaps.unreached[0].y() > 0.003;
+        CHECK((to_tip < 2e-3) != said);
     }
 }
 

@@ -8,9 +8,8 @@
 
 namespace seldinger {
 
-std::vector<int> Centreline::main_path() const
+std::vector<double> Centreline::lengths() const
 {
-    if (points.empty()) return {};
     // a point's parent may stand behind it in a file: follow parents up, remembering known ones
     std::vector<double> from_root(points.size(), -1);
     std::vector<int> climb;
@@ -25,16 +24,30 @@ std::vector<int> Centreline::main_path() const
         for (; !climb.empty(); climb.pop_back()) {
             const auto k = static_cast<std::size_t>(climb.back());
             const int up = parent[k];
-            from_root[k] =
-                up < 0 ? 0.0
-                       : from_root[static_cast<std::size_t>(up)] + (points[k] - points[static_cast<std::size_t>(up)]).norm();
+            from_root[k] = up < 0 ? 0.0 : from_root[static_cast<std::size_t>(up)] + (points[k] - points[static_cast<std::size_t>(up)]).norm();
         }
     }
+    return from_root;
+}
+
+std::vector<int> Centreline::main_path() const
+{
+    if (points.empty()) return {};
+    const std::vector<double> from_root = lengths();
     const auto leaf = std::max_element(from_root.begin(), from_root.end()) - from_root.begin();
     std::vector<int> path;
     for (int at = static_cast<int>(leaf); at >= 0; at = parent[static_cast<std::size_t>(at)]) path.push_back(at);
     std::reverse(path.begin(), path.end());
     return path;
+}
+
+void Centreline::set_root(int point)
+{
+    for (int before = -1, at = point; at >= 0;) {
+        const int next = parent[static_cast<std::size_t>(at)];
+        parent[static_cast<std::size_t>(at)] = before;
+        before = at, at = next;
+    }
 }
 
 std::vector<Vec3> Centreline::main_points() const

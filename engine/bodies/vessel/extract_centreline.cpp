@@ -18,6 +18,9 @@ constexpr double kCover = 1.6;    // wall within this many radii of a path is se
 constexpr double kJoin = 0.5;     // a new path ends where it comes this many radii near an older one
 constexpr double kBranch = 2.0;   // a branch is this many times longer than wide (in radii), counted from its parent's wall
 constexpr double kSpacing = 0.5;  // distance of points in radii
+constexpr double kFlat = 2.5;     // a lumen so many times wider than high is a sheet; an oval one has 2
+constexpr double kSight = 8;      // how far a sheet's axis is looked for, in radii; and by three radii of the axis
+constexpr double kAside = 0.87;   // cosine of 30 degrees: how far from straight back
 
 struct Polyline {
     std::vector<Vec3> points;
@@ -40,7 +43,7 @@ public:
     Centreline run()
     {
         if (graph_.ball_count() == 0) return {};
-        served_.assign(graph_.wall.size(), false);
+        list_samples();
         const int root = openings_.empty() ? an_end_of_closed() : ball_at(openings_[0]);
         paths_ = cheapest_paths(graph_, root);
         // a tip's radius runs to 0: never space points closer than a fraction of the typical radius
@@ -50,6 +53,57 @@ public:
         const double share = std::max(1e-4, 0.05 / static_cast<double>(graph_.wall.size()));
         finest_ =
             std::max(0.25 * radii[radii.size() / 10], share * *std::max_element(paths_.length.begin(), paths_.length.end()));
+        lay_paths();
+        if (is_comb()) {
+            leave_sheets_out_ = true;
+            lay_paths();
+        }
+        if (openings_.empty()) reroot_at_widest_end(tree_, mesh_, lumen_, work_);
+        return std::move(tree_);
+    }
+    /// Paths side by side in a flat lumen that are no part of the axis.
+    [[nodiscard]] int left_out() const { return left_out_; }
+
+    /// One place in each piece of wall that belongs to a lumen and has no path: branches too fine for their triangles.
+    [[nodiscard]] std::vector<Vec3> unreached() const
+    {
+        std::vector<Vec3> places;
+        std::vector<std::vector<std::size_t>> near(graph_.wall.size());
+        for (std::size_t k = 0; k < edges_.count(); ++k) {
+            const std::int32_t h = edges_.uses(k)[0];
+            const auto a = sample_at(half_edge_from(mesh_, h)), b = sample_at(half_edge_to(mesh_, h));
+            if (a == b || !is_missed(a) || !is_missed(b)) continue;
+            near[a].push_back(b), near[b].push_back(a);
+        }
+        std::vector<bool> seen(graph_.wall.size(), false);
+        for (std::size_t seed = 0; seed < seen.size(); ++seed) {
+            if (seen[seed] || !is_missed(seed)) continue;
+            std::vector<std::size_t> piece = {seed};
+            seen[seed] = true;
+            Box3 box;
+            double widest = 0;
+            std::size_t farthest = seed;
+            for (std::size_t k = 0; k < piece.size(); ++k) {
+                const std::size_t i = piece[k];
+                box.extend(graph_.wall[i]);
+                widest = std::max(widest, radius_of(i));
+                if (length_to(graph_.ball_of_sample[i]) > length_to(graph_.ball_of_sample[farthest])) farthest = i;
+                for (const std::size_t j : near[i])
+                    if (!seen[j]) seen[j] = true, piece.push_back(j);
+            }
+            // a fold of a rough wall is short for its width
+            if (piece.size() >= kFewest && box.diagonal().norm() > kLong * widest)
+                places.push_back(graph_.centre[static_cast<std::size_t>(graph_.ball_of_sample[farthest])]);
+        }
+        return places;
+    }
+
+private:
+    void lay_paths()
+    {
+        tree_ = {};
+        branches_ = in_sheet_ = 0;
+        served_.assign(graph_.wall.size(), false);
         if (openings_.empty()) {
             add_branch(farthest_unserved(), nullptr);
         } else {
@@ -64,12 +118,21 @@ public:
             if (ends.empty()) add_branch(farthest_unserved(), nullptr);
         }
         // each round serves at least its own sample, so this ends; vessels have tens of branches
-        for (int ball = farthest_unserved(); ball >= 0; ball = farthest_unserved()) add_branch(ball, nullptr);
-        if (openings_.empty()) reroot_at_widest_end(tree_, mesh_, lumen_, work_);
-        return std::move(tree_);
+        for (int ball = farthest_unserved(); ball >= 0 && !is_comb(); ball = farthest_unserved()) add_branch(ball, nullptr);
     }
+    /// Most of the latest branches lie side by side in a flat lumen.
+    [[nodiscard]] bool is_comb() const { return !leave_sheets_out_ && in_sheet_ >= kComb && 2 * in_sheet_ > branches_ - kComb; }
 
-private:
+    static constexpr int kComb = 12;  // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
+    static constexpr std::size_t kFewest = 8;
+    static constexpr double kLong = 8;  // in radii: a branch of four diameters
+    [[nodiscard]] std::size_t sample_at(std::int32_t vertex) const { return static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(vertex)]); }
+    [[nodiscard]] double radius_of(std::size_t sample) const { return graph_.radius[static_cast<std::size_t>(graph_.ball_of_sample[sample])]; }
+    /// Without a path, in the part of the surface that has the tree, with a lumen in front of it.
+    [[nodiscard]] bool is_missed(std::size_t sample) const
+    {
+        return !served_[sample] && length_to(graph_.ball_of_sample[sample]) >= 0 && radius_of(sample) > 1e-2 * finest_;
+    }
     [[nodiscard]] double length_to(int ball) const { return paths_.length[static_cast<std::size_t>(ball)]; }
 
     [[nodiscard]] int farthest(const MedialPaths& paths) const
@@ -156,6 +219,59 @@ private:
                (length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius));
     }
 
+    /// Whether most of a path, or of its narrow part, lies in a flat lumen that has an axis: wide across the path, and in sight of the axis,
+    /// not only straight back as along a branch. The two lumens of a dissection are such sheets; without this each would be combed by a
+    /// hundred paths.
+    [[nodiscard]] bool is_in_sheet(const Polyline& raw, const Vec3& join, double parent_radius) const
+    {
+        constexpr double kNarrow = 0.6;  // of the radius where the path joins the axis
+        constexpr double kStep = 0.3;    // of samples, in radii
+        constexpr int least = 4;
+        int flat = 0, all = 0, narrow_flat = 0, narrow = 0;
+        for (std::size_t i = 0; i + 1 < raw.points.size(); ++i) {
+            const Vec3 way = raw.points[i + 1] - raw.points[i];
+            const double length = way.norm();
+            for (double at = 0; at < length;) {
+                const Vec3 p = raw.points[i] + (at / length) * way;
+                if ((p - join).norm() <= parent_radius) break;
+                const double radius = radius_at(p);
+                const bool here = is_flat(p, way / length) && sees_axis(p, way / length, kSight * radius + 3 * parent_radius);
+                ++all, flat += here;
+                if (radius <= kNarrow * parent_radius) ++narrow, narrow_flat += here;
+                at += std::max(kStep * radius, finest_);
+            }
+        }
+        return (all >= least && 2 * flat > all) || (narrow >= least && 2 * narrow_flat > narrow);
+    }
+
+    [[nodiscard]] double free_way(const Vec3& p, const Vec3& direction) const
+    {
+        std::uint64_t visits = 0;
+        const double way = first_hit(lumen_.tree(), p, direction, 0, &visits);
+        spend_visits(visits);
+        return way;
+    }
+    /// Across the path, the lumen is this many times wider than high.
+    [[nodiscard]] bool is_flat(const Vec3& p, const Vec3& along) const
+    {
+        const TreeHit hit = nearest(p);
+        const Vec3 across = along.cross(p - hit.point);
+        if (!(across.norm() > 0)) return false;
+        const Vec3 side = across.normalized();
+        return free_way(p, side) + free_way(p, -side) > kFlat * 2 * std::sqrt(hit.distance2);
+    }
+    [[nodiscard]] bool sees_axis(const Vec3& p, const Vec3& back, double reach) const
+    {
+        work_.spend(static_cast<double>(tree_.points.size()));
+        for (const Vec3& q : tree_.points) {
+            const Vec3 to = q - p;
+            const double away = to.norm();
+            if (away > reach || to.dot(back) > kAside * away) continue;
+            if (free_way(p, to / std::max(away, 1e-300)) > away) return true;
+        }
+        return false;
+    }
+
     /// Walks from `tip` towards the root until an older path's core, refines that stretch and adds it unless it is a stub.
     void add_branch(int tip, const BoundaryLoop* opening)
     {
@@ -171,10 +287,16 @@ private:
             mark_served(at);
         }
         if (raw.points.empty() || (join < 0 && !tree_.empty())) return;
-        if (!opening && join >= 0 &&
-            !is_branch(raw, tree_.points[static_cast<std::size_t>(join)], tree_.radius[static_cast<std::size_t>(join)])) {
-            serve({{raw.points[0]}, {raw.radius[0]}});
-            return;
+        if (!opening && join >= 0) {
+            const Vec3& at = tree_.points[static_cast<std::size_t>(join)];
+            const double radius = tree_.radius[static_cast<std::size_t>(join)];
+            if (!is_branch(raw, at, radius)) return serve({{raw.points[0]}, {raw.radius[0]}});
+            const bool sheet = (leave_sheets_out_ || branches_ >= kComb) && is_in_sheet(raw, at, radius);
+            if (sheet && leave_sheets_out_) {
+                ++left_out_;
+                return serve(raw);
+            }
+            ++branches_, in_sheet_ += sheet;
         }
         if (join >= 0) raw.points.push_back(tree_.points[static_cast<std::size_t>(join)]);
         else if (start_at_) raw.points.push_back(*start_at_);
@@ -218,19 +340,33 @@ private:
         }
     }
 
+    /// Samples by ball, in compressed rows.
+    void list_samples()
+    {
+        first_sample_.assign(graph_.ball_count() + 1, 0);
+        for (const int ball : graph_.ball_of_sample) ++first_sample_[static_cast<std::size_t>(ball) + 1];
+        for (std::size_t b = 0; b < graph_.ball_count(); ++b) first_sample_[b + 1] += first_sample_[b];
+        samples_.resize(graph_.ball_of_sample.size());
+        std::vector<std::size_t> next(first_sample_.begin(), first_sample_.end() - 1);
+        for (std::size_t i = 0; i < samples_.size(); ++i) samples_[next[static_cast<std::size_t>(graph_.ball_of_sample[i])]++] = i;
+    }
     /// Every sample that the ball represents.
     void mark_served(int ball)
     {
-        work_.spend(static_cast<double>(served_.size()));
-        for (std::size_t i = 0; i < served_.size(); ++i)
-            if (graph_.ball_of_sample[i] == ball) served_[i] = true;
+        const auto b = static_cast<std::size_t>(ball);
+        work_.spend(static_cast<double>(first_sample_[b + 1] - first_sample_[b]));
+        for (std::size_t k = first_sample_[b]; k < first_sample_[b + 1]; ++k) served_[samples_[k]] = true;
     }
 
     /// Marks the wall near the line as having a path. Plain loops: a tree query per point returns most of a wide lumen's wall.
     void serve(const Polyline& line)
     {
+        Box3 box;
+        for (std::size_t i = 0; i < line.points.size(); ++i)
+            for (const double sign : {-1.0, 1.0}) box.extend(Vec3(line.points[i] + sign * Vec3::Constant(kCover * line.radius[i])));
+        work_.spend(static_cast<double>(served_.size()));
         for (std::size_t sample = 0; sample < served_.size(); ++sample)
-            for (std::size_t i = 0; i < line.points.size() && !served_[sample]; ++i) {
+            for (std::size_t i = 0; !served_[sample] && box.contains(graph_.wall[sample]) && i < line.points.size(); ++i) {
                 work_.spend(1);
                 const double reach = kCover * line.radius[i];
                 served_[sample] = (graph_.wall[sample] - line.points[i]).squaredNorm() <= reach * reach;
@@ -365,6 +501,9 @@ private:
     MedialGraph graph_;
     MedialPaths paths_;
     std::vector<bool> served_;
+    std::vector<std::size_t> first_sample_, samples_;  // of each ball
+    int branches_ = 0, in_sheet_ = 0, left_out_ = 0;  // with closed ends; of them in a flat lumen that has an axis
+    bool leave_sheets_out_ = false;
     std::optional<Vec3> start_at_;
     double finest_ = 0;  // least spacing of points [m]
     Box3 box_;
@@ -374,9 +513,12 @@ private:
 
 }  // namespace
 
-Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen)
+Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen, CentrelineGaps* gaps)
 {
-    return Extraction(mesh, openings, lumen).run();
+    Extraction extraction(mesh, openings, lumen);
+    Centreline line = extraction.run();
+    if (gaps && !line.empty()) *gaps = {extraction.unreached(), extraction.left_out()};
+    return line;
 }
 
 }  // namespace seldinger

@@ -19,10 +19,17 @@
 
 namespace seldinger {
 
+/// What a found centreline leaves out.
+struct CentrelineGaps {
+    std::vector<Vec3> unreached;  // a place in each branch that is too fine for its triangles to have a path [m]
+    int side_by_side = 0;         // paths beside the axis of a flat lumen
+};
+
 /// @param lumen  of the same mesh and openings
 /// @return a tree with its root at the widest opening, or in a closed mesh at the wider end of the longest path;
 ///         empty when no ball fits (a plane)
+/// @param gaps  out, may be null
 [[nodiscard]] Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings,
-                                            const LumenQuery& lumen);
+                                            const LumenQuery& lumen, CentrelineGaps* gaps = nullptr);
 
 }  // namespace seldinger

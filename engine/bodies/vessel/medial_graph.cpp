@@ -2,6 +2,7 @@
 #include "vessel/medial_graph.h"
 
 #include "core/parallel.h"
+#include "vessel/enclosure.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/work_budget.h"
 
@@ -10,9 +11,12 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <queue>
+#include <unordered_map>
 
 namespace seldinger {
 namespace {
@@ -155,6 +159,24 @@ std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<i
     return seeds;
 }
 
+/// Where a patch is wide for the lumen there, each of its vertices becomes a sample: two samples a radius find the narrowest branch.
+void split_coarse_patches(const WallMesh& mesh, const std::vector<Ball>& balls, std::vector<int>& seeds, std::vector<int>& sample_of_vertex)
+{
+    constexpr double kFine = 0.5;  // of the ball's radius
+    std::vector<bool> coarse(seeds.size(), false);
+    for (std::size_t v = 0; v < sample_of_vertex.size(); ++v) {
+        const auto sample = static_cast<std::size_t>(sample_of_vertex[v]);
+        const double away = (mesh.vertices[v] - mesh.vertices[static_cast<std::size_t>(seeds[sample])]).norm();
+        if (away > kFine * balls[sample].radius) coarse[sample] = true;
+    }
+    for (std::size_t v = 0; v < sample_of_vertex.size(); ++v) {
+        const auto sample = static_cast<std::size_t>(sample_of_vertex[v]);
+        if (!coarse[sample] || seeds[sample] == static_cast<int>(v)) continue;
+        sample_of_vertex[v] = static_cast<int>(seeds.size());
+        seeds.push_back(static_cast<int>(v));
+    }
+}
+
 /// Samples in the order of the tree's leaves, so that those that follow each other meet the same wall, in whatever order a file has it.
 std::vector<int> along_the_wall(const WallTree& tree, const WallMesh& mesh, const std::vector<int>& seeds,
                                 const std::vector<int>& sample_of_vertex)
@@ -174,9 +196,61 @@ std::vector<int> along_the_wall(const WallTree& tree, const WallMesh& mesh, cons
     return order;
 }
 
+/// Finds the spheres that a point lies in, among many of all sizes: one grid for each power of 2 of their radii.
+class BallGrid {
+public:
+    void add(int ball, const Vec3& centre, double radius)
+    {
+        const int level = std::ilogb(radius) + 1;  // cells at least as wide as the radius: a point's sphere lies in its cell or in one beside it
+        levels_[level][cell_of(centre, level)].push_back(ball);
+    }
+    /// The last added that `holds`, among those within whose radius p may lie; -1: none.
+    template <class Holds>
+    [[nodiscard]] int latest(const Vec3& p, WorkBudget& work, const Holds& holds) const
+    {
+        int best = -1;
+        for_each_cell(p, work, [&](const std::vector<int>& balls) {
+            for (std::size_t n = balls.size(); n-- > 0 && balls[n] > best;) {
+                work.spend(1);
+                if (holds(balls[n])) best = balls[n];
+            }
+        });
+        return best;
+    }
+    /// each(cell) for the balls of every cell that may hold one within whose radius p lies.
+    template <class Each>
+    void for_each_cell(const Vec3& p, WorkBudget& work, const Each& each) const
+    {
+        for (const auto& [level, cells] : levels_) {
+            const Cell at = cell_of(p, level);
+            for (int k = 0; k < 27; ++k)
+                if (const auto found = cells.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1}); found != cells.end()) each(found->second);
+            work.spend(27);
+        }
+    }
+
+private:
+    using Cell = std::array<std::int64_t, 3>;
+    struct Hash {
+        std::size_t operator()(const Cell& c) const
+        {
+            return static_cast<std::size_t>(c[0]) * 73856093U ^ static_cast<std::size_t>(c[1]) * 19349663U ^ static_cast<std::size_t>(c[2]) * 83492791U;
+        }
+    };
+    /// Numbers beyond an integer's range share a cell.
+    static Cell cell_of(const Vec3& p, int level)
+    {
+        const auto number = [&](double x) { return static_cast<std::int64_t>(std::clamp(std::floor(std::ldexp(x, -level)), -1e18, 1e18)); };
+        return {number(p.x()), number(p.y()), number(p.z())};
+    }
+    std::map<int, std::unordered_map<Cell, std::vector<int>, Hash>> levels_;
+};
+
 /// Largest first, keeps the balls that add something: one whose centre is near the centre of a kept ball, or that hardly stands
 /// out of it, is represented by it. What a rough wall puts beside the axis goes this way.
-void keep_significant(const std::vector<Ball>& balls, MedialGraph& graph, WorkBudget& work)
+/// A ball in the air beside the vessel (in front of a flap that stands out of a rim) goes, too: it would be the largest.
+/// @param enclosure  of the lumen; null: it has no opening @param least  radius of a ball that is none [m]
+void keep_significant(std::vector<Ball>& balls, const Enclosure* enclosure, double least, MedialGraph& graph, WorkBudget& work)
 {
     constexpr double kNear = 0.3, kStandsOut = 1.1;  // of the kept ball's radius
     std::vector<int> order(balls.size());
@@ -185,20 +259,29 @@ void keep_significant(const std::vector<Ball>& balls, MedialGraph& graph, WorkBu
         return balls[static_cast<std::size_t>(a)].radius > balls[static_cast<std::size_t>(b)].radius;
     });
     graph.ball_of_sample.assign(balls.size(), -1);
-    for (const int i : order) {
+    BallGrid kept;
+    for (std::size_t n = 0; n < order.size(); ++n) {
+        const int i = order[n];
         const Ball& ball = balls[static_cast<std::size_t>(i)];
-        int keeper = -1;
-        const std::size_t kept_before = graph.centre.size();
-        // the latest kept first: they are of like size, and samples of one cross-section follow each other
-        for (std::size_t k = kept_before; k-- > 0 && keeper < 0;) {
-            const double kept = graph.radius[k], reach = std::max(kNear * kept, kStandsOut * kept - ball.radius);
-            if ((graph.centre[k] - ball.centre).squaredNorm() < reach * reach) keeper = static_cast<int>(k);
+        // the latest of them: they are of like size, and samples of one cross-section follow each other
+        int keeper = kept.latest(ball.centre, work, [&](int k) {
+            const double radius = graph.radius[static_cast<std::size_t>(k)], reach = std::max(kNear * radius, kStandsOut * radius - ball.radius);
+            return (graph.centre[static_cast<std::size_t>(k)] - ball.centre).squaredNorm() < reach * reach;
+        });
+        if (std::uint64_t visits = 0; keeper < 0 && enclosure && ball.radius > least) {
+            const bool in_air = !enclosure->holds(ball.centre, &visits) && !enclosure->is_at_opening(ball.centre);
+            work.spend(static_cast<double>(visits));
+            if (in_air) {
+                balls[static_cast<std::size_t>(i)] = {graph.wall[static_cast<std::size_t>(i)], least};
+                order.push_back(i);  // last, where the least ones are
+                continue;
+            }
         }
-        work.spend(static_cast<double>(keeper < 0 ? kept_before : kept_before - static_cast<std::size_t>(keeper)));
         if (keeper < 0) {
             keeper = static_cast<int>(graph.centre.size());
             graph.centre.push_back(ball.centre);
             graph.radius.push_back(ball.radius);
+            kept.add(keeper, ball.centre, kStandsOut * ball.radius);
         }
         graph.ball_of_sample[static_cast<std::size_t>(i)] = keeper;
     }
@@ -217,12 +300,22 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
             const int a = ball_of(v), b = ball_of(static_cast<std::size_t>(to[static_cast<std::size_t>(i)]));
             if (a != b) neighbours[static_cast<std::size_t>(a)].push_back(b);
         }
+    BallGrid larger;
+    for (std::size_t i = 0; i < graph.ball_count(); ++i) {
+        larger.for_each_cell(graph.centre[i], work, [&](const std::vector<int>& balls) {
+            work.spend(static_cast<double>(balls.size()));
+            for (const int j : balls) {
+                if (!balls_overlap(graph, i, static_cast<std::size_t>(j))) continue;
+                neighbours[i].push_back(j);
+                neighbours[static_cast<std::size_t>(j)].push_back(static_cast<int>(i));
+                work.spend(400);  // paths go over each link several times
+            }
+        });
+        larger.add(static_cast<int>(i), graph.centre[i], 2 * graph.radius[i]);  // two overlap within twice the larger one's radius
+    }
     graph.row.assign(1, 0);
     for (std::size_t i = 0; i < graph.ball_count(); ++i) {
         std::vector<int>& links = neighbours[i];
-        for (std::size_t j = 0; j < graph.ball_count(); ++j)
-            if (j != i && balls_overlap(graph, i, j)) links.push_back(static_cast<int>(j));
-        work.spend(static_cast<double>(graph.ball_count() + 200 * links.size()));  // paths go over each link several times
         std::sort(links.begin(), links.end());
         links.erase(std::unique(links.begin(), links.end()), links.end());
         graph.link_to.insert(graph.link_to.end(), links.begin(), links.end());
@@ -231,10 +324,12 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
 }
 
 /// Marks the balls of stretches of lumen: sets of overlapping balls that represent two samples a ball or more. Loose balls in
-/// corners and folds of a rough wall represent only themselves; no path shall end there.
-void mark_lumen(MedialGraph& graph)
+/// corners and folds of a rough wall represent only themselves; no path shall end there. Where one sample stands for a patch of vertices
+/// they are few for a narrow branch: there a long set is a lumen, too.
+void mark_lumen(MedialGraph& graph, bool has_patches)
 {
-    constexpr long kFewest = 30;  // samples of a stretch worth a path
+    constexpr long kFewest = 30;   // samples of a stretch worth a path
+    constexpr double kLong = 8;    // its length in radii: a branch of four diameters
     std::vector<long> samples(graph.ball_count(), 0);
     for (const int ball : graph.ball_of_sample) ++samples[static_cast<std::size_t>(ball)];
     graph.is_lumen.assign(graph.ball_count(), false);
@@ -245,9 +340,11 @@ void mark_lumen(MedialGraph& graph)
         part.assign(1, seed);
         seen[seed] = true;
         long total = 0;
+        Box3 box;
         for (std::size_t k = 0; k < part.size(); ++k) {
             const std::size_t i = part[k];
             total += samples[i];
+            box.extend(graph.centre[i]);
             for (int n = graph.row[i]; n < graph.row[i + 1]; ++n) {
                 const auto j = static_cast<std::size_t>(graph.link_to[static_cast<std::size_t>(n)]);
                 if (seen[j] || !balls_overlap(graph, i, j)) continue;
@@ -256,7 +353,8 @@ void mark_lumen(MedialGraph& graph)
             }
         }
         const bool lumen =
-            seed == 0 || (total >= kFewest && total >= 2 * static_cast<long>(part.size()));  // ball 0 is the largest
+            seed == 0 || (total >= kFewest && (total >= 2 * static_cast<long>(part.size()) ||
+                                               (has_patches && box.diagonal().norm() > kLong * graph.radius[seed])));  // ball 0 is the largest
         for (const std::size_t i : part) graph.is_lumen[i] = lumen;
     }
 }
@@ -271,7 +369,7 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const MeshEdges& edges, con
     std::vector<int> row, to;
     vertex_links(edges, mesh, row, to);
     graph.sample_of_vertex.assign(mesh.vertices.size(), -1);
-    const std::vector<int> seeds = gather_patches(row, to, mesh.vertices.size() / sample_limit + 1, graph.sample_of_vertex);
+    std::vector<int> seeds = gather_patches(row, to, mesh.vertices.size() / sample_limit + 1, graph.sample_of_vertex);
 
     Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
@@ -282,34 +380,44 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const MeshEdges& edges, con
                      mesh.vertices[static_cast<std::size_t>(half_edge_from(mesh, h))])
                         .norm();
     }
-    const double skip = 1e-3 * edge_sum / static_cast<double>(edges.count()), limit = box.diagonal().norm();
-    graph.wall.resize(seeds.size());
-    std::vector<Ball> balls(seeds.size());
+    const double skip = 1e-3 * edge_sum / static_cast<double>(edges.count()), limit = box.diagonal().norm(), least = 1e-9 * limit;
+    std::vector<Ball> balls;
     // Each ball is independent, with its own visits: neither their sum nor a refusal depends on the threads.
     const double most_visits = work_limit(2.4e8, 2e4, mesh.vertices.size());  // patients: up to 1e8
     std::atomic<std::uint64_t> visits = 0;
-    const std::vector<int> order = along_the_wall(lumen.tree(), mesh, seeds, graph.sample_of_vertex);
-    for_each_piece(static_cast<int>(order.size()), 256, [&](int begin, int end) {
-        BallSearch search;  // of this piece alone, so that no thread changes another's answer
-        for (int k = begin; k < end; ++k) {
-            if (static_cast<double>(visits) > most_visits) return;
-            const auto i = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
-            const auto v = static_cast<std::size_t>(seeds[i]);
-            const Vec3 at = mesh.vertices[v];
-            graph.wall[i] = at;
-            search.visits = openings.size();
-            const Vec3 normal = lumen.vertex_normal(seeds[i], &search.visits);
-            balls[i] = medial_ball(lumen, at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), search);
-            if (!box.contains(balls[i].centre)) balls[i] = {at, 0.0};  // of a wall that faces out of everything
-            balls[i].radius = std::max(balls[i].radius, 1e-9 * limit);
-            visits += search.visits;
-        }
-    });
-    WorkBudget(kFindingBalls, most_visits).spend(static_cast<double>(visits));
+    const auto find_balls = [&](std::size_t from) {  // of the seeds from there on
+        graph.wall.resize(seeds.size());
+        balls.resize(seeds.size());
+        std::vector<int> order = along_the_wall(lumen.tree(), mesh, seeds, graph.sample_of_vertex);
+        std::erase_if(order, [&](int sample) { return static_cast<std::size_t>(sample) < from; });
+        for_each_piece(static_cast<int>(order.size()), 256, [&](int begin, int end) {
+            BallSearch search;  // of this piece alone, so that no thread changes another's answer
+            for (int k = begin; k < end; ++k) {
+                if (static_cast<double>(visits) > most_visits) return;
+                const auto i = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
+                const auto v = static_cast<std::size_t>(seeds[i]);
+                const Vec3 at = mesh.vertices[v];
+                graph.wall[i] = at;
+                search.visits = openings.size();
+                const Vec3 normal = lumen.vertex_normal(seeds[i], &search.visits);
+                balls[i] = medial_ball(lumen, at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), search);
+                if (!box.contains(balls[i].centre)) balls[i] = {at, 0.0};  // of a wall that faces out of everything
+                balls[i].radius = std::max(balls[i].radius, least);
+                visits += search.visits;
+            }
+        });
+        WorkBudget(kFindingBalls, most_visits).spend(static_cast<double>(visits));
+    };
+    find_balls(0);
+    const std::size_t coarse = seeds.size();
+    split_coarse_patches(mesh, balls, seeds, graph.sample_of_vertex);
+    if (seeds.size() > coarse) find_balls(coarse);
     WorkBudget work(kFindingBalls, work_limit(7e8, 5e4, mesh.vertices.size()));  // patients: up to 2e8
-    keep_significant(balls, graph, work);
+    std::optional<Enclosure> enclosure;
+    if (!openings.empty()) enclosure.emplace(mesh, openings, lumen);
+    keep_significant(balls, enclosure ? &*enclosure : nullptr, least, graph, work);
     link_balls(graph, row, to, work);
-    mark_lumen(graph);
+    mark_lumen(graph, seeds.size() < mesh.vertices.size());
     return graph;
 }
 

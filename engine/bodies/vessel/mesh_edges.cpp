@@ -4,6 +4,7 @@
 #include "core/check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace seldinger {
@@ -96,17 +97,16 @@ std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, con
     return chains;
 }
 
-BoundaryLoop describe_loop(const WallMesh& mesh, std::vector<std::int32_t> vertices)
+namespace {
+
+/// Centre, radius and direction of the loop through these vertices.
+void measure_loop(const WallMesh& mesh, const std::vector<std::int32_t>& vertices, BoundaryLoop& loop)
 {
-    BoundaryLoop loop;
-    loop.vertices = std::move(vertices);
-    auto at = [&](std::size_t i) -> const Vec3& {
-        return mesh.vertices[static_cast<std::size_t>(loop.vertices[i % loop.vertices.size()])];
-    };
+    auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(vertices[i % vertices.size()])]; };
     // centre weighted by edge length, so that uneven spacing does not pull it aside
     double perimeter = 0;
     Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 0; i < loop.vertices.size(); ++i) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
         const double length = (at(i + 1) - at(i)).norm();
         sum += length * 0.5 * (at(i) + at(i + 1));
         perimeter += length;
@@ -114,13 +114,80 @@ BoundaryLoop describe_loop(const WallMesh& mesh, std::vector<std::int32_t> verti
     loop.centre = perimeter > 0 ? Vec3(sum / perimeter) : at(0);
     Vec3 area = Vec3::Zero();  // vector area, sum of (a - c) x (b - c) / 2
     double distance = 0;
-    for (std::size_t i = 0; i < loop.vertices.size(); ++i) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
         area += 0.5 * (at(i) - loop.centre).cross(at(i + 1) - loop.centre);
         distance += (at(i) - loop.centre).norm();
     }
-    loop.radius = distance / static_cast<double>(loop.vertices.size());
+    loop.radius = distance / static_cast<double>(vertices.size());
     // the lid that would close the loop runs against it and faces the lumen: its area is minus the loop's
     loop.inward = area.norm() > 0 ? Vec3(-area.normalized()) : Vec3(Vec3::UnitX());
+}
+
+/// Whether points go round their middle in a plane without a gap of a quarter turn.
+bool go_round(const WallMesh& mesh, const std::vector<std::int32_t>& vertices, const Vec3& normal)
+{
+    Vec3 middle = Vec3::Zero();
+    for (const std::int32_t v : vertices) middle += mesh.vertices[static_cast<std::size_t>(v)] / static_cast<double>(vertices.size());
+    const Vec3 u = normal.unitOrthogonal(), w = normal.cross(u);
+    std::vector<double> turn;
+    for (const std::int32_t v : vertices) {
+        const Vec3 to = mesh.vertices[static_cast<std::size_t>(v)] - middle;
+        turn.push_back(std::atan2(to.dot(w), to.dot(u)));
+    }
+    std::sort(turn.begin(), turn.end());
+    double gap = turn.front() + 2 * std::numbers::pi - turn.back();
+    for (std::size_t i = 1; i < turn.size(); ++i) gap = std::max(gap, turn[i] - turn[i - 1]);
+    return gap < 0.5 * std::numbers::pi;
+}
+
+/// The vertices of a rim without those of a flap that stands far out of it: the plane through three of them that most
+/// lie in. Empty where there is no such flap.
+std::vector<std::int32_t> without_flap(const WallMesh& mesh, const BoundaryLoop& loop)
+{
+    constexpr double thickness = 0.15;  // of the plane, in radii: a cut between triangles is a zigzag
+    constexpr double stands_out = 0.75;
+    const std::size_t count = loop.vertices.size();
+    const auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(loop.vertices[i % count])]; };
+    std::vector<std::int32_t> best;
+    for (const std::size_t part : {3, 4, 6, 8})
+        for (std::size_t k = 0; k < std::min<std::size_t>(count, 48); ++k) {
+            const std::size_t i = k * count / std::min<std::size_t>(count, 48);
+            const Vec3 &a = at(i), &b = at(i + count / part), &c = at(i + 2 * count / part), middle = (a + b + c) / 3;
+            const Vec3 area = (b - a).cross(c - a);
+            if (!(area.norm() > 0)) continue;
+            const Vec3 normal = area.normalized();
+            std::vector<std::int32_t> in;
+            double out = 0;
+            for (std::size_t v = 0; v < count; ++v) {
+                const double away = std::abs((at(v) - middle).dot(normal));
+                if (away < thickness * loop.radius) in.push_back(loop.vertices[v]);
+                out = std::max(out, away);
+            }
+            if (in.size() > best.size() && in.size() >= 8 && out > stands_out * loop.radius && go_round(mesh, in, normal)) best = std::move(in);
+        }
+    return best;
+}
+
+}  // namespace
+
+double rim_height(const WallMesh& mesh, const BoundaryLoop& loop, std::int32_t* vertex)
+{
+    double highest = 0;
+    for (const std::int32_t v : loop.vertices) {
+        const double away = std::abs((mesh.vertices[static_cast<std::size_t>(v)] - loop.centre).dot(loop.inward));
+        if (away > highest && vertex) *vertex = v;
+        highest = std::max(highest, away);
+    }
+    return highest;
+}
+
+BoundaryLoop describe_loop(const WallMesh& mesh, std::vector<std::int32_t> vertices)
+{
+    BoundaryLoop loop;
+    measure_loop(mesh, vertices, loop);
+    loop.vertices = std::move(vertices);
+    if (rim_height(mesh, loop) > 0.4 * loop.radius)
+        if (const std::vector<std::int32_t> rim = without_flap(mesh, loop); !rim.empty()) measure_loop(mesh, rim, loop);
     return loop;
 }
 

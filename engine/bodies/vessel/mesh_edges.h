@@ -41,7 +41,10 @@ struct MeshEdges {
 [[nodiscard]] std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, const MeshEdges& edges);
 
 /// Centre, mean radius and direction into the lumen of the loop through `vertices`, ordered along the (inward-facing)
-/// triangles that it bounds.
+/// triangles that it bounds. A flap that stands far out of the rim counts for none of the three.
 [[nodiscard]] BoundaryLoop describe_loop(const WallMesh& mesh, std::vector<std::int32_t> vertices);
+
+/// How far a loop's vertices lie out of its plane at most [m]. @param vertex  out, may be null: which one
+[[nodiscard]] double rim_height(const WallMesh& mesh, const BoundaryLoop& loop, std::int32_t* vertex = nullptr);
 
 }  // namespace seldinger

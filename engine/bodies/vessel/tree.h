@@ -92,9 +92,9 @@ struct TreeHit {
                                       std::span<const TreeQuad> quads = {});
 
 /// Distance along the unit direction to the first triangle that the ray meets, infinity when none. Triangles nearer
-/// than `skip` [m] to the origin do not count. @param visits  as above
+/// than `skip` [m] to the origin do not count. @param visits  as above  @param triangle  out, may be null: which one, leaf order
 [[nodiscard]] double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip = 0,
-                               std::uint64_t* visits = nullptr);
+                               std::uint64_t* visits = nullptr, std::int64_t* triangle = nullptr);
 
 /// Triangles (leaf order) in the leaves whose boxes the rounded world point lies in: all that have it for a corner, and few others.
 /// @param visits  as above

@@ -219,7 +219,7 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::
     return search.best;
 }
 
-double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip, std::uint64_t* visits)
+double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip, std::uint64_t* visits, std::int64_t* triangle)
 {
     double best = std::numeric_limits<double>::infinity();
     if (tree.nodes.empty()) return best;
@@ -236,7 +236,9 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
             looked_at += SEL_LEAF_TRIANGLES(node.count);
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const double t = ray_triangle(local, direction, tree.triangle(k));
-                if (t >= skip && t < best) best = t;
+                if (!(t >= skip && t < best)) continue;
+                best = t;
+                if (triangle) *triangle = static_cast<std::int64_t>(k);
             }
             continue;
         }

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/printable.h"
 #include "io/mesh_file.h"
 #include "io/text_words.h"
 #include "io/vtk_legacy.h"
@@ -53,19 +54,57 @@ RadiusArray radius_of(const PolyData& data, const std::string& name)
                            known.empty() ? "(none)" : known, similar.empty() ? "" : fmt::format(" ({} have \"radius\" in their names)", similar.size())));
 }
 
+/// The name of each line: strings of the cells called Name or Label, else the groups of VMTK's branch extractor, whose blanked lines lie across
+/// forks. -1: none; an empty list: no line has one.
+std::vector<int> names_of_lines(const PolyData& data, std::vector<std::string>& names)
+{
+    constexpr std::size_t longest = 64;
+    const std::size_t lines = data.lines.offsets.size(), before = data.verts.offsets.size();
+    std::vector<std::string> text(lines);
+    const auto is_there = [&](std::size_t size) { return size >= before + lines; };
+    for (const auto& [array, list] : data.cell_names)
+        if ((has_word(array, "name") || has_word(array, "label")) && is_there(list.size()))
+            for (std::size_t k = 0; k < lines; ++k) text[k] = printable(list[before + k].substr(0, longest));
+    const auto numbers = [&](std::string_view word) -> const std::vector<double>* {
+        for (const auto& [array, list] : data.cell_data)
+            if (same_word(array, word) && is_there(list.values.size())) return &list.values;
+        return nullptr;
+    };
+    const auto *groups = numbers("groupids"), *blanking = numbers("blanking");
+    for (std::size_t k = 0; groups && k < lines; ++k)
+        if (text[k].empty() && !(blanking && (*blanking)[before + k] != 0)) text[k] = fmt::format("group {}", (*groups)[before + k]);
+    std::vector<int> name_of;
+    std::map<std::string, int> place_of;
+    for (const std::string& name : text) {
+        if (name.empty()) {
+            name_of.push_back(-1);
+            continue;
+        }
+        const auto [known, fresh] = place_of.try_emplace(name, static_cast<int>(names.size()));
+        name_of.push_back(known->second);
+        if (fresh) names.push_back(name);
+    }
+    if (names.empty()) name_of.clear();
+    return name_of;
+}
+
 /// Points and the links between them, as the lines have them; which way a line runs is forgotten but for its first point.
 class LineGraph {
 public:
     LineGraph(const PolyData& data, double scale, const std::string& name) : name_(name), most_(kMostCoordinate / scale)
     {
         const RadiusArray radius = radius_of(data, name);
+        const std::vector<int> name_of = names_of_lines(data, names_);
         std::map<std::array<double, 3>, int> known;  // coordinates -> point of the graph
         std::int64_t begin = 0;
+        std::size_t line = 0;
         for (const std::int64_t end : data.lines.offsets) {
             int previous = -1;
+            const int own_name = name_of.empty() ? -1 : name_of[line++];
             for (; begin < end; ++begin) {
                 const auto i = static_cast<std::size_t>(data.lines.connectivity[static_cast<std::size_t>(begin)]);
                 const int at = add(i, data.points[i], radius.factor * (*radius.values)[i], scale, known);
+                if (name_of_[index(at)] < 0) name_of_[index(at)] = own_name;
                 if (previous >= 0 && previous != at) link(previous, at);
                 previous = at;
             }
@@ -83,6 +122,7 @@ public:
         }
         Centreline line;
         line.points = points_, line.radius = radius_;
+        if (!names_.empty()) line.names = names_, line.name_of = name_of_;
         line.parent.assign(points_.size(), -1);
         std::vector<bool> seen(points_.size(), false);
         for (const int root : roots_of(piece, pieces)) spread(root, line.parent, seen);
@@ -103,6 +143,7 @@ private:
         if (fresh) {
             points_.push_back(scale * Vec3(at[0], at[1], at[2]));
             radius_.push_back(scale * r);
+            name_of_.push_back(-1);
             near_.emplace_back();
         }
         return it->second;
@@ -210,6 +251,7 @@ private:
         for (int i = static_cast<int>(line.points.size()) - 1; i >= 0; --i)
             (line.parent[index(i)] < 0 ? stack : children[index(line.parent[index(i)])]).push_back(i);
         Centreline result;
+        result.names = line.names;
         while (!stack.empty()) {
             const int at = stack.back(), up = line.parent[index(at)];
             stack.pop_back();
@@ -217,6 +259,7 @@ private:
             result.points.push_back(line.points[index(at)]);
             result.radius.push_back(line.radius[index(at)]);
             result.parent.push_back(up < 0 ? -1 : place[index(up)]);
+            if (!line.names.empty()) result.name_of.push_back(line.name_of[index(at)]);
             for (const int child : children[index(at)]) stack.push_back(child);
         }
         return result;
@@ -226,6 +269,8 @@ private:
     double most_;
     std::vector<Vec3> points_;
     std::vector<double> radius_;
+    std::vector<std::string> names_;
+    std::vector<int> name_of_;
     std::vector<std::vector<int>> near_;
     mutable WorkBudget work_{"joining the lines of a centreline", 1e9};  // a hundred lines of a thousand points take 1e7
 };

@@ -16,6 +16,7 @@
 #include <charconv>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 static_assert(std::endian::native == std::endian::little, "binary arrays are copied as they lie in the file");
 
@@ -230,11 +231,32 @@ void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<st
     }
 }
 
+/// An array of strings: VTK writes Array, others DataArray.
+bool is_text(const pugi::xml_node& node)
+{
+    const std::string_view name = node.name();
+    return (name == "Array" || name == "DataArray") && node.attribute("type").as_string() == std::string_view("String");
+}
+
+/// Strings of the cells, one each.
+void read_names(const FileFacts& file, const pugi::xml_node& parent, std::map<std::string, std::vector<std::string>>& names)
+{
+    for (const pugi::xml_node& node : parent.children()) {
+        if (!is_text(node)) continue;
+        std::vector<std::string>& list = names[node.attribute("Name").as_string()];
+        std::string text;
+        for (const std::uint8_t c : read_values<std::uint8_t>(file, node, "UInt8")) {
+            if (c != 0) text.push_back(static_cast<char>(c));
+            else list.push_back(std::exchange(text, {}));
+        }
+    }
+}
+
 /// Strings of the field data, as remarks. VTK stores their bytes, each string ended by 0.
 void read_strings(const FileFacts& file, const pugi::xml_node& parent, std::string& remarks)
 {
-    for (const pugi::xml_node& node : parent.children("Array")) {
-        if (node.attribute("type").as_string() != std::string_view("String") || remarks.size() >= kMostRemarks) continue;
+    for (const pugi::xml_node& node : parent.children()) {
+        if (!is_text(node) || remarks.size() >= kMostRemarks) continue;
         std::string text;
         for (const std::uint8_t c : read_values<std::uint8_t>(file, node, "UInt8")) {
             if (text.size() == kMostRemarks) break;
@@ -295,6 +317,7 @@ void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyParts pa
     if (parts == PolyParts::Geometry) return;
     read_named(file, piece.child("PointData"), data.point_data);
     read_named(file, piece.child("CellData"), data.cell_data);
+    read_names(file, piece.child("CellData"), data.cell_names);
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct PolyData {
     std::vector<std::array<double, 3>> points;
     PolyCells verts, lines, strips, polys;
     std::map<std::string, PolyArray> point_data, cell_data, field_data;
+    std::map<std::string, std::vector<std::string>> cell_names;  // strings of the cells; of .vtp alone
     std::string remarks;  // VTK: the legacy title, and strings of the field data as NAME=value
 };
 

@@ -71,7 +71,7 @@ ClosedEnds closed_ends_of(const World& world, const RepairReport& vessel)
     std::vector<Vec3> inlets;
     for (const WireSetup& wire : world.setup().wires)
         if (wire.feed.on) inlets.push_back(wire.feed.point);
-    return {vessel.loops, world.setup().centreline, inlets};
+    return {vessel.loops, world.setup().mesh, world.setup().centreline, inlets};
 }
 
 }  // namespace
@@ -394,11 +394,8 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
         write_contact_table(now);
     }
     tally_.wall = wall + seconds_since(start);
-    SummaryNotes notes{&scene_, &vessel_, status, readings_, warnings_, 0, 0, 0, estimate_};
-    const Centreline& line = world.setup().centreline;
-    const Branches branches(line);
-    const Branches::Place place = branches.locate(line, world.rod(leading_wire(world, 0)).pos(0));
-    notes.branch = place.branch, notes.branch_depth = place.depth, notes.branches = branches.count();
+    const WorldBranches branches(world);
+    const SummaryNotes notes{&scene_, &vessel_, status, readings_, warnings_, branches.of(0), branches.tip(world, 0), estimate_};
     const std::string summary = summary_json(world, tally_, notes);
     write_file(dir_ / "summary.json", summary);
     if (status == RunStatus::Done) checkpoint(world, status, tally_.wall);

@@ -2,21 +2,39 @@
 #include "run/closed_ends.h"
 
 #include "scene/scene.h"
+#include "vessel/shared_tree.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace seldinger {
 namespace {
 
 constexpr double facing = 0.7;  // cosine: within 45 degrees of straight into the vessel
 
+/// Whether the wall is near in all directions out of the vessel: in a tube's round or flat end it is 2.2 radii away at most, straight into
+/// the corner; twice that for ends that are not round.
+bool is_closed(const WallTree& tree, const Inlet& end)
+{
+    constexpr double reach = 4.5;
+    const CrossFrame side = cross_frame(end.direction, end.direction.unitOrthogonal());
+    for (int k = 0; k < 12; ++k) {
+        const double turn = 2 * std::numbers::pi * k / 12;
+        const Vec3 out = -0.6 * end.direction + 0.8 * (std::cos(turn) * side.u + std::sin(turn) * side.v);
+        if (first_hit(tree, end.point, out) > reach * end.radius) return false;
+    }
+    return first_hit(tree, end.point, -end.direction) <= reach * end.radius;
+}
+
 bool is_near(const Vec3& p, const Inlet& way, double radii) { return (p - way.point).norm() < radii * way.radius; }
 
 }  // namespace
 
-ClosedEnds::ClosedEnds(const std::vector<BoundaryLoop>& openings, const Centreline& centreline, const std::vector<Vec3>& inlets)
+ClosedEnds::ClosedEnds(const std::vector<BoundaryLoop>& openings, const WallMesh& mesh, const Centreline& centreline,
+                       const std::vector<Vec3>& inlets)
 {
     if (centreline.points.size() < 2) return;
     const auto is_way = [&](const Inlet& end) {
@@ -25,6 +43,9 @@ ClosedEnds::ClosedEnds(const std::vector<BoundaryLoop>& openings, const Centreli
     };
     for (const Inlet& end : find_inlets({}, centreline))
         if (!is_way(end)) ends_.push_back(end);
+    if (ends_.empty() || mesh.triangles.empty()) return;
+    const std::shared_ptr<const WallTree> tree = shared_wall_tree(mesh);
+    std::erase_if(ends_, [&](const Inlet& end) { return !is_closed(*tree, end); });
 }
 
 void ClosedEnds::watch(EndTouch& touch, const Output& now) const

@@ -50,34 +50,75 @@ void count_forces(const TaskSpec& task, const ScoreStep& step, ScoreNumbers& s)
     if (is_above(step.wall_force, task.wall_force) || is_above(step.patch_force, task.patch_force)) s.time_above += step.dt;
 }
 
-}  // namespace
-
-TaskTarget::TaskTarget(const TaskSpec& task, const Centreline& centreline, const std::string& source)
+/// ": "0", "1", "2.1", "2.2"", with the names that a file gives them.
+std::string known_paths(const Branches& branches)
 {
-    if (task.target == TaskSpec::Target::Point) mark_ = task.point, radius_ = task.radius;
-    if (task.target == TaskSpec::Target::Branch) enter_branch(task, centreline, source);
+    constexpr std::size_t most = 24;
+    std::string text;
+    std::size_t listed = 0;
+    for (const Stretch& s : branches.stretches()) {
+        if (s.path.empty() || ++listed > most) continue;
+        text += fmt::format("{} \"{}\"{}", text.empty() ? ":" : ",", s.path, s.name.empty() ? "" : fmt::format(" ({})", s.name));
+    }
+    return listed > most ? fmt::format("{} and {} more", text, listed - most) : text;
 }
 
-void TaskTarget::enter_branch(const TaskSpec& task, const Centreline& line, const std::string& source)
+}  // namespace
+
+WorldBranches::WorldBranches(const World& world)
 {
-    const Branches branches(line);
-    if (task.branch > branches.count())
+    const WorldSetup& setup = world.setup();
+    std::vector<int> roots;
+    for (int s = 0; s < world.system_count(); ++s) {
+        const FeedSpec& feed = setup.wires[static_cast<std::size_t>(leading_wire(world, s))].feed;
+        const int root = feed.on && !setup.vessel.branches_from_root ? end_at(setup.centreline, feed.point) : -1;
+        const auto known = std::find(roots.begin(), roots.end(), root);
+        of_.push_back(static_cast<std::size_t>(known - roots.begin()));
+        if (known != roots.end()) continue;
+        roots.push_back(root);
+        all_.emplace_back(setup.centreline, root);
+    }
+}
+
+Branches::Place WorldBranches::tip(const World& world, int system) const { return of(system).locate(world.rod(leading_wire(world, system)).pos(0)); }
+
+TaskTarget::TaskTarget(const TaskSpec& task, Branches branches, const std::string& source) : branches_(std::move(branches))
+{
+    if (task.target == TaskSpec::Target::Point) mark_ = task.point, radius_ = task.radius;
+    if (task.target == TaskSpec::Target::Branch) enter_branch(task, source);
+}
+
+void TaskTarget::enter_branch(const TaskSpec& task, const std::string& source)
+{
+    const Centreline& line = branches_.line();
+    if (task.branch > branches_.count())
         throw Error(ExitCode::BadScene, fmt::format("{}: task.target.branch: got {}; expected 1 to {}, the branches of the vessel's centreline",
-                                                    source, task.branch, branches.count()));
-    const std::vector<int>& own = branches.points(task.branch);
-    const auto first = std::find_if(own.begin(), own.end(), [&](int i) { return branches.depth(task.branch, i) >= task.beyond; });
+                                                    source, task.branch, branches_.count()));
+    stretch_ = task.branch > 0 ? branches_.numbered(task.branch) : branches_.find(task.branch_path);
+    if (stretch_ < 0)
+        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.branch: got \"{}\"; expected a path of the vessel's centreline{}",
+                                                    source, task.branch_path, known_paths(branches_)));
+    const std::vector<int>& own = branches_.stretch(stretch_).points;
+    const auto first = std::find_if(own.begin(), own.end(), [&](int i) { return branches_.depth(stretch_, i) >= task.beyond; });
     if (first == own.end())
-        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.beyond_m: got {} m; expected at most {:.4g} m, from the mouth of branch {} to its end",
-                                                    source, task.beyond, branches.depth(task.branch, own.back()), task.branch));
+        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.beyond_m: got {} m; expected at most {:.4g} m, from the mouth of {} to its end",
+                                                    source, task.beyond, branches_.depth(stretch_, own.back()), branches_.stretch(stretch_).words()));
     const auto at = [&](int i) { return line.points[static_cast<std::size_t>(i)]; };
     const int before = line.parent[static_cast<std::size_t>(*first)];
     mark_ = at(*first);
     along_ = before < 0 ? Vec3::Zero() : (at(*first) - at(before)).normalized();
     radius_ = line.radius[static_cast<std::size_t>(*first)];
-    if (before >= 0) mark_ -= (branches.depth(task.branch, *first) - task.beyond) * along_;
-    branch_ = task.branch, beyond_ = task.beyond;
-    line_ = line;
-    branches_ = branches;
+    if (before >= 0) mark_ -= (branches_.depth(stretch_, *first) - task.beyond) * along_;
+    beyond_ = task.beyond;
+}
+
+/// In the stretch, far enough behind its mouth, or in one that leaves it.
+bool TaskTarget::is_beyond_mark(const Branches::Place& place) const
+{
+    if (place.stretch == stretch_) return place.depth >= beyond_;
+    for (int at = place.stretch; at >= 0; at = branches_.stretch(at).from)
+        if (at == stretch_) return true;
+    return false;
 }
 
 /// In a branch: to the lumen's section as far behind the mouth as is asked for. There is no way back out of the target that the
@@ -85,9 +126,8 @@ void TaskTarget::enter_branch(const TaskSpec& task, const Centreline& line, cons
 double TaskTarget::distance(const Vec3& tip) const
 {
     if (radius_ == 0) return -1;
-    if (branch_ == 0) return std::max(0.0, (tip - mark_).norm() - radius_);
-    const Branches::Place place = branches_.locate(line_, tip);
-    if (place.branch == branch_ && place.depth >= beyond_) return 0;
+    if (stretch_ < 0) return std::max(0.0, (tip - mark_).norm() - radius_);
+    if (is_beyond_mark(branches_.locate(tip))) return 0;
     const double ahead = (mark_ - tip).dot(along_), aside = (mark_ - tip - ahead * along_).norm();
     return std::hypot(ahead, std::max(0.0, aside - radius_));
 }
@@ -122,8 +162,9 @@ int leading_wire(const World& world, int system)
 }
 
 ScoreWatch::ScoreWatch(const Scene& scene, const World& world, Patch patch)
-    : task_(scene.task), target_(scene.task, world.setup().centreline, scene.source.string()), patch_(patch)
+    : task_(scene.task), branches_(world), patch_(patch)
 {
+    for (const Branches& branches : branches_.all()) targets_.emplace_back(scene.task, branches, scene.source.string());
 }
 
 void ScoreWatch::begin(const World& world, int system, ScoreNumbers& score) const
@@ -132,7 +173,7 @@ void ScoreWatch::begin(const World& world, int system, ScoreNumbers& score) cons
     const int wire = leading_wire(world, system);
     score.inserted = world.readings(wire).inserted;
     score.turned = world.readings(wire).turned;
-    score.distance = target_.distance(world.rod(wire).pos(0));
+    score.distance = target(system).distance(world.rod(wire).pos(0));
 }
 
 /// No patch bears more than the sum of all forces but for rounding (LoadTally::may_rise): most steps need no pass over the contacts.
@@ -167,7 +208,7 @@ void ScoreWatch::stepped(const World& world, int system, double dt, bool fluoros
     step.patch_force = score.reached ? 0 : patch_force(world, first, end, step.wall_force, score);
     step.fluoroscopy = fluoroscopy;
     step.contrast = contrast;
-    add_step(task_, target_, step, score);
+    add_step(task_, target(system), step, score);
 }
 
 const char* verdict_of(const TaskSpec& task, const ScoreNumbers& score)
@@ -179,9 +220,10 @@ const char* verdict_of(const TaskSpec& task, const ScoreNumbers& score)
 
 std::string target_name(const TaskSpec& task)
 {
+    if (task.target != TaskSpec::Target::Branch) return task.target_name.empty() ? "the point" : task.target_name;
+    const std::string branch = task.branch > 0 ? fmt::format("branch {}", task.branch) : fmt::format("branch \"{}\"", task.branch_path);
     // with its number: a name stays when --set asks for another branch
-    if (!task.target_name.empty()) return task.target == TaskSpec::Target::Branch ? fmt::format("{} (branch {})", task.target_name, task.branch) : task.target_name;
-    return task.target == TaskSpec::Target::Branch ? fmt::format("branch {}", task.branch) : "the point";
+    return task.target_name.empty() ? branch : fmt::format("{} ({})", task.target_name, branch);
 }
 
 }  // namespace seldinger

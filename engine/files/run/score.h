@@ -13,11 +13,28 @@ namespace seldinger {
 struct Scene;
 struct TaskSpec;
 
+/// The branches of the vessel as the leading wire of each system meets them, from the inlet that it is fed through
+/// (or from the centreline's root: VesselSpec::branches_from_root). Those of one inlet are one.
+class WorldBranches {
+public:
+    WorldBranches() = default;
+    explicit WorldBranches(const World& world);
+    [[nodiscard]] const std::vector<Branches>& all() const { return all_; }
+    [[nodiscard]] std::size_t index(int system) const { return of_[static_cast<std::size_t>(system)]; }
+    [[nodiscard]] const Branches& of(int system) const { return all_[index(system)]; }
+    /// Where the tip of a system's leading wire is.
+    [[nodiscard]] Branches::Place tip(const World& world, int system) const;
+
+private:
+    std::vector<Branches> all_;
+    std::vector<std::size_t> of_;  // [systems]
+};
+
 /// Where the tip is to go: into a ball, or so far into a branch.
 class TaskTarget {
 public:
     /// @param source  names the scene in messages  @throws Error BadScene: no such branch, or it is too short
-    TaskTarget(const TaskSpec& task, const Centreline& centreline, const std::string& source);
+    TaskTarget(const TaskSpec& task, Branches branches, const std::string& source);
 
     /// How far the tip still has to go, 0 when it is there [m]; -1 without a target.
     [[nodiscard]] double distance(const Vec3& tip) const;
@@ -27,13 +44,13 @@ public:
     [[nodiscard]] double mark_radius() const { return radius_; }
 
 private:
-    void enter_branch(const TaskSpec& task, const Centreline& centreline, const std::string& source);
+    void enter_branch(const TaskSpec& task, const std::string& source);
+    [[nodiscard]] bool is_beyond_mark(const Branches::Place& place) const;
     Vec3 mark_ = Vec3::Zero();
     double radius_ = 0;  // 0: there is no target
-    int branch_ = 0;     // 0: a ball
+    int stretch_ = -1;   // -1: a ball
     double beyond_ = 0;  // its mouth, along its axis [m]
     Vec3 along_ = Vec3::Zero();  // the axis at the mark
-    Centreline line_;
     Branches branches_;
 };
 
@@ -65,12 +82,14 @@ public:
     void begin(const World& world, int system, ScoreNumbers& score) const;
     /// A step of dt [s] has been taken. Allocates nothing once it has been called.
     void stepped(const World& world, int system, double dt, bool fluoroscopy, bool contrast, ScoreNumbers& score);
-    [[nodiscard]] const TaskTarget& target() const { return target_; }
+    [[nodiscard]] const TaskTarget& target(int system = 0) const { return targets_[branches_.index(system)]; }
+    [[nodiscard]] const WorldBranches& branches() const { return branches_; }
 
 private:
     [[nodiscard]] double patch_force(const World& world, int first, int end, double wall_force, const ScoreNumbers& score);
     const TaskSpec& task_;
-    TaskTarget target_;
+    WorldBranches branches_;
+    std::vector<TaskTarget> targets_;  // of branches_.all()
     Patch patch_;
     std::vector<WireOutput> loads_;
 };

@@ -91,7 +91,7 @@ private:
 
 Json task_of(const World& world, const Scene& scene, const ScoreNumbers& s)
 {
-    const TaskTarget target(scene.task, world.setup().centreline, scene.source);
+    const TaskTarget target(scene.task, WorldBranches(world).of(0), scene.source);
     const bool some = scene.task.target != TaskSpec::Target::None;
     const Vec3 at = target.mark();
     Json task = {{"target", some ? Json(target_name(scene.task)) : Json()},
@@ -135,10 +135,13 @@ Json stages_of(const RunTally& tally)
 
 Json vessel_of(const RepairReport& report)
 {
+    Json unreached = Json::array();
+    for (const Vec3& p : report.unreached) unreached.push_back({p.x(), p.y(), p.z()});
     return {{"triangles_read", report.triangles_read},
             {"triangles", report.triangles},
             {"vertices", report.vertices},
             {"openings", report.loops.size()},
+            {"unreached", unreached},
             {"notes", report.notes}};
 }
 
@@ -436,10 +439,13 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     number.set("inserted_m", r.inserted);
     number.set("turned_rad", r.turned);
     out["nodes"] = r.nodes;
-    if (notes.branches > 0) {
-        out["branch"] = notes.branch;
-        number.set("branch_depth_m", notes.branch_depth);
-        out["branches"] = notes.branches;
+    if (notes.tip.stretch >= 0) {
+        const Stretch& in = notes.branches.stretch(notes.tip.stretch);
+        out["branch"] = notes.tip.branch;
+        number.set("branch_depth_m", notes.tip.depth);
+        out["branches"] = notes.branches.count();
+        out["branch_path"] = in.path;
+        out["branch_name"] = in.name.empty() ? Json() : Json(in.name);
     }
     if (notes.scene->task.on) out["task"] = task_of(world, *notes.scene, tally.score);
     set_forces_and_energies(number, out, tally, r);

@@ -108,9 +108,8 @@ struct SummaryNotes {
     RunStatus status = RunStatus::Running;
     WireReadings readings;              // of the last accepted step
     std::vector<std::string> warnings;  // one sentence each
-    int branch = 0;                     // Branches::Place of the leading tip, with how many there are
-    double branch_depth = 0;            // [m]
-    int branches = 0;
+    Branches branches;                  // as the leading wire meets them
+    Branches::Place tip;                // where its tip is
     std::optional<ErrorEstimate> estimate;  // of what the step's length leaves in forces and tip
 };
 

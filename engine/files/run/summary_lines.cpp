@@ -89,6 +89,18 @@ double patch_band_of(const Json& s)
     return band.is_number() && band.get<double>() > 0 ? band.get<double>() : std::nan("");
 }
 
+/// The branch, or the vessel between branches, that the tip is in.
+std::string place_for_people(const Json& s)
+{
+    const Stretch in{s.at("branch_path").get<std::string>(), s.value("branch_name", Json()).is_string() ? s.at("branch_name").get<std::string>() : "",
+                     s.at("branch").get<int>()};
+    const int count = s.at("branches").get<int>();
+    const double depth = 1e3 * s.at("branch_depth_m").get<double>();
+    if (in.path == "0" && in.name.empty()) return fmt::format("tip before any of {} branches", count);
+    if (in.path == "0" || in.path.ends_with('+')) return fmt::format("tip in {}, {:.3g} mm on", in.words(), depth);
+    return fmt::format("tip in {}{}, {:.3g} mm beyond its mouth", in.words(), in.number > 0 ? fmt::format(" of {}", count) : "", depth);
+}
+
 /// What became of the task, or where the tip is.
 std::string answer_for_people(const Json& s)
 {
@@ -106,10 +118,8 @@ std::string answer_for_people(const Json& s)
         if (task.at("verdict").get<std::string>() == "failed") text += "; a limit was exceeded";
     }
     if (s.contains("branch") && (text.empty() || !s.at("task").at("reached").get<bool>())) {
-        const int branch = s.at("branch").get<int>(), count = s.at("branches").get<int>();
         text += text.empty() ? "" : "; ";
-        text += branch == 0 ? fmt::format("tip before any of {} branches", count)
-                            : fmt::format("tip in branch {} of {}, {:.3g} mm beyond its mouth", branch, count, 1e3 * s.at("branch_depth_m").get<double>());
+        text += place_for_people(s);
     }
     return text.empty() ? "" : text + "\n";
 }

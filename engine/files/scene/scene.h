@@ -48,7 +48,8 @@ struct TaskSpec {
     std::string target_name;  // in answers; empty: "branch 2"
     Vec3 point = Vec3::Zero();  // Point: the tip comes within `radius` of it [m]
     double radius = 0.005;
-    int branch = 0;        // Branch: of the centreline, counted from 1 in the order in which they leave on the way from the inlet
+    int branch = 0;        // Branch: number of an end of the centreline, from 1 (vessel/branches.h); 0: `branch_path`
+    std::string branch_path;  // or the path or the name of a stretch: "2.1", "left renal"
     double beyond = 0.01;  // the tip is as far behind its mouth, along its axis [m]
     double wall_force = 0, patch_force = 0;  // limits; 0: none: of all forces on the wall, of those on one patch of it [N]
     double time = 0, fluoroscopy = 0;        // likewise [s]

@@ -53,6 +53,7 @@ struct Count {
     int least, most;
     Words words = {};
     const char* says = nullptr;  // in messages, where "a whole number from 1 to 9" does not say enough
+    std::string* text = nullptr;  // a text in quotes is taken, too; then the value is 0
 };
 /// So many numbers in brackets.
 struct Numbers {

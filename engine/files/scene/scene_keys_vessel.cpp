@@ -52,6 +52,14 @@ std::vector<Key> vessel(VesselSpec& v)
         {"rims", "", words(v.rims_held, rims_words), "whether the rims of openings are held in position", {}, elastic},
         {"centreline", "", &v.centreline,
          "polylines with the lumen's radius at each point, .vtp or legacy .vtk ([given centrelines](#given-centrelines))", "found from the mesh"},
+        {"centreline_units", "", words(v.centreline_units, unit_words), "unit of `centreline`", "what its header says, else `units`",
+         only_if(!v.centreline.empty())},
+        {"centreline_space", "", words(v.centreline_space, space_words),
+         "axes of `centreline`: x to the patient's left and y to the back (`LPS`), or right and front (`RAS`)",
+         "what its header says, else the mesh's", only_if(!v.centreline.empty())},
+        {"branches_from", "", words(v.branches_from_root, branches_words),
+         "where branches count from: the inlet in use, or the root of the centreline, as up to version 0.2", {},
+         quiet_if(!v.branches_from_root)},
     };
 }
 
@@ -90,9 +98,11 @@ std::vector<Key> target(TaskSpec& t)
         {"name", "", &t.target_name, "what answers call the target; without it `branch 1` or `the point`", none},
         {"point", "m", vector(t.point), "the tip comes within `radius_m` of it", "*needed* without `branch`", only_if(!branch)},
         {"radius_m", "m", number(t.radius, positive), "radius about `point`", {}, only_if(!branch)},
-        {"branch", "", count(t.branch, 1, 1000),
-         "number of the branch, in the order in which branches leave on the path from the root of the centreline (the end that `inlet = "
-         "\"auto\"` takes); the last is the end of the trunk. `seldinger run` prints the branch of its tip",
+        {"branch", "",
+         keys::Count{&t.branch, 1, 1000, {}, "a whole number from 1 to 1000; or a branch's path or name in quotes, as \"2.1\"", &t.branch_path},
+         "number of the branch, in the order in which branches leave on the path from the inlet in use; the last is the end of the trunk. Or its "
+         "path in quotes, as `\"2.1\"`, which vessels between forks have, too; or its name in the centreline's file. "
+         "`seldinger run` prints the branch of its tip",
          "*needed* without `point`", only_if(branch)},
         {"beyond_m", "m", number(t.beyond, not_negative),
          "distance of the tip behind the mouth of the branch, along its axis, as `branch_depth_m` of the results. The mouth lies where the "

@@ -29,6 +29,7 @@ inline constexpr Choice<CoaxialSpec::Model> coaxial_words[] = {{"merged", Coaxia
                                                                {"separate", CoaxialSpec::Model::Separate}};
 inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};
 inline constexpr Choice<bool> rims_words[] = {{"held", true}, {"free", false}};
+inline constexpr Choice<bool> branches_words[] = {{"inlet", false}, {"root", true}};
 inline constexpr Choice<Scheme> scheme_words[] = {
     {"newton", Scheme::Newton}, {"linearised", Scheme::Linearised}, {"static", Scheme::Static}, {"explicit", Scheme::Explicit}};
 inline constexpr Choice<Spins> spins_words[] = {{"auto", Spins::Auto}, {"kept", Spins::Kept}};
@@ -54,6 +55,7 @@ inline constexpr Choice<FrictionLaw> friction_words[] = {{"stick-slip", Friction
 inline constexpr Choice<Precision> precision_words[] = {{"float64", Precision::Float64}, {"float32", Precision::Float32}};
 inline constexpr Choice<BodyShape> body_words[] = {{"ellipsoid", BodyShape::Ellipsoid}, {"none", BodyShape::None}};
 inline constexpr std::string_view unit_words[] = {"mm", "m", "cm", "um", "in"};
+inline constexpr std::string_view space_words[] = {"LPS", "RAS"};
 
 /// The word of a value.
 template <class Enum, std::size_t N>

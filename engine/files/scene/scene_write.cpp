@@ -73,7 +73,7 @@ struct ValueText {
     }
     std::string operator()(const keys::Count& c) const
     {
-        const std::string word = (*this)(c.words);
+        const std::string word = c.text && *c.value == 0 ? (*this)(c.text) : (*this)(c.words);
         return word.empty() ? fmt::format("{}", *c.value) : word;
     }
     std::string operator()(const std::int64_t* v) const { return fmt::format("{}", *v); }

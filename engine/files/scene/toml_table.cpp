@@ -290,6 +290,13 @@ void TableReader::take(std::string_view key, const keys::Number& n) const
 void TableReader::take(std::string_view key, const keys::Count& c) const
 {
     const std::string says = c.says ? c.says : fmt::format("a whole number from {} to {}", c.least, c.most);
+    const toml::node& at = *node(key);
+    if (c.text && at.is_string()) {
+        *c.value = 0;
+        text(key, *c.text);
+        return;
+    }
+    if (c.text && !at.is_integer()) wrong(at, key, says);
     if (!take_word(key, c.words, says)) count(key, *c.value, c.least, c.most);
 }
 

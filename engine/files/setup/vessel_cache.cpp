@@ -20,7 +20,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::string_view vessel_magic = "seldinger vessel 1\n", ending = ".vessel";
+constexpr std::string_view vessel_magic = "seldinger vessel 2\n", ending = ".vessel";
 constexpr std::uint64_t usual_limit = 2000, megabyte = 1000000;
 
 std::atomic<bool> turned_on = false;
@@ -134,6 +134,7 @@ std::string bytes_of(const LoadedVessel& vessel)
     }
     out.number(static_cast<std::int64_t>(r.notes.size()));
     for (const std::string& text : r.notes) out.list(text);
+    out.points(r.unreached);
     out.points(vessel.centreline.points);
     out.list(vessel.centreline.radius);
     out.list(vessel.centreline.parent);
@@ -176,6 +177,7 @@ LoadedVessel vessel_in(std::string_view bytes)
     }
     r.notes.resize(in.count(1));
     for (std::string& text : r.notes) in.list(text);
+    in.points(r.unreached);
     in.points(vessel.centreline.points);
     in.list(vessel.centreline.radius);
     in.list(vessel.centreline.parent);

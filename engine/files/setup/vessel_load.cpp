@@ -3,10 +3,10 @@
 
 #include "core/error.h"
 #include "engine.h"
-#include "io/centreline_file.h"
 #include "io/file_remarks.h"
 #include "io/mesh_file.h"
 #include "repair/repair.h"
+#include "setup/centreline_check.h"
 #include "setup/vessel_cache.h"
 #include "shapes/aortic_arch.h"
 #include "shapes/shapes.h"
@@ -52,10 +52,16 @@ std::string describe_remarks(const FileRemarks& remarks, const std::string& unit
     return text;
 }
 
-Centreline found_centreline(const LoadedVessel& vessel)
+Centreline found_centreline(LoadedVessel& vessel)
 {
     try {
-        return extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops));
+        CentrelineGaps gaps;
+        Centreline line = extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops), &gaps);
+        vessel.report.unreached = std::move(gaps.unreached);
+        if (gaps.side_by_side > 0)
+            vessel.report.notes.push_back("The lumen is flat in long stretches, as the two lumens of a dissection are: one path along each is its axis, others beside it are "
+                                          "left out.");
+        return line;
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}. Fix: remesh it evenly, or give an axis of your own with vessel.centreline", error.what()));
     }
@@ -72,7 +78,10 @@ LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
         vessel.report = repair(vessel.mesh);
         if (!remarks.empty()) vessel.report.notes.push_back(remarks);
         if (rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(rounding));
-        if (spec.centreline.empty()) vessel.centreline = found_centreline(vessel);
+        if (spec.centreline.empty()) {
+            vessel.centreline = found_centreline(vessel);
+            note_centreline(vessel);
+        }
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
     }
@@ -92,8 +101,7 @@ LoadedVessel from_file(const VesselSpec& spec)
         vessel = prepare(spec, std::move(bytes));
         keep_prepared(key, *vessel);
     }
-    // a file's centreline is in the mesh's unit: the two come from one pipeline
-    if (!spec.centreline.empty()) vessel->centreline = read_centreline(spec.centreline, spec.units);
+    if (!spec.centreline.empty()) read_given_centreline(spec, *vessel);
     return std::move(*vessel);
 }
 

@@ -342,6 +342,8 @@ void Session::publish_view()
     world_->read(shape_, Output::Shape);
     ViewFrame& frame = view.back();
     fill(frame.numbers);
+    const Branches::Place place = watch_.branches().tip(*world_, 0);
+    frame.numbers.stretch = place.stretch, frame.numbers.branch_depth = place.depth;
     for (std::size_t k = 0; k < instruments_.size(); ++k) {
         const WireOutput& wire = shape_.wires[static_cast<std::size_t>(instruments_[k].wire)];
         std::vector<ViewNode>& nodes = frame.nodes[k];

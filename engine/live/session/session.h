@@ -55,6 +55,7 @@ public:
     [[nodiscard]] const World& world() const { return *world_; }  // after finish()
     [[nodiscard]] const ScoreNumbers& score() const { return score_; }
     [[nodiscard]] const TaskTarget& target() const { return watch_.target(); }
+    [[nodiscard]] const Branches& branches() const { return watch_.branches().of(0); }
     [[nodiscard]] double step_length() const { return dt_; }  // [s]
     [[nodiscard]] int instruments() const { return static_cast<int>(instruments_.size()); }
     /// Summary and score sheet as JSON; after finish().

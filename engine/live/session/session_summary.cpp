@@ -121,6 +121,7 @@ std::string Session::summary() const
     nlohmann::json attempts = nlohmann::json::array();
     for (const ScoreNumbers& ended : attempts_) attempts.push_back(score_object(scene_, ended));
     if (score_.begun) attempts.push_back(score_object(scene_, score_));
+    const Branches::Place place = watch_.branches().tip(*world_, 0);
     const double steps = static_cast<double>(std::max<std::uint64_t>(1, pacer_.steps()));
     return json_text(nlohmann::json{{"scene", scene_.name},
                                     {"version", version()},
@@ -145,6 +146,9 @@ std::string Session::summary() const
                                     {"failure", failure_},
                                     {"score", score_object(scene_, score_)},
                                     {"attempts", attempts},
+                                    {"branch", place.branch},
+                                    {"branch_depth_m", place.depth},
+                                    {"branch_path", branches().path(place)},
                                     {"state_hash", world_->state_hash()}}, 2) + "\n";
 }
 

@@ -34,6 +34,8 @@ struct StepNumbers {
     int instruments = 0;
     std::array<InstrumentNumbers, most_instruments> instrument{};
     ScoreNumbers score;
+    int stretch = -1;        // of the vessel that the leading tip is in (Branches); -1: no centreline. Of views only
+    double branch_depth = 0;  // behind its mouth [m]
 };
 
 /// A node of an instrument, tip first.

@@ -26,7 +26,7 @@ void put(std::string& into, const T* data, std::size_t count)
 
 nlohmann::json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, double rate)
+std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, const Branches& branches, double rate)
 {
     nlohmann::json instruments = nlohmann::json::array();
     for (const int k : live_instruments(setup)) {
@@ -43,6 +43,8 @@ std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTa
     const bool arch = setup.vessel.shape == VesselShape::Arch;
     json["head"] = list(arch ? setup.vessel.axis : Vec3(Vec3::UnitZ()));
     json["front"] = list(arch ? setup.vessel.normal : Vec3(-Vec3::UnitY()));
+    json["branches"] = nlohmann::json::array();
+    for (const Stretch& s : branches.stretches()) json["branches"].push_back(s.words());
     if (task.target != TaskSpec::Target::None)
         json["target"] = {{"point", list(target.mark())}, {"radius", target.mark_radius()}};
     return json_text(json);
@@ -87,7 +89,7 @@ std::string mesh_bytes(const WallMesh& mesh)
     return bytes;
 }
 
-std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, double rate)
+std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, const Branches& branches, double rate)
 {
     const fs::path folder = assets_folder() / "web";
     std::map<std::string, WebFile, std::less<>> files;
@@ -96,7 +98,7 @@ std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const 
         files[std::string("/") + name] = {"text/javascript; charset=utf-8", read_file(folder / name)};
     files["/live.css"] = {"text/css; charset=utf-8", read_file(folder / "live.css")};
     files["/three.js"] = {"text/javascript; charset=utf-8", three_js()};
-    files["/scene.json"] = {"application/json", scene_json(scene, setup, target, rate)};
+    files["/scene.json"] = {"application/json", scene_json(scene, setup, target, branches, rate)};
     files["/mesh.bin"] = {"application/octet-stream", mesh_bytes(setup.mesh)};
     return files;
 }
@@ -110,7 +112,7 @@ void put_frame(const ViewFrame& frame, double wall_clock, int clients, std::stri
                                                {"cut_short", n.cut_short},
                                       {"stretched", n.stretched}, {"step_ms", 1e3 * n.step_time}, {"paused", n.paused}, {"stopped", n.stopped},
                                       {"fluoro", n.fluoroscopy}, {"contrast", n.contrast}, {"resets", n.resets}, {"clients", clients},
-                                      {"instruments", instruments}, {"score", score_for_page(n.score)}});
+                                      {"branch", n.stretch}, {"branch_depth", n.branch_depth}, {"instruments", instruments}, {"score", score_for_page(n.score)}});
     json.resize((json.size() + 3) / 4 * 4, ' ');
     into.clear();
     const auto length = static_cast<std::uint32_t>(json.size());

@@ -341,7 +341,7 @@ bool Hub::give_way(const std::string* of)
 
 struct WebServer::Impl {
     Impl(const WebOptions& options, const Scene& scene, Session& session)
-        : hub{session, web_files(scene, session.world().setup(), session.target(), 1 / session.step_length()), options, {}, {}, {}, 0, {}, {}, {}}
+        : hub{session, web_files(scene, session.world().setup(), session.target(), session.branches(), 1 / session.step_length()), options, {}, {}, {}, 0, {}, {}, {}}
     {
     }
 

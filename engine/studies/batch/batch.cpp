@@ -133,7 +133,7 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
     find_wall_path(scenes, setup);
     world_ = std::make_unique<World>(std::move(setup));
     loop_.emplace(*world_, scenes, static_cast<RunHooks*>(this));
-    places_ = VesselPlaces(world_->setup().centreline, std::move(openings));
+    places_ = VesselPlaces(*world_, std::move(openings));
     if (scene_.task.on) score_.emplace(scene_, *world_, ScoreWatch::Patch::WhereItCounts);
 }
 

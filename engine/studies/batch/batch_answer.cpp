@@ -20,10 +20,14 @@ std::string ends_line(const BatchAnswer::Ends& ends)
 {
     std::string text;
     const auto runs = [](std::size_t count) { return fmt::format("({} run{})", count, count == 1 ? "" : "s"); };
-    const bool known = ends.branches.size() > 1 || (ends.branches.size() == 1 && ends.branches.begin()->first > 0) || !ends.left.empty();
+    const auto is_named = [](const auto& place) { return !place.first.second.empty() && place.first.second != "0"; };
+    const bool known = std::any_of(ends.places.begin(), ends.places.end(), is_named) || ends.branches.size() > 1 || (ends.branches.size() == 1 && ends.branches.begin()->first > 0) || !ends.left.empty();
     if (!known) return text;
-    for (const auto& [branch, count] : ends.branches)
-        text += fmt::format("{}{} {}", text.empty() ? "ended " : ", ", branch == 0 ? "before any branch" : fmt::format("in branch {}", branch), runs(count));
+    for (const auto& [place, count] : ends.places) {
+        const auto& [branch, path] = place;
+        const bool before = branch == 0 && (path.empty() || path == "0");
+        text += fmt::format("{}{} {}", text.empty() ? "ended " : ", ", before ? "before any branch" : "in " + Stretch{path, "", branch}.words(), runs(count));
+    }
     for (const auto& [inlet, count] : ends.left)
         text += fmt::format("{}left the vessel through inlet {} {}", text.empty() ? "" : ", ", inlet, runs(count));
     return text;
@@ -63,7 +67,11 @@ void BatchAnswer::Ends::take_in(const BatchRow& row)
 {
     const int inlet = static_cast<int>(number(row, "left_through"));
     if (inlet > 0) ++left[inlet];
-    else ++branches[static_cast<int>(number(row, "branch"))];
+    else {
+        const int branch = static_cast<int>(number(row, "branch"));
+        ++branches[branch];
+        ++places[{branch, row.branch_path}];
+    }
 }
 
 BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& rows)

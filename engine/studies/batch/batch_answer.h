@@ -20,6 +20,7 @@ struct BatchAnswer {
     std::vector<std::size_t> rising;                // of those, whose force still rose when the target was reached
     struct Ends {
         std::map<int, std::size_t> branches;        // runs whose tip ended in a branch, 0: before any
+        std::map<std::pair<int, std::string>, std::size_t> places;  // the same by number and path
         std::map<int, std::size_t> left;            // runs whose tip is outside, by the inlet that it left through
         void take_in(const BatchRow& row);
     };

@@ -11,7 +11,7 @@ namespace {
 
 /// What a row of no instruments takes in a file.
 constexpr std::size_t least_row =
-    sizeof BatchRow::run + sizeof BatchRow::status + sizeof BatchRow::numbers + sizeof BatchRow::state_hash + 2 * sizeof(std::uint64_t);
+    sizeof BatchRow::run + sizeof BatchRow::status + sizeof BatchRow::numbers + sizeof BatchRow::state_hash + 3 * sizeof(std::uint64_t);
 
 bool is_hex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
 
@@ -42,6 +42,9 @@ void put_rows(std::vector<std::uint8_t>& bytes, std::span<const BatchRow> rows)
         put_bytes(bytes, &row.status, 1);
         put_bytes(bytes, row.numbers.data(), row.numbers.size());
         put_bytes(bytes, row.state_hash.data(), row.state_hash.size());
+        const std::uint64_t letters = row.branch_path.size();
+        put_bytes(bytes, &letters, 1);
+        put_bytes(bytes, row.branch_path.data(), row.branch_path.size());
         put_bytes(bytes, &instruments, 1);
         put_bytes(bytes, row.instruments.data(), row.instruments.size());
         const std::uint64_t coordinates = row.shape.size();
@@ -65,6 +68,8 @@ std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end
         take_bytes(at, end, &row.status, 1);
         take_bytes(at, end, row.numbers.data(), row.numbers.size());
         take_bytes(at, end, row.state_hash.data(), row.state_hash.size());
+        row.branch_path.resize(take_count(1));
+        take_bytes(at, end, row.branch_path.data(), row.branch_path.size());
         row.instruments.resize(take_count(sizeof(BatchRow::OfInstrument)));
         take_bytes(at, end, row.instruments.data(), row.instruments.size());
         row.shape.resize(take_count(sizeof(float)));
@@ -82,6 +87,7 @@ bool are_sound(std::span<const BatchRow> rows, std::size_t begin, std::size_t en
         if (row.instruments.size() != instruments || row.shape.size() != 3 * BatchRow::stations * instruments) return false;
         if (!std::all_of(row.shape.begin(), row.shape.end(), [](float x) { return std::isfinite(x); })) return false;
         if (row.status != RunStatus::Done && row.status != RunStatus::Stopped) return false;
+        if (row.branch_path.find_first_not_of("0123456789.+") != std::string::npos) return false;
         if (!has_sound_counts(row) || !std::all_of(row.state_hash.begin(), row.state_hash.end(), is_hex)) return false;
         seen[run - begin] = true;
     }

@@ -12,7 +12,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::string_view magic = "SELBATC9";
+constexpr std::string_view magic = "SELBATCA";
 constexpr std::uint64_t most_rows = 10'000'000;  // beyond what any sweep has, and little enough to be listed in memory
 
 struct Writer {

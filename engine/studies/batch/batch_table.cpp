@@ -122,9 +122,9 @@ const char* column_kind_word(ColumnKind kind)
     return "";
 }
 
-VesselPlaces::VesselPlaces(const Centreline& centreline, std::vector<BoundaryLoop> loops) : branches(centreline), openings(std::move(loops))
+VesselPlaces::VesselPlaces(const World& world, std::vector<BoundaryLoop> loops) : branches(world), openings(std::move(loops))
 {
-    for (std::size_t k = 0; k < openings.size(); ++k) inlet.push_back(inlet_through(openings, centreline, static_cast<int>(k)));
+    for (std::size_t k = 0; k < openings.size(); ++k) inlet.push_back(inlet_through(openings, world.setup().centreline, static_cast<int>(k)));
 }
 
 BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally, const VesselPlaces& places)
@@ -136,7 +136,8 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     const auto [first, end] = world.wires_of(system);
     const Vec3 tip = world.rod(first).pos(0);
     const int leading = leading_wire(world, system);
-    const Branches::Place place = places.branches.locate(world.setup().centreline, world.rod(leading).pos(0));
+    const Branches::Place place = places.branches.tip(world, system);
+    row.branch_path = places.branches.of(system).path(place);
     const int opening = outside_through(tally.exits, leading - first);
     const ScoreNumbers& score = tally.score;
     const double never = std::nan("");
@@ -211,7 +212,7 @@ double band_of(const RunRows& of, std::size_t column)
     if (row.status != RunStatus::Done || half.status != RunStatus::Done) return std::nan("");
     const auto differs = [&](std::string_view outcome) { return row.numbers[column_index(outcome)] != half.numbers[column_index(outcome)]; };
     if (batch_columns[column].of_task && differs("reached")) return std::nan("");
-    if (batch_columns[column].name == "branch_depth_m" && differs("branch")) return std::nan("");
+    if (batch_columns[column].name == "branch_depth_m" && row.branch_path != half.branch_path) return std::nan("");
     return margin * std::abs(row.numbers[column] - half.numbers[column]);
 }
 
@@ -245,13 +246,13 @@ std::string batch_csv(const Sweep& sweep, const BatchLayout& layout, const std::
     for (const SweepAxis& axis : sweep.axes) text += "," + quoted(axis.key);
     text += ",status";
     for_each_number(layout, [&](const std::string& name, auto&&...) { text += "," + name; });
-    text += ",state_hash\n";
+    text += ",branch_path,state_hash\n";
     for (const RunRows& of : rows_by_run(layout, rows)) {
         text += fmt::format("{}", of.row->run);
         for (const std::string& value : varied(sweep, static_cast<std::size_t>(of.row->run))) text += "," + quoted(value);
         text += fmt::format(",{}", status_word(of.row->status));
         for_each_number(layout, [&](const std::string&, ColumnKind, bool, auto&& value) { text += number_field(value(of)); });
-        text += "," + text_of(of.row->state_hash) + "\n";
+        text += "," + of.row->branch_path + "," + text_of(of.row->state_hash) + "\n";
     }
     return text;
 }
@@ -276,7 +277,7 @@ std::string batch_units_csv(const Sweep& sweep, const BatchLayout& layout)
     for (const SweepAxis& axis : sweep.axes) text += fmt::format("{},{},varied\n", quoted(axis.key), unit_of(axis.key));
     text += "status,,outcome\n";
     for_each_number(layout, [&](const std::string& name, ColumnKind kind, auto&&...) { text += fmt::format("{},{},{}\n", name, unit_of(name), column_kind_word(kind)); });
-    return text + "state_hash,,effort\n";
+    return text + "branch_path,,outcome\nstate_hash,,effort\n";
 }
 
 std::string batch_npz(const Sweep& sweep, const BatchLayout& layout, const std::vector<BatchRow>& rows)
@@ -313,6 +314,8 @@ std::string batch_npz(const Sweep& sweep, const BatchLayout& layout, const std::
             file.add(name, numbers);
         }
     });
+    fill(texts, [](const RunRows& of) { return of.row->branch_path; });
+    file.add("branch_path", texts);
     fill(texts, [](const RunRows& of) { return text_of(of.row->state_hash); });
     file.add("state_hash", texts);
     return file.finish();

@@ -102,6 +102,7 @@ struct BatchRow {
     RunStatus status = RunStatus::Done;                      // or Stopped: no state was found, the last good one is shown
     std::array<double, std::size(batch_columns)> numbers{};  // in the order of batch_columns
     std::array<char, 16> state_hash{};                       // as summary.json of the run alone
+    std::string branch_path;                                 // likewise; empty: no centreline
     std::vector<OfInstrument> instruments;                   // of the system's, in the order of instrument_columns
     /// Final shape of each instrument: x, y, z of `stations` points at even arc lengths, tip first [m].
     static constexpr std::size_t stations = shape_stations;
@@ -128,11 +129,11 @@ struct BatchLayout {
 
 /// What a vessel's places are called.
 struct VesselPlaces {
-    Branches branches;
+    WorldBranches branches;
     std::vector<BoundaryLoop> openings;
     std::vector<int> inlet;  // [openings] number, from 1, of the inlet through each
     VesselPlaces() = default;
-    VesselPlaces(const Centreline& centreline, std::vector<BoundaryLoop> loops);
+    VesselPlaces(const World& world, std::vector<BoundaryLoop> loops);
 };
 
 /// @param system  of the world, in the state that the row is to show; tip and hand of `numbers` are its first instrument's
@@ -151,7 +152,7 @@ struct RunRows {
 
 [[nodiscard]] std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<BatchRow>& rows);
 
-/// Rows by run: run, the varied keys, status, batch_columns with their bands, instrument_columns of each name, state_hash. A number that is
+/// Rows by run: run, the varied keys, status, batch_columns with their bands, instrument_columns of each name, branch_path, state_hash. A number that is
 /// not finite is an empty field.
 [[nodiscard]] std::string batch_csv(const Sweep& sweep, const BatchLayout& layout, const std::vector<BatchRow>& rows);
 /// The same columns as arrays; a varied key whose values are all numbers is float64, any other is text.

@@ -44,6 +44,9 @@ struct VesselSpec {
     // a scene; found by a trial run with a rigid wall (run/wall_path.h) [m]
     std::vector<Vec3> touched;
     std::filesystem::path centreline;  // optional .vtp with MaximumInscribedSphereRadius
+    std::string centreline_units;      // as units; empty: what its header says, else the mesh's
+    std::string centreline_space;      // "LPS" or "RAS"; empty: what its header says, else the mesh's
+    bool branches_from_root = false;   // branches count from the centreline's root; else from the inlet in use (vessel/branches.h)
 };
 
 }  // namespace seldinger

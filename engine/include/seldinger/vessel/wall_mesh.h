@@ -32,6 +32,7 @@ struct RepairReport {
     long non_manifold_edges = 0, boundary_edges = 0, components = 0, hole_loops_closed = 0, slivers = 0;
     bool inverted = false;            // the whole surface pointed out of the lumen and was turned
     std::vector<BoundaryLoop> loops;  // openings
+    std::vector<Vec3> unreached;      // ends of the vessel that its centreline does not reach, one place in each [m]
     std::vector<std::string> notes;   // one sentence each, for people
 };
 

@@ -1,0 +1,19 @@
+#pragma once
+// A centreline against the mesh that it belongs to: its points lie in the lumen, and its radii are the distances to the wall.
+
+#include "setup/vessel_load.h"
+
+namespace seldinger {
+
+/// Reads VesselSpec::centreline into the axes and the unit of the mesh. These are the ones that the scene says, else the header of the
+/// centreline's file, where they make it fit. A centreline that fits only otherwise (x and y turned round, another unit) is refused with the key
+/// that says so; one that fits in no way, without. Adds what was done, and points outside of the lumen, to the notes of `vessel`.
+/// @param vessel  its mesh and report are there
+/// @throws Error BadFile, BadScene
+void read_given_centreline(const VesselSpec& spec, LoadedVessel& vessel);
+
+/// Adds notes: rims with a flap, points of the centreline outside of the lumen, openings and branches that it does not reach
+/// (RepairReport::unreached, which has the branches already).
+void note_centreline(LoadedVessel& vessel);
+
+}  // namespace seldinger

@@ -1,0 +1,182 @@
+// Given centrelines against their mesh: in its axes and unit, in others, moved, with diameters for radii; with names.
+#include "core/error.h"
+#include "core/file_io.h"
+#include "io/mesh_file.h"
+#include "setup/vessel_load.h"
+#include "shapes/swept_lumen.h"
+#include "support/temporary_folder.h"
+#include "vessel/branches.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+namespace test_centreline_check {
+
+using namespace seldinger;
+
+namespace {
+
+SweptTube tube(const Vec3& from, const Vec3& to, double radius)
+{
+    SweptTube made;
+    for (int k = 0; k <= 40; ++k) made.points.push_back(from + (to - from) * k / 40.0), made.radius.push_back(radius);
+    return made;
+}
+
+LumenEnd end_of(const Vec3& from, const Vec3& to, double radius) { return {to - 3e-3 * (to - from).normalized(), (to - from).normalized(), 2 * radius}; }
+
+/// A fork away from the origin, with its own centreline beside it.
+struct Fork {
+    TemporaryFolder folder;
+    VesselSpec spec;
+    Centreline line;
+    Fork()
+    {
+        const Vec3 low(0.06, 0.02, -0.075), middle(0.06, 0.02, 0), left(0.033, 0.02, 0.05), right(0.087, 0.02, 0.05);
+        const SweptLumen lumen({tube(low, middle, 5e-3), tube(middle, left, 3.5e-3), tube(middle, right, 3.2e-3)}, 1e-3);
+        const WallMesh mesh = mesh_lumen(lumen, {end_of(middle, low, 5e-3), end_of(middle, left, 3.5e-3), end_of(middle, right, 3.2e-3)}, 6000);
+        spec.shape = VesselShape::Mesh;
+        spec.mesh = folder.path() / "fork.obj";
+        write_mesh(spec.mesh, mesh, "mm");
+        line = load_vessel(spec).centreline;
+        spec.centreline = folder.path() / "line.vtp";
+    }
+
+    /// @param head  words of its header: "SPACE=RAS"
+    void write(const Centreline& of, const std::string& unit, const std::string& head = "")
+    {
+        write_centreline_vtp(spec.centreline, of, unit);
+        if (head.empty()) return;
+        const std::size_t equals = head.find('=');
+        std::string codes, file = read_file(spec.centreline);
+        for (const char c : head.substr(equals + 1)) codes += std::to_string(static_cast<int>(c)) + " ";
+        const std::size_t at = file.find("<Piece");
+        file.insert(at, "<FieldData><DataArray type=\"String\" Name=\"" + head.substr(0, equals) + "\" NumberOfTuples=\"1\" format=\"ascii\">" + codes + "0</DataArray></FieldData>");
+        write_file(spec.centreline, file);
+    }
+
+    [[nodiscard]] std::string refused() const
+    {
+        try {
+            (void)load_vessel(spec);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "";
+    }
+    /// Its notes that name the centreline's file, one string.
+    [[nodiscard]] std::string notes() const
+    {
+        std::string all;
+        const LoadedVessel vessel = load_vessel(spec);
+        REQUIRE(vessel.centreline.points.size() == line.points.size());
+        for (std::size_t i = 0; i < line.points.size(); ++i) CHECK((vessel.centreline.points[i] - line.points[i]).norm() < 1e-8);
+        for (const std::string& note : vessel.report.notes)
+            if (note.find("line.vtp") != std::string::npos) all += note;
+        return all;
+    }
+};
+
+Centreline turned(Centreline line)
+{
+    for (Vec3& p : line.points) p = {-p.x(), -p.y(), p.z()};
+    return line;
+}
+
+bool has(const std::string& text, const char* words) { return text.find(words) != std::string::npos; }
+
+}  // namespace
+
+TEST_SUITE("setup/centreline_check")
+{
+    TEST_CASE("property: a centreline that fits its mesh is taken without a word")
+    {
+        Fork fork;
+        fork.write(fork.line, "mm");
+        CHECK(fork.notes().empty());
+    }
+
+    TEST_CASE("property: x and y turned round: refused with the key that says so, taken with the key or where the file's header says so")
+    {
+        Fork fork;
+        fork.write(turned(fork.line), "mm");
+        CHECK(has(fork.refused(), "Fix: vessel.centreline_space = \"RAS\""));
+        CHECK(has(fork.refused(), "outside of the lumen"));
+        fork.spec.centreline_space = "RAS";
+        CHECK(has(fork.notes(), "x and y turned round, as the scene says"));
+        fork.spec.centreline_space = "";
+        fork.write(turned(fork.line), "mm", "SPACE=RAS");
+        CHECK(has(fork.notes(), "x and y turned round, as its header says"));
+        // a header that names other axes than the numbers have is no reason to refuse what fits
+        fork.write(fork.line, "mm", "SPACE=RAS");
+        CHECK_FALSE(has(fork.notes(), "turned"));
+    }
+
+    TEST_CASE("property: another unit: refused with the key that says so, taken with the key or where the file's header says so")
+    {
+        Fork fork;
+        for (const char* unit : {"cm", "m"}) {
+            CAPTURE(unit);
+            fork.spec.centreline_units = "";
+            fork.write(fork.line, unit);
+            const std::string said = fork.refused();
+            CHECK(has(said, (std::string("Fix: vessel.centreline_units = \"") + unit + "\"").c_str()));
+            CHECK_FALSE(has(said, "centreline_space"));
+            fork.spec.centreline_units = unit;
+            CHECK(has(fork.notes(), "as the scene says"));
+        }
+        fork.spec.centreline_units = "";
+        fork.write(fork.line, "cm", "UNITS=cm");
+        CHECK(has(fork.notes(), "in cm, as its header says"));
+        fork.write(turned(fork.line), "m");
+        CHECK(has(fork.refused(), "vessel.centreline_space = \"RAS\", vessel.centreline_units = \"m\""));
+    }
+
+    TEST_CASE("property: a moved centreline is refused without a cure, and so is one with diameters for radii")
+    {
+        Fork fork;
+        Centreline moved = fork.line;
+        for (Vec3& p : moved.points) p.z() += 0.04;
+        fork.write(moved, "mm");
+        const std::string said = fork.refused();
+        CHECK(has(said, "No usual change of axes or unit makes it fit"));
+        CHECK_FALSE(has(said, "Fix: vessel.centreline_"));
+        Centreline wide = fork.line;
+        for (double& r : wide.radius) r *= 2;
+        fork.write(wide, "mm");
+        CHECK(has(fork.refused(), "got radii of 2 times the distance to the wall"));
+        CHECK(has(fork.refused(), "Diameter"));
+    }
+
+    TEST_CASE("property: few points outside of the lumen are named with their place, many are refused")
+    {
+        Fork fork;
+        Centreline bent = fork.line;
+        const auto middle = static_cast<std::size_t>(bent.main_path()[8]);
+        bent.points[middle].y() += 0.0055;
+        fork.write(bent, "mm");
+        const LoadedVessel vessel = load_vessel(fork.spec);
+        CHECK(std::any_of(vessel.report.notes.begin(), vessel.report.notes.end(), [](const std::string& note) {
+            return note.find("1 points of line.vtp do not fit the mesh") != std::string::npos && note.find("25.5") != std::string::npos;
+        }));
+    }
+
+    TEST_CASE("property: openings that a given centreline does not reach are counted, with their places")
+    {
+        Fork fork;
+        Centreline stem;
+        for (const int i : fork.line.main_path()) {
+            stem.points.push_back(fork.line.points[static_cast<std::size_t>(i)]);
+            stem.radius.push_back(fork.line.radius[static_cast<std::size_t>(i)]);
+            stem.parent.push_back(static_cast<int>(stem.points.size()) - 2);
+        }
+        fork.write(stem, "mm");
+        const LoadedVessel vessel = load_vessel(fork.spec);
+        REQUIRE(vessel.report.unreached.size() == 1);
+        CHECK(std::abs(vessel.report.unreached[0].z() - 0.047) < 0.003);
+        CHECK(std::any_of(vessel.report.notes.begin(), vessel.report.notes.end(), [](const std::string& note) { return has(note, "does not reach 1 opening of the mesh"); }));
+    }
+}
+
+}  // namespace test_centreline_check
