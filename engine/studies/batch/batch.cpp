@@ -37,6 +37,13 @@ std::string shared_part(Scene scene, const Scene& first)
     return write_scene(scene, scene.source.parent_path());
 }
 
+// a wall's mesh follows the path of its run (run/wall_path.h): such a run shares no world
+std::string world_kind(Scene scene, const Scene& first, std::size_t number)
+{
+    const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
+    return own_wall ? fmt::format("{}", number) : shared_part(std::move(scene), first);
+}
+
 Scene BatchSource::scene(std::size_t item) const
 {
     const std::size_t run = item % sweep.run_count();
@@ -104,9 +111,7 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
             throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
                                                         "results.csv; leave `name` out of what is varied",
                                                         source.sweep.source.string(), run));
-        // a wall's mesh follows the path of its run (run/wall_path.h): such a run shares no world
-        const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
-        const std::string key = own_wall ? fmt::format("{}", run) : shared_part(std::move(scene), first);
+        const std::string key = world_kind(std::move(scene), first, run);
         const auto [at, is_new] = open.try_emplace(key, worlds.size());
         std::size_t& room = rooms.try_emplace(key, ramp ? 1 : most_wires).first->second;
         if (!is_new && worlds[at->second].size() == room) {

@@ -44,6 +44,9 @@ struct BatchSource {
 /// numbers of contact that are kept per sample or edge. `first` gives the parts that may differ.
 [[nodiscard]] std::string shared_part(Scene scene, const Scene& first);
 
+/// What tells apart the worlds of several scenes: shared_part(). Scenes with an elastic wall whose edge is chosen are alone, each with its number.
+[[nodiscard]] std::string world_kind(Scene scene, const Scene& first, std::size_t number);
+
 inline constexpr std::size_t most_wires = 96;  // of a world; the records of more do not fit a core's caches: 10 % slower at 1,000
 
 /// Reads the scene of every run, so that a mistake in any of them comes before the first step. Sorts them into worlds of at
