@@ -74,7 +74,7 @@ public:
     Batch(const BatchSource& source, std::string sweep_text, std::size_t begin, std::size_t end, const Folder& folder, const RunOptions& options)
         : source_(source), options_(options), folder_(folder), begin_(begin), end_(end), runs_(end - begin), ramp_(options.time_limit > 0)
     {
-        worlds_ = plan_worlds(source, begin, end, ramp_);
+        worlds_ = plan_worlds(source, begin, end, ramp_, &warnings_);
         planning_.reset();
         const std::string scene = resolved_scene(source, folder.path());
         given_ = scene + sweep_text;
@@ -268,6 +268,7 @@ private:
         out["name"] = source_.scene(0).name;
         out["status"] = status_word(status);
         add_answer(out, source_, rows_);
+        if (!warnings_.empty()) out["warnings"] = warnings_;
         out["results"] = "results.csv";
         out["worlds"] = worlds_.size();
         out["wire_steps"] = totals_.wire_steps;
@@ -313,6 +314,7 @@ private:
     const Folder folder_;
     std::size_t begin_, end_, runs_;
     bool ramp_;                                     // worlds that grow (plan_worlds): a limit may stop this
+    std::vector<std::string> warnings_;             // of the scenes
     std::optional<NoPolling> planning_{std::in_place};  // until worlds_ are known
     std::vector<std::vector<std::size_t>> worlds_;  // runs of each
     std::size_t at_ = 0;                            // world being run
@@ -380,7 +382,7 @@ RunOutcome run_batch(const fs::path& scene, const fs::path& sweep, const RunOpti
 {
     const auto called = Clock::now();
     const StopSignal listening;
-    const std::string sweep_text = read_scene_file(sweep);
+    const std::string sweep_text = with_designs(read_scene_file(sweep), sweep);
     const BatchSource source = make_source(read_scene_file(scene), scene, options.overrides, sweep_text, sweep);
     const FileLock lock = FileLock::of_folder(options.dir);
     const Folder folder(options.dir);

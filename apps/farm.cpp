@@ -57,13 +57,15 @@ std::size_t task_count(const FarmArguments& options, const FarmPlan& plan)
 FarmPlan plan_sweep(const FarmArguments& options, std::string& scene_text, std::string& sweep_text)
 {
     scene_text = read_file(options.source);
-    sweep_text = read_file(options.sweep);
+    sweep_text = with_designs(read_file(options.sweep), options.sweep);
     FarmPlan plan;
     plan.source = fs::absolute(options.source).lexically_normal();
     plan.sweep = options.sweep;
     plan.overrides = options.overrides;
     const BatchSource source = make_source(scene_text, plan.source, options.overrides, sweep_text, options.sweep);
-    (void)plan_worlds(source);
+    std::vector<std::string> warnings;
+    (void)plan_worlds(source, 0, source.item_count(), false, &warnings);
+    for (const std::string& warning : warnings) note("seldinger: note: " + warning + "\n");
     plan.items = source.item_count();
     plan.tasks = task_count(options, plan);
     plan.key = sweep_key(source, sweep_text);
