@@ -39,7 +39,7 @@ class Progress:
         end, said = ("\r" if sys.stderr.isatty() else "\n"), False
         while not self._over.wait(0.5 if said else 1.0):
             if end == "\r" or not said:
-                print(f"{self.text:<100}", end=end, file=sys.stderr, flush=True)
+                print(f"{self.text:<100}" if end == "\r" else self.text, end=end, file=sys.stderr, flush=True)
             said = True
         if said and end == "\r":
             print(file=sys.stderr, flush=True)
@@ -336,7 +336,7 @@ def starts_of(task: Navigate, variants: Sequence[Sequence[str]], device: int, to
     done, all_starts = 0.0, len(missing) * task.starts
 
     def tell(part: float) -> None:
-        told.text = f"seldinger: {all_starts} starts of {len(missing)} variant{'s' * (len(missing) > 1)}: {100 * (done + part) / all_starts:.0f} %"
+        told.text = f"seldinger: {all_starts} start{'s' * (all_starts > 1)} of {len(missing)} variant{'s' * (len(missing) > 1)}: {100 * (done + part) / all_starts:.0f} %"
 
     for kind in range(max(kinds, default=-1) + 1):
         pairs = [(k, feed) for k, of in zip(missing, kinds) if of == kind for feed in feeds]
