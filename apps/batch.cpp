@@ -38,6 +38,7 @@ std::string batch_for_people(const std::string& json, const std::filesystem::pat
         s.at("name").get<std::string>(), s.at("status").get<std::string>(), s.at("runs").get<long>(), s.at("worlds").get<long>(),
         s.at("stopped").get<long>(), s.at("wire_steps").get<long>(), s.at("wall_s").get<double>(),
         s.at("wire_steps_per_s").get<double>(), s.at("device").get<std::string>(), s.at("threads").get<int>(), dir.string());
+    for (const auto& warning : s.value("warnings", nlohmann::json::array())) text += "  note: " + warning.get<std::string>() + "\n";
     if (const std::string answer = s.at("answer").get<std::string>(); !answer.empty()) text += answer + "\n";
     if (s.contains("wall_bands")) text += "bands of the elastic wall: " + s.at("wall_bands").get<std::string>() + "\n";
     return text;

@@ -82,7 +82,7 @@ public:
         now_.instruments = static_cast<std::uint64_t>(first.instrument_count());
         now_.begin = task_.begin, now_.end = task_.end;
         now_.ramp = options.time_limit > 0;  // worlds that grow: a limit may stop this
-        worlds_ = plan_worlds(source, task_.begin, task_.end, now_.ramp);
+        worlds_ = plan_worlds(source, task_.begin, task_.end, now_.ramp, &warnings_);
         planning_.reset();
         const std::string saved = task_.file.path().filename().string();
         if (options.use == FolderUse::Resume && (task_.whole ? folder : folder.make("parts")).has(saved)) {
@@ -210,6 +210,7 @@ private:
         out["name"] = now_.name;
         out["status"] = status_word(status);
         add_answer(out, {source_.sweep, now_.layout}, now_.rows);
+        if (!warnings_.empty()) out["warnings"] = warnings_;
         out["results"] = "results.csv";
         out["worlds"] = worlds_.size();
         out["wire_steps"] = totals.wire_steps;
@@ -252,6 +253,7 @@ private:
     const RunOptions& options_;
     const Folder folder_;
     const Task task_;
+    std::vector<std::string> warnings_;  // of the scenes
     std::optional<NoPolling> planning_{std::in_place};  // until worlds_ are known
     std::vector<std::vector<std::size_t>> worlds_;  // runs of each
     SavedBatch now_;
@@ -317,7 +319,7 @@ RunOutcome run_batch(const fs::path& scene, const fs::path& sweep, const RunOpti
 {
     const auto called = Clock::now();
     const StopSignal listening;
-    const std::string sweep_text = read_scene_file(sweep);
+    const std::string sweep_text = with_designs(read_scene_file(sweep), sweep);
     const BatchSource source = make_source(read_scene_file(scene), scene, options.overrides, sweep_text, sweep);
     const FileLock lock = FileLock::of_folder(options.dir);
     const Folder folder(options.dir);
@@ -330,7 +332,7 @@ RunOutcome run_batch_part(const fs::path& scene, const fs::path& sweep, const Pa
 {
     const auto called = Clock::now();
     const StopSignal listening("run the same command again");
-    const std::string sweep_text = read_scene_file(sweep);
+    const std::string sweep_text = with_designs(read_scene_file(sweep), sweep);
     const fs::path lies_at = which.scene_at.empty() ? scene : which.scene_at;
     const BatchSource source = make_source(read_scene_file(scene), lies_at, options.overrides, sweep_text, sweep);
     const PartPlan plan = begin_parts(source, sweep_text, which.parts, options.dir);

@@ -79,6 +79,7 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
                 break;
             }
     if (setup.vessel.shape == VesselShape::Mesh) text += describe_entry(scene, vessel, setup);
+    for (const std::string& warning : scene.warnings) text += "  note: " + warning + "\n";
     for (const auto& [name, value] : scene.notes) text += fmt::format("  {}: {}\n", name, value);
     return text;
 }

@@ -56,9 +56,11 @@ std::size_t part_count(const FarmArguments& options, std::size_t items, const ch
 /// Every run's values are tried. The parts read copies, so that a later edit does not affect half of the table.
 PartPlan plan_sweep(const FarmArguments& options)
 {
-    const std::string scene_text = read_file(options.source), sweep_text = read_file(options.sweep);
+    const std::string scene_text = read_file(options.source), sweep_text = with_designs(read_file(options.sweep), options.sweep);
     const BatchSource source = make_source(scene_text, options.source, options.overrides, sweep_text, options.sweep);
-    (void)plan_worlds(source);
+    std::vector<std::string> warnings;
+    (void)plan_worlds(source, 0, source.item_count(), false, &warnings);
+    for (const std::string& warning : warnings) note("seldinger: note: " + warning + "\n");
     const PartPlan plan = begin_parts(source, sweep_text, part_count(options, source.item_count(), "run"), options.dir);
     const Folder parts = Folder(options.dir).make("parts");
     if (!parts.has("scene.toml")) write_file(parts / "scene.toml", scene_text);

@@ -1,6 +1,7 @@
 // Puts a report together: the page of assets/web/report.html with its scripts, and the run's numbers as JSON and base64.
 #include "report_page.h"
 
+#include "batch/sweep.h"
 #include "core/assets.h"
 #include "core/error.h"
 #include "core/file_io.h"
@@ -210,6 +211,16 @@ Json wall_points(const Folder& dir)
     return points;
 }
 
+/// What each design of the batch's sweep sets, as texts of --set, by its name in results.csv.
+Json designs_of(const Folder& dir)
+{
+    Json designs = Json::object();
+    if (!dir.has("sweep.toml")) return designs;
+    for (const SweepAxis& axis : read_sweep_text(read_file(dir / "sweep.toml"), dir.path() / "sweep.toml", 0).axes)
+        for (std::size_t k = 0; k < axis.designs.size(); ++k) designs[Json::parse(axis.values[k]).get<std::string>()] = axis.designs[k];
+    return designs;
+}
+
 Json batch_data(const Folder& dir)
 {
     const auto table_in = [&](const char* name) { return dir.has(name) ? table_of(read_file(dir / name)) : Json::object(); };
@@ -218,6 +229,7 @@ Json batch_data(const Folder& dir)
     data["columns"] = Json::array();
     for (const auto& [name, values] : data["table"].items()) data["columns"].push_back(name);
     data["units"] = table_in("results-units.csv");
+    data["designs"] = designs_of(dir);
     data["shapes"] = table_in("shapes.csv");
     data["vessel"] = Json::array();
     data["head"] = {0, 0, 1};

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Environment steps a second of seldinger/Navigate-v0, what Python adds to the engine, and memory over many steps.
+"""Environment steps a second of seldinger/Navigate-v1, what Python adds to the engine, and memory over many steps.
 
 bench/gym_speed.py [--envs 1,16,64,256,1024] [--seconds 10] [--image] [--memory-steps 100000] [--csv FILE]
 
@@ -38,7 +38,7 @@ class Timed:
 
 def drive(env, seconds, rng):
     """Random walks forward, so that wires are in the arch and touch. @return steps, wall and engine seconds, mean nodes and contacts"""
-    fleet, shape = env._fleet, env.action_space.shape
+    fleet, shape = env._fleet.fleets[0], env.action_space.shape
     env.reset(seed=0)
     engine = fleet._drive = Timed(type(fleet)._drive.__get__(fleet))
     begun, steps, contacts = time.perf_counter(), 0, []

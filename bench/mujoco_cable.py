@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""seldinger/Navigate-v0's wire beside a MuJoCo cable of like length in the same arch: controls of 1/60 s a second, in one run.
+"""seldinger/Navigate-v1's wire beside a MuJoCo cable of like length in the same arch: controls of 1/60 s a second, in one run.
 
 bench/mujoco_cable.py [--envs 1,16] [--seconds 10] [--threads 2] [--csv FILE]        pip install 'mujoco<4'
 

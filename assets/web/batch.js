@@ -52,7 +52,13 @@ class Batch {
 
   colour(k) { const found = this.outcomes.find(([name]) => name === this.outcome(k)); return cssColour(found ? found[1] : '--faint'); }
 
-  label(k) { return this.keys.length === 1 && typeof this.table[this.keys[0]][k] === 'string' ? this.table[this.keys[0]][k] : this.keys.map((key) => `${key.split('.').pop()} ${this.table[key][k]}`).join(', '); }
+  label(k) {
+    const said = (key) => { const text = String(this.table[key][k]); return text.length > 48 ? `${text.slice(0, 48)} …` : text; };
+    return this.keys.length === 1 && typeof this.table[this.keys[0]][k] === 'string' ? said(this.keys[0]) : this.keys.map((key) => `${key.split('.').pop()} ${said(key)}`).join(', ');
+  }
+
+  // What sets run k apart, as options of `seldinger run`: of a design what its file sets.
+  settings(k) { return this.keys.flatMap((key) => (key === 'design' && this.data.designs[this.table[key][k]]) || [`${key}=${this.table[key][k]}`]).map((setting) => ` --set '${setting}'`).join(''); }
 
   // Readings that a plot may show: the least force first that the task is judged by.
   responses() {
@@ -270,7 +276,7 @@ function showRanking(table, batch, response, most = 20) {
     const tr = table.insertRow();
     tr.insertCell().textContent = batch.outcome(k) === batch.outcomes[0][0] || !batch.task ? place + 1 : '';
     tr.insertCell().append(linkTo(batch.table.run[k], batch.table.run[k]));
-    for (const key of batch.keys) tr.insertCell().textContent = batch.table[key][k];
+    for (const key of batch.keys) tr.insertCell().textContent = String(batch.table[key][k]).length > 48 ? `${batch.table[key][k].slice(0, 48)} …` : batch.table[key][k];
     const cell = tr.insertCell();
     cell.textContent = batch.outcome(k);
     cell.style.color = batch.colour(k);
@@ -284,9 +290,9 @@ function showPictures(list, batch, most) {
     const more = document.createElement('details'), head = document.createElement('summary'), command = document.createElement('code');
     figure.id = `run-${batch.table.run[k]}`;
     head.textContent = 'this run alone';
-    command.textContent = `seldinger run scene.toml${batch.keys.map((key) => ` --set '${key}=${batch.table[key][k]}'`).join('')} -o run-${batch.table.run[k]}`;
+    command.textContent = `seldinger run scene.toml${batch.settings(k)} -o run-${batch.table.run[k]}`;
     more.append(head, command);
-    caption.append(`${batch.table.run[k]}: ${batch.label(k)}; ${batch.outcome(k)}`, more);
+    caption.append(`run ${batch.table.run[k]} (${batch.label(k)}): ${batch.outcome(k)}`, more);
     figure.append(canvas, caption);
     list.append(figure);
     return [canvas, k];

@@ -19,9 +19,9 @@ function tickText(value, step) {
 }
 
 class Chart {
-  // series: [{label, colour: a CSS variable's name}]; least: range that is shown at least; span: of time, none: all
-  constructor(canvas, title, unit, series, least, span) {
-    Object.assign(this, { canvas, title, unit, series, least, span });
+  // series: [{label, colour: a CSS variable's name}]; least: range that is shown at least; span: of time, none: all; fixed: always in `unit`
+  constructor(canvas, title, unit, series, least, span, fixed) {
+    Object.assign(this, { canvas, title, unit, series, least, span, fixed });
     this.times = [];
     this.values = series.map(() => []);
     this.mark = null;
@@ -77,7 +77,7 @@ class Chart {
   // Small forces in mN rather than with exponents.
   scaleOf(most) {
     const smaller = { N: ['mN', 'µN'], 'N/m': ['mN/m', 'µN/m'], 'mN m': ['µN m', 'nN m'], mm: ['µm', 'nm'] }[this.unit];
-    if (!smaller || most >= 0.1) return { factor: 1, unit: this.unit };
+    if (this.fixed || !smaller || most >= 0.1) return { factor: 1, unit: this.unit };
     return most >= 1e-4 ? { factor: 1e3, unit: smaller[0] } : { factor: 1e6, unit: smaller[1] };
   }
 

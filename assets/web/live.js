@@ -61,7 +61,7 @@ function showAttempts() {
   $('attempts').hidden = !state.attempts.length;
   $('attempts').replaceChildren(...state.attempts.map((s) => {
     const item = document.createElement('li');
-    item.textContent = `${verdictOf(s)}, ${s.time.toFixed(1)} s, peak ${s.wall_max.toFixed(2)} N${s.seen ? '' : ', exam'}`;
+    item.textContent = `${verdictOf(s)}, ${s.time.toFixed(1)} s, peak ${newtons(s.wall_max)} N${s.seen ? '' : ', exam'}`;
     return item;
   }));
   $('attempts').scrollTop = $('attempts').scrollHeight;
@@ -106,7 +106,8 @@ function watchPace() {
   else pace(`time stretched: ${share.toFixed(2)} of real time`, 'bad');
 }
 
-const calm = (value) => (Math.abs(value) < 5e-3 ? 0 : value).toFixed(2);  // no minus before a zero
+const calm = (value, digits) => (Math.abs(value) < 0.5 / 10 ** digits ? 0 : value).toFixed(digits);  // no minus before a zero
+const newtons = (value) => calm(value, 3);  // one unit on the whole page, the charts' too
 
 function row(table, what, value, over) {
   const tr = table.insertRow();
@@ -130,10 +131,10 @@ function showSheet(n) {
   row(table, 'Time', most(s.time.toFixed(1), limits.time, 's'), limits.time && s.time > limits.time);
   if (s.distance >= 0) row(table, 'To the target', s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`);
   if (n.branch >= 0 && state.scene.branches.length > 1) row(table, 'Tip in', `${state.scene.branches[n.branch]}, ${(1e3 * n.branch_depth).toFixed(0)} mm`);
-  row(table, 'Wall force', most(s.wall.toFixed(2), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
-  row(table, 'its peak, mean', `${s.wall_max.toFixed(2)}, ${s.wall_mean.toFixed(2)} N`, limits.wall_force && s.wall_max > limits.wall_force);
-  row(table, `On ${1e3 * limits.patch} mm of wall`, most(s.patch.toFixed(2), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);
-  row(table, 'its peak', `${s.patch_max.toFixed(2)} N`, limits.patch_force && s.patch_max > limits.patch_force);
+  row(table, 'Wall force', most(newtons(s.wall), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
+  row(table, 'its peak, mean', `${newtons(s.wall_max)}, ${newtons(s.wall_mean)} N`, limits.wall_force && s.wall_max > limits.wall_force);
+  row(table, `On ${1e3 * limits.patch} mm of wall`, most(newtons(s.patch), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);
+  row(table, 'its peak', `${newtons(s.patch_max)} N`, limits.patch_force && s.patch_max > limits.patch_force);
   row(table, 'Time above the limit', `${s.above.toFixed(2)} s`, s.above > 0);
   row(table, 'Path of the tip', `${(100 * s.path).toFixed(1)} cm`);
   row(table, 'Pushed', `${(100 * s.advanced).toFixed(1)} cm, ${s.pushes} strokes`);
@@ -147,7 +148,7 @@ function showSheet(n) {
   const it = n.instruments[state.instrument] || n.instruments[0];
   const count = state.scene.instruments.length, name = state.scene.instruments[state.instrument]?.name || 'Instrument';
   if (count > 1) $('instrument').style.borderLeft = `0.5em solid var(${instrumentColour(state.instrument, count)})`;
-  $('instrument').textContent = `${name}${count > 1 ? ` (${state.instrument + 1} of ${count})` : ''}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI)} rev, ${calm(it.force)} N, ${it.contacts} contacts`;
+  $('instrument').textContent = `${name}${count > 1 ? ` (${state.instrument + 1} of ${count})` : ''}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI, 2)} rev, ${newtons(it.force)} N, ${it.contacts} contacts`;
   $('watchers').hidden = n.clients < 2;
   $('watchers').textContent = `${n.clients} watch`;
 }
@@ -321,8 +322,8 @@ async function start() {
   $('name').textContent = state.scene.name;
   $('task-text').textContent = state.scene.task;
   const shown = { ...mesh, radii: state.scene.instruments.map((it) => it.radius), head: state.scene.head, front: state.scene.front, target: state.scene.target, most: 4096 };
-  state.forces = new Chart($('forces'), 'Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wire', colour: '--faint' }, { label: 'wall', colour: '--force' }], 0.1, 15);
-  state.torques = new Chart($('torques'), 'Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], 0.01, 15);
+  state.forces = new Chart($('forces'), 'Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wire', colour: '--faint' }, { label: 'wall', colour: '--force' }], 0.02, 15, true);
+  state.torques = new Chart($('torques'), 'Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], 0.01, 15, true);
   state.viewer = makeViewer($('view'), shown, $('message'));
   if (state.viewer) showLegend($('legend'), state.scene.instruments.map((it) => it.name));
   try {

@@ -118,6 +118,7 @@ class Viewer {
     this.addVessel(scene);
     this.tubes = scene.radii.map(() => this.addTube(scene.most || 2048));
     this.addContacts();
+    this.addTip();
     if (scene.target) this.addTarget(scene.target);
     this.aim(scene);
     this.listen();
@@ -164,6 +165,19 @@ class Viewer {
     this.scene.add(this.contacts);
   }
 
+  // On a narrow screen the tip's bend is a few pixels long: the last centimetres again, larger, in a corner.
+  addTip() {
+    this.tip = { scene: new THREE.Scene(), camera: new THREE.PerspectiveCamera(32, 1, 0.001, 10), tube: new Tube(512), length: 0.04, frame: document.createElement('div'), corner: [true, true], at: new THREE.Vector3() };
+    const mesh = new THREE.Mesh(this.tip.tube.geometry, new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide }));
+    mesh.frustumCulled = false;
+    this.tip.light = this.light.clone();
+    this.tip.scene.add(new THREE.AmbientLight(0xffffff, 0.55), this.tip.light, mesh);
+    this.tip.frame.className = 'tip-frame';
+    this.tip.frame.textContent = `tip, ${100 * this.tip.length} cm`;
+    this.tip.frame.hidden = true;
+    this.canvas.after(this.tip.frame);
+  }
+
   addTarget({ point, radius }) {
     this.target = new THREE.Mesh(new THREE.SphereGeometry(radius, 20, 14), new THREE.MeshBasicMaterial({ color: 0x2f9e44, wireframe: true, transparent: true, opacity: 0.5 }));
     this.target.position.set(...point);
@@ -179,6 +193,8 @@ class Viewer {
     const away = new THREE.Vector3(...(front || [0, -1, 0])).normalize();
     const side = new THREE.Vector3().crossVectors(this.up, away).normalize();
     this.basis = [side, new THREE.Vector3().crossVectors(side, this.up), this.up];  // right, front, head
+    const corner = this.box.getSize(new THREE.Vector3()).multiplyScalar(0.5), half = (v) => Math.abs(v.x) * corner.x + Math.abs(v.y) * corner.y + Math.abs(v.z) * corner.z;
+    this.spans = [half(side) + 0.25 * half(this.basis[1]), half(this.up)].map((s) => 1.15 * s);
     this.turn = 0.25;
     this.tilt = 0.12;
     this.distance = 1.75 * this.size;
@@ -246,7 +262,60 @@ class Viewer {
     });
     this.contacts.geometry.setDrawRange(0, points);
     position.needsUpdate = colours.needsUpdate = true;
+    if (this.narrow()) this.showTip(instruments[0], tint(0));
     this.changed = true;
+  }
+
+  narrow() { return this.canvas.clientWidth < 500; }
+
+  // The wire's own shape: seen across the plane that its end bends in, as far as that is known.
+  showTip(nodes, own) {
+    let end = 4, way = 0;
+    for (; end + 4 < nodes.length && way < this.tip.length; end += 4) way += Math.hypot(nodes[end] - nodes[end - 4], nodes[end + 1] - nodes[end - 3], nodes[end + 2] - nodes[end - 2]);
+    const at = (i) => new THREE.Vector3(nodes[i], nodes[i + 1], nodes[i + 2]), first = at(0), last = at(end - 4), chord = first.clone().sub(last);
+    const across = new THREE.Vector3();
+    let most = 0;
+    for (let i = 4; i + 4 < end; i += 4) {
+      const off = new THREE.Vector3().crossVectors(at(i).sub(last), chord);
+      if (off.lengthSq() > most) { most = off.lengthSq(); across.copy(off); }
+    }
+    // straight: as the large picture sees it
+    const eye = this.camera.position.clone().sub(this.centre).normalize();
+    if (most < (1e-3 * chord.lengthSq()) ** 2 || this.tip.length === 0) across.copy(eye);
+    if (across.dot(eye) < 0) across.negate();
+    const middle = first.clone().add(last).multiplyScalar(0.5), { camera, light } = this.tip;
+    camera.up.copy(chord.lengthSq() > 0 ? chord.normalize() : this.up);
+    camera.position.copy(middle).addScaledVector(across.normalize(), 0.62 * this.tip.length / Math.tan(16 * Math.PI / 180));
+    camera.near = 0.1 * this.tip.length;
+    camera.far = 20 * this.tip.length;
+    camera.updateProjectionMatrix();
+    camera.lookAt(middle);
+    light.position.copy(camera.position);
+    this.tip.tube.update(nodes.subarray(0, end), () => Math.max(this.radii[0], 0.012 * this.tip.length), own);
+    this.tip.at.copy(first);
+    this.tip.shown = true;
+  }
+
+  // Over the large picture, in a corner; in the farthest one from the tip as soon as the tip would lie under it.
+  drawTip(w, h) {
+    const side = Math.round(Math.min(0.4 * w, 0.4 * h)), gap = 8, r = this.renderer, seen = this.tip.at.clone().project(this.camera);
+    const x = 0.5 * w * (1 + seen.x), y = 0.5 * h * (1 + seen.y);
+    const place = () => this.tip.corner.map((far, d) => far ? (d ? h : w) - side - gap : gap);
+    const [left, bottom] = place();
+    if (x > left - gap && x < left + side + gap && y > bottom - gap && y < bottom + side + gap) this.tip.corner = [x < 0.5 * w, y < 0.5 * h];
+    const [cornerX, cornerY] = place();
+    Object.assign(this.tip.frame.style, { width: `${side}px`, height: `${side}px`, left: `${cornerX}px`, bottom: `${cornerY}px` });
+    r.setScissorTest(true);
+    r.setScissor(cornerX, cornerY, side, side);
+    r.setViewport(cornerX, cornerY, side, side);
+    r.setClearColor(new THREE.Color(css('--card')), 0.9);
+    r.clear();
+    r.setClearAlpha(0);
+    r.autoClear = false;
+    r.render(this.tip.scene, this.tip.camera);
+    r.autoClear = true;
+    r.setScissorTest(false);
+    r.setViewport(0, 0, w, h);
   }
 
   draw() {
@@ -263,13 +332,17 @@ class Viewer {
     this.changed = false;
     if (this.moved) this.look();
     this.renderer.render(this.scene, this.camera);
+    this.tip.frame.hidden = !this.narrow() || !this.tip.shown;
+    if (!this.tip.frame.hidden) this.drawTip(w, h);
     return true;
   }
 
   // The eye has moved: the camera, and the wall as it sees it.
   look() {
     this.moved = false;
-    const [side, front, up] = this.basis, flat = Math.cos(this.tilt), fit = Math.max(1, 1.1 / this.camera.aspect);
+    const [side, front, up] = this.basis, flat = Math.cos(this.tilt);
+    // on a narrow screen as near as the vessel, seen from the front, allows
+    const fit = this.camera.aspect > 1.1 ? 1 : Math.min(1.1 / this.camera.aspect, Math.max(this.spans[1], this.spans[0] / this.camera.aspect) / (0.5 * this.size));
     const away = new THREE.Vector3().addScaledVector(side, Math.sin(this.turn) * flat).addScaledVector(front, Math.cos(this.turn) * flat).addScaledVector(up, Math.sin(this.tilt));
     this.camera.position.copy(this.centre).addScaledVector(away, this.distance * fit);
     this.camera.near = 0.02 * this.distance;

@@ -3,30 +3,54 @@
 from __future__ import annotations
 
 import math
+import sys
+import threading
 from collections.abc import Callable, Sequence
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 
 from . import _engine
-from ._navigate import MEASURES, Navigate, target_point
+from ._navigate import MEASURES, TERMS, Navigate, target_point
+from ._scene import Scene
 from ._world import World
 
+_MOST_WIRES = 96  # of a world that makes starts (engine/studies/batch/batch.h)
 
-def vessel_of(overrides: Sequence[str]) -> tuple[str, ...]:
-    """The overrides of a variant that all systems of a world share."""
-    return tuple(o for o in overrides if o.startswith("vessel."))
+
+class Progress:
+    """What start-up is at, as a line on stderr, where it takes more than a second."""
+
+    def __init__(self, shown: bool) -> None:
+        self.text, self._over, self._thread = "", threading.Event(), threading.Thread(target=self._tell, daemon=True)
+        self._shown = shown and sys.stderr is not None
+
+    def __enter__(self) -> "Progress":
+        if self._shown:
+            self._thread.start()
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._over.set()
+        if self._shown:
+            self._thread.join()
+
+    def _tell(self) -> None:
+        end, said = ("\r" if sys.stderr.isatty() else "\n"), False
+        while not self._over.wait(0.5 if said else 1.0):
+            if end == "\r" or not said:
+                print(f"{self.text:<100}" if end == "\r" else self.text, end=end, file=sys.stderr, flush=True)
+            said = True
+        if said and end == "\r":
+            print(file=sys.stderr, flush=True)
 
 
 class Fleet:
-    """Systems of one world with their hubs, behind single and vector environments. They share a vessel."""
+    """Systems of one world with their hubs. They share a vessel."""
 
     def __init__(self, task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> None:
         self.task, self.count = task, len(variants)
-        vessel = vessel_of(variants[0])
-        assert all(vessel_of(v) == vessel for v in variants)
-        self.world = World(task.scene, set=vessel, copies=[[o for o in v if o not in vessel] for v in variants], device=device,
-                           **task.overrides)
+        self.world = World(task.scene, copies=variants, device=device, **task.overrides)
         self.world._held = True
         start = self.world._world.start()
         self.wires = len(start) // self.count
@@ -44,58 +68,52 @@ class Fleet:
         self.all_columns = len(self.columns) == self.navigator.size()
         self.seen = np.zeros((self.count, self.navigator.size()), np.float32)
         self.measured = np.zeros((self.count, len(MEASURES)))
+        self.terms = np.zeros((self.count, len(TERMS)))
         self.elapsed = np.zeros(self.count, np.int64)
         self.started = np.zeros(self.count, np.int64)  # from which start
         self.way = np.zeros(self.count)
         rows, columns, channels = task.picture_shape
         pictured = self.count if task.image is not None else 0
         self.pictures = np.zeros((pictured, rows, columns, channels * task.image_stack), np.uint8)
-        self._moves = np.ones(len(self.home), bool)
         self._rates = np.tile([task.advance_rate, task.turn_rate], self.wires) * self.control
-        self.kept: list[list[tuple[Any, ...]]] = []  # [systems or variants][starts]
 
     # -- starts -------------------------------------------------------------------------------------------------------
 
-    def keep(self, starts: Sequence[list[tuple[Any, ...]]]) -> None:
-        """@param starts  of each system, as make_starts() returns them"""
-        self.kept = list(starts)
-
-    def make_starts(self) -> list[list[tuple[Any, ...]]]:
-        """Feeds every system to each start, and keeps (state, hubs, observation, measures)."""
-        task, draw = self.task, np.random.default_rng(task_seed(self.task))
-        before = [self.world.save(s) for s in range(self.count)]
-        kept: list[list[tuple[Any, ...]]] = [[] for _ in range(self.count)]
-        for _ in range(task.starts):
-            to = self.home.copy()
-            to[:, 0] += draw.uniform(*task.start_advance)
-            to[:, 1] += draw.uniform(-math.pi, math.pi)
-            controls = math.ceil((to - self.home)[:, 0].max() / (task.advance_rate * self.control))
-            for k in range(1, controls + 1):
-                self._drive(self.home + (to - self.home) * (k / controls))
-            self.look()
-            if self.measured[:, 7].any():
-                raise RuntimeError("start_advance: got a start at which a step failed; expected one that can be reached. "
-                                   "Fix: make scene.dt_s smaller or start_advance shorter")
-            for s in range(self.count):
+    def make_starts(self, feeds: np.ndarray, told: Callable[[float], None]) -> list[tuple[Any, ...]]:
+        """Feeds each system by its advance and turn [systems, 2], as it would go alone. @return (state, hubs, observation, measures) of each"""
+        way = np.repeat(feeds, self.wires, axis=0)
+        furthest = ((self.home + way) - self.home)[:, 0].reshape(self.count, self.wires).max(axis=1)
+        controls = np.ceil(furthest / (self.task.advance_rate * self.control)).astype(int)
+        made: list[tuple[Any, ...]] = [()] * self.count
+        for k in range(1, int(controls.max()) + 1):
+            share = np.repeat(np.minimum(k / controls, 1.0), self.wires)[:, None]
+            self._drive(self.home + ((self.home + way) - self.home) * share)
+            arrived = np.flatnonzero(controls == k)
+            if len(arrived):
+                self.look()
+            for s in arrived:
+                if self.measured[s, 7]:
+                    raise RuntimeError("start_advance: got a start at which a step failed; expected one that can be reached. "
+                                       "Fix: make scene.dt_s smaller or start_advance shorter")
                 own = slice(s * self.wires, (s + 1) * self.wires)
-                kept[s].append((self.world.save(s), self.hubs[own].copy(), self.seen[s].copy(), self.measured[s].copy()))
-                self.world._world.restore(before[s])
-            self.hubs[:] = self.home
-        return kept
+                made[s] = (self.world.save(int(s)), self.hubs[own].copy(), self.seen[s].copy(), self.measured[s].copy())
+                self.world._world.retire(int(s))
+            told(float(np.minimum(k / controls, 1.0).sum()))
+        return made
 
-    def begin(self, s: int, start: int) -> None:
-        """Puts system s to a start."""
-        state, hubs, seen, measured = self.kept[s][start]
+    def begin(self, s: int, start: int, kept: tuple[Any, ...]) -> None:
+        """Puts system s to a start, and takes it in again where it was retired. @param kept  of make_starts()"""
+        state, hubs, seen, measured = kept
         self.world._world.restore(state, s)
         self.hubs[s * self.wires:(s + 1) * self.wires] = hubs
-        self.seen[s], self.measured[s] = seen, measured
+        self.seen[s], self.measured[s], self.terms[s] = seen, measured, 0.0
         self.elapsed[s], self.started[s], self.way[s] = 0, start, measured[0]
 
     # -- one control --------------------------------------------------------------------------------------------------
 
     def _drive(self, hubs: np.ndarray) -> None:
         self.hubs = hubs
-        self.world._world.step(hubs, self._moves, self.steps, self.world.dt, True)
+        self.world._world.step(hubs, np.ones(len(hubs), bool), self.steps, self.world.dt, True)
 
     def look(self) -> None:
         self.navigator.observe(self.world._world, self.seen, self.measured)
@@ -111,12 +129,12 @@ class Fleet:
         way, distance, hand, _, wall, _, _, gone_wrong, _ = self.measured.T
         failed = gone_wrong > 0
         arrived = (distance <= task.target_radius) & ~failed
-        reward = task.progress * (self.way - way) - task.time - task.force * np.maximum(0.0, wall - task.wall_force_limit)
-        reward += task.success * arrived
+        self.terms = np.stack([task.progress * (self.way - way), np.full(self.count, -task.time),
+                               task.force * np.minimum(0.0, task.wall_force_limit - wall), task.success * arrived], axis=1)
         self.way = way.copy()
         self.elapsed += 1
         terminated = arrived if task.hand_force_stop is None else arrived | (np.abs(hand) > task.hand_force_stop)
-        return reward, terminated, ~terminated & (failed | (self.elapsed >= task.max_steps))
+        return self.terms.sum(axis=1), terminated, ~terminated & (failed | (self.elapsed >= task.max_steps))
 
     def flat(self) -> np.ndarray:
         return self.seen.copy() if self.all_columns else self.seen[:, self.columns]
@@ -142,20 +160,16 @@ class Fleet:
             frames = (self.started[own] << 32) + self.elapsed[own]
             grey = self.world.fluoroscopy(task.image_shape[1], task.image_shape[0], system=own, c_arm=task.views, field=task.image_field,
                                           frame=frames)
-            return np.moveaxis(grey >> 4, 1, -1).astype(np.uint8)
+            return np.moveaxis(grey >> 4, 1, -1).astype(np.uint8).repeat(task.image_channels, axis=-1)
         pictures = [np.asarray(task.image(self.world, int(s))) for s in own]
         for picture in pictures:
             if picture.shape != task.image_shape or picture.dtype != np.uint8:
                 raise ValueError(f"image: got {picture.dtype} {picture.shape}; expected uint8 {task.image_shape}")
         return np.stack(pictures).reshape(len(own), *task.picture_shape)
 
-    def render(self, width: int, height: int) -> list[np.ndarray]:
-        """A picture of each system, [height, width, 3] uint8."""
-        return [self.world.render(width, height, system=s) for s in range(self.count)]
-
     # -- the whole episode --------------------------------------------------------------------------------------------
 
-    _KEPT = ("hubs", "seen", "measured", "elapsed", "started", "way", "pictures")
+    _KEPT = ("hubs", "seen", "measured", "terms", "elapsed", "started", "way", "pictures")
 
     def save(self) -> dict[str, Any]:
         return {"world": self.world.save(), **{name: getattr(self, name).copy() for name in self._KEPT}}
@@ -166,30 +180,54 @@ class Fleet:
         for name in self._KEPT:
             setattr(self, name, saved[name].copy())
 
-    @property
-    def worlds(self) -> list[World]:
-        return [self.world]
-
     def close(self) -> None:
         self.world.close()
 
 
 class Fleets:
-    """Environments with different vessels: a fleet for each vessel, with the interface of one fleet."""
+    """Environments as systems of worlds, one for each kind of scene: variants of a kind differ in instruments, feed and friction alone."""
 
-    def __init__(self, task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> None:
-        groups: dict[tuple[str, ...], list[int]] = {}
-        for i, overrides in enumerate(variants):
-            groups.setdefault(vessel_of(overrides), []).append(i)
-        self.count, self.fleets, self.members = len(variants), [], []
-        self._place: list[tuple[Fleet, int]] = [None] * self.count  # type: ignore[list-item]
-        for own in groups.values():
-            fleet = Fleet(task, [variants[i] for i in own], device)
-            self.fleets.append(fleet)
-            self.members.append(np.array(own))
-            for local, i in enumerate(own):
-                self._place[i] = (fleet, local)
+    def __init__(self, task: Navigate, now: list[int], redraws: bool = False, device: int = -1) -> None:
+        """@param now  variant of each environment; follows what begin() says   @param redraws  to any other variant, without new worlds"""
+        variants = task.variants()
+        used = list(range(len(variants))) if redraws else sorted(set(now))
+        kinds = _kinds(task, [variants[v] for v in used])
+        systems: list[list[tuple[int, int]]] = [[] for _ in range(max(kinds) + 1)]
+        for v, kind in zip(used, kinds):
+            systems[kind] += [(i, v) for i in range(len(now)) if redraws or now[i] == v]
+        self.task, self.count, self.now = task, len(now), now
+        self.fleets: list[Fleet] = []
+        self._place: dict[tuple[int, int], tuple[int, int]] = {}  # of an environment with a variant: number of its fleet, system
+        with Progress(task.progress_line) as told:
+            told.text = f"seldinger: preparing {len(used)} variant{'s' * (len(used) > 1)}; the first start on a machine compiles kernels, too"
+            self._starts = dict(zip(used, starts_of(task, [variants[v] for v in used], device, told)))
+            for own in systems:
+                own.sort()
+                self._place.update(((i, v), (len(self.fleets), s)) for s, (i, v) in enumerate(own))
+                self.fleets.append(Fleet(task, [variants[v] for _, v in own], device))
         self.parts, self.wires = self.fleets[0].parts, self.fleets[0].wires
+        for fleet in self.fleets:
+            if fleet.wires != task.hubs():
+                raise ValueError(f"vary: got variants with {fleet.wires} instruments; expected {task.hubs()}, as the scene has: an action has two numbers "
+                                 "for each. Fix: leave instruments out of vary")
+        for (i, v), (k, s) in self._place.items():
+            if now[i] != v:
+                self.fleets[k].world._world.retire(s)
+        self._regroup()
+
+    def _regroup(self) -> None:
+        """Which environments are in each fleet now, as which systems."""
+        at = np.array([self._place[i, v] for i, v in enumerate(self.now)])
+        self._own = [np.flatnonzero(at[:, 0] == k) for k in range(len(self.fleets))]
+        self._systems = [at[own, 1] for own in self._own]
+
+    def _each(self) -> list[tuple[Fleet, np.ndarray, np.ndarray]]:
+        """Fleets with the environments that are in them, and their systems."""
+        return [(fleet, own, systems) for fleet, own, systems in zip(self.fleets, self._own, self._systems) if len(own)]
+
+    def has(self, i: int, variant: int) -> bool:
+        """Whether environment i can take the variant in these worlds."""
+        return (i, variant) in self._place
 
     @property
     def worlds(self) -> list[World]:
@@ -197,16 +235,12 @@ class Fleets:
 
     @property
     def world(self) -> World:
-        return self.fleets[0].world
-
-    def keep(self, starts: Sequence[list[tuple[Any, ...]]]) -> None:
-        for fleet, own in zip(self.fleets, self.members):
-            fleet.keep([starts[i] for i in own])
+        return self.fleets[self._place[0, self.now[0]][0]].world
 
     def _joined(self, of: Callable[[Fleet], np.ndarray]) -> np.ndarray:
-        parts = [of(fleet) for fleet in self.fleets]
-        joined = np.empty((self.count, *parts[0].shape[1:]), parts[0].dtype)
-        for own, part in zip(self.members, parts):
+        parts = [(own, of(fleet)[systems]) for fleet, own, systems in self._each()]
+        joined = np.empty((self.count, *parts[0][1].shape[1:]), parts[0][1].dtype)
+        for own, part in parts:
             joined[own] = part
         return joined
 
@@ -218,6 +252,10 @@ class Fleets:
     def measured(self) -> np.ndarray:
         return self._joined(lambda fleet: fleet.measured)
 
+    @property
+    def terms(self) -> np.ndarray:
+        return self._joined(lambda fleet: fleet.terms)
+
     def flat(self) -> np.ndarray:
         return self._joined(Fleet.flat)
 
@@ -226,28 +264,49 @@ class Fleets:
         return self._joined(lambda fleet: fleet.pictures)
 
     def shoot(self, which: np.ndarray) -> None:
-        for fleet, own in zip(self.fleets, self.members):
-            fleet.shoot(which[own])
+        """Takes a picture of some environments. @param which  [environments] bool"""
+        for fleet, own, systems in self._each():
+            asked = np.zeros(fleet.count, bool)
+            asked[systems] = which[own]
+            fleet.shoot(asked)
 
     def render(self, width: int, height: int) -> list[np.ndarray]:
-        drawn = [fleet.render(width, height) for fleet in self.fleets]
-        return [drawn[self.fleets.index(fleet)][local] for fleet, local in self._place]
+        """A picture of each environment, [height, width, 3] uint8."""
+        at = [self._place[i, v] for i, v in enumerate(self.now)]
+        return [self.fleets[k].world.render(width, height, system=s) for k, s in at]
 
-    def save(self) -> list[dict[str, Any]]:
-        return [fleet.save() for fleet in self.fleets]
+    def save(self) -> dict[str, Any]:
+        return {"now": list(self.now), "fleets": [fleet.save() for fleet in self.fleets]}
 
-    def restore(self, saved: list[dict[str, Any]]) -> None:
-        for fleet, own in zip(self.fleets, saved):
+    def restore(self, saved: dict[str, Any]) -> None:
+        for i, v in enumerate(saved["now"]):
+            self._take(i, v)
+        for fleet, own in zip(self.fleets, saved["fleets"]):
             fleet.restore(own)
 
-    def begin(self, s: int, start: int) -> None:
-        fleet, local = self._place[s]
-        fleet.begin(local, start)
+    def _take(self, i: int, variant: int) -> None:
+        if variant == self.now[i]:
+            return
+        k, s = self._place[i, self.now[i]]
+        self.fleets[k].world._world.retire(s)
+        self.now[i] = variant
+        k, s = self._place[i, variant]
+        world = self.fleets[k].world
+        world._world.restore(world.save(s), s)  # a state that is restored alone is stepped again
+        self._regroup()
+
+    def begin(self, i: int, start: int, variant: int) -> None:
+        """Puts environment i to a start of a variant."""
+        self._take(i, variant)
+        k, s = self._place[i, variant]
+        self.fleets[k].begin(s, start, self._starts[variant][start])
 
     def act(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         reward, terminated, truncated = np.empty(self.count), np.empty(self.count, bool), np.empty(self.count, bool)
-        for fleet, own in zip(self.fleets, self.members):
-            reward[own], terminated[own], truncated[own] = fleet.act(actions[own])
+        for fleet, own, systems in self._each():
+            all_actions = np.zeros((fleet.count, actions.shape[1]))
+            all_actions[systems] = actions[own]
+            reward[own], terminated[own], truncated[own] = (result[systems] for result in fleet.act(all_actions))
         return reward, terminated, truncated
 
     def close(self) -> None:
@@ -255,30 +314,44 @@ class Fleets:
             fleet.close()
 
 
-def fleet_of(task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> Union[Fleet, Fleets]:
-    """A fleet for one vessel, or fleets for several."""
-    return (Fleet if len({vessel_of(v) for v in variants}) == 1 else Fleets)(task, variants, device)
-
-
-def task_seed(task: Navigate) -> list[int]:
-    """Seed of the starts."""
-    return [0x5E1D, task.start_seed]
+def _kinds(task: Navigate, variants: Sequence[Sequence[str]]) -> list[int]:
+    """Number of the world that each variant goes to, from 0."""
+    scene = Scene(task.scene, **task.overrides)
+    return _engine.world_kinds(scene.text, scene.file, [scene.overrides + list(v) for v in variants])
 
 
 _STARTS: dict[str, list[tuple[Any, ...]]] = {}  # of the last few tasks, by what they depend on
+_MOST_STARTS = 4096                             # kept
 
 
-def starts_of(task: Navigate, overrides: Sequence[str], device: int = -1) -> list[tuple[Any, ...]]:
-    """Starts of one variant. A separate world makes them, so a single and a vector environment have the same bits."""
-    seen = {name: value for name, value in task.identity().items() if not name.startswith("image")}
-    key = repr((seen, task.start_advance, task.starts, task.start_seed, list(overrides)))
-    if key not in _STARTS:
-        if len(_STARTS) >= 64:
-            _STARTS.clear()
-        one = Fleet(task, [overrides], device)
-        _STARTS[key] = one.make_starts()[0]
-        one.close()
-    return _STARTS[key]
+def starts_of(task: Navigate, variants: Sequence[Sequence[str]], device: int, told: Progress) -> list[list[tuple[Any, ...]]]:
+    """Starts of each variant. Worlds of their own make them, all variants of a kind together."""
+    seen = {name: value for name, value in task.identity().items() if not name.startswith("image") and name != "vary"}
+    keys = [repr((seen, task.start_advance, task.starts, task.start_seed, list(v))) for v in variants]
+    missing = [k for k, key in enumerate(keys) if key not in _STARTS and keys.index(key) == k]
+    kinds = _kinds(task, [variants[k] for k in missing]) if missing else []
+    draw = np.random.default_rng([0x5E1D, task.start_seed])
+    feeds = [(draw.uniform(*task.start_advance), draw.uniform(-math.pi, math.pi)) for _ in range(task.starts)]
+    made: dict[str, list[tuple[Any, ...]]] = {keys[k]: [] for k in missing}
+    done, all_starts = 0.0, len(missing) * task.starts
+
+    def tell(part: float) -> None:
+        told.text = f"seldinger: {all_starts} start{'s' * (all_starts > 1)} of {len(missing)} variant{'s' * (len(missing) > 1)}: {100 * (done + part) / all_starts:.0f} %"
+
+    for kind in range(max(kinds, default=-1) + 1):
+        pairs = [(k, feed) for k, of in zip(missing, kinds) if of == kind for feed in feeds]
+        for first in range(0, len(pairs), _MOST_WIRES):
+            some = pairs[first:first + _MOST_WIRES]
+            fleet = Fleet(task, [variants[k] for k, _ in some], device)
+            for (k, _), start in zip(some, fleet.make_starts(np.array([feed for _, feed in some]), tell)):
+                made[keys[k]].append(start)
+            fleet.close()
+            done += len(some)
+    found = [made[key] if key in made else _STARTS[key] for key in keys]
+    _STARTS.update(made)
+    while sum(map(len, _STARTS.values())) > _MOST_STARTS:
+        del _STARTS[next(iter(_STARTS))]
+    return found
 
 
 def checked(actions: Any, shape: tuple[int, ...], wires: int) -> np.ndarray:

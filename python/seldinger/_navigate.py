@@ -1,4 +1,4 @@
-"""The task of seldinger/Navigate-v0: its settings and its targets. `_fleet.py` has the worlds behind its environments."""
+"""The task of seldinger/Navigate-v1: its settings and its targets. `_fleet.py` has the worlds behind its environments."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ._studies import sweep
 from ._world import World
 
 MEASURES = ("way", "distance", "hand_force", "hand_torque", "wall_force", "advance", "turn", "failed", "time")
+TERMS = ("reward_progress", "reward_time", "reward_force", "reward_success")  # of which the reward is the sum
 PARTS = ("tip", "ahead", "shape", "hand", "wall", "hub")
 
 
@@ -53,25 +54,31 @@ class Navigate:
     progress, success, time, force : float
         Reward: per metre of path covered; for arrival; per control; per newton of wall force above `wall_force_limit`.
     wall_force_limit : float
-        [N].
+        [N]; the default is the tip load of a floppy wire (docs/typical-values.md). It says nothing about a patient.
     hand_force_stop : float or None
         An episode ends (terminated) at a larger hand force [N].
     vary
-        Domain randomisation in the sweep's syntax (`seldinger.sweep`), of keys that may differ between systems of one world:
-        the wire, friction, the feed. The vessel may vary too; each has its own world. Environment i of the vector form has
-        variant i modulo their number. A single environment has `variant`; if that is None, it draws one at each reset.
+        Domain randomisation in the sweep's syntax (`seldinger.sweep`), of any keys of the scene. Variants that differ in instruments,
+        feed and friction alone share a world; others have worlds of their own.
+    variant : int, "draw" or None
+        The variant of all episodes, or "draw": each episode draws one. None: a single environment draws, and environment i of the
+        vector form has variant i modulo their number. `reset(options={"variant": k})` has the last word, until it says None.
     image : "fluoroscopy", callable or None
         A picture for the policy, added to the Dict as "image" [rows, columns, channels]: 8 bits of `World.fluoroscopy` (its quantum
         noise is seeded by the start and the control: the same seed gives the same bits); or image(world, system) -> uint8 array of
         `image_shape`.
+    image_channels : int
+        3: each position of the C-arm is three equal channels, as programs for colour pictures take them; 1: one.
     image_shape : (int, int)
         Rows and columns; of a function's picture also (rows, columns, channels).
     image_c_arm : str, sequence of str or None
-        Position of the C-arm, "LAO 30, CRA 15" (None: the scene's). Several positions are several channels.
+        Position of the C-arm, "LAO 30, CRA 15" (None: the scene's). Several positions follow each other in the channels.
     image_field : float
         Width of the detector [m].
     image_stack : int
         Pictures of the last controls, oldest first, as further channels; an episode begins with copies of its first picture.
+    progress_line : bool
+        A line on stderr where start-up takes more than a second.
     """
 
     scene: SceneLike = "navigate"
@@ -97,15 +104,17 @@ class Navigate:
     success: float = 5.0
     time: float = 0.005
     force: float = 0.1
-    wall_force_limit: float = 1.0
+    wall_force_limit: float = 0.01
     hand_force_stop: Optional[float] = None
     vary: Any = None
-    variant: Optional[int] = None
+    variant: Union[None, int, str] = None
     image: Union[None, str, Callable[[World, int], np.ndarray]] = None
+    image_channels: int = 3
     image_shape: tuple[int, ...] = (64, 64)
     image_c_arm: Union[None, str, Sequence[str]] = None
     image_field: Optional[float] = None
     image_stack: int = 1
+    progress_line: bool = True
 
     def __post_init__(self) -> None:
         self.observation = tuple(self.observation)
@@ -121,6 +130,8 @@ class Navigate:
         if not 0 < low <= high:
             raise ValueError(f"start_advance: got {self.start_advance}; expected (least, most) in metres")
         check_target(self.target)
+        if isinstance(self.variant, str) and self.variant != "draw":
+            raise ValueError(f"variant: got \"{self.variant}\"; expected a number, \"draw\" or None")
         self._check_image()
 
     def _check_image(self) -> None:
@@ -129,6 +140,8 @@ class Navigate:
             raise ValueError(f"image: got {self.image!r}; expected \"fluoroscopy\", a function or None")
         if self.image is not None and len(self.image_shape) not in ((2,) if self.image == "fluoroscopy" else (2, 3)):
             raise ValueError(f"image_shape: got {self.image_shape}; expected (rows, columns)")
+        if self.image_channels not in (1, 3):
+            raise ValueError(f"image_channels: got {self.image_channels}; expected 1 or 3")
         if self.image is not None and self.flat:
             raise ValueError("image: got flat=True; expected flat=False, as a picture is a part of a Dict. Fix: flat=False, or observation=() for the picture alone")
         if not isinstance(self.image_c_arm, (str, type(None))):
@@ -150,7 +163,7 @@ class Navigate:
     def picture_shape(self) -> tuple[int, int, int]:
         """Of one control: (rows, columns, channels), without those of earlier controls."""
         rows, columns, *rest = self.image_shape
-        return rows, columns, rest[0] if rest else len(self.views) if self.image == "fluoroscopy" else 1
+        return rows, columns, rest[0] if rest else self.image_channels * len(self.views) if self.image == "fluoroscopy" else 1
 
     def variants(self) -> list[list[str]]:
         """Overrides of each variant."""
@@ -160,8 +173,9 @@ class Navigate:
         """What a start or a saved episode depends on, in words: two tasks that agree in it can exchange them."""
         scene = Scene(self.scene)
         of = {"scene": f"{scene.file} {scene.overrides} {zlib.crc32(scene.text.encode())}"}
-        pictures = ("image_shape", "image_c_arm", "image_stack") if self.image is not None else ()
-        for name in ("target", "target_depth", "rate", "advance_rate", "shape_points", "shape_spacing", "ahead_points", "ahead_spacing", *pictures):
+        pictures = ("image_shape", "image_c_arm", "image_stack", "image_channels") if self.image is not None else ()
+        for name in ("target", "target_depth", "rate", "advance_rate", "shape_points", "shape_spacing", "ahead_points", "ahead_spacing", "vary",
+                     *pictures):
             of[name] = repr(getattr(self, name))
         of["overrides"] = repr(sorted(self.overrides.items()))
         return of

@@ -256,6 +256,7 @@ class World:
         >>> round(world.time, 6)
         0.05
         """
+        self._refuse_if_held("run", "env.step(action)")
         steps = self._steps if until is None else min(self._steps, round(float(until) / self._dt))
         settles = not self._settled and self.output.step == 0 and self._settles
         self._settled = self._settled or settles

@@ -1,10 +1,10 @@
-"""Gymnasium environments: `seldinger/Navigate-v0`, alone and as a vector of systems of one world.
+"""Gymnasium environments: `seldinger/Navigate-v1`, alone and as a vector of systems of one world.
 
-Importing this module registers them; `gymnasium.make("seldinger.gym:seldinger/Navigate-v0")` imports it by itself. It needs gymnasium
-(`pip install seldinger[gym]`).
+Importing this module registers them; `gymnasium.make("seldinger.gym:seldinger/Navigate-v1")` imports it by itself. It needs gymnasium
+(`pip install seldinger[gym]`). `seldinger/Navigate-v0` is the same with the earlier defaults: wall_force_limit=1.0, image_channels=1.
 
 >>> import gymnasium, seldinger.gym
->>> env = gymnasium.make("seldinger/Navigate-v0", target="left-subclavian")
+>>> env = gymnasium.make("seldinger/Navigate-v1", target="left-subclavian")
 >>> observation, info = env.reset(seed=1)
 >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
 >>> sorted(info)[:3]
@@ -18,7 +18,7 @@ Importing this module registers them; `gymnasium.make("seldinger.gym:seldinger/N
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Optional, Union
 
 import gymnasium
@@ -26,8 +26,8 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from ._errors import Error
-from ._fleet import Fleet, Fleets, checked, fleet_of, starts_of
-from ._navigate import MEASURES, Navigate, branches, target_point
+from ._fleet import Fleets, checked
+from ._navigate import MEASURES, TERMS, Navigate, branches, target_point
 from ._world import World
 
 __all__ = ["Episode", "Navigate", "NavigateEnv", "NavigateVectorEnv", "branches", "target_point"]
@@ -39,10 +39,11 @@ class Episode:
     pickled."""
 
     task: dict[str, str]
-    variants: list[list[str]]
+    variants: list[int]
     fleet: Any
     generators: list[dict[str, Any]]
     ended: Optional[np.ndarray] = None
+    asked: list[Optional[int]] = field(default_factory=list)  # variants, by options of reset
 
 
 def _check_render_mode(render_mode: Optional[str]) -> Optional[str]:
@@ -57,18 +58,27 @@ class _OnAFleet:
 
     task: Navigate
     _device: int
-    _own: list[list[str]]                          # overrides of each system
-    _made: Union[None, Fleet, Fleets] = None
+    _variants: list[list[str]]                     # overrides of each
+    _now: list[int]                                # variant of each environment
+    _asked: list[Optional[int]]                    # the same, by options of reset
+    _home: list[int]                               # the same, where nothing else is said
+    _draws: bool                                   # each episode its own
+    _redraws = False                               # any environment may take any variant, in the same worlds
+    _made: Optional[Fleets] = None
     _awaited: Optional[Episode] = None             # to be restored when the worlds are made
     _ended_for_good = False
 
     @property
-    def _fleet(self) -> Union[Fleet, Fleets]:
+    def variants(self) -> list[list[str]]:
+        """Overrides of each variant, by number."""
+        return self._variants
+
+    @property
+    def _fleet(self) -> Fleets:
         if self._ended_for_good:
             raise Error("environment: got a call after close(); expected an open environment. Fix: make a new one", 2)
         if self._made is None:
-            made = fleet_of(self.task, self._own, self._device)
-            made.keep([starts_of(self.task, own, self._device) for own in self._own])
+            made = Fleets(self.task, self._now, self._redraws, self._device)
             if self._awaited is not None:
                 made.restore(self._awaited.fleet)
             self._made, self._awaited = made, None
@@ -85,8 +95,8 @@ class _OnAFleet:
     def save(self) -> Episode:
         """The whole episode: state of the worlds, hubs, clock, progress, pictures and generators."""
         ended = getattr(self, "_ended", None)
-        return Episode(self.task.identity(), self._own, self._fleet.save(), [g.bit_generator.state for g in self._generators()],
-                       None if ended is None else ended.copy())
+        return Episode(self.task.identity(), list(self._now), self._fleet.save(), [g.bit_generator.state for g in self._generators()],
+                       None if ended is None else ended.copy(), list(self._asked))
 
     def restore(self, episode: Episode) -> None:
         """Returns to a saved episode of this environment or of one with the same settings: what follows has the same bits.
@@ -98,7 +108,7 @@ class _OnAFleet:
         """
         if not isinstance(episode, Episode):
             raise TypeError(f"episode: got {type(episode).__name__}; expected what env.save() returned")
-        own = {**self.task.identity(), "environments": str(len(self._own))}
+        own = {**self.task.identity(), "environments": str(len(self._now))}
         other = {**episode.task, "environments": str(len(episode.variants))}
         for name in sorted(own.keys() | other.keys()):
             if own.get(name) != other.get(name):
@@ -106,15 +116,41 @@ class _OnAFleet:
                                  "environment with the settings of the one that saved it")
         self._take_variants(episode.variants)
         self._fleet.restore(episode.fleet)
+        self._asked = list(episode.asked)
         for generator, state in zip(self._generators(), episode.generators):
             generator.bit_generator.state = state
         if episode.ended is not None:
             self._ended = episode.ended.copy()
 
-    def _take_variants(self, variants: list[list[str]]) -> None:
-        if variants != self._own:
+    def _take_variants(self, now: list[int]) -> None:
+        """Makes other worlds, unless those that are there have these variants, too."""
+        if self._made is not None and not all(self._made.has(i, v) for i, v in enumerate(now)):
             self._let_go()
-            self._own = variants
+        if self._made is None and now != self._now:
+            self._now, self._awaited = list(now), None
+
+    def _ask(self, which: np.ndarray, options: Optional[dict[str, Any]]) -> list[int]:
+        """Heeds options["variant"], and draws. @param which  environments that begin an episode  @return variant of each environment"""
+        asked = list(self._asked)
+        if options and "variant" in options:
+            given = options["variant"]
+            for i in np.flatnonzero(which):
+                one = given[i] if isinstance(given, (list, tuple, np.ndarray)) and len(given) == len(asked) else given
+                if one is not None and not (isinstance(one, (int, np.integer)) and 0 <= one < len(self._variants)):
+                    raise ValueError(f"variant: got {given!r}; expected None, or 0 to {len(self._variants) - 1}, one or one for each environment")
+                asked[i] = None if one is None else int(one)
+        now = list(self._now)
+        fixed = [i for i in np.flatnonzero(which) if asked[i] is not None or not self._draws]
+        for i in fixed:
+            now[i] = self._home[i] if asked[i] is None else asked[i]
+        if not which.all() and not all(self._fleet.has(i, now[i]) for i in fixed):
+            raise ValueError("variant: got one that needs other worlds, with reset_mask; expected a reset of all environments. Fix: make the "
+                             "environment with variant=\"draw\"")
+        self._asked = asked
+        for i in np.flatnonzero(which):
+            if asked[i] is None and self._draws:
+                now[i] = int(self._generators()[i].integers(len(self._variants)))
+        return now
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {name: value for name, value in self.__dict__.items() if name != "_made"}
@@ -143,7 +179,8 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
 
     info
         way, distance [m], hand_force, wall_force [N], hand_torque [N m], advance [m], turn [rad], time [s], failed, success
-        (is_success is the same).
+        (is_success is the same), variant (its number; `variants` has the overrides), and the terms of the reward: reward_progress,
+        reward_time, reward_force, reward_success; 0 after a reset.
 
     reset(seed=s)
         Only the seeded generator draws the start: the same seed gives the same episode, bit for bit.
@@ -155,13 +192,20 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
         self.render_mode, self._device = _check_render_mode(render_mode), device
         self.task = Navigate(**settings)
         self._variants = self.task.variants()
-        self._own = [self._variants[(self.task.variant or 0) % len(self._variants)]]
+        fixed = isinstance(self.task.variant, (int, np.integer))
+        self._home, self._asked = [int(self.task.variant) % len(self._variants) if fixed else 0], [None]
+        self._now, self._draws = list(self._home), not fixed and len(self._variants) > 1
         self.observation_space, self.action_space = self.task.spaces()
 
     @property
     def world(self) -> World:
         """The world, for inspection. Its `step`, `settle`, `run` and `restore` are refused, as they would change the episode."""
         return self._fleet.world
+
+    @property
+    def variant(self) -> int:
+        """Number of this episode's variant."""
+        return self._now[0]
 
     def _generators(self) -> list[np.random.Generator]:
         return [self.np_random]
@@ -171,7 +215,8 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
             return self._fleet.flat()[0]
         if self.task.pixels_alone:
             return self._fleet.pictures[0].copy()
-        seen: dict[str, np.ndarray] = {p: self._fleet.seen[0, s].copy() for p, s in self._fleet.parts.items()}
+        all_parts = self._fleet.seen[0]
+        seen: dict[str, np.ndarray] = {p: all_parts[s].copy() for p, s in self._fleet.parts.items()}
         if self.task.image is not None:
             seen["image"] = self._fleet.pictures[0].copy()
         return seen
@@ -180,16 +225,17 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
         info: dict[str, Any] = dict(zip(MEASURES, self._fleet.measured[0].tolist()))
         info["failed"] = info["failed"] > 0
         info["success"] = info["is_success"] = not info["failed"] and info["distance"] <= self.task.target_radius
-        return info
+        return {**info, **dict(zip(TERMS, self._fleet.terms[0].tolist())), "variant": self.variant}
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode. options: {"start": k} takes that start."""
+        """Begins an episode. options: {"start": k} takes that start; {"variant": k} that variant, and in later episodes, too, until it is
+        None."""
         super().reset(seed=seed)
-        if self.task.variant is None and len(self._variants) > 1:
-            self._take_variants([self._variants[int(self.np_random.integers(len(self._variants)))]])
+        now = self._ask(np.ones(1, bool), options)
+        self._take_variants(now)
         start = int(self.np_random.integers(self.task.starts))
         fleet = self._fleet  # alone on its line: AsyncVectorEnv logs the traceback of an error here, and stumbles over a percent sign
-        fleet.begin(0, (options or {}).get("start", start) % self.task.starts)
+        fleet.begin(0, (options or {}).get("start", start) % self.task.starts, now[0])
         fleet.shoot(np.ones(1, bool))
         return self._observation(), self._info()
 
@@ -210,9 +256,9 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
 
 
 class NavigateVectorEnv(_OnAFleet, VectorEnv):
-    """`num_envs` environments as systems of one world (one for each vessel, where `vary` has several), with one launch of each
-    stage for all. Each has the bits of a single environment (environment i: `NavigateEnv(variant=i % variants)`), resets
-    included.
+    """`num_envs` environments as systems of one world (of several, where variants differ in more than instruments, feed and friction),
+    with one launch of each stage for all. Each has the bits of a single environment, resets included: environment i of
+    `NavigateEnv(variant=i % variants)`, or with variant="draw", where every episode draws one, of NavigateEnv(variant="draw").
 
     Autoreset: `autoreset_mode`, NEXT_STEP by default. DISABLED continues an ended episode until reset(options={"reset_mask":
     [num_envs] bool}).
@@ -227,8 +273,14 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         self.task, self.render_mode, self.num_envs = Navigate(**settings), _check_render_mode(render_mode), int(num_envs)
         self._device, self.autoreset_mode = device, AutoresetMode(autoreset_mode)
         self.metadata = {"render_modes": ["rgb_array"], "render_fps": 60, "autoreset_mode": self.autoreset_mode}
-        variants = self.task.variants()
-        self._own = [variants[i % len(variants)] for i in range(num_envs)]
+        self._variants, given = self.task.variants(), self.task.variant
+        several = len(self._variants)
+        self._home = [(i if given is None or given == "draw" else int(given)) % several for i in range(num_envs)]
+        self._now, self._asked = list(self._home), [None] * num_envs
+        self._draws = self._redraws = given == "draw" and several > 1
+        if self._redraws and num_envs * several > 4096:
+            raise ValueError(f"variant: got \"draw\" of {several} variants for {num_envs} environments; expected at most 4096 pairs, as each is "
+                             "a system. Fix: vary fewer values, or use several vectors")
         self.single_observation_space, self.single_action_space = self.task.spaces()
         self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)
@@ -237,13 +289,18 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
 
     @property
     def world(self) -> World:
-        """The world of all environments; with several vessels (`vary`), that of the first."""
+        """The world of all environments; where `vary` needs several, that of the first."""
         return self._fleet.world
 
     @property
     def worlds(self) -> list[World]:
-        """Worlds, one for each vessel."""
+        """Worlds, one for each kind of scene among the variants."""
         return self._fleet.worlds
+
+    @property
+    def variant(self) -> np.ndarray:
+        """Number of the variant of each environment's episode [num_envs]."""
+        return np.array(self._now)
 
     def _generators(self) -> list[np.random.Generator]:
         return self._random
@@ -264,6 +321,7 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         info["failed"] = info["failed"] > 0
         info["success"] = ~info["failed"] & (info["distance"] <= self.task.target_radius)
         info["is_success"] = info["success"].copy()
+        info.update(zip(TERMS, self._fleet.terms.T.copy()), variant=self.variant)
         return {**info, **dict.fromkeys(("_" + name for name in info), np.ones(self.num_envs, bool))}
 
     def _final(self, done: np.ndarray) -> dict[str, Any]:
@@ -273,17 +331,22 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
             last[s] = {p: part[s] for p, part in seen.items()} if isinstance(seen, dict) else seen[s]
         return {"final_obs": last, "final_info": self._info(), "_final_obs": done.copy(), "_final_info": done.copy()}
 
-    def _begin(self, which: np.ndarray, chosen: Any = None) -> None:
-        """@param chosen  start of all, or of each; else the generators draw them"""
+    def _begin(self, which: np.ndarray, options: Optional[dict[str, Any]] = None) -> None:
+        """@param options  of reset(): start and variant of all, or of each; else the generators draw them"""
+        now = self._ask(which, options)
+        if which.all():
+            self._take_variants(now)
+        fleet, chosen = self._fleet, (options or {}).get("start")
         for s in np.flatnonzero(which):
             drawn = int(self._random[s].integers(self.task.starts))
-            self._fleet.begin(int(s), drawn if chosen is None else int(np.broadcast_to(chosen, self.num_envs)[s]) % self.task.starts)
+            fleet.begin(int(s), drawn if chosen is None else int(np.broadcast_to(chosen, self.num_envs)[s]) % self.task.starts, now[s])
         self._ended[which] = False
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
               options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
         """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's vector environments. options:
-        {"start": k} takes that start, [num_envs] one for each; {"reset_mask": [num_envs] bool} begins some only."""
+        {"start": k} takes that start, {"variant": k} that variant (and in later episodes, too, until it is None), [num_envs] one for each;
+        {"reset_mask": [num_envs] bool} begins some only."""
         seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed or [None] * self.num_envs
         if len(seeds) != self.num_envs:
             raise ValueError(f"seed: got {len(seeds)}; expected one or {self.num_envs}")
@@ -293,7 +356,7 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         for s, own in enumerate(seeds):
             if own is not None and which[s]:
                 self._random[s] = gymnasium.utils.seeding.np_random(int(own))[0]
-        self._begin(which, (options or {}).get("start"))
+        self._begin(which, options)
         self._fleet.shoot(which)
         return self._observation(), self._info()
 
@@ -326,6 +389,7 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         self._ended_for_good = True
 
 
-if "seldinger/Navigate-v0" not in gymnasium.registry:
-    gymnasium.register(id="seldinger/Navigate-v0", entry_point="seldinger.gym:NavigateEnv",
-                       vector_entry_point="seldinger.gym:NavigateVectorEnv")
+for _version, _settings in (("v0", {"wall_force_limit": 1.0, "image_channels": 1}), ("v1", {})):
+    if f"seldinger/Navigate-{_version}" not in gymnasium.registry:
+        gymnasium.register(id=f"seldinger/Navigate-{_version}", entry_point="seldinger.gym:NavigateEnv",
+                           vector_entry_point="seldinger.gym:NavigateVectorEnv", kwargs=_settings)

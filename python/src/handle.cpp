@@ -13,6 +13,9 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <mutex>
+#include <numeric>
 #include <type_traits>
 
 namespace seldinger::python {
@@ -32,26 +35,64 @@ void check_process()
                     "World after the fork.");
 }
 
+namespace {
+
+/// What a vessel's mesh and axis depend on: its keys but those of its material, and the files' sizes and times.
+std::string vessel_key(const VesselSpec& vessel)
+{
+    Scene scene;
+    scene.vessel = vessel;
+    const VesselSpec usual;
+    for (double VesselSpec::*member : {&VesselSpec::youngs, &VesselSpec::poisson, &VesselSpec::thickness, &VesselSpec::support,
+                                       &VesselSpec::support_damping, &VesselSpec::relaxation, &VesselSpec::pressure, &VesselSpec::wall_edge})
+        scene.vessel.*member = usual.*member;
+    scene.vessel.elastic = false;
+    std::string key = write_scene(scene, "/");
+    for (const std::filesystem::path& file : {vessel.mesh, vessel.centreline}) {
+        std::error_code none;
+        if (!file.empty())
+            key += std::to_string(std::filesystem::file_size(file, none)) + "," +
+                   std::to_string(std::filesystem::last_write_time(file, none).time_since_epoch().count()) + "\n";
+    }
+    return key;
+}
+
+/// The vessels of the latest worlds are kept, up to a million triangles: environments make many worlds of few vessels.
+LoadedVessel loaded_vessel(const VesselSpec& vessel)
+{
+    constexpr std::size_t most_triangles = 1'000'000;
+    static std::mutex mutex;
+    static std::deque<std::pair<std::string, LoadedVessel>> kept;
+    const std::string key = vessel_key(vessel);
+    {
+        const std::lock_guard hold(mutex);
+        for (const auto& [name, known] : kept)
+            if (name == key) return known;
+    }
+    LoadedVessel loaded = load_vessel(vessel);
+    const std::lock_guard hold(mutex);
+    kept.emplace_back(key, loaded);
+    const auto triangles = [] {
+        return std::accumulate(kept.begin(), kept.end(), std::size_t{0}, [](std::size_t sum, const auto& one) { return sum + one.second.mesh.triangles.size(); });
+    };
+    while (!kept.empty() && triangles() > most_triangles) kept.pop_front();
+    return loaded;
+}
+
+}  // namespace
+
 Handle::Handle(const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides,
                int device)
 {
     check_process();
     for (const std::vector<std::string>& own : overrides) scenes_.push_back(read_scene_text(text, file, own));
-    if (scenes_.size() == 1) {
-        WorldSetup setup = make_setup(scenes_.front(), device);
-        find_wall_path(scenes_, setup);
-        world_ = std::make_unique<World>(std::move(setup));
-        keys_ = KeyFrames(scenes_.front());
-        begin_tasks();
-        return;
-    }
     const std::string shared = shared_part(scenes_.front(), scenes_.front());
     for (std::size_t k = 1; k < scenes_.size(); ++k)
         if (const std::string apart = first_difference(shared, shared_part(scenes_[k], scenes_.front())); !apart.empty())
             throw Error(ExitCode::BadScene, "copies: systems of one world share all but their instruments, feeds and coefficients of "
                                             "contact, and of the first (there) and number " +
                                                 std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
-    WorldSetup setup = make_setup(scenes_, load_vessel(scenes_.front().vessel), device);
+    WorldSetup setup = make_setup(scenes_, loaded_vessel(scenes_.front().vessel), device);
     find_wall_path(scenes_, setup);
     world_ = std::make_unique<World>(std::move(setup));
     keys_ = KeyFrames(std::span<const Scene>(scenes_));

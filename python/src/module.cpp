@@ -135,6 +135,12 @@ void bind_world(py::module_& module)
         if (forked()) h.close();
         else alone(h, [&] { h.close(); });
     });
+    c.def("retire", [](Handle& h, int system) {  // until it is restored alone
+        return alone(h, [&] {
+            h.check_system(system);
+            h.world().retire(system);
+        });
+    });
     c.def("state_hash", [](Handle& h, int system) {
         return alone(h, [&] { return h.state_hash(system); });
     });

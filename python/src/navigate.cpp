@@ -143,6 +143,7 @@ void Navigator::observe(const World& world, std::span<const std::uint8_t> failed
                         std::span<double> measures) const
 {
     for_each_item(world.system_count(), 8, [&](int s) {
+        if (world.retired(s)) return;
         bool any = false;
         const auto [first, end] = world.wires_of(s);
         for (int w = first; w < end && !failed.empty(); ++w) any = any || failed[static_cast<std::size_t>(w)];

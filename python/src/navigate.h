@@ -34,7 +34,7 @@ public:
     /// @param measures     [systems][9]: path left [m], distance from the target [m], hand force [N], hand torque [N m], normal
     /// force
     ///                     of the wall, summed [N], advance [m], turn [rad], whether a step failed, simulated time [s]
-    /// @param failed       per instrument
+    /// @param failed       per instrument. Rows of retired systems stay as they are
     void observe(const World& world, std::span<const std::uint8_t> failed, std::span<float> observation,
                  std::span<double> measures) const;
     /// The path that is left from a place [m].

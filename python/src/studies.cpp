@@ -10,6 +10,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <optional>
+#include <unordered_map>
+
 #ifdef SEL_WITH_VIEW
     #include "view/renderer.h"
 #endif
@@ -67,6 +70,21 @@ std::vector<Texts> sweep(const std::string& text, std::int64_t seed)
     std::vector<Texts> runs;
     for (std::size_t k = 0; k < read.run_count(); ++k) runs.push_back(read.overrides(k));
     return runs;
+}
+
+/// Numbers of the worlds that scenes go to, from 0; a list of overrides for each scene.
+std::vector<std::size_t> world_kinds(const std::string& text, const std::string& file, const std::vector<Texts>& overrides)
+{
+    std::unordered_map<std::string, std::size_t> known;
+    std::vector<std::size_t> kinds;
+    std::optional<Scene> first;
+    for (const Texts& own : overrides) {
+        Scene scene = read_scene_text(text, file, own);
+        if (!first) first = scene;
+        const std::string kind = world_kind(std::move(scene), *first, kinds.size());
+        kinds.push_back(known.try_emplace(kind, known.size()).first->second);
+    }
+    return kinds;
 }
 
 /// Progress reports to both studies; the last signal's exception is raised when they have stopped.
@@ -214,6 +232,7 @@ void bind_studies(py::module_& module)
 {
     module.def("batch", &batch);
     module.def("sweep", &sweep);
+    module.def("world_kinds", &world_kinds);
     module.def("plan", [](const std::string& text, const std::string& file, const Texts& overrides, double tolerance,
                           double force, bool relative, double peak, bool peak_relative, double rate, double budget, const std::string& out, int device) {
         PlanGoals goals;

@@ -1,4 +1,4 @@
-"""Navigate-v0: what gymnasium checks, seeds, and that a vector is its environments, bit for bit."""
+"""Navigate-v1: what gymnasium checks, seeds, and that a vector is its environments, bit for bit."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def env():
 
 @pytest.mark.filterwarnings("ignore")
 def test_check_env():
-    check_env(gymnasium.make("seldinger/Navigate-v0", **SMALL).unwrapped, skip_render_check=True)
+    check_env(gymnasium.make("seldinger/Navigate-v1", **SMALL).unwrapped, skip_render_check=True)
 
 
 def episode(env, seed):
@@ -49,7 +49,8 @@ def same(a, b):
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 @pytest.mark.parametrize("vary", [None, {"wire.mu_sliding": [0.02, 0.05], "wire.density": [3700.0, 6000.0]},
-                                  {"wire.mu_sliding": [0.02, 0.05], "vessel.triangles": [30000, 12000]}])
+                                  {"wire.mu_sliding": [0.02, 0.05], "vessel.triangles": [30000, 12000]},
+                                  {"wire.bend_scale": [0.2, 4.0], "scene.gravity": [[0.0, 0.0, -9.81], [0.0, 0.0, 0.0]]}])
 def test_a_vector_is_its_environments(mode, vary):
     count = 4
     single = SyncVectorEnv([lambda i=i: seldinger.gym.NavigateEnv(vary=vary, variant=i, **SMALL) for i in range(count)],
@@ -70,6 +71,100 @@ def test_a_vector_is_its_environments(mode, vary):
     assert ends >= 2 * count
     single.close()
     vector.close()
+
+
+def test_every_episode_may_draw_its_variant():
+    # stiffness: the rigid wall's own follows the wire, so that the two are of two worlds
+    settings = {**SMALL, "flat": True, "max_steps": 4, "variant": "draw", "vary": {"wire.bend_scale": [0.2, 4.0], "wire.mu_sliding": [0.02, 0.1]}}
+    single = SyncVectorEnv([lambda: seldinger.gym.NavigateEnv(**settings)] * 3)
+    vector = seldinger.gym.NavigateVectorEnv(3, **settings)
+    a, b = single.reset(seed=2), vector.reset(seed=2)
+    rng, met = np.random.default_rng(0), set()
+    for _ in range(20):
+        assert same(a[0], b[0]) and np.array_equal(a[-1]["variant"], b[-1]["variant"]) and np.array_equal(vector.variant, b[-1]["variant"])
+        met |= {(s, int(v)) for s, v in enumerate(vector.variant)}
+        action = rng.uniform(-1, 1, (3, 2)).astype(np.float32)
+        a, b = single.step(action), vector.step(action)
+        assert all(same(x, y) for x, y in zip(a[:4], b[:4]))
+    assert len(vector.worlds) == 2
+    assert any(len({v for s, v in met if s == i}) > 1 for i in range(3)), "no environment met a second variant"
+    episode = vector.save()
+    ahead = [vector.step(np.zeros((3, 2)))[0] for _ in range(8)]
+    vector.restore(episode)
+    assert same(ahead, [vector.step(np.zeros((3, 2)))[0] for _ in range(8)])
+    single.close()
+    vector.close()
+
+
+def test_a_variant_that_is_asked_for_stays():
+    vary = {"wire.mu_sliding": [0.02, 0.05, 0.1]}
+    env = seldinger.gym.NavigateEnv(vary=vary, **SMALL)
+    for _ in range(2):
+        for options in ({"variant": 2}, None, {"start": 1}):
+            assert env.reset(seed=3, options=options)[1]["variant"] == env.variant == 2
+            assert env.variants[env.variant] == ["wire.mu_sliding=0.1"] and "mu_sliding = 0.1\n" in env.world.scene
+    assert {env.reset(options={"variant": None})[1]["variant"] for _ in range(12)} > {2}
+    for wrong in (3, -1, "2", 0.5):
+        with pytest.raises(ValueError, match="variant: got .*expected None, or 0 to 2"):
+            env.reset(options={"variant": wrong})
+    env.close()
+    vector = seldinger.gym.NavigateVectorEnv(3, vary=vary, **SMALL)
+    assert vector.reset(seed=1)[1]["variant"].tolist() == [0, 1, 2]
+    assert vector.reset(options={"variant": [2, None, 0]})[1]["variant"].tolist() == [2, 1, 0]
+    assert vector.reset()[1]["variant"].tolist() == [2, 1, 0]
+    with pytest.raises(ValueError, match="reset_mask.*Fix: make the environment with variant=.draw."):
+        vector.reset(options={"variant": 1, "reset_mask": np.array([True, False, False])})
+    assert vector.reset()[1]["variant"].tolist() == [2, 1, 0]  # what was refused has changed nothing
+    vector.close()
+    with pytest.raises(ValueError, match="4096"):
+        seldinger.gym.NavigateVectorEnv(2000, vary=vary, variant="draw")
+    with pytest.raises(ValueError, match="variant"):
+        seldinger.gym.NavigateEnv(variant="any")
+
+
+def test_variants_have_as_many_instruments():
+    one = {"name": "a", "preset": "terumo-angled-035", "length_m": 0.3, "feed": {"inlet": "auto", "keys": [{"t_s": 0.0, "advance_m": 0.0}]}}
+    scene = {"scene": {"duration_s": 1.0, "dt_s": 0.004}, "vessel": {"shape": "aortic-arch"}, "instrument": [one]}
+    other = {"name": "b", "length_m": 0.3, "radius_m": 0.0004, "density": 6e3, "youngs_pa": 6e10, "feed": {"inlet": 2, "keys": [{"t_s": 0.0, "advance_m": 0.0}]}}
+    env = seldinger.gym.NavigateVectorEnv(2, scene=scene, starts=1, start_advance=(0.01, 0.01), vary={"instrument.1": [other]})
+    with pytest.raises(ValueError, match="vary: got variants with 2 instruments; expected 1"):
+        env.reset(seed=0)
+
+
+def test_the_reward_is_the_sum_of_its_terms():
+    """A wire that is pushed on bears on the wall with some hundredths of a newton: the penalty acts, as it did not before v1."""
+    terms = ("reward_progress", "reward_time", "reward_force", "reward_success")
+    env, old = (gymnasium.make(f"seldinger/Navigate-{version}", starts=1, max_steps=180) for version in ("v1", "v0"))
+    info, before = env.reset(seed=0)[1], old.reset(seed=0)[1]
+    assert [info[t] for t in terms] == [0.0] * 4
+    met, ended = [], False
+    while not ended:
+        _, reward, ended, truncated, info = env.step(np.array([1.0, 0.0], np.float32))
+        _, earlier, _, _, before = old.step(np.array([1.0, 0.0], np.float32))
+        assert reward == pytest.approx(sum(info[t] for t in terms), abs=1e-15)
+        assert info["reward_force"] == pytest.approx(-0.1 * max(0.0, info["wall_force"] - 0.01), abs=1e-15)
+        assert earlier - reward == pytest.approx(before["reward_force"] - info["reward_force"], abs=1e-12)  # nothing else has changed
+        met.append((info["reward_force"], before["reward_force"]))
+        ended = ended or truncated
+    assert min(m[0] for m in met) < -0.001 and min(m[1] for m in met) == 0.0
+    env.close()
+    old.close()
+
+
+def test_start_up_is_told_of_and_shared(monkeypatch, capsys):
+    """Twelve variants: one world makes all their starts; a line says how far it is, once a second has gone."""
+    from seldinger import _fleet
+    made, make_starts = [], _fleet.Fleet.make_starts
+    monkeypatch.setattr(_fleet.Fleet, "make_starts", lambda fleet, *rest: made.append(fleet.count) or make_starts(fleet, *rest))
+    settings = {**SMALL, "start_seed": 23, "vary": {"wire.mu_sliding": [0.02 + 0.01 * k for k in range(12)]}}
+    seldinger.gym.NavigateVectorEnv(12, progress_line=False, **settings).reset(seed=0)
+    assert made == [24] and capsys.readouterr().err == ""
+    # what the line says, without waiting for the clock
+    progress = _fleet.Progress(True)
+    progress.text, waits = "seldinger: 24 starts", iter([False, False, True])
+    monkeypatch.setattr(progress._over, "wait", lambda seconds: next(waits))
+    progress._tell()
+    assert capsys.readouterr().err.split() == ["seldinger:", "24", "starts"]
 
 
 def test_steps_that_fail_are_told_alike():
@@ -104,7 +199,7 @@ def test_disabled_autoreset():
 
 
 def test_make_vec():
-    vector = gymnasium.make_vec("seldinger/Navigate-v0", num_envs=3, vectorization_mode="vector_entry_point", flat=True, **SMALL)
+    vector = gymnasium.make_vec("seldinger/Navigate-v1", num_envs=3, vectorization_mode="vector_entry_point", flat=True, **SMALL)
     seen, _ = vector.reset(seed=1)
     assert seen.shape == vector.observation_space.shape and vector.observation_space.contains(seen)
     vector.close()
@@ -136,13 +231,17 @@ def test_fluoroscopy_is_seen_alike_alone_and_in_a_vector():
         action = rng.uniform(-1, 1, (2, 2)).astype(np.float32)
         a, b = single.step(action)[0], vector.step(action)[0]
         assert same(a, b) and vector.observation_space.contains(b)
-    assert b["image"].shape == (2, 48, 64, 1) and b["image"].std() > 5
+    assert b["image"].shape == (2, 48, 64, 3) and b["image"].std() > 5
+    assert all(np.array_equal(b["image"][..., 0], b["image"][..., c]) for c in (1, 2))
     single.close()
     vector.close()
+    old = gymnasium.make("seldinger/Navigate-v0", **settings)
+    assert old.observation_space["image"].shape == (48, 64, 1)
 
 
 @pytest.mark.parametrize("settings", [{"image": "ultrasound"}, {"image": 3}, {"image": "fluoroscopy", "image_shape": (64,)},
-                                      {"image": "fluoroscopy", "flat": True}])
+                                      {"image": "fluoroscopy", "flat": True},
+                                      {"image": "fluoroscopy", "image_channels": 2}])
 def test_images_that_cannot_be(settings):
     with pytest.raises(ValueError, match="image"):
         seldinger.gym.NavigateEnv(**{**SMALL, **settings})

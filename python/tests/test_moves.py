@@ -15,7 +15,7 @@ import gymnasium.utils.env_checker  # noqa: E402
 import seldinger.gym  # noqa: E402
 from gymnasium.vector import SyncVectorEnv  # noqa: E402
 
-ID = "seldinger/Navigate-v0"
+ID = "seldinger/Navigate-v1"
 # three controls to the first start, and episodes of twelve
 SMALL = {"starts": 2, "max_steps": 12, "start_advance": (0.06, 0.08), "least_advance": 0.02}
 FLAT = {**SMALL, "flat": True}
@@ -344,7 +344,7 @@ def _(tmp_path):
 
 @move("pixels alone, views, stacks")
 def _(tmp_path):
-    settings = {**PIXELS, "image_c_arm": ("LAO 30", "RAO 30"), "image_stack": 3}
+    settings = {**PIXELS, "image_channels": 1, "image_c_arm": ("LAO 30", "RAO 30"), "image_stack": 3}
     single, many = seldinger.gym.NavigateEnv(**settings), seldinger.gym.NavigateVectorEnv(2, **settings)
     assert single.observation_space == gymnasium.spaces.Box(0, 255, (36, 48, 6), np.uint8)
     seen, both = single.reset(seed=2)[0], many.reset(seed=2)[0]
@@ -432,14 +432,14 @@ def test_the_adapter_is_the_vector_form():
 
 def test_starts_are_made_once(monkeypatch):
     """Later environments of the same task take the starts of the first."""
-    made = []
-    make_starts = seldinger.gym.Fleet.make_starts
-    monkeypatch.setattr(seldinger.gym.Fleet, "make_starts", lambda fleet: made.append(1) or make_starts(fleet))
+    from seldinger import _fleet
+    made, make_starts = [], _fleet.Fleet.make_starts
+    monkeypatch.setattr(_fleet.Fleet, "make_starts", lambda fleet, *rest: made.append(fleet.count) or make_starts(fleet, *rest))
     settings = {**FLAT, "start_seed": 17}
     for _ in range(2):
         seldinger.gym.NavigateEnv(**settings).reset(seed=0)
     seldinger.gym.NavigateVectorEnv(2, **settings).reset(seed=0)
     seldinger.gym.NavigateEnv(**{**settings, "force": 0.2, "max_steps": 5}).reset(seed=0)  # rewards are not of the start
-    assert made == [1]
+    assert made == [2]
     seldinger.gym.NavigateEnv(**{**settings, "start_seed": 18}).reset(seed=0)
-    assert made == [1, 1]
+    assert made == [2, 2]

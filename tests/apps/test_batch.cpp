@@ -312,6 +312,44 @@ print("same")
         CHECK(rows[0].at("state_hash") == summary_of(folder.path / "R")["state_hash"]);
     }
 
+    TEST_CASE("property: designs are files with names: the answer, the table and a later start know them")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.05));
+        folder.write("soft.toml", "[wire]\nbend_nm2 = 1.0e-5\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-6\n");
+        folder.write("stiff.toml", "[wire]\nbend_nm2 = 3.0e-5\n");
+        folder.write("s.toml", "[vary.design]\nsoft = \"soft.toml\"\nstiff = \"stiff.toml\"\n");
+        folder.write("lost.toml", "[wire]\npreset = \"terumo-angled-035\"\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-6\n");
+        folder.write("l.toml", "[vary.design]\nkept = \"stiff.toml\"\nlost = \"lost.toml\"\n");
+        const AppResult lost = run_app(folder, "batch t.toml --vary l.toml -o L");  // what a scene warns of, a batch says, with the run
+        CHECK(lost.out.find("  note: run 1 (lost): wire.section: replaces all sections of \"terumo-angled-035\"") != std::string::npos);
+        CHECK(lost.out.find("run 0 (kept): wire.section") == std::string::npos);
+        CHECK(run_app(folder, "check t.toml --set wire.preset=terumo-angled-035 --set 'wire.section=[{from_tip_m=[0.0,0.02],bend_nm2=1e-6}]'").out.find(
+                  "  note: wire.section: replaces all sections") != std::string::npos);
+        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B").code == 0);
+        const auto rows = results(folder.path / "B");
+        REQUIRE(rows.size() == 2);
+        CHECK(rows[0].at("design") == "soft");
+        CHECK(rows[1].at("design") == "stiff");
+        REQUIRE(run_app(folder, "run t.toml -o R --set wire.bend_nm2=3e-5").code == 0);
+        CHECK(rows[1].at("state_hash") == summary_of(folder.path / "R")["state_hash"]);
+        CHECK(rows[0].at("state_hash") != rows[1].at("state_hash"));
+        CHECK(run_app(folder, "batch t.toml --vary s.toml -o B --resume").code == 0);
+        if (fs::exists("/usr/share/javascript/three/three.min.js")) {  // a report's commands repeat what the design's file sets
+            REQUIRE(run_app(folder, "report B").code == 0);
+            CHECK(slurp(folder.path / "B/report.html").find("\"stiff\":[\"wire.bend_nm2=3e-05\"]") != std::string::npos);
+        }
+        // the folder's own sweep needs no other file; a design that has changed is another sweep
+        REQUIRE(run_app(folder, "batch t.toml --vary B/sweep.toml -o C").code == 0);
+        CHECK(results(folder.path / "C")[0].at("state_hash") == rows[0].at("state_hash"));
+        folder.write("stiff.toml", "[wire]\nbend_nm2 = 4.0e-5\n");
+        CHECK(run_app(folder, "batch t.toml --vary s.toml -o B --resume").err.find("differs") != std::string::npos);
+        folder.write("stiff.toml", "[wire]\nbend_nm2 = -1.0\n");
+        const AppResult wrong = run_app(folder, "batch t.toml --vary s.toml -o D");
+        CHECK(wrong.code == 2);
+        CHECK(wrong.err.find("s.toml:1: vary.design: run 1 (stiff): wire.bend_nm2: got -1.0") != std::string::npos);
+    }
+
     TEST_CASE("property: refusals are those of `run`, before anything is written")
     {
         const ScratchFolder folder;
@@ -329,7 +367,7 @@ print("same")
         says("f.toml --vary none.toml -o B", 3, "none.toml");
         says("none.toml --vary s.toml -o B", 3, "none.toml");
         folder.write("bad.toml", "[vary]\n\"wire.nodes\" = [21]\n\"wire.density\" = [6450.0, -1.0]\n");
-        says("f.toml --vary bad.toml -o B", 2, "bad.toml:3: vary.wire.density: run 1: wire.density: got -1.0; expected a number above 0");
+        says("f.toml --vary bad.toml -o B", 2, "bad.toml:3: vary.wire.density: run 1 (wire.nodes=21, wire.density=-1.0): wire.density: got -1.0; expected a number above 0");
         folder.write("typo.toml", "[vary]\n\"wire.densty\" = [6450.0]\n");
         says("f.toml --vary typo.toml -o B", 2, "nearest known one is wire.density");
         says("f.toml --vary s.toml -o B --threads 0", 2, "threads");

@@ -1,7 +1,10 @@
 // engine/studies/batch/sweep.cpp: the runs of a sweep file, and messages for a wrong one.
 
-#include "core/error.h"
+#include "batch/batch_table.h"
 #include "batch/sweep.h"
+#include "core/error.h"
+#include "core/file_io.h"
+#include "support/temporary_folder.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -134,6 +137,50 @@ TEST_SUITE("batch/sweep")
         std::string keys = "[vary]\n";
         for (int k = 0; k < 1001; ++k) keys += fmt::format("\"a.x{}\" = {{min = 0, max = 1, n = 1}}\n", k);
         CHECK(complaint(keys).find("is more than 1000 keys") != std::string::npos);
+    }
+
+    TEST_CASE("property: a design is a file with keys of the scene, under its name")
+    {
+        const TemporaryFolder folder;
+        const std::filesystem::path file = folder.path() / "s.toml";
+        write_file(folder.path() / "soft.toml", "[wire]\npreset = \"bentson-035\"\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-5\n"
+                                                "[[instrument]]\nlength_m = 0.5\n[[instrument]]\nfeed = {inlet = 2}\n");
+        write_file(folder.path() / "stiff.toml", "wire.bend_nm2 = 2\n");
+        const std::string text = "[vary]\n\"wire.nodes\" = [11, 21]\n[vary.design]\nstiff = \"stiff.toml\"\nsoft = \"soft.toml\"\n";
+        const Sweep sweep = read_sweep_text(text, file, 0);
+        REQUIRE(sweep.axes.size() == 2);
+        CHECK(sweep.run_count() == 4);
+        CHECK(sweep.axes[1].values == std::vector<std::string>{"\"stiff\"", "\"soft\""});  // in the file's order
+        CHECK(sweep.overrides(2) == std::vector<std::string>{"wire.nodes=21", "wire.bend_nm2=2"});
+        CHECK(sweep.overrides(1) == std::vector<std::string>{"wire.nodes=11", "instrument.0.length_m=0.5", "instrument.1.feed.inlet=2", "wire.preset=\"bentson-035\"",
+                                                             "wire.section=[{\"bend_nm2\" = 1e-05, \"from_tip_m\" = [0.0, 0.02]}]"});
+        CHECK(run_name(sweep, 3) == "run 3 (wire.nodes=21, design=soft)");
+        // with the files behind it, it needs no file any more
+        const std::string whole = with_designs(text, file);
+        write_file(folder.path() / "stiff.toml", "wire.bend_nm2 = 3\n");
+        CHECK(read_sweep_text(whole, "elsewhere/s.toml", 0).overrides(2) == sweep.overrides(2));
+        CHECK(with_designs(whole, "elsewhere/s.toml") == whole);
+        CHECK(with_designs("[vary]\n\"wire.nodes\" = [11]\n", file) == "[vary]\n\"wire.nodes\" = [11]\n");
+    }
+
+    TEST_CASE("property: a wrong design is said of its line and file")
+    {
+        const TemporaryFolder folder;
+        write_file(folder.path() / "include.toml", "include = \"a.toml\"\n");
+        write_file(folder.path() / "top.toml", "nodes = 3\n");
+        write_file(folder.path() / "empty.toml", "\n");
+        const auto says = [&](const std::string& design, const std::string& what) {
+            CAPTURE(design);
+            CHECK_THROWS_WITH_AS((void)read_sweep_text("[vary]\ndesign = " + design + "\n", folder.path() / "s.toml", 0), doctest::Contains(what.c_str()), Error);
+        };
+        says("{soft = \"none.toml\"}", "s.toml:2:19: vary.design.soft: ");
+        says("{soft = \"none.toml\"}", "paths start at the sweep file's folder");
+        says("{soft = 3}", "vary.design.soft: expected a file with keys of the scene, in quotes");
+        says("{}", "vary.design: expected names with files");
+        says("[\"soft.toml\"]", "vary.design: expected names with files");
+        says("{a = \"include.toml\"}", "include.toml:1:11: include: a design sets keys");
+        says("{a = \"top.toml\"}", "top.toml:1:9: nodes: expected keys of the scene in their tables");
+        says("{a = \"empty.toml\"}", "empty.toml sets no key");
     }
 }
 

@@ -226,6 +226,24 @@ TEST_SUITE("contact/force_per_length")
                 CHECK(read.widened == (2 * 0.04 / (nodes - 1) / samples_per_edge > 1.01 * 2 * r));
             }
     }
+
+    TEST_CASE("regression: a tip that touches has the length that its force is spread over")
+    {
+        std::vector<ContactRow> rows(1);
+        rows[0].b.kind = BodyKind::Wall;
+        rows[0].along_a = 0, rows[0].length = 0, rows[0].normal_force = 0.06;  // the tip's own law: a point
+        const AlongSpec spec{window, 5e-3, 0};
+        ContactAlong wall, instruments;
+        read_along(rows, {&spec, 1}, {&wall, 1}, {&instruments, 1});
+        CHECK(wall.per_length_max == test::about(0.06 / window));
+        CHECK(wall.extent == test::about(window));
+        // beside a stretch that touches, the stretch's own length is known
+        rows.push_back(rows[0]);
+        rows[1].along_a = 1e-3, rows[1].length = 2e-3;
+        read_along(rows, {&spec, 1}, {&wall, 1}, {&instruments, 1});
+        CHECK(wall.regions == 1);
+        CHECK(wall.extent == test::about(2e-3));
+    }
 }
 
 }  // namespace test_force_per_length

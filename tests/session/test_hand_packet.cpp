@@ -175,6 +175,28 @@ TEST_SUITE("session/hand_packet")
         CHECK(give(gate, request(1, 0.3), 3.0 + HandGate::silence + 1e-6) == Accepted);
     }
 
+    TEST_CASE("property: a hand that comes from a silence, or is another one, is counted as returned")
+    {
+        using enum HandGate::Verdict;
+        HandGate gate(1);
+        REQUIRE(give(gate, request(1, 0.001), 1.0) == Accepted);
+        CHECK(gate.hand(0).returns == 1);  // the first one may be anywhere, too
+        REQUIRE(give(gate, request(2, 0.002), 1.05) == Accepted);
+        CHECK(gate.hand(0).returns == 1);
+        REQUIRE(give(gate, request(3, 0.02), 1.45) == Accepted);  // away for 0.4 s
+        CHECK(gate.hand(0).returns == 2);
+        REQUIRE(give(gate, request(1, 0.03), 1.6, 3) == Accepted);
+        CHECK(gate.hand(0).returns == 3);
+        // in lockstep a slow device is not away: no session time has passed
+        const auto give_at = [&](std::uint64_t sequence, HandGate::Now now) {
+            const Bytes bytes = bytes_of(request(sequence, 0.03));
+            SelHandRequest out;
+            return gate.take(bytes.data(), bytes.size(), 3, now, out);
+        };
+        REQUIRE(give_at(2, {1.601, 30.0}) == Accepted);
+        CHECK(gate.hand(0).returns == 3);
+    }
+
     TEST_CASE("regression: sequence numbers go on from 2^64 - 1 to 0")
     {
         using enum HandGate::Verdict;

@@ -370,6 +370,41 @@ TEST_SUITE("session/session")
         }
         CHECK(hash[0] == hash[1]);
     }
+
+    TEST_CASE("regression: a hand that was away and comes back elsewhere meets no jump: the hub eases in")
+    {
+        const Scene scene = scene_of();
+        SessionOptions options;
+        options.lockstep = true;
+        HandSession live(scene, options);
+        auto& [hand, session] = live;
+        SelHandAnswer answer{};
+        double most = 0;
+        {
+            const Line line(SOCK_DGRAM, hand.port());
+            for (std::uint64_t k = 1; k <= 200; ++k) {
+                REQUIRE(line.ask(k, 5e-5 * static_cast<double>(k), 0.001 * static_cast<double>(k), answer));
+                most = std::max(most, std::abs(answer.force_n));
+            }
+        }
+        CHECK(answer.advance_m == about(0.01).epsilon(0.02));
+        CHECK(most < 0.2);
+        rest(1.5 * HandGate::silence);
+        // on another port, 20 mm and half a turn farther: 10 N of the coupling's 500 N/m, had the hub to follow at once
+        const Line back(SOCK_DGRAM, hand.port());
+        double before = answer.advance_m, fastest = 0;
+        for (std::uint64_t k = 1; k <= 600; ++k) {
+            REQUIRE(back.ask(k, 0.03, 3.3, answer));
+            most = std::max(most, std::abs(answer.force_n));
+            fastest = std::max(fastest, (answer.advance_m - before) / 1e-3);
+            before = answer.advance_m;
+        }
+        CHECK(most < 1.1);  // the ease ends at 1 N, and a step's growth
+        CHECK(fastest < 0.1);  // it goes at 0.05 m/s; the coupling swings in
+        CHECK(answer.advance_m == about(0.03).epsilon(0.02));
+        session.stop();
+        session.finish();
+    }
 }
 
 }  // namespace test_session

@@ -124,8 +124,19 @@ TEST_SUITE("repair/repair")
             return in;
         });
         REQUIRE(patch_size > 10);
+        WallMesh open = mesh;
         const RepairReport report = repair(mesh);
         CHECK(report.hole_loops_closed == 2);
+        const std::string note = report.notes.front();  // which, by which rule, and what leaves them open
+        CHECK(note.starts_with("2 small holes were closed: at ["));
+        CHECK(note.find("at [0.05, 0.0") != std::string::npos);
+        CHECK(note.find("(at most 4 edges)") != std::string::npos);
+        CHECK(note.find("(flat in the wall, below half of the lumen's radius)") != std::string::npos);
+        CHECK(note.ends_with(". vessel.close_holes = false leaves them open."));
+        const RepairReport left = repair(open, false);
+        CHECK(left.loops.size() == 4);
+        CHECK(left.hole_loops_closed == 0);
+        CHECK(open.triangles.size() < mesh.triangles.size());
         CHECK(report.loops.size() == 2);
         CHECK(report.non_manifold_edges == 0);
         CHECK(mesh.triangles.size() <= before);

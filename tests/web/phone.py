@@ -115,6 +115,35 @@ def buttons(browser, check):
     check(True, "phone: a tap switches fluoroscopy on and off")
 
 
+def narrow(browser, check, pictures):
+    """330 points: the tip's bend in a corner that the tip is not in, and one unit of force."""
+    browser.phone(330, 700, 2)
+    browser.evaluate("scrollTo(0, 0)")
+    browser.wait("!document.querySelector('.tip-frame').hidden && seldinger.viewer.narrow()", 60)
+    some_frames(browser)
+    check(browser.evaluate("document.documentElement.scrollWidth <= innerWidth"), "330 points: nothing to scroll sideways")
+    left, top, right, bottom = box_of(browser, ".tip-frame")
+    view = box_of(browser, "#view")
+    x, y = browser.evaluate("(() => { const v = seldinger.viewer, p = v.tip.at.clone().project(v.camera); return [0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y] })()")
+    x, y = view[0] + x * (view[2] - view[0]), view[1] + y * (view[3] - view[1])
+    check(min(right - left, bottom - top) > 100 and not (left < x < right and top < y < bottom), "330 points: the tip again, larger, and not over itself")
+    # the J is bent over 2 cm: its nodes leave the straight line between their ends by more than a tenth of the frame
+    off = browser.evaluate("""(() => {
+        const v = seldinger.viewer, nodes = seldinger.last.nodes[0], at = [];
+        let way = 0;
+        for (let i = 0; i + 4 < nodes.length && way < v.tip.length; i += 4) {
+          at.push(new THREE.Vector3(nodes[i], nodes[i + 1], nodes[i + 2]).project(v.tip.camera));
+          way += Math.hypot(nodes[i + 4] - nodes[i], nodes[i + 5] - nodes[i + 1], nodes[i + 6] - nodes[i + 2]);
+        }
+        const a = at[0], b = at[at.length - 1], l = Math.hypot(b.x - a.x, b.y - a.y);
+        return Math.max(...at.map((p) => Math.abs((p.x - a.x) * (b.y - a.y) - (p.y - a.y) * (b.x - a.x)) / l)) / 2 })()""")
+    check(off > 0.1, f"330 points: the tip's bend is seen ({off:.2f} of the frame)")
+    units = browser.evaluate("[seldinger.forces.scaleOf(1e-3).unit, seldinger.forces.scaleOf(1).unit, document.querySelector('#instrument').textContent, "
+                             "document.querySelector('#sheet').textContent]")
+    check(units[:2] == ["N", "N"] and "mN" not in units[2] + units[3] and " N," in units[2], f"330 points: forces are in newtons everywhere ({units[2]})")
+    browser.picture(os.path.join(pictures, "narrow.png"))
+
+
 def phone(app, source, pictures, check):
     address = own_address()
     session = LiveSession(app, os.path.join(source, "assets/scenes/training/left-subclavian.toml"), "--bind", "0.0.0.0", "--token", TOKEN)
@@ -138,6 +167,7 @@ def phone(app, source, pictures, check):
         browser.evaluate("scrollTo(0, document.body.scrollHeight)")
         time.sleep(1)
         browser.picture(os.path.join(pictures, "phone-end.png"))
+        narrow(browser, check, pictures)
         errors = browser.errors()
         check(not errors, f"phone: nothing in the console {errors or ''}")
         print(f"        phone: {browser.evaluate('seldinger.fps')} frames drawn in the last second")

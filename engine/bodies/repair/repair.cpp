@@ -58,7 +58,6 @@ void write_notes(RepairReport& report)
     say(report.flipped, "triangle faced the other way than its neighbours and was turned",
         "triangles faced the other way than their neighbours and were turned");
     if (report.inverted) report.notes.push_back("The surface faced out of the lumen; all of it was turned.");
-    say(report.hole_loops_closed, "small hole was closed", "small holes were closed");
     say(report.non_manifold_edges, "edge is shared by more than two triangles; both sides of it are kept as they are",
         "edges are shared by more than two triangles; all sides of them are kept as they are");
     say(report.slivers, "triangle is a sliver (quality below 0.05): its normal is less exact",
@@ -69,7 +68,7 @@ void write_notes(RepairReport& report)
 
 }  // namespace
 
-RepairReport repair(WallMesh& mesh)
+RepairReport repair(WallMesh& mesh, bool holes)
 {
     using namespace repair_steps;
     RepairReport report;
@@ -82,7 +81,7 @@ RepairReport repair(WallMesh& mesh)
     require_triangles(mesh, report);
     require_no_strays(mesh, median_edge(mesh));
     orient(mesh, edges, report);
-    close_holes(mesh, edges, report);
+    if (holes) close_holes(mesh, edges, report);
     dissolve_needles(mesh, edges, report);
     require_triangles(mesh, report);
     count(mesh, edges, report);

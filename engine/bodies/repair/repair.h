@@ -16,11 +16,12 @@ namespace seldinger {
 ///  4. flaps are removed: the loosest triangle of an edge that an odd number share, if another of its edges is open.
 ///  5. orientation spreads over edges of two triangles, then over worse ones. Each component is turned so that its volume,
 ///     openings capped, is that of a lumen seen from inside. A component inside an odd number of others counts as an obstacle.
-///  6. loops of the boundary that are holes and not openings are closed (see is_hole in repair_holes.cpp).
+///  6. loops of the boundary that are holes and not openings are closed (see hole_by in repair_holes.cpp).
 ///  7. needle triangles without height are dissolved into their neighbour, which is split at their tip.
 ///  8. openings, components, non-manifold edges and slivers (quality below 0.05) are counted.
+/// @param holes  whether step 6 is taken
 /// @throws Error BadFile when no wall is left: no finite triangle, or a patch so flat that it bounds no lumen.
-[[nodiscard]] RepairReport repair(WallMesh& mesh);
+[[nodiscard]] RepairReport repair(WallMesh& mesh, bool holes = true);
 
 /// Counts and openings of a mesh that needs no repair (generated shapes). Does not change it.
 [[nodiscard]] RepairReport describe(const WallMesh& mesh);

@@ -4,6 +4,8 @@
 #include "vessel/triangle_geometry.h"
 #include "vessel/work_budget.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +14,7 @@ namespace seldinger::repair_steps {
 namespace {
 
 constexpr std::size_t kLongestHole = 200;  // vertices; filling is cubic in it
+constexpr long kMostNamed = 3;             // holes, in a note
 
 /// A hole is one of these. (1) A loop of at most four edges: no one models a lumen with four facets. (2) A loop of at most
 /// twelve edges and 1/3 of the lumen's radius: too coarse for a branch that anyone means to enter. Or (3) a loop in the plane
@@ -20,11 +23,13 @@ constexpr std::size_t kLongestHole = 200;  // vertices; filling is cubic in it
 /// the lumen's own width in a flat cap is a cap cut open on purpose.
 /// @param facing  mean |cosine| between the loop's normal and those of the triangles along it
 /// @param lumen_radius  2 V / A of its component: the radius of a tube with that volume and wall [m]
-bool is_hole(const BoundaryLoop& loop, double facing, double lumen_radius)
+/// @return the rule that it is one by, in words; null: it is an opening
+const char* hole_by(const BoundaryLoop& loop, double facing, double lumen_radius)
 {
-    if (loop.vertices.size() > kLongestHole) return false;
-    return loop.vertices.size() <= 4 || (loop.vertices.size() <= 12 && loop.radius < 0.35 * lumen_radius) ||
-           (facing > 0.6 && loop.radius < 0.5 * lumen_radius);
+    if (loop.vertices.size() > kLongestHole) return nullptr;
+    if (loop.vertices.size() <= 4) return "at most 4 edges";
+    if (loop.vertices.size() <= 12 && loop.radius < 0.35 * lumen_radius) return "at most 12 edges, below 0.35 of the lumen's radius";
+    return facing > 0.6 && loop.radius < 0.5 * lumen_radius ? "flat in the wall, below half of the lumen's radius" : nullptr;
 }
 
 /// Fills the loop with the triangles of least total area [Barequet & Sharir 1995, doi:10.1016/0167-8396(94)00011-G].
@@ -75,6 +80,7 @@ void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
             along[static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0]))] = edges.uses(k)[0] / 3;
 
     // a hole of 200 corners takes 1.3 million steps
+    std::string places;
     WorkBudget work("filling its holes", 1e8 + 100.0 * static_cast<double>(mesh.triangles.size()));
     for (const auto& chain : chains) {
         const BoundaryLoop loop = describe_loop(mesh, chain);
@@ -86,12 +92,21 @@ void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
         facing /= static_cast<double>(chain.size());
         const MeshComponent& part =
             parts[static_cast<std::size_t>(label[static_cast<std::size_t>(along[static_cast<std::size_t>(chain[0])])])];
-        if (!is_hole(loop, facing, 2 * std::abs(part.volume) / part.area)) continue;
+        const char* rule = hole_by(loop, facing, 2 * std::abs(part.volume) / part.area);
+        if (!rule) continue;
         work.spend(std::pow(static_cast<double>(chain.size()), 3) / 6);
         fill(mesh, chain);
-        ++report.hole_loops_closed;
+        if (++report.hole_loops_closed <= kMostNamed) {
+            const Vec3& at = loop.centre;
+            places += fmt::format("{}at [{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm ({})", places.empty() ? "" : "; ", at.x(), at.y(), at.z(), 1e3 * loop.radius, rule);
+        }
     }
-    if (report.hole_loops_closed > 0) edges = find_edges(mesh);
+    const long closed = report.hole_loops_closed;
+    if (closed == 0) return;
+    edges = find_edges(mesh);
+    if (closed > kMostNamed) places += fmt::format("; and {} more", closed - kMostNamed);
+    report.notes.push_back(fmt::format("{} small hole{} closed: {}. vessel.close_holes = false leaves {} open.", closed, closed == 1 ? " was" : "s were", places,
+                                       closed == 1 ? "it" : "them"));
 }
 
 }  // namespace seldinger::repair_steps

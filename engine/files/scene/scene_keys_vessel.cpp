@@ -34,6 +34,7 @@ std::vector<Key> vessel(VesselSpec& v)
          "z; x where the axis is along z", only_if(!mesh)},
         {"triangles", "", count(v.triangles, arch ? 2'000 : 2, arch ? 1'000'000 : 20'000'000),
          "approximate number of triangles; 2,000 to 1,000,000 for `aortic-arch`", "20000; 30000 for `aortic-arch`", only_if(!mesh)},
+        {"close_holes", "", &v.close_holes, "whether small holes of the mesh are closed; `false`: each is an opening", {}, quiet_if(!mesh || v.close_holes)},
         {"wall", "", words(v.elastic, wall_words), "`elastic`: [elastic wall](#elastic-wall)"},
         {"youngs_pa", "Pa", number(v.youngs, positive),
          "Young's modulus of the wall. It also sets the stiffness of contact ([normal laws](#normal-laws)). For a rigid wall the default is "

@@ -14,8 +14,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
+#include <numbers>
 #include <optional>
 
 namespace seldinger {
@@ -271,6 +273,38 @@ void fit_sections(toml::table& wire)
     }
 }
 
+/// How far the sections of a wire bend it where nothing acts on it [rad].
+double rest_angle(toml::array* sections)
+{
+    const auto pair = [](const toml::node_view<toml::node>& list) {
+        const toml::array* two = list.as_array();
+        const auto number = [&](std::size_t k) { return two && two->size() == 2 ? (*two)[k].value<double>().value_or(0) : 0; };
+        return std::pair(number(0), number(1));
+    };
+    double angle = 0;
+    for (std::size_t k = 0; sections && k < sections->size(); ++k) {
+        toml::table* section = (*sections)[k].as_table();
+        if (!section) continue;
+        const auto [from, to] = pair((*section)["from_tip_m"]);
+        const auto [one, other] = pair((*section)["rest_curvature_1_m"]);
+        angle += std::abs(to - from) * std::hypot(one, other);
+    }
+    return angle;
+}
+
+/// Sections replace all of an instrument's, the ones that shape its tip, too. @param path  of the wire @param name  of its instrument
+void warn_of_lost_tip(LayeredScene& scene, toml::table& wire, const std::string& path, const std::string& name)
+{
+    toml::array* sections = wire["section"].as_array();
+    if (!sections || !instrument_of(sections).empty() || rest_angle(sections) > 0) return;
+    toml::table own = read_instrument(instrument_file(name));
+    const double angle = rest_angle(own["wire"]["section"].as_array());
+    if (angle > 0)
+        scene.warnings.push_back(fmt::format("{}.section: replaces all sections of \"{}\", the tip that they bend by {:.0f} degrees, too: this tip is straight. "
+                                             "Fix: give a section with rest_curvature_1_m ({} has it), or change its sections key by key, as --set {}.section.0.bend_nm2=1e-5",
+                                             path, name, angle * 180 / std::numbers::pi, instrument_file(name).string(), path));
+}
+
 }  // namespace
 
 toml::table read_instrument(const fs::path& file)
@@ -307,9 +341,11 @@ LayeredScene layer_scene(const std::string& text, const fs::path& file, std::spa
     }
     for (const std::string& entry : overrides)
         if (!is_preset(entry)) apply_override(scene.root, entry);
-    for_each_wire(scene.root, [](toml::table& wire, const std::string&) {
+    for_each_wire(scene.root, [&](toml::table& wire, const std::string& path) {
         keep_friction_ratio(wire);
         fit_sections(wire);
+        for (const auto& [key, name] : scene.notes)
+            if (key == path + ".preset") warn_of_lost_tip(scene, wire, path, name);
     });
     return scene;
 }

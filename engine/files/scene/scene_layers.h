@@ -15,6 +15,7 @@ namespace seldinger {
 struct LayeredScene {
     toml::table root;  // without `include` and `wire.preset`; nodes know the file they came from
     std::vector<std::pair<std::string, std::string>> notes;  // what was brought in, for Scene::notes
+    std::vector<std::string> warnings;                       // for Scene::warnings
     std::size_t included = 0, included_bytes = 0;            // files that were included so far, those in others too
 };
 

@@ -211,6 +211,7 @@ Scene read_scene_text(const std::string& text, const std::filesystem::path& file
     LayeredScene layers = layer_scene(text, file, overrides);
     Scene scene = read_root(layers.root, file);
     scene.notes.insert(scene.notes.begin(), layers.notes.begin(), layers.notes.end());
+    scene.warnings.insert(scene.warnings.begin(), layers.warnings.begin(), layers.warnings.end());
     return scene;
 }
 

@@ -75,7 +75,7 @@ LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
     const std::string remarks = describe_remarks(remarks_in(bytes, spec.mesh), spec.units);
     bytes = {};  // as much memory as the mesh
     try {
-        vessel.report = repair(vessel.mesh);
+        vessel.report = repair(vessel.mesh, spec.close_holes);
         if (!remarks.empty()) vessel.report.notes.push_back(remarks);
         if (rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(rounding));
         if (spec.centreline.empty()) {
@@ -94,7 +94,7 @@ LoadedVessel from_file(const VesselSpec& spec)
     std::string key;
     std::optional<LoadedVessel> vessel;
     if (vessel_cache_limit() > 0) {
-        key = vessel_key(bytes, spec.mesh.extension().string(), spec.units, spec.centreline.empty());
+        key = vessel_key(bytes, spec.mesh.extension().string() + (spec.close_holes ? "" : ", holes open"), spec.units, spec.centreline.empty());
         vessel = find_prepared(key);
     }
     if (!vessel) {

@@ -91,7 +91,7 @@ public:
     /// Output::Loads of one wire. Cheap enough for every step.
     void read_loads(int wire, WireOutput& into) const;
 
-    /// Freezes a system: later steps leave it out. Not part of the saved state.
+    /// Freezes a system: later steps leave it out, until its state is restored alone. Not part of the saved state.
     void retire(int system);
     [[nodiscard]] bool retired(int system) const;
 

@@ -37,7 +37,9 @@ HandGate::Verdict HandGate::judge(const SelHandRequest& request, std::uint64_t s
         next.advance_zero = owner.hand.advance - request.advance_m;
         next.turn_zero = owner.hand.turn - request.rotation_rad;
     }
-    const HandState to{request.advance_m + next.advance_zero, request.rotation_rad + next.turn_zero, request.flags, now.session, true};
+    const bool returns = !same || (!owned && now.session - owner.hand.arrived >= silence);
+    const HandState to{request.advance_m + next.advance_zero, request.rotation_rad + next.turn_zero, request.flags, now.session, true,
+                       owner.hand.returns + (returns ? 1 : 0)};
     if (!within(next, to, now.session)) return Verdict::Jump;
     next.hand = to;
     next.sender = sender;

@@ -21,6 +21,7 @@ struct HandState {
     std::uint32_t flags = 0;
     double arrived = 0;  // on the session's clock [s]
     bool heard = false;  // at all
+    std::uint32_t returns = 0;  // times that it came from a silence or was another device's: it may be anywhere then
 };
 
 class HandGate {

@@ -20,6 +20,9 @@ namespace {
 constexpr double view_period = 1.0 / 60;           // [s]
 constexpr double shortest_twisted = 0.01;          // length of wire that torque is thought to act on, at least [m]
 constexpr double page_force = 6, page_torque = 0.05;  // more, and a page's push goes no further [N], [N m]
+// A hand that comes back from a silence may be elsewhere. The hub follows at these speeds [m/s], [rad/s], up to these forces [N], [N m].
+constexpr double ease_speed = 0.05, ease_turn_speed = 6;
+constexpr double ease_force = 1, ease_torque = 0.01;
 
 double wire_mass(const World& world, int wire)
 {
@@ -192,10 +195,17 @@ void Session::take_wishes()
     if (wish_.resets != resets_) reset();
 }
 
-double Session::follow_page(double way, double speed, double force, double limit) const
+double Session::follow(double way, double speed, double force, double limit) const
 {
     const bool pushes_on = force * speed > 0 && std::abs(force) > limit;
     return pushes_on ? way : way + speed * dt_;
+}
+
+/// Towards 0, and not beyond.
+double Session::ease(double behind, double speed, double force, double limit) const
+{
+    const double left = follow(behind, behind > 0 ? -speed : speed, force, limit);
+    return left * behind > 0 ? left : 0;
 }
 
 /// Where the hand is, and so where the world is asked to have the hub.
@@ -203,11 +213,15 @@ void Session::ask(Instrument& it)
 {
     const auto number = static_cast<std::size_t>(&it - instruments_.data());
     if (wish_.instrument == static_cast<int>(number) && clock() < wish_.until) {
-        it.page_way = std::clamp(follow_page(it.page_way, wish_.push, it.advance.force(), page_force), -it.length, it.length);
-        it.page_turn = follow_page(it.page_turn, wish_.turn, it.turn.force(), page_torque);
+        it.page_way = std::clamp(follow(it.page_way, wish_.push, it.advance.force(), page_force), -it.length, it.length);
+        it.page_turn = follow(it.page_turn, wish_.turn, it.turn.force(), page_torque);
     }
     const HandState hand = hand_ ? hand_->input.front().hand[number] : HandState{};
-    const double to = hand.advance - it.hand_zero + it.page_way, turned = hand.turn - it.turn_zero + it.page_turn;
+    if (hand.returns != it.hand.returns) it.behind += it.hand.advance - hand.advance, it.turn_behind += it.hand.turn - hand.turn;
+    it.hand = hand;
+    it.behind = ease(it.behind, ease_speed, it.advance.force(), ease_force);
+    it.turn_behind = ease(it.turn_behind, ease_turn_speed, it.turn.force(), ease_torque);
+    const double to = hand.advance - it.hand_zero + it.behind + it.page_way, turned = hand.turn - it.turn_zero + it.turn_behind + it.page_turn;
     const double hub = it.start + it.advance.next(to, it.load, -it.start, it.length - it.start);
     const double endless = 1e9;
     const double turn = it.start_turn + it.turn.next(turned, it.turn_load, -endless, endless);
@@ -287,10 +301,10 @@ void Session::reset()
     if (writer_ && !ring_.put(entry_)) record_lost_ = true;
     for (std::size_t k = 0; k < instruments_.size(); ++k) {
         Instrument& it = instruments_[k];
-        const HandState hand = hand_ ? hand_->input.front().hand[k] : HandState{};
-        it.hand_zero = hand.advance;
-        it.turn_zero = hand.turn;
-        it.page_way = it.page_turn = 0;
+        it.hand = hand_ ? hand_->input.front().hand[k] : HandState{};
+        it.hand_zero = it.hand.advance;
+        it.turn_zero = it.hand.turn;
+        it.page_way = it.page_turn = it.behind = it.turn_behind = 0;
         it.advance.place(0);
         it.turn.place(0);
         it.load = it.turn_load = {};

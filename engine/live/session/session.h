@@ -79,6 +79,8 @@ private:
         Coupling advance, turn;
         double page_way = 0, page_turn = 0;    // what the page has pushed and turned
         double hand_zero = 0, turn_zero = 0;   // of the hand's port, since the last reset
+        HandState hand;                        // at the last step
+        double behind = 0, turn_behind = 0;    // what the hub has still to make up for after a hand came back elsewhere
         double arrived = -1;                   // the hand's newest report that was used
         HubLoad load, turn_load;
     };
@@ -92,7 +94,8 @@ private:
     void step_once();
     [[nodiscard]] bool is_due();
     void ask(Instrument& it);
-    [[nodiscard]] double follow_page(double way, double speed, double force, double limit) const;
+    [[nodiscard]] double follow(double way, double speed, double force, double limit) const;
+    [[nodiscard]] double ease(double behind, double speed, double force, double limit) const;
     void take_readings(Instrument& it);
     void note_latency(double now);
     void reset();

@@ -30,10 +30,10 @@ public:
         return all().subspan(begin_[system], begin_[system + 1] - begin_[system]);
     }
 
-    /// Every later step leaves the system out.
-    void retire(int system)
+    /// Every later step leaves the system out, or takes it in again.
+    void retire(int system, bool out)
     {
-        for (const int w : wires_of(system)) retired_[w] = 1;
+        for (const int w : wires_of(system)) retired_[w] = out;
     }
     [[nodiscard]] bool is_retired(int wire) const { return retired_[wire] != 0; }
     /// All instruments but those of retired systems.

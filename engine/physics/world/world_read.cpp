@@ -29,7 +29,7 @@ const WorldSetup& World::setup() const { return data_->setup; }
 ConstRodView World::rod(int wire) const { return data_->shown(wire); }
 const WireReport& World::report(int wire) const { return data_->output.reports[wire]; }
 
-void World::retire(int system) { data_->systems.retire(system); }
+void World::retire(int system) { data_->systems.retire(system, true); }
 
 bool World::retired(int system) const { return data_->systems.is_retired(data_->systems.wires_of(system).front()); }
 

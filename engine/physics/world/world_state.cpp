@@ -213,7 +213,11 @@ void put_back_saved(WorldData& world, std::span<const std::uint8_t> bytes) { tak
 std::vector<std::uint8_t> World::save_state() const { return saved_bytes(*data_, -1); }
 std::vector<std::uint8_t> World::save_state(int system) const { return saved_bytes(*data_, system); }
 void World::restore_state(const std::vector<std::uint8_t>& bytes) { restore_saved(*data_, bytes, -1); }
-void World::restore_state(int system, const std::vector<std::uint8_t>& bytes) { restore_saved(*data_, bytes, system); }
+void World::restore_state(int system, const std::vector<std::uint8_t>& bytes)
+{
+    restore_saved(*data_, bytes, system);
+    data_->systems.retire(system, false);
+}
 
 std::string World::state_hash() const
 {

@@ -37,12 +37,18 @@ std::string shared_part(Scene scene, const Scene& first)
     return write_scene(scene, scene.source.parent_path());
 }
 
+// a wall's mesh follows the path of its run (run/wall_path.h): such a run shares no world
+std::string world_kind(Scene scene, const Scene& first, std::size_t number)
+{
+    const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
+    return own_wall ? fmt::format("{}", number) : shared_part(std::move(scene), first);
+}
+
 Scene BatchSource::scene(std::size_t item) const
 {
     const std::size_t run = item % sweep.run_count();
     std::vector<std::string> all = overrides;
-    const std::vector<std::string> own = sweep.overrides(run);
-    all.insert(all.end(), own.begin(), own.end());
+    for (std::string& setting : sweep.overrides(run)) all.push_back(std::move(setting));
     try {
         Scene scene = read_scene_text(scene_text, scene_file, all);
         if (item >= sweep.run_count()) {
@@ -51,14 +57,14 @@ Scene BatchSource::scene(std::size_t item) const
         }
         return scene;
     } catch (const Error& error) {
-        std::string message = error.what();
-        for (std::size_t a = 0; a < own.size(); ++a) {
-            const std::string blamed = "--set " + own[a];
-            if (!message.starts_with(blamed)) continue;
-            throw Error(error.code(), fmt::format("{}:{}: vary.{}: run {}{}", sweep.source.string(), sweep.axes[a].line,
-                                                  sweep.axes[a].key, run, message.substr(blamed.size())));
-        }
-        throw Error(error.code(), fmt::format("{}: run {} ({}): {}", sweep.source.string(), run, fmt::join(own, ", "), message));
+        const std::string message = error.what(), name = run_name(sweep, run);
+        const std::vector<std::size_t> index = sweep.indices(run);
+        for (std::size_t a = 0; a < index.size(); ++a)
+            for (const std::string& setting : sweep.overrides(sweep.axes[a], index[a]))
+                if (message.starts_with("--set " + setting))
+                    throw Error(error.code(), fmt::format("{}:{}: vary.{}: {}{}", sweep.source.string(), sweep.axes[a].line, sweep.axes[a].key, name,
+                                                          message.substr(6 + setting.size())));
+        throw Error(error.code(), fmt::format("{}: {}: {}", sweep.source.string(), name, message));
     }
 }
 
@@ -91,8 +97,11 @@ BatchSource make_source(std::string scene_text, const std::filesystem::path& sce
     return {std::move(scene_text), scene_file, std::move(overrides), read_sweep_text(sweep_text, sweep_file, base.seed), base.bands, base.seed};
 }
 
-std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp)
+std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp,
+                                                  std::vector<std::string>* warnings)
 {
+    constexpr std::size_t most_warnings = 16;  // of those that tell numbers of their run there may be as many as runs
+    std::vector<std::pair<std::string, std::vector<std::size_t>>> warned;
     const Scene first = source.scene(0);
     const std::vector<std::string> names = names_of(first);
     std::vector<std::vector<std::size_t>> worlds;
@@ -104,9 +113,14 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
             throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
                                                         "results.csv; leave `name` out of what is varied",
                                                         source.sweep.source.string(), run));
-        // a wall's mesh follows the path of its run (run/wall_path.h): such a run shares no world
-        const bool own_wall = scene.vessel.elastic && scene.vessel.wall_edge == 0;
-        const std::string key = own_wall ? fmt::format("{}", run) : shared_part(std::move(scene), first);
+        for (const std::string& warning : scene.warnings) {
+            if (!warnings || run >= source.sweep.run_count()) break;
+            auto known = std::find_if(warned.begin(), warned.end(), [&](const auto& one) { return one.first == warning; });
+            if (known == warned.end() && warned.size() == most_warnings) break;
+            if (known == warned.end()) known = warned.insert(warned.end(), {warning, {}});
+            known->second.push_back(run);
+        }
+        const std::string key = world_kind(std::move(scene), first, run);
         const auto [at, is_new] = open.try_emplace(key, worlds.size());
         std::size_t& room = rooms.try_emplace(key, ramp ? 1 : most_wires).first->second;
         if (!is_new && worlds[at->second].size() == room) {
@@ -116,6 +130,8 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
         if (at->second == worlds.size()) worlds.emplace_back();
         worlds[at->second].push_back(run);
     }
+    for (const auto& [warning, runs] : warned)
+        warnings->push_back(fmt::format("{}{}: {}", run_name(source.sweep, runs.front()), runs.size() > 1 ? fmt::format(" and {} more", runs.size() - 1) : "", warning));
     return worlds;
 }
 

@@ -42,7 +42,7 @@ std::string rising_line(const Sweep& sweep, const BatchAnswer& answer)
     if (answer.rising.size() > most_named && answer.rising.size() == answer.ranking.size()) return "; still rising at the target: all of them";
     std::string text;
     for (std::size_t k = 0; k < std::min(most_named, answer.rising.size()); ++k)
-        text += (k == 0 ? "; still rising at the target: " : ", ") + label_of(sweep, answer.rising[k]);
+        text += (k == 0 ? "; still rising at the target: " : ", ") + run_name(sweep, answer.rising[k]);
     if (answer.rising.size() > most_named) text += fmt::format(" and {} more", answer.rising.size() - most_named);
     return text;
 }
@@ -50,12 +50,12 @@ std::string rising_line(const Sweep& sweep, const BatchAnswer& answer)
 std::string best_line(const Sweep& sweep, const BatchLayout& layout, const BatchAnswer& answer)
 {
     const BatchAnswer::Ranked& best = answer.ranking.front();
-    std::string text = fmt::format("; least peak on {:.3g} mm of wall: {}, {}", 1e3 * layout.patch, label_of(sweep, best.run), newtons(best.value, best.band));
+    std::string text = fmt::format("; least peak on {:.3g} mm of wall: {}, {}", 1e3 * layout.patch, run_name(sweep, best.run), newtons(best.value, best.band));
     std::size_t close = 0;
     for (std::size_t k = 1; k < answer.ranking.size() && !is_apart(best, answer.ranking[k]); ++k, ++close) {
         if (close >= most_named) continue;
         const BatchAnswer::Ranked& other = answer.ranking[k];
-        text += fmt::format("{}{}, {}", close == 0 ? "; not told apart from " : ", ", label_of(sweep, other.run), newtons(other.value, other.band));
+        text += fmt::format("{}{}, {}", close == 0 ? "; not told apart from " : ", ", run_name(sweep, other.run), newtons(other.value, other.band));
     }
     if (close > most_named) text += fmt::format(" and {} more", close - most_named);
     return text + rising_line(sweep, answer);
@@ -108,7 +108,7 @@ std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const Bat
     if (const std::string ends = ends_line(answer.missed); !ends.empty())
         text += fmt::format("{} {}", answer.reached > 0 ? ", the others" : "; they", ends);
     if (answer.nearest)
-        text += fmt::format("; nearest at the end: {}, {:.3g} mm from it", label_of(sweep, *answer.nearest), 1e3 * answer.nearest_distance);
+        text += fmt::format("; nearest at the end: {}, {:.3g} mm from it", run_name(sweep, *answer.nearest), 1e3 * answer.nearest_distance);
     if (answer.ranking.empty()) return text;
     return text + best_line(sweep, layout, answer) + (layout.bands ? "" : " (--bands computes its band)");
 }

@@ -229,7 +229,15 @@ std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<Ba
 
 std::string label_of(const Sweep& sweep, std::size_t run)
 {
-    const std::vector<std::string> values = varied(sweep, run);
+    constexpr std::size_t longest = 48;  // bytes of a value
+    std::vector<std::string> values = varied(sweep, run);
+    for (std::string& value : values) {
+        if (value.size() <= longest) continue;
+        std::size_t end = longest;
+        while (end > 0 && (value[end] & 0xc0) == 0x80) --end;  // not within a letter
+        value.resize(end);
+        value += " ...";
+    }
     // a word is a label, a number or a list is not
     const bool is_word = values.size() == 1 && !as_number(values.front()) && values.front().find_first_of("[{") == std::string::npos;
     if (is_word) return values.front();
@@ -237,6 +245,8 @@ std::string label_of(const Sweep& sweep, std::size_t run)
     for (std::size_t a = 0; a < values.size(); ++a) text += fmt::format("{}{}={}", a ? ", " : "", sweep.axes[a].key, values[a]);
     return text;
 }
+
+std::string run_name(const Sweep& sweep, std::size_t run) { return fmt::format("run {} ({})", run, label_of(sweep, run)); }
 
 // ---- tables -----------------------------------------------------------------------------------------------------------------
 

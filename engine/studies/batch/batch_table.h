@@ -161,8 +161,10 @@ struct RunRows {
 [[nodiscard]] std::string batch_units_csv(const Sweep& sweep, const BatchLayout& layout);
 /// Final shapes: run, instrument, station from the tip, x, y, z.
 [[nodiscard]] std::string batch_shapes_csv(const BatchLayout& layout, const std::vector<BatchRow>& rows);
-/// "wire.preset=bentson-035, wire.mu_sliding=0.1"; of one key whose value is a word, the word alone.
+/// "wire.preset=bentson-035, wire.mu_sliding=0.1"; of one key whose value is a word, the word alone. Long values are shortened.
 [[nodiscard]] std::string label_of(const Sweep& sweep, std::size_t run);
+/// "run 3 (bentson-035)".
+[[nodiscard]] std::string run_name(const Sweep& sweep, std::size_t run);
 
 /// A comma and a number; the comma alone where there is none.
 [[nodiscard]] std::string number_field(double value);

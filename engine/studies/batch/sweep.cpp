@@ -79,6 +79,60 @@ void draw_values(const toml::table& table, std::int64_t seed, std::size_t most, 
     }
 }
 
+/// The leaves of a design's tables as texts of --set. A list of tables at the top is set table by table, any other one as a whole.
+void flatten(const toml::table& table, const std::string& path, std::vector<std::string>& settings)
+{
+    for (const auto& [name, node] : table) {
+        const std::string key = path.empty() ? std::string(name.str()) : path + "." + std::string(name.str());
+        const toml::array* list = node.as_array();
+        if (const toml::table* inner = node.as_table()) {
+            flatten(*inner, key, settings);
+        } else if (list && list->is_array_of_tables() && key.find('.') == std::string::npos) {
+            for (std::size_t k = 0; k < list->size(); ++k) flatten(*(*list)[k].as_table(), fmt::format("{}.{}", key, k), settings);
+        } else {
+            if (key.find('.') == std::string::npos)
+                fail_at(node.source(), key, "expected keys of the scene in their tables, e.g. [wire] bend_nm2 = 1e-5");
+            settings.push_back(key + "=" + value_text(node));
+        }
+    }
+}
+
+using DesignFiles = std::vector<std::pair<std::string, std::string>>;  // name as the sweep gives it, text
+
+/// [vary.design]: names with the files that they stand for. @param texts  of files, where the sweep carries them
+SweepAxis read_designs(const toml::node& node, const std::filesystem::path& sweep, const toml::table* texts, DesignFiles* files)
+{
+    SweepAxis axis;
+    axis.key = "design";
+    axis.line = static_cast<int>(node.source().begin.line);
+    const toml::table* designs = node.as_table();
+    if (!designs || designs->empty()) fail_at(node.source(), "vary.design", "expected names with files, e.g. soft = \"soft.toml\"");
+    std::vector<std::pair<toml::source_position, std::string>> order;  // the file's, which the table does not keep
+    for (const auto& [name, file] : *designs) order.emplace_back(file.source().begin, name.str());
+    std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first || (a.first == b.first && a.second < b.second); });
+    for (const auto& [place, name] : order) {
+        const toml::node& given = *designs->get(name);
+        const std::string key = "vary.design." + name;
+        if (!given.is_string()) fail_at(given.source(), key, "expected a file with keys of the scene, in quotes");
+        const std::string file = *given.value<std::string>();
+        const toml::node* kept = texts ? texts->get(file) : nullptr;
+        std::string text;
+        try {
+            text = kept && kept->is_string() ? *kept->value<std::string>() : read_scene_file(sweep.parent_path() / file);
+        } catch (const Error& error) {
+            fail_at(given.source(), key, fmt::format("{}; paths start at the sweep file's folder", error.what()));
+        }
+        const toml::table table = parse_toml(text, file);
+        if (const toml::node* include = table.get("include"))
+            fail_at(include->source(), "include", "a design sets keys of the scene and includes no file; put the include into the scene");
+        axis.values.push_back(toml_quoted(name));
+        flatten(table, "", axis.designs.emplace_back());
+        if (axis.designs.back().empty()) fail_at(given.source(), key, fmt::format("{} sets no key; expected some of the scene", file));
+        if (files) files->emplace_back(file, std::move(text));
+    }
+    return axis;
+}
+
 void read_axis(const std::string& key, const toml::node& node, std::int64_t seed, Sweep& sweep)
 {
     SweepAxis axis;
@@ -152,28 +206,54 @@ std::vector<std::size_t> Sweep::indices(std::size_t run) const
     return index;
 }
 
+std::vector<std::string> Sweep::overrides(const SweepAxis& axis, std::size_t value) const
+{
+    return axis.designs.empty() ? std::vector{axis.key + "=" + axis.values[value]} : axis.designs[value];
+}
+
 std::vector<std::string> Sweep::overrides(std::size_t run) const
 {
     const std::vector<std::size_t> index = indices(run);
     std::vector<std::string> list;
-    for (std::size_t a = 0; a < axes.size(); ++a) list.push_back(axes[a].key + "=" + axes[a].values[index[a]]);
+    for (std::size_t a = 0; a < axes.size(); ++a)
+        for (std::string& setting : overrides(axes[a], index[a])) list.push_back(std::move(setting));
     return list;
 }
 
 Sweep read_sweep_text(const std::string& text, const std::filesystem::path& file, std::int64_t seed)
 {
     const toml::table root = parse_toml(text, file.string());
-    const TableReader all(root, "", {"vary"});
+    const TableReader all(root, "", {"vary", "files"});
     all.need("vary", "a sweep has one table [vary]");
     const toml::table* vary = all.node("vary")->as_table();
     if (!vary) all.fail("vary", "expected a table [vary]");
     Sweep sweep;
     sweep.source = file;
-    for (const auto& [key, node] : *vary) read_axis(std::string(key.str()), node, seed, sweep);
+    for (const auto& [key, node] : *vary) {
+        if (key.str() == "design") sweep.axes.push_back(read_designs(node, file, root["files"].as_table(), nullptr));
+        else read_axis(std::string(key.str()), node, seed, sweep);
+    }
     std::stable_sort(sweep.axes.begin(), sweep.axes.end(),
                      [](const SweepAxis& a, const SweepAxis& b) { return a.line < b.line; });
     check_axes(*vary, sweep);
     return sweep;
+}
+
+std::string with_designs(const std::string& text, const std::filesystem::path& file)
+{
+    const toml::table root = parse_toml(text, file.string());
+    const toml::node* designs = root["vary"].as_table() ? root["vary"].as_table()->get("design") : nullptr;
+    if (!designs || root.contains("files")) return text;
+    DesignFiles files;
+    (void)read_designs(*designs, file, nullptr, &files);
+    std::string whole = text + (text.empty() || text.back() == '\n' ? "" : "\n") + "\n[files]\n";
+    std::vector<std::string> there;
+    for (const auto& [name, content] : files) {
+        if (std::find(there.begin(), there.end(), name) != there.end()) continue;
+        there.push_back(name);
+        whole += toml_quoted(name) + " = " + toml_quoted(content) + "\n";
+    }
+    return whole;
 }
 
 Sweep read_sweep(const std::filesystem::path& file, std::int64_t seed) { return read_sweep_text(read_scene_file(file), file, seed); }

@@ -32,7 +32,7 @@ struct ContactAlong {
     double patch_force = 0;       // P [N]
     double patch_at = 0;          // middle of that patch, from the tip [m]
     int regions = 0;              // separate places
-    double extent = 0;            // their lengths, summed; gaps up to one window are closed [m]
+    double extent = 0;            // their lengths, summed; gaps up to one window are closed, points alone count as one window [m]
     double window = 0, patch = 0; // W, L [m]
     bool widened = false;         // W is more than was asked for: samples are too far apart for it
 };

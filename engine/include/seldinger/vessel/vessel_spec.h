@@ -22,6 +22,7 @@ struct VesselSpec {
     VesselShape shape = VesselShape::None;
     std::filesystem::path mesh;         // absolute after loading
     std::string units = "mm";           // of the mesh file: m, cm, mm, um, in
+    bool close_holes = true;            // of the mesh file: small ones; else each is an opening
     double radius = 0, length = 0;      // tube, arc: lumen radius; tube: length [m]
     double bend_radius = 0, angle = 0;  // arc [m], [rad]
     double lead_in = 0, lead_out = 0;   // arc [m]

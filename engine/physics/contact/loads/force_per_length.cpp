@@ -102,6 +102,15 @@ std::vector<ContactRegion> contact_regions(std::span<const LoadSample> samples, 
 
 namespace {
 
+/// Length of a region; where points alone touch, at least the window that their force is spread over.
+double length_of(const ContactRegion& region, std::span<const LoadSample> samples, double window)
+{
+    const bool points = std::none_of(samples.begin(), samples.end(), [&](const LoadSample& sample) {
+        return sample.length > 0 && sample.s >= region.begin && sample.s <= region.end;
+    });
+    return points ? std::max(window, region.end - region.begin) : region.end - region.begin;
+}
+
 /// One of the two sides of a row, on a wire.
 struct Touch {
     LoadSample sample;
@@ -134,7 +143,7 @@ ContactAlong read_wire(std::span<const Touch> touches, const AlongSpec& spec)
     ContactAlong along = greatest(load, spec);
     const std::vector<ContactRegion> regions = contact_regions(samples, along.window);
     along.regions = static_cast<int>(regions.size());
-    for (const ContactRegion& region : regions) along.extent += region.end - region.begin;
+    for (const ContactRegion& region : regions) along.extent += length_of(region, samples, along.window);
     for (const Touch& touch : touches) {
         if (!touch.row) continue;
         touch.row->per_length = load.per_length(touch.sample.s, along.window);
