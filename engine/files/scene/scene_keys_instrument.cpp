@@ -3,6 +3,7 @@
 
 #include "scene/toml_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seldinger::keys {
@@ -176,10 +177,18 @@ std::vector<Key> feed_key(FeedKey& k)
 
 std::vector<Key> coaxial(CoaxialSpec& c, const Scene& s)
 {
-    std::string names;
-    for (const int k : c.order) names += (names.empty() ? "" : ", ") + toml_quoted(s.instrument(k).label);
+    std::string names, others;
+    const std::size_t nested = c.order.size() - std::min<std::size_t>(c.order.size(), c.exchanged - 1);
+    for (std::size_t k = 0; k < c.order.size(); ++k) {
+        std::string& list = k < nested ? names : others;
+        list += (list.empty() ? "" : ", ") + toml_quoted(s.instrument(c.order[k]).label);
+    }
     return {
-        {"order", "", Special{"2 or more names", "[" + names + "]"}, "outer first; `merged`: 4 at most", needed},
+        {"order", "", Special{"2 or more names", "[" + names + "]"}, "outer first; `merged`: 4 at most, with those of `exchange`",
+         needed},
+        {"exchange", "", Special{"1 or more names", others.empty() ? others : "[" + others + "]"},
+         "instruments that take the place of the last one of `order`. One of them is inside at a time; the others wait outside "
+         "with `advance_m = 0`", none},
         {"model", "", words(c.model, coaxial_words),
          "`merged`: one centreline without clearance, with the sum of the bending stiffnesses and a spin for each instrument. `separate`: "
          "one rod each; the inner one touches the outer one's lumen ([several instruments](coaxial.md))"},

@@ -48,7 +48,8 @@ struct StepReport {
     [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
 };
 
-/// Energy balance of one instrument since it was placed or has left the introducer [J]. With backward Euler and scheme "newton"
+/// Energy balance of one instrument since it was placed or has left the introducer for the first time [J]. What leaves again takes
+/// its energy along as material. With backward Euler and scheme "newton"
 /// each term is computed independently, and open() is the residual; else `scheme` is the residual and open() is 0.
 struct EnergyLedger {
     // in

@@ -133,6 +133,9 @@ void check_systems(const WorldSetup& setup)
 void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::string& where)
 {
     if (nest.order.size() < 2) refuse(where + ".order", "got fewer than two instruments; expected two or more, outer first");
+    if (nest.exchanged < 1 || nest.exchanged >= static_cast<int>(nest.order.size()))
+        refuse(where + ".exchanged", fmt::format("got {}; expected 1 to {}: one instrument at least is around them", nest.exchanged,
+                                                 nest.order.size() - 1));
     const auto system_of = [&](int wire) {
         int end = 0, system = 0;
         for (const int size : setup.systems)
@@ -149,10 +152,11 @@ void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::s
         if (system_of(wire) != system_of(nest.order[0]))
             refuse(where + ".order", "got instruments of different systems; expected those of one (WorldSetup::systems)");
         if (nest.model != CoaxialSpec::Model::Separate || k == 0) continue;
-        const double lumen = setup.wires[static_cast<std::size_t>(nest.order[k - 1])].wire.lumen_radius;
+        const int outer = nest.order[static_cast<std::size_t>(nest.around(k))];
+        const double lumen = setup.wires[static_cast<std::size_t>(outer)].wire.lumen_radius;
         const double radius = setup.wires[static_cast<std::size_t>(wire)].wire.largest_radius();
         if (lumen <= radius)
-            refuse(fmt::format("wires[{}].wire.lumen_radius", nest.order[k - 1]),
+            refuse(fmt::format("wires[{}].wire.lumen_radius", outer),
                    fmt::format("got {} m; expected more than the radius of the instrument inside, {} m", lumen, radius));
     }
     need_not_negative(nest.stiffness, where + ".stiffness");
@@ -219,10 +223,11 @@ void check_merged_member(const WorldSetup& setup, const CoaxialSpec& spec, int w
 void check_merged_room(const WorldSetup& setup, const CoaxialSpec& spec)
 {
     for (std::size_t k = 1; k < spec.order.size() && spec.lumen_friction; ++k) {
-        const double lumen = setup.wires[spec.order[k - 1]].wire.lumen_radius;
+        const int outer = spec.order[static_cast<std::size_t>(spec.around(k))];
+        const double lumen = setup.wires[outer].wire.lumen_radius;
         const double radius = setup.wires[spec.order[k]].wire.largest_radius();
         if (!(lumen > radius))
-            refuse(fmt::format("wires[{}].wire.lumen_radius", spec.order[k - 1]),
+            refuse(fmt::format("wires[{}].wire.lumen_radius", outer),
                    fmt::format("got {} m; expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen, radius));
     }
 }
@@ -295,6 +300,33 @@ void check_wall(const WorldSetup& setup)
     if (setup.vessel.elastic) check_elastic_wall(setup);
 }
 
+/// Where a control has a hub at the end of the step [m].
+double end_of(const WorldData& world, int wire, const Control::Hub& hub, double dt)
+{
+    if (hub.kind == Control::Hub::Kind::MoveTo) return hub.advance;
+    if (hub.kind == Control::Hub::Kind::Follow && !world.is_driven(wire))
+        return HubPath(hub.keys).at(world.state.wires[wire].time + dt).advance;
+    return world.feed(wire).advance;
+}
+
+/// Of instruments that take each other's place one is inside.
+void check_exchanges(const WorldData& world, std::span<const Control::Hub> hubs, double dt)
+{
+    for (const CoaxialSpec& spec : world.setup.coaxial) {
+        if (spec.exchanged < 2) continue;
+        int inside = -1;
+        for (const int w : spec.turns()) {
+            const double advance = end_of(world, w, static_cast<std::size_t>(w) < hubs.size() ? hubs[w] : Control::Hub{}, dt);
+            if (!(advance > 0)) continue;
+            if (inside >= 0)
+                refuse(fmt::format("control: instrument {}", w),
+                       fmt::format("advance: got {} m; expected 0 while instrument {} is inside: they take turns in another one (exchanged)",
+                                   advance, inside));
+            inside = w;
+        }
+    }
+}
+
 /// Asked in every step: makes no text unless there is something to say.
 void check_hub(const WorldData& world, int instrument, const Control::Hub& hub, double dt)
 {
@@ -343,6 +375,7 @@ void check_request(const WorldData& world, const Control& control, double dt)
 {
     if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("got {} s; expected a finite time greater than 0", dt));
     for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(world, static_cast<int>(k), control.hubs()[k], dt);
+    check_exchanges(world, control.hubs(), dt);
 }
 
 }  // namespace seldinger
