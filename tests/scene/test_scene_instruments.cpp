@@ -226,6 +226,15 @@ TEST_SUITE("scene/scene_instruments")
         CHECK(error_of(catheter_and_wire(), {out_again}).empty());
     }
 
+    TEST_CASE("error: a force drives one hub of a scene")
+    {
+        const std::vector<std::string> both{"instrument.0.feed.hub_mass_kg=0.1", "instrument.0.feed.keys=[{t_s = 0.0, force_n = 0.1}]",
+                                            "instrument.1.feed.hub_mass_kg=0.1", "instrument.1.feed.keys=[{t_s = 0.0, force_n = 0.1}]"};
+        CHECK(error_of(catheter_and_wire(), {both[0], both[1]}).empty());
+        const std::string error = error_of(catheter_and_wire(), both);
+        CHECK_MESSAGE(says(error, "instrument.1.feed.hub_mass_kg: a force drives the hub of \"catheter\" already"), error);
+    }
+
     TEST_CASE("error: instruments that take each other's place are inside one at a time, and fit")
     {
         CHECK_MESSAGE(says(error_of(three), "instrument.2.feed: is inside after 2 s, as \"wire\" is"), error_of(three));
@@ -249,6 +258,7 @@ TEST_SUITE("scene/scene_instruments")
             {"instrument.1.feed.point=[0.0, 0.0, 0.0]", "instrument.1.feed.point: is that of the outer instrument"},
             {"instrument.1.feed.keys=[{t_s = 0.0, advance_m = -0.01}]",
              "instrument.1.feed.keys.advance_m: expected a number, 0 or above"},
+            {"instrument.0.feed.hub_mass_kg=0.1", "instrument.0.feed.keys.force_n: is missing"},
             {"coaxial.exchange=[\"wier\"]", "coaxial.exchange: no instrument is called \"wier\""},
             {"coaxial.exchange=[\"wire\"]", "coaxial.exchange: \"wire\" is listed twice"},
             {"coaxial.exchange=[]", "coaxial.exchange: expected one name"},

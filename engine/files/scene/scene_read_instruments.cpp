@@ -195,6 +195,16 @@ void read_instruments(const toml::table& root, Scene& scene)
 
 void check_several(const toml::table& root, const Scene& scene)
 {
+    int driven = -1;  // whose hub a force drives
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        if (!scene.instrument(k).feed.hub.driven()) continue;
+        if (driven >= 0)
+            fail_at(root.at_path(fmt::format("instrument[{}].feed.hub_mass_kg", k)).node()->source(),
+                    fmt::format("instrument.{}.feed.hub_mass_kg", k),
+                    fmt::format("a force drives the hub of \"{}\" already; give this one's way with advance_m in place of hub_mass_kg",
+                                scene.instrument(driven).label));
+        driven = k;
+    }
     const bool merged = scene.coaxial && scene.coaxial->model == CoaxialSpec::Model::Merged;
     if (!merged && !scene.coaxial && !scene.instruments_touch) return;
     const auto refuse = [&](std::string_view table, std::string_view key, const std::string& message) {

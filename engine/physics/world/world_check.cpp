@@ -102,6 +102,9 @@ void check_feed(const WireSetup& wire, const std::string& where)
     if (!(wire.feed.advance >= 0 && wire.feed.advance <= wire.wire.length))
         refuse(where + ".advance",
                fmt::format("got {} m; expected 0 to the wire's length, {} m", wire.feed.advance, wire.wire.length));
+    need_not_negative(wire.feed.hub.mass, where + ".hub.mass");
+    need_not_negative(wire.feed.hub.damping, where + ".hub.damping");
+    need_not_negative(wire.feed.hub.friction, where + ".hub.friction");
     if (!std::isfinite(wire.feed.turn)) refuse(where + ".turn", "got a number that is not finite; expected a finite one");
 }
 
@@ -300,6 +303,26 @@ void check_wall(const WorldSetup& setup)
     if (setup.vessel.elastic) check_elastic_wall(setup);
 }
 
+/// A hub that a force drives is solved with its instrument, at the end of the step (D16); one of those that answer each other.
+void check_driven(const WorldSetup& setup, const SystemList& systems)
+{
+    const IntegratorSpec& integrator = setup.integrator;
+    const bool solved = integrator.scheme == Scheme::Newton && !integrator.newmark && !integrator.conserve;
+    int last = -1;  // of those before
+    for (std::size_t w = 0; w < setup.wires.size(); ++w) {
+        if (!setup.wires[w].feed.on || !setup.wires[w].feed.hub.driven()) continue;
+        const std::string where = fmt::format("wires[{}].feed.hub.mass", w);
+        if (!solved)
+            refuse(where, "got a hub that a force drives with another scheme; expected newton with backward Euler. Fix: "
+                          "integrator.newmark = conserve = false, or mass = 0 and a path of the hub");
+        if (last >= 0 && systems.of(last) == systems.of(static_cast<int>(w)))
+            refuse(where, fmt::format("got a force that drives this hub and one for wires[{}], of the same system; expected one driven hub in a "
+                                      "system. Fix: mass = 0 and a path of the hub for one of them",
+                                      last));
+        last = static_cast<int>(w);
+    }
+}
+
 /// Where a control has a hub at the end of the step [m].
 double end_of(const WorldData& world, int wire, const Control::Hub& hub, double dt)
 {
@@ -337,11 +360,18 @@ void check_hub(const WorldData& world, int instrument, const Control::Hub& hub, 
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
             refuse_it(fmt::format("key {}: got {} s; expected times that increase", k, hub.keys[k].t));
+    const bool driven = world.is_driven(instrument), moved = hub.kind == Control::Hub::Kind::MoveTo;
+    const bool pushed = hub.kind == Control::Hub::Kind::Push;
+    if (driven && moved) refuse_it("got a move, but a force drives its hub (FeedSpec::hub); expected Control::push");
+    if (pushed && !driven)
+        refuse_it("got a push, but no force drives its hub; expected Control::move_to, or FeedSpec::hub with a mass");
     // later keys of a known path need not be satisfied by this step
-    const FeedKey end = hub.kind == Control::Hub::Kind::MoveTo ? FeedKey{0, hub.advance, hub.turn}
-                                                               : HubPath(hub.keys).at(world.state.wires[instrument].time + dt);
+    const FeedKey end = moved || pushed ? FeedKey{0, hub.advance, hub.turn, hub.force}
+                                        : HubPath(hub.keys).at(world.state.wires[instrument].time + dt);
     const double length = world.setup.wires[instrument].wire.length;
-    if (!(end.advance >= 0 && end.advance <= length))
+    if (driven && !(std::isfinite(end.force) && hub.spring >= 0 && std::isfinite(hub.spring)))
+        refuse_it(fmt::format("push: got {} N and {} N/m; expected finite numbers, the second 0 or more", end.force, hub.spring));
+    if (!driven && !(end.advance >= 0 && end.advance <= length))
         refuse_it(fmt::format("advance: got {} m; expected 0 to the wire's length, {} m", end.advance, length));
     if (!std::isfinite(end.turn)) refuse_it(fmt::format("turn: got {} rad; expected a finite number", end.turn));
 }
@@ -369,6 +399,7 @@ void check_setup(const WorldSetup& setup)
     check_wall(setup);
     check_touching(setup);
     check_merged(setup);
+    check_driven(setup, SystemList(static_cast<int>(setup.wires.size()), setup.systems));
 }
 
 void check_request(const WorldData& world, const Control& control, double dt)
