@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "core/file_io.h"
 #include "record/checkpoint.h"
+#include "session/coupling.h"
 
 #include <fmt/format.h>
 
@@ -69,7 +70,9 @@ const Control& Replay::next(World& world)
     for (int w = 0; w < world.wire_count(); ++w) {
         if (!world.setup().wires[static_cast<std::size_t>(w)].feed.on || world.system_of(w) != 0) continue;
         const std::size_t hub = 2 * static_cast<std::size_t>(w);
-        control_.move_to(w, entry.hubs[hub], entry.hubs[hub + 1]);
+        const bool driven = world.setup().wires[static_cast<std::size_t>(w)].feed.hub.driven();
+        if (driven) control_.push(w, entry.hubs[hub], entry.hubs[hub + 1], spring_of(advance_coupling, record_.header.dt));
+        else control_.move_to(w, entry.hubs[hub], entry.hubs[hub + 1]);
     }
     return control_;
 }

@@ -19,6 +19,7 @@ StepReport step(World& given, const Control& control, double dt)
     while (const SubStep* sub = world.work.pending.next()) {  // one sub-step where all goes well
         keep_start(world, *sub);         // what a step that is stopped returns to
         begin_sub_step(world, *sub);
+        aim_hubs(world, *sub);           // hubs that a force drives: how far they go
         feed_hubs(world, *sub);          // feed: advance and turn at the hub; the base edge grows
         hold_and_load(world, *sub);      // holds, loads and links at the end of the sub-step
         find_contacts(world);            // detect: what of the wall is near

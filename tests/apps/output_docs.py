@@ -33,6 +33,7 @@ keys = [ {{t_s = 0.0, advance_m = {start}}}, {{t_s = 0.2, advance_m = {end}}} ]
 # pushed out of the far end of its tube: left_through; 100 steps: error_estimate
 RIGID = (SCENE.format(duration=0.2) + "[wire]\n" + WIRE.format(radius=0.0004) + TUBE +
          "[feed]\n" + FEED.format(start=0.0, end=0.04))
+DRIVEN = RIGID.replace("0.2\ndt_s", "0.02\ndt_s").split("keys = ")[0] + "hub_mass_kg = 0.05\nkeys = [ {t_s = 0.0, force_n = 0.1} ]\n"
 TASK = RIGID + "[task]\ntarget = { point = [0.02, 0.0, 0.0], radius_m = 0.01 }\n"
 ELASTIC = RIGID.replace("0.2\ndt_s", "0.02\ndt_s").replace("[vessel]\n", '[vessel]\nwall = "elastic"\n')
 # the inner one is bent by nature and the outer one straight: they touch at once
@@ -114,12 +115,12 @@ def main():
                 sys.exit(77)
             assert done.returncode == 0, f"seldinger {' '.join(arguments)}: {done.returncode}: {done.stderr}"
 
-        for stem, text in (("rigid", RIGID), ("elastic", ELASTIC), ("coaxial", COAXIAL), ("swing", SWING)):
+        for stem, text in (("rigid", RIGID), ("elastic", ELASTIC), ("coaxial", COAXIAL), ("driven", DRIVEN), ("swing", SWING)):
             (folder / f"{stem}.toml").write_text(text, encoding="utf-8")
         (folder / "sweep.toml").write_text(SWEEP, encoding="utf-8")
         (folder / "exit_sweep.toml").write_text(EXIT_SWEEP, encoding="utf-8")
         (folder / "instrument_sweep.toml").write_text(SWEEP.replace("wire.", "instrument.0."), encoding="utf-8")
-        for stem, extra in (("rigid", ["--error-estimate", "on"]), ("elastic", []), ("coaxial", ["--error-estimate", "on"])):
+        for stem, extra in (("rigid", ["--error-estimate", "on"]), ("elastic", []), ("coaxial", ["--error-estimate", "on"]), ("driven", [])):
             run("run", f"{stem}.toml", "-o", stem, *extra)
             take("summary.json", keys_of(json.loads((folder / stem / "summary.json").read_text(encoding="utf-8"))))
             for file in sorted((folder / stem).glob("*.csv")):

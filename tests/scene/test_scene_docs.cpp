@@ -51,7 +51,8 @@ const std::string bases[] = {
         "[[hold]]\nspin = true\n[[load]]\nat = \"tip\"\nmoment_nm = [0.0, 0.0, 1.0]\n",
     head + stiff + tube + "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n" +
         "[task]\ntarget = { point = [0.0, 0.0, 0.0] }\n",
-    head + stiff + tube + "[task]\ntarget = { branch = 1 }\n",
+    head + stiff + tube + "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nhub_mass_kg = 0.1\n" +
+        "keys = [{t_s = 0.0, force_n = 0.1}]\n[task]\ntarget = { branch = 1 }\n",
     head + stiff + "place = {shape = \"centreline\"}\n[vessel]\nshape = \"plane\"\nsize_m = 1.0\n",
     head + stiff + "place = {}\n" + tube + "wall = \"elastic\"\n[[wall_load]]\nat = [0.0, 0.0, 0.0]\nforce_n = [0.0, 0.0, 1.0]\n",
     head + stiff + "place = {shape = \"points\", points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]}\n",

@@ -142,6 +142,13 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good + "[[link]]\nat = \"tip\"\nanchor = [0, 0, 0]\n", {}, "link.0.stiffness_n_m: is missing"});
         check_mistake({good + "[[wire.section]]\nbend_nm2 = 1\n", {}, "wire.section.0.from_tip_m: is missing"});
         check_mistake({fed, {"feed.keys=[{t_s=0}]"}, "feed.keys.advance_m: is missing"});
+        check_mistake({fed, {"feed.hub_mass_kg=0.1"}, "feed.keys.force_n: is missing"});
+        check_mistake({fed, {"feed.keys=[{t_s=0, force_n=1.0}]"}, "feed.keys.force_n: is of a hub that a force drives; give hub_mass_kg"});
+        check_mistake({fed, {"feed.hub_friction_n=0.1"}, "feed.hub_friction_n: is of a hub that a force drives"});
+        check_mistake({fed, {"feed.hub_mass_kg=0.1", "feed.keys=[{t_s=0, force_n=0.1}, {t_s=1, force_n=0.1, advance_m=0.1}]"},
+                       "feed.keys.advance_m: got 0.1 m after 0 m, of a hub that a force drives"});
+        check_mistake({fed, {"feed.hub_mass_kg=0.1", "feed.keys=[{t_s=0, force_n=0.1}]", "integrator.conserve=true"},
+                       "feed.hub_mass_kg: a hub that a force drives is solved with integrator.scheme = \"newton\""});
     }
 
     TEST_CASE("property: zero, negative, NaN, infinite and mistyped quantities are refused")

@@ -206,6 +206,42 @@ TEST_SUITE("scene/scene_instruments")
         CHECK_MESSAGE(says(error, "two.toml:"), error);
     }
 
+    const std::string three =
+        catheter_and_wire("\n") + "[[instrument]]\nname = \"second\"\n" + stiff + "length_m = 0.6\nradius_m = 4.9e-4\n" +
+        feed("", "{t_s = 0.0, advance_m = 0.0}, {t_s = 2.0, advance_m = 0.0}, {t_s = 3.0, advance_m = 0.1}") +
+        "[coaxial]\norder = [\"catheter\", \"wire\"]\nexchange = [\"second\"]\nmodel = \"separate\"\n";
+    const std::string out_again = "instrument.1.feed.keys=[{t_s = 0.0, advance_m = 0.06}, {t_s = 2.0, advance_m = 0.0}]";
+
+    TEST_CASE("property: a wire may come out of its catheter, and a thicker one take its place; written and read back it is the same")
+    {
+        const Scene scene = read(three, {out_again});
+        REQUIRE(scene.coaxial);
+        CHECK(scene.coaxial->order == std::vector<int>{0, 1, 2});
+        CHECK(scene.coaxial->exchanged == 2);
+        CHECK(scene.coaxial->around(2) == 0);
+        CHECK(make_setup(scene).coaxial[0].exchanged == 2);
+        const std::string written = write_scene(scene, ".");
+        CHECK(write_scene(read(written), ".") == written);
+        CHECK(says(written, "exchange = [\"second\"]"));
+        CHECK(error_of(catheter_and_wire(), {out_again}).empty());
+    }
+
+    TEST_CASE("error: a force drives one hub of a scene")
+    {
+        const std::vector<std::string> both{"instrument.0.feed.hub_mass_kg=0.1", "instrument.0.feed.keys=[{t_s = 0.0, force_n = 0.1}]",
+                                            "instrument.1.feed.hub_mass_kg=0.1", "instrument.1.feed.keys=[{t_s = 0.0, force_n = 0.1}]"};
+        CHECK(error_of(catheter_and_wire(), {both[0], both[1]}).empty());
+        const std::string error = error_of(catheter_and_wire(), both);
+        CHECK_MESSAGE(says(error, "instrument.1.feed.hub_mass_kg: a force drives the hub of \"catheter\" already"), error);
+    }
+
+    TEST_CASE("error: instruments that take each other's place are inside one at a time, and fit")
+    {
+        CHECK_MESSAGE(says(error_of(three), "instrument.2.feed: is inside after 2 s, as \"wire\" is"), error_of(three));
+        const std::string thick = error_of(three, {out_again, "instrument.2.radius_m=6e-4"});
+        CHECK_MESSAGE(says(thick, "instrument.2.radius_m: 0.0006 m is not below the lumen of \"catheter\""), thick);
+    }
+
     TEST_CASE("error: one line for what contradicts itself")
     {
         const std::pair<std::string, std::string> wrong[] = {
@@ -222,8 +258,10 @@ TEST_SUITE("scene/scene_instruments")
             {"instrument.1.feed.point=[0.0, 0.0, 0.0]", "instrument.1.feed.point: is that of the outer instrument"},
             {"instrument.1.feed.keys=[{t_s = 0.0, advance_m = -0.01}]",
              "instrument.1.feed.keys.advance_m: expected a number, 0 or above"},
-            {"instrument.1.feed.keys=[{t_s = 0.0, advance_m = 0.01}, {t_s = 1.0, advance_m = 0.0}]",
-             "instrument.1.feed: pulls it out of \"catheter\" at 1 s"},
+            {"instrument.0.feed.hub_mass_kg=0.1", "instrument.0.feed.keys.force_n: is missing"},
+            {"coaxial.exchange=[\"wier\"]", "coaxial.exchange: no instrument is called \"wier\""},
+            {"coaxial.exchange=[\"wire\"]", "coaxial.exchange: \"wire\" is listed twice"},
+            {"coaxial.exchange=[]", "coaxial.exchange: expected one name"},
             {"instrument.1.feed.keys=[{t_s = 0.0, advance_m = 0.7}]",
              "instrument.1.feed.keys.advance_m: 0.7 m is more than the whole wire"},
         };

@@ -43,7 +43,8 @@ std::string replayed(const std::filesystem::path& path, const Scene& scene)
         if (entry.kind != RecordEntry::Kind::Step) continue;
         const bool cut = k + 1 < record.entries.size() && record.entries[k + 1].kind == RecordEntry::Kind::CutShort;
         world.cut_when([asked = 0u, at = cut ? record.entries[k + 1].trials : ~0u]() mutable { return ++asked >= at; });
-        control.move_to(0, entry.hubs[0], entry.hubs[1]);
+        if (scene.feed.hub.driven()) control.push(0, entry.hubs[0], entry.hubs[1], spring_of(advance_coupling, record.header.dt));
+        else control.move_to(0, entry.hubs[0], entry.hubs[1]);
         (void)step(world, control, record.header.dt);
     }
     return world.state_hash();
@@ -121,6 +122,32 @@ TEST_SUITE("session/session")
             return session.world().state_hash();
         };
         CHECK(played(7) == played(1000));
+    }
+
+    // With the hand still, the spring pulls until what is left is less than friction holds: at 500 N/m micrometres.
+    TEST_CASE("property: a hub that a force drives follows the hand by the spring, without energy from nowhere; the record replays")
+    {
+        const TemporaryFolder folder;
+        const std::vector<std::string> driven{"feed.hub_mass_kg=0.02", "feed.keys=[{t_s=0.0, force_n=0.0}]"};
+        const Scene scene = read_scene_text(live_scene, "live.toml", driven);
+        SessionOptions options;
+        options.lockstep = true;
+        options.record = folder.path() / "s.record";
+        HandSession live(scene, options);
+        auto& [hand, session] = live;
+        const Line line(SOCK_DGRAM, hand.port());
+        SelHandAnswer answer{};
+        for (std::uint64_t k = 1; k <= 500; ++k)
+            REQUIRE(line.ask(k, std::min(0.04, 2e-4 * static_cast<double>(k)), 0.002 * static_cast<double>(k), answer));
+        session.stop();
+        session.finish();
+        CHECK(replayed(options.record, scene) == session.world().state_hash());
+        const WireReadings r = session.world().readings(0);
+        CHECK(std::abs(r.inserted - 0.04) < 1e-3);
+        CHECK(r.hub.work > 0);
+        CHECK(std::abs(r.hub.open()) < 1e-3 * r.hub.work);
+        const auto summary = nlohmann::json::parse(session.summary());
+        CHECK(summary["coupling"][0]["advance_energy_lowest_j"].get<double>() > -1e-12);
     }
 
     TEST_CASE("property: steps that a deadline cuts short are told of, counted, and replayed to the same bits")

@@ -262,6 +262,26 @@ Json instruments_of(const World& world, const Scene& scene, std::vector<std::str
     return list;
 }
 
+/// Each hub that a force drives, with its energy balance.
+Json hubs_of(const World& world, const Scene& scene, std::vector<std::string>& lost)
+{
+    Json list = Json::array();
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        if (!scene.instrument(k).feed.hub.driven()) continue;
+        const HubReadings r = world.readings(k).hub;
+        Json one = {{"name", series_of(scene, k)}};
+        Numbers number(one);
+        const std::pair<const char*, double> entries[] = {
+            {"speed_m_s", r.speed},          {"force_n", r.force},          {"work_j", r.work},         {"instrument_work_j", r.wire},
+            {"kinetic_j", r.kinetic},        {"friction_loss_j", r.friction}, {"damping_loss_j", r.damping}, {"stop_loss_j", r.stopped},
+            {"scheme_loss_j", r.scheme},     {"energy_open_j", r.open()}};
+        for (const auto& [key, value] : entries) number.set(key, value);
+        for (const std::string& key : number.lost()) lost.push_back(series_of(scene, k) + ".hub." + key);
+        list.push_back(std::move(one));
+    }
+    return list;
+}
+
 /// The wall with the edges at the place of its largest displacement; 0: it has not moved.
 WallMechanics wall_where_read(const World& world, const Greatest& move)
 {
@@ -456,6 +476,7 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     if (notes.estimate) out["error_estimate"] = estimate_json(*notes.estimate);
     std::vector<std::string> lost;
     if (!notes.scene->label.empty()) out["instruments"] = instruments_of(world, *notes.scene, lost);
+    if (Json hubs = hubs_of(world, *notes.scene, lost); !hubs.empty()) out["hubs"] = std::move(hubs);
     out["halved_steps"] = tally.halved_steps;
     out["at_rest"] = world.at_rest();
     out["stage_ms"] = stages_of(tally);

@@ -15,7 +15,7 @@ FeedKey SceneFeed::at(double t) const { return keys.empty() ? FeedKey{t, 0, 0} :
 FeedSpec SceneFeed::inlet() const
 {
     const FeedKey start = at(0);
-    return {on, point, direction, start.advance, start.turn, behind, {}};
+    return {on, point, direction, start.advance, start.turn, hub, behind, {}};
 }
 
 namespace {

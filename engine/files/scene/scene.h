@@ -31,7 +31,9 @@ struct SceneFeed {
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
     bool along_centreline = false;  // what is inside at t = 0 lies along the vessel's centreline; else straight ahead
     double behind = 0;          // FeedSpec::behind [m]
-    std::vector<FeedKey> keys;  // piecewise linear, times strictly increasing; held constant outside
+    HubSpec hub;
+    // piecewise linear, times strictly increasing; held constant outside. Of a driven hub all have the `advance` that it starts with
+    std::vector<FeedKey> keys;
 
     /// The inlet, with the hub where the keys have it at t = 0.
     [[nodiscard]] FeedSpec inlet() const;

@@ -148,8 +148,8 @@ template <std::size_t N, class Row>
 }
 
 /// Tables of their own, one for each row. @param of  the keys of a row
-template <class Row>
-[[nodiscard]] Value list_of(std::vector<Row>& rows, std::vector<Key> (*of)(Row&))
+template <class Row, class Of>
+[[nodiscard]] Value list_of(std::vector<Row>& rows, Of of)
 {
     Tables list{{}, true};
     for (Row& row : rows) list.tables.push_back(of(row));

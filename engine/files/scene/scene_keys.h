@@ -23,7 +23,7 @@ inline constexpr int most_steps = 1'000'000'000, most_nodes = 200'000;
 [[nodiscard]] std::vector<Key> section(WireSectionRange& range);
 [[nodiscard]] std::vector<Key> place(WirePlacement& p);
 [[nodiscard]] std::vector<Key> feed(SceneFeed& f, bool inside);  // inside: of an instrument within another one
-[[nodiscard]] std::vector<Key> feed_key(FeedKey& k);
+[[nodiscard]] std::vector<Key> feed_key(FeedKey& k, bool driven);
 [[nodiscard]] std::vector<Key> coaxial(CoaxialSpec& c, const Scene& s);
 [[nodiscard]] std::vector<Key> integrator(IntegratorSpec& i);
 [[nodiscard]] std::vector<Key> vessel(VesselSpec& v);

@@ -3,6 +3,7 @@
 
 #include "scene/toml_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seldinger::keys {
@@ -101,7 +102,8 @@ std::vector<Key> wire(SceneInstrument& i)
         {"spin_rad_s", "rad/s", number(w.place.spin_rate, any_number),
          "initial spin about the wire's axis; not with `[feed]`", {}, only_if(!i.feed.on)},
         {"feed", "", Special{"table"},
-         "[`[feed]`](#feed) of this instrument. An inner instrument has only `keys` and `behind_m`, since it enters with the outer one",
+         "[`[feed]`](#feed) of this instrument. An inner instrument has only `keys`, `behind_m` and those of its hub, since it enters with the "
+         "outer one",
          none, only_if(!i.label.empty())},
     });
     return keys;
@@ -158,17 +160,29 @@ std::vector<Key> feed(SceneFeed& f, bool inside)
         {"behind_m", "m", number(f.behind, not_negative),
          "`merged` groups: length between operator and inlet at the start. It twists with the rest and shortens as the instrument is pushed. "
          "With the length inside, at most `length_m`. 0: the operator holds the instrument at the inlet", {}, quiet_if(f.behind == 0)},
-        {"keys", "", list_of(f.keys, feed_key), "[`feed.keys`](#feedkeys)", needed},
+        {"hub_mass_kg", "kg", number(f.hub.mass, positive),
+         "a force drives the hub (`force_n` of the keys), and this mass moves with it: hand, torque device, length outside. Only with "
+         "`scheme = \"newton\"` and backward Euler", none, quiet_if(!f.hub.driven())},
+        {"hub_damping_n_s_m", "N s/m", number(f.hub.damping, not_negative), "resistance against the speed of such a hub", {},
+         quiet_if(f.hub.damping == 0)},
+        {"hub_friction_n", "N", number(f.hub.friction, not_negative), "dry friction at such a hub: of a valve, a grip", {},
+         quiet_if(f.hub.friction == 0)},
+        {"keys", "", list_of(f.keys, [driven = f.hub.driven()](FeedKey& k) { return feed_key(k, driven); }), "[`feed.keys`](#feedkeys)",
+         needed},
     };
 }
 
-std::vector<Key> feed_key(FeedKey& k)
+std::vector<Key> feed_key(FeedKey& k, bool driven)
 {
     return {
         {"t_s", "s", number(k.t, not_negative), "time, increasing from key to key", needed},
+        {"force_n", "N", number(k.force, any_number), "with `hub_mass_kg`: force on the hub, above 0 pushes; linear between keys",
+         driven ? needed : "*needed* with `hub_mass_kg`", only_if(driven)},
         {"advance_m", "m", number(k.advance, not_negative),
          "length inside; at most `length_m`. In the first key it lies straight ahead of the inlet, or along the centreline (`start`); if the "
-         "wall is in the way, the scene is refused with the length that fits", needed},
+         "wall is in the way, the scene is refused with the length that fits. With `hub_mass_kg` where the hub starts, the same in all "
+         "keys",
+         driven ? "0 with `hub_mass_kg`" : needed},
         {"turn_rad", "rad", number(k.turn, any_number),
          "rotation of the hub, right-handed about the direction of insertion", "as in the last key, 0 in the first"},
     };
@@ -176,10 +190,18 @@ std::vector<Key> feed_key(FeedKey& k)
 
 std::vector<Key> coaxial(CoaxialSpec& c, const Scene& s)
 {
-    std::string names;
-    for (const int k : c.order) names += (names.empty() ? "" : ", ") + toml_quoted(s.instrument(k).label);
+    std::string names, others;
+    const std::size_t nested = c.order.size() - std::min<std::size_t>(c.order.size(), c.exchanged - 1);
+    for (std::size_t k = 0; k < c.order.size(); ++k) {
+        std::string& list = k < nested ? names : others;
+        list += (list.empty() ? "" : ", ") + toml_quoted(s.instrument(c.order[k]).label);
+    }
     return {
-        {"order", "", Special{"2 or more names", "[" + names + "]"}, "outer first; `merged`: 4 at most", needed},
+        {"order", "", Special{"2 or more names", "[" + names + "]"}, "outer first; `merged`: 4 at most, with those of `exchange`",
+         needed},
+        {"exchange", "", Special{"1 or more names", others.empty() ? others : "[" + others + "]"},
+         "instruments that take the place of the last one of `order`. One of them is inside at a time; the others wait outside "
+         "with `advance_m = 0`", none},
         {"model", "", words(c.model, coaxial_words),
          "`merged`: one centreline without clearance, with the sum of the bending stiffnesses and a spin for each instrument. `separate`: "
          "one rod each; the inner one touches the outer one's lumen ([several instruments](coaxial.md))"},

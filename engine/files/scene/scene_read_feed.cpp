@@ -6,14 +6,22 @@
 namespace seldinger {
 namespace {
 
-FeedKey read_feed_key(const toml::node& node, const std::string& path, const FeedKey& before, bool first)
+FeedKey read_feed_key(const toml::node& node, const std::string& path, const FeedKey& before, bool first, bool driven)
 {
     const toml::table* table = node.as_table();
-    if (!table) fail_at(node.source(), path, "expected {t_s = ..., advance_m = ..., turn_rad = ...}");
+    if (!table)
+        fail_at(node.source(), path, fmt::format("expected {{t_s = ..., {} = ..., turn_rad = ...}}", driven ? "force_n" : "advance_m"));
     FeedKey key;
     key.turn = before.turn;
-    const TableReader t(*table, path, keys::feed_key(key));
-    t.read(keys::feed_key(key));
+    if (driven) key.advance = before.advance;
+    const TableReader t(*table, path, keys::feed_key(key, driven));
+    t.refuse_unused(keys::feed_key(key, driven),
+                    "is of a hub that a force drives; give hub_mass_kg in the feed's table, or take it out");
+    t.read(keys::feed_key(key, driven));
+    if (driven && !first && key.advance != before.advance)
+        t.fail("advance_m", fmt::format("got {} m after {} m, of a hub that a force drives (hub_mass_kg); expected one start for all keys. "
+                                        "Fix: force_n instead",
+                                        key.advance, before.advance));
     if (!first && key.t <= before.t) t.fail("t_s", "expected times that increase; sort the keys");
     return key;
 }
@@ -58,12 +66,18 @@ void read_feed_table(const toml::table& table, const std::string& path, FeedPlac
     if (!keys || keys->empty()) t.fail("keys", "expected [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, ... ]");
     for (const toml::node& node : *keys) {
         const bool first = feed.keys.empty();
-        feed.keys.push_back(read_feed_key(node, path + ".keys", first ? FeedKey{} : feed.keys.back(), first));
+        feed.keys.push_back(read_feed_key(node, path + ".keys", first ? FeedKey{} : feed.keys.back(), first, feed.hub.driven()));
         if (feed.keys.back().advance > into.wire.length)
             fail_at(node.as_table()->get("advance_m")->source(), path + ".keys.advance_m",
                     fmt::format("{} m is more than the whole wire, {} m; make {}length_m longer", feed.keys.back().advance,
                                 into.wire.length, into.label.empty() ? "wire." : ""));
     }
+    const IntegratorSpec& integrator = scene.integrator;
+    if (feed.hub.driven() && (integrator.scheme != Scheme::Newton || integrator.newmark || integrator.conserve))
+        t.fail("hub_mass_kg", "a hub that a force drives is solved with integrator.scheme = \"newton\" and backward Euler; take beta, gamma "
+                              "and conserve out, or give the hub's way with advance_m in place of hub_mass_kg");
+    for (const char* key : {"hub_damping_n_s_m", "hub_friction_n"})
+        if (!feed.hub.driven()) t.refuse(key, "is of a hub that a force drives; give hub_mass_kg, or take it out");
     check_behind(t, place, into);
     if (!feed.along_centreline) return;
     if (scene.vessel.shape == VesselShape::None || scene.vessel.shape == VesselShape::Plane)

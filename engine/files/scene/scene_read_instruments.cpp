@@ -59,33 +59,37 @@ std::vector<const toml::table*> read_names(const toml::table& root, Scene& scene
     return tables;
 }
 
-std::vector<int> read_order(const TableReader& t, const Scene& scene)
+/// Adds the instruments that a key names, none twice.
+void read_names_of(const TableReader& t, std::string_view key, std::size_t least, const Scene& scene, std::vector<int>& order)
 {
-    t.need("order", "names of instruments, outer first, e.g. [\"catheter\", \"wire\"]");
-    const toml::array* names = t.node("order")->as_array();
-    if (!names || names->size() < 2) t.fail("order", "expected two names of instruments at least, outer first");
+    const toml::array* names = t.node(key)->as_array();
+    if (!names || names->size() < least)
+        t.fail(key, least == 2 ? "expected two names of instruments at least, outer first" : "expected one name of an instrument");
     std::vector<std::string_view> known;
     for (int k = 0; k < scene.instrument_count(); ++k) known.push_back(scene.instrument(k).label);
-    std::vector<int> order;
+    const std::string path = fmt::format("coaxial.{}", key);
     for (const toml::node& node : *names) {
         const std::string name = node.value_or<std::string>("");
         const auto at = std::find(known.begin(), known.end(), name);
         if (at == known.end())
-            fail_at(node.source(), "coaxial.order",
+            fail_at(node.source(), path,
                     fmt::format("no instrument is called \"{}\"; expected one of \"{}\"", name, fmt::join(known, "\", \"")));
         const int k = static_cast<int>(at - known.begin());
         if (std::find(order.begin(), order.end(), k) != order.end())
-            fail_at(node.source(), "coaxial.order", fmt::format("\"{}\" is listed twice; take one out", name));
+            fail_at(node.source(), path, fmt::format("\"{}\" is listed twice; take one out", name));
         order.push_back(k);
     }
-    return order;
 }
 
 void read_coaxial(const toml::table& table, Scene& scene)
 {
     CoaxialSpec spec;
     const TableReader t(table, "coaxial", keys::coaxial(spec, scene));
-    spec.order = read_order(t, scene);
+    t.need("order", "names of instruments, outer first, e.g. [\"catheter\", \"wire\"]");
+    read_names_of(t, "order", 2, scene, spec.order);
+    const std::size_t nested = spec.order.size();
+    if (t.has("exchange")) read_names_of(t, "exchange", 1, scene, spec.order);
+    spec.exchanged = 1 + static_cast<int>(spec.order.size() - nested);
     t.read(keys::coaxial(spec, scene));
     if (spec.model == CoaxialSpec::Model::Merged && spec.order.size() > most_coaxial)
         t.fail("order", fmt::format("got {} instruments; expected at most {} in one centreline; take model = \"separate\"",
@@ -143,15 +147,23 @@ void check_fit(const toml::table& table, const Scene& scene, int outer, int inne
                             in.wire.largest_radius(), out.label, out.wire.lumen_radius));
 }
 
-/// Once in, the inner one stays in while there is something around it.
-void check_ways(const toml::table& table, const Scene& scene, int outer, int inner)
+/// Of those that take turns one is inside at a time. Between two keys of either a way is straight, so that its middle tells.
+void check_exchange(const toml::table& table, const Scene& scene, int before, int after)
 {
-    const SceneFeed &out = scene.instrument(outer).feed, &in = scene.instrument(inner).feed;
-    for (std::size_t i = 1; i < in.keys.size(); ++i)
-        if (in.keys[i].advance == 0 && in.keys[i - 1].advance > 0 && out.at(in.keys[i].t).advance > 0)
-            fail_in(table, "feed", inner,
-                    fmt::format("pulls it out of \"{}\" at {} s (advance_m = 0); leave some of it inside",
-                                scene.instrument(outer).label, in.keys[i].t));
+    const SceneFeed &a = scene.instrument(before).feed, &b = scene.instrument(after).feed;
+    std::vector<double> times{0};
+    for (const SceneFeed* feed : {&a, &b})
+        for (const FeedKey& key : feed->keys) times.push_back(key.t);
+    std::sort(times.begin(), times.end());
+    times.push_back(times.back() + 1);
+    for (std::size_t i = 1; i < times.size(); ++i) {
+        const double middle = 0.5 * (times[i - 1] + times[i]);
+        if (times[i] > times[i - 1] && a.at(middle).advance > 0 && b.at(middle).advance > 0)
+            fail_in(table, "feed", after,
+                    fmt::format("is inside after {} s, as \"{}\" is (advance_m above 0); those of coaxial.exchange take turns: pull one out "
+                                "to advance_m = 0 before the next goes in",
+                                times[i - 1], scene.instrument(before).label));
+    }
 }
 
 }  // namespace
@@ -174,13 +186,24 @@ void read_instruments(const toml::table& root, Scene& scene)
         feed.point = outermost.point;
         feed.direction = outermost.direction;
         const toml::table& table = *tables[static_cast<std::size_t>(order[i])];
-        check_fit(table, scene, order[i - 1], order[i]);
-        check_ways(table, scene, order[i - 1], order[i]);
+        check_fit(table, scene, order[static_cast<std::size_t>(scene.coaxial->around(i))], order[i]);
+        for (std::size_t k = order.size() - scene.coaxial->turns().size(); k < i; ++k)
+            check_exchange(table, scene, order[k], order[i]);
     }
 }
 
 void check_several(const toml::table& root, const Scene& scene)
 {
+    int driven = -1;  // whose hub a force drives
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        if (!scene.instrument(k).feed.hub.driven()) continue;
+        if (driven >= 0)
+            fail_at(root.at_path(fmt::format("instrument[{}].feed.hub_mass_kg", k)).node()->source(),
+                    fmt::format("instrument.{}.feed.hub_mass_kg", k),
+                    fmt::format("a force drives the hub of \"{}\" already; give this one's way with advance_m in place of hub_mass_kg",
+                                scene.instrument(driven).label));
+        driven = k;
+    }
     const bool merged = scene.coaxial && scene.coaxial->model == CoaxialSpec::Model::Merged;
     if (!merged && !scene.coaxial && !scene.instruments_touch) return;
     const auto refuse = [&](std::string_view table, std::string_view key, const std::string& message) {

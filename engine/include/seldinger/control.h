@@ -20,8 +20,14 @@ public:
     /// @throws Error BadScene: a negative index
     Control& move_to(int instrument, double advance, double turn);
 
+    /// Pushes a hub that a force drives (HubSpec), and turns it. With `spring` the force is `force` where the hub is at the start of
+    /// the step, and falls by that much per metre that it goes on: a spring to a hand, taken at the end of the step.
+    /// @throws Error BadScene: a negative index
+    Control& push(int instrument, double force, double turn, double spring = 0);
+
     /// The hub follows a path that is known beforehand: keys of increasing times of the world [s], between which it goes steadily;
-    /// before the first and after the last it stays. Keys beyond the step let the engine look ahead.
+    /// before the first and after the last it stays. Keys beyond the step let the engine look ahead. Of a hub that a force drives
+    /// they are forces and turns.
     /// @param keys  must outlive the step. @throws Error BadScene: a negative index, no keys
     Control& follow(int instrument, std::span<const FeedKey> keys);
 
@@ -30,8 +36,9 @@ public:
 
     /// Input of one hub.
     struct Hub {
-        enum class Kind { Stay, MoveTo, Follow } kind = Kind::Stay;
-        double advance = 0, turn = 0;   // MoveTo
+        enum class Kind { Stay, MoveTo, Push, Follow } kind = Kind::Stay;
+        double advance = 0, turn = 0;   // MoveTo; the latter of Push, too
+        double force = 0, spring = 0;   // Push [N], [N/m]
         std::span<const FeedKey> keys;  // Follow
     };
     /// From instrument 0 up to the last for which something is prescribed.

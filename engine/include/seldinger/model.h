@@ -8,6 +8,8 @@
 #include "vessel/vessel_spec.h"
 #include "vessel/wall_mesh.h"
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,14 @@ struct CoaxialSpec {
         Separate  // a rod each, the inner one touches the lumen of the next outer one (D13)
     };
     std::vector<int> order;  // places in WorldSetup::wires, outer first, two at least
+    int exchanged = 1;       // the last so many of `order` take turns next inside the one before them all; the others are out
+    /// Place in `order` of the one that its k-th is next inside of, -1: of none.
+    [[nodiscard]] int around(std::size_t k) const
+    {
+        return std::min(static_cast<int>(k), static_cast<int>(order.size()) - exchanged) - 1;
+    }
+    /// Wires that take turns; a single one always may be inside.
+    [[nodiscard]] std::span<const int> turns() const { return std::span(order).last(static_cast<std::size_t>(exchanged)); }
     Model model = Model::Merged;  // as in scene files
     double mu_static = 0.06, mu_sliding = 0.05;  // between an instrument and the lumen that it is in [-]
     double stiffness = 0;                        // of that contact, force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall

@@ -48,8 +48,22 @@ struct StepReport {
     [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
 };
 
-/// Energy balance of one instrument since it was placed or has left the introducer [J]. With backward Euler and scheme "newton"
-/// each term is computed independently, and open() is the residual; else `scheme` is the residual and open() is 0.
+/// A hub that a force drives (D16), and its energy balance since the start [J].
+struct HubReadings {
+    double speed = 0;  // [m/s]
+    double force = 0;  // that drives it, at the end of the last step [N]
+    double work = 0;   // of that force
+    double wire = 0;   // done on the instrument: hand_force times the way
+    double kinetic = 0;
+    // lost to friction and damping of the hub; where it has run to an end of its way; by backward Euler
+    double friction = 0, damping = 0, stopped = 0, scheme = 0;
+
+    [[nodiscard]] double open() const { return work - wire - kinetic - friction - damping - stopped - scheme; }
+};
+
+/// Energy balance of one instrument since it was placed or has left the introducer for the first time [J]. What goes out again
+/// takes its energy along as material. With backward Euler and scheme "newton" each term is computed independently, and open() is
+/// the residual; else `scheme` is the residual and open() is 0.
 struct EnergyLedger {
     // in
     double hand = 0;      // feeding and turning
@@ -91,6 +105,7 @@ struct WireReadings {
     double energy_made = 0;                              // most that no work accounts for (energy_balance.h) [J]
     double force_residual = 0;                           // largest left on a free node [N]
     EnergyLedger energy;
+    HubReadings hub;           // zeros where no force drives it
     MomentumBalance momentum;  // of the last sub-step
 };
 

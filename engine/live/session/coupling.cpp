@@ -25,27 +25,43 @@ double Coupling::damping() const
 
 double Coupling::next(double hand, const HubLoad& load, double low, double high)
 {
-    const double k = spec_.stiffness, b = damping() / step_, moved_by_hand = hand - hand_;
+    const double k = spec_.stiffness, b = damping() / step_;
+    moved_by_hand_ = hand - hand_;
+    hand_ = hand;
     const double inertia = std::min(load.mass / (step_ * step_), load.stiffness);
     const double at_rest = load.force - inertia * (moved_ - moved_before_);
     const double whole = k + b + load.stiffness;
-    double d = (k * (hand - hub_) + b * moved_by_hand - at_rest + inertia * moved_) / whole;
+    const double d = (k * (hand - hub_) + b * moved_by_hand_ - at_rest + inertia * moved_) / whole;
     const double reach = spec_.speed_limit * step_;
     const double to = std::clamp(hub_ + std::clamp(d, -reach, reach), low, high);
-    const bool held = to != hub_ + d;
-    d = to - hub_;
+    go_to(to, b, to != hub_ + d ? k : k * load.stiffness / whole);  // at an end of its path the hub does not give
+    return hub_;
+}
 
-    const double before = stretch_;
+void Coupling::go_to(double to, double damping, double slope)
+{
+    const double d = to - hub_, before = stretch_;
     moved_before_ = moved_;
     moved_ = d;
     hub_ = to;
-    hand_ = hand;
     stretch_ = hand_ - hub_;
     stretch_rate_ = (stretch_ - before) / step_;
-    force_ = k * stretch_ + b * (moved_by_hand - d);
-    slope_ = held ? k : k * load.stiffness / whole;  // at an end of its path the hub does not give
-    brought_ += force_ * moved_by_hand;
-    return hub_;
+    force_ = spec_.stiffness * stretch_ + damping * (moved_by_hand_ - d);
+    slope_ = slope;
+    brought_ += force_ * moved_by_hand_;
+}
+
+double Coupling::pull(double hand)
+{
+    moved_by_hand_ = hand - hand_;
+    hand_ = hand;
+    return spec_.stiffness * (hand - hub_) + spec_.damping / step_ * moved_by_hand_;
+}
+
+void Coupling::pulled_to(double to, double stiffness)
+{
+    go_to(to, spec_.damping / step_, spec_.stiffness * stiffness / (spring_of(spec_, step_) + stiffness));
+    stepped(force_);
 }
 
 void Coupling::stepped(double force)

@@ -21,6 +21,9 @@
 // damper dissipates the difference in the following steps [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002,
 // doi:10.1109/70.988969].
 //
+// A hub that a force drives (D16) is pulled by the spring itself: f' = pull() - spring_of() d. The world solves for d together with
+// its instrument, nothing is predicted, and the hand's energy is accounted for exactly.
+//
 // A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2 +
 // b of negative damping. Its friction and the hand's must exceed that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,
 // doi:10.1002/(SICI)1097-4563(199701)14:1<37::AID-ROB4>3.0.CO;2-V].
@@ -37,6 +40,9 @@ struct CouplingSpec {
 inline constexpr CouplingSpec advance_coupling{500.0, 1.0, 0.5};
 inline constexpr CouplingSpec turn_coupling{0.02, 4e-5, 60.0};
 
+/// How the force of the coupling falls with the way of the hub within a step [N/m].
+[[nodiscard]] constexpr double spring_of(const CouplingSpec& spec, double step) { return spec.stiffness + spec.damping / step; }
+
 /// What the instrument answers at its hub.
 struct HubLoad {
     double force = 0;      // F at the end of the last step [N]
@@ -51,6 +57,10 @@ public:
     /// Where the hub is to be at the end of the next step, the hand having gone to `hand`.
     /// @param low, high  where the hub can be
     double next(double hand, const HubLoad& load, double low, double high);
+    /// Of a driven hub: the force where it is, the hand having gone to `hand` in the next step [N]; falls by spring_of() a metre.
+    double pull(double hand);
+    /// In that step it has gone to `to`. @param stiffness  how its answer grows with that, its own inertia included [N/m]
+    void pulled_to(double to, double stiffness);
     /// The step to there has been taken. @param force  what the instrument answered at its end
     void stepped(double force);
     /// Hand and hub are here and at rest, nothing is stored; the observer's sum continues.
@@ -71,10 +81,11 @@ public:
 
 private:
     [[nodiscard]] double damping() const;
+    void go_to(double to, double damping, double slope);
 
     CouplingSpec spec_;
     double step_;
-    double hand_ = 0, hub_ = 0, moved_ = 0, moved_before_ = 0, stretch_ = 0, stretch_rate_ = 0;
+    double hand_ = 0, moved_by_hand_ = 0, hub_ = 0, moved_ = 0, moved_before_ = 0, stretch_ = 0, stretch_rate_ = 0;
     double force_ = 0, slope_ = 0;
     double brought_ = 0, done_ = 0, lowest_ = 0;
 };

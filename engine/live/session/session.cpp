@@ -50,6 +50,7 @@ void Session::stop()
 
 Session::Instrument::Instrument(int of_world, const WireSetup& setup, const SessionOptions& options)
     : wire(of_world),
+      hub(setup.feed.hub),
       start(setup.feed.advance),
       start_turn(setup.feed.turn),
       length(setup.wire.length),
@@ -86,7 +87,10 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
     }
     initial_ = world_->save_state();
     watch_.begin(*world_, 0, score_);
-    for (const Instrument& it : instruments_) control_.move_to(it.wire, it.start, it.start_turn);
+    for (const Instrument& it : instruments_) {
+        if (it.hub.driven()) control_.push(it.wire, 0, it.start_turn);
+        else control_.move_to(it.wire, it.start, it.start_turn);
+    }
     attempts_.reserve(most_attempts);
     hubs_.resize(2 * static_cast<std::size_t>(world_->wire_count()));
     entry_.reserve(16 + hubs_.size() * sizeof(double));
@@ -208,6 +212,21 @@ double Session::ease(double behind, double speed, double force, double limit) co
     return left * behind > 0 ? left : 0;
 }
 
+/// How much of an instrument may be inside: nothing while another one is that it takes turns with.
+double Session::room_of(const Instrument& it) const
+{
+    const auto is_inside = [&](const Instrument& other) {
+        const bool asked = !other.hub.driven() && hubs_[2 * static_cast<std::size_t>(other.wire)] > 0;
+        return asked || other.start + world_->readings(other.wire).inserted > 0;
+    };
+    for (const CoaxialSpec& spec : world_->setup().coaxial) {
+        const auto takes_turns = [&](int wire) { return std::ranges::find(spec.turns(), wire) != spec.turns().end(); };
+        for (const Instrument& other : instruments_)
+            if (other.wire != it.wire && takes_turns(it.wire) && takes_turns(other.wire) && is_inside(other)) return 0;
+    }
+    return it.length;
+}
+
 /// Where the hand is, and so where the world is asked to have the hub.
 void Session::ask(Instrument& it)
 {
@@ -222,11 +241,18 @@ void Session::ask(Instrument& it)
     it.behind = ease(it.behind, ease_speed, it.advance.force(), ease_force);
     it.turn_behind = ease(it.turn_behind, ease_turn_speed, it.turn.force(), ease_torque);
     const double to = hand.advance - it.hand_zero + it.behind + it.page_way, turned = hand.turn - it.turn_zero + it.turn_behind + it.page_turn;
-    const double hub = it.start + it.advance.next(to, it.load, -it.start, it.length - it.start);
     const double endless = 1e9;
     const double turn = it.start_turn + it.turn.next(turned, it.turn_load, -endless, endless);
-    control_.move_to(it.wire, std::clamp(hub, 0.0, it.length), turn);
-    hubs_[2 * static_cast<std::size_t>(it.wire)] = std::clamp(hub, 0.0, it.length);
+    double asked = 0;
+    if (it.hub.driven()) {
+        asked = it.advance.pull(to);
+        control_.push(it.wire, asked, turn, spring_of(options_.advance, dt_));
+    } else {
+        const double room = room_of(it);
+        asked = std::clamp(it.start + it.advance.next(to, it.load, -it.start, room - it.start), 0.0, room);
+        control_.move_to(it.wire, asked, turn);
+    }
+    hubs_[2 * static_cast<std::size_t>(it.wire)] = asked;
     hubs_[2 * static_cast<std::size_t>(it.wire) + 1] = turn;
 }
 
@@ -271,7 +297,8 @@ void Session::step_once()
 void Session::take_readings(Instrument& it)
 {
     const WireReadings r = world_->readings(it.wire);
-    it.advance.stepped(r.hand_force);
+    if (it.hub.driven()) it.advance.pulled_to(r.inserted, r.hand_stiffness + (it.hub.mass / dt_ + it.hub.damping) / dt_);
+    else it.advance.stepped(r.hand_force);
     it.turn.stepped(r.hand_torque);
     it.load = {r.hand_force, r.hand_stiffness, r.hand_stiffness > 0 ? wire_mass(*world_, it.wire) : 0.0};
     const double inside = std::max(it.start + r.inserted, shortest_twisted);

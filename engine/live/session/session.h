@@ -75,6 +75,7 @@ private:
     struct Instrument {
         Instrument(int of_world, const WireSetup& setup, const SessionOptions& options);
         int wire;              // of the world
+        HubSpec hub;           // where a force drives it: that of the coupling
         double start = 0, start_turn = 0, length = 0, twist_stiffness = 0;
         Coupling advance, turn;
         double page_way = 0, page_turn = 0;    // what the page has pushed and turned
@@ -93,6 +94,7 @@ private:
     void take_wishes();
     void step_once();
     [[nodiscard]] bool is_due();
+    [[nodiscard]] double room_of(const Instrument& it) const;
     void ask(Instrument& it);
     [[nodiscard]] double follow(double way, double speed, double force, double limit) const;
     [[nodiscard]] double ease(double behind, double speed, double force, double limit) const;

@@ -4,8 +4,8 @@
 // the last block.
 //
 //   "SELLIVE1" · u32 length · header (JSON) · blocks: u32 length · u64 FNV-1a · entries, packed
-//   entry: u8 kind · u8 flags · [Step: per instrument f64 advance, f64 turn] · [CutShort: u32 trials] · [End: 16 characters of the
-//   state's hash]
+//   entry: u8 kind · u8 flags · [Step: per instrument f64 advance or force, f64 turn] · [CutShort: u32 trials] ·
+//   [End: 16 characters of the state's hash]
 
 #include "core/file_io.h"
 #include "scene/scene.h"
@@ -29,7 +29,7 @@ struct RecordEntry {
     static constexpr std::uint8_t fluoroscopy = 1, contrast = 2;
     Kind kind = Kind::Step;
     std::uint8_t flags = 0;
-    std::vector<double> hubs;  // Step: advance, turn of each instrument as the world was asked, from instrument 0 on
+    std::vector<double> hubs;  // Step: advance (of a driven hub: Coupling::pull), turn of each as the world was asked, from 0 on
     std::uint32_t trials = 0;  // CutShort, of the step before: at which call World::cut_when() was told that its time is up, from 1 on
     std::string hash;          // End
 };

@@ -7,14 +7,15 @@ namespace seldinger {
 
 FeedKey HubPath::at(double t) const
 {
-    if (t <= keys_.front().t) return {t, keys_.front().advance, keys_.front().turn};
+    if (t <= keys_.front().t) return {t, keys_.front().advance, keys_.front().turn, keys_.front().force};
     for (std::size_t k = 1; k < keys_.size(); ++k) {
         const FeedKey &a = keys_[k - 1], &b = keys_[k];
         if (t >= b.t) continue;
         const double weight = (t - a.t) / (b.t - a.t);
-        return {t, a.advance + weight * (b.advance - a.advance), a.turn + weight * (b.turn - a.turn)};
+        return {t, a.advance + weight * (b.advance - a.advance), a.turn + weight * (b.turn - a.turn),
+                a.force + weight * (b.force - a.force)};
     }
-    return {t, keys_.back().advance, keys_.back().turn};
+    return {t, keys_.back().advance, keys_.back().turn, keys_.back().force};
 }
 
 double HubPath::travel(double from, double until, int sign) const

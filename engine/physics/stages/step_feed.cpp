@@ -62,6 +62,20 @@ void take_control(WorldData& world, const Control& control, double dt)
         const FeedState& feed = world.feed(w);
         const Control::Hub hub = static_cast<std::size_t>(w) < hubs.size() ? hubs[w] : Control::Hub{};
         HubRequest& request = world.work.wires[w].hub;
+        if (world.is_driven(w)) {
+            const double now = world.state.wires[w].time, length = world.setup.wires[w].wire.length;
+            const double on = std::clamp(feed.advance + dt * world.state.wires[w].hub.speed, 0.0, length);
+            request = steady(feed, now, dt, on, feed.turn);
+            request.keys = hub.keys;
+            request.driven = true;
+            request.force = hub.force;
+            request.spring = hub.spring;
+            request.turn = hub.kind == Control::Hub::Kind::Push ? hub.turn : feed.turn;
+            request.from = feed.advance;
+            request.until = now + dt;
+            world.work.wires[w].trial.trials = 0;
+            continue;
+        }
         switch (hub.kind) {
             case Control::Hub::Kind::Stay:
                 request = steady(feed, world.state.wires[w].time, dt, feed.advance, feed.turn);
@@ -72,6 +86,7 @@ void take_control(WorldData& world, const Control& control, double dt)
             case Control::Hub::Kind::Follow:
                 request.keys = hub.keys;
                 break;
+            case Control::Hub::Kind::Push: break;  // of a driven one
         }
     }
 }

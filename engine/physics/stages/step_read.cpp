@@ -122,6 +122,16 @@ void read_results(WorldData& world, int line, double h)
     result.momentum.held += world.audit(line).terms.applied_force;
 }
 
+std::pair<double, double> hand_answer(WorldData& world, int wire)
+{
+    const WorldRod rod(world, world.line_of(wire));
+    if (!world.state.is_solved(rod.line())) return {0, 0};
+    if (rod.wires().size() > 1) read_hands(rod);
+    else read_hand(world, wire);
+    read_hand_stiffness(world, rod.line());
+    return {world.output.results[wire].hand_force, world.output.results[rod.line()].hand_stiffness};
+}
+
 // hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. Feeding raises s, and the node
 // before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The curvature
 // of the hub's cell, whose length is s too, is neglected: its part is B kappa^2/s, at most 0.1 % of EA/s.

@@ -175,13 +175,19 @@ void solve(WorldData& world, const SubStep& sub)
 void accept(WorldData& world, const SubStep& sub, StepReport& report)
 {
     Outcomes outcomes = judge(world, sub, report);
-    WireMask done = sub.wires;
-    for (int w = 0; w < world.wire_count(); ++w) done[w] = done[w] && !outcomes.failed[w] && !outcomes.ended[w];
+    WireMask lost(sub.wires.size()), done = sub.wires;
+    for (int w = 0; w < world.wire_count(); ++w) lost[w] = outcomes.failed[w] || outcomes.ended[w];
+    const WireMask again = balance_hubs(world, sub, lost);
+    for (int w = 0; w < world.wire_count(); ++w) {
+        outcomes.failed[w] = lost[w] && !outcomes.ended[w];
+        done[w] = done[w] && !lost[w] && !again[w];
+    }
     world.forces.terms.commit(done);
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
         prefetch_after(world.state.rods, w);
         if (!done[w]) return;
         world.state.wires[w].time += sub.h;
+        if (world.is_driven(w)) take_hub(world, w);
         if (world.work.active[w] && audited(world) && world.is_line(w)) accept_energy(world, w, sub.h);
         if (world.work.active[w] && world.work.reports[w].cut_short) add_left(world.rod(w), *world.solver, w, sub.h, world.state.wires[w].left);
         read_results(world, w, sub.h);
@@ -190,8 +196,10 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
         if (done[w] && world.work.active[w]) read_hand_stiffness(world, w);
     const bool shortest = sub.halvings == most_halvings;
     for (int w = 0; w < world.wire_count(); ++w) {
-        if (!outcomes.failed[w] && !outcomes.ended[w]) continue;
+        if (!lost[w] && !again[w]) continue;
         put_back_wire(world, w);
+        if (again[w]) continue;
+        world.work.wires[w].trial.trials = 0;
         if (outcomes.ended[w]) note(world, report, w, StepEnergy);
         else if (shortest) note(world, report, w, why_lost(world, w));
         else note(world, report, w, StepHalved, 0, 2 << sub.halvings);
@@ -199,6 +207,7 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
     world.work.pending.lose(outcomes.ended);
     if (shortest) world.work.pending.lose(outcomes.failed);
     else world.work.pending.halve(outcomes.failed);
+    world.work.pending.again(again);
 }
 
 }  // namespace seldinger

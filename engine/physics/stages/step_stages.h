@@ -22,6 +22,16 @@ void hold_and_load(WorldData& world, const SubStep& sub);
 void constrain_now(WorldData& world, int wire);
 void constrain_at(WorldData& world, int wire, double time);
 
+// ---- step_hub.cpp: hubs that a force drives
+
+/// Where they are to go in the sub-step: the first trial, or the one that the last trial's answer asks for.
+void aim_hubs(WorldData& world, const SubStep& sub);
+/// Whether their equations hold with what the instruments answered. @param failed  systems that did not converge; those that are to
+/// take the sub-step in halves for this reason join them. @return systems that take it again, with the next trial of their hubs
+[[nodiscard]] WireMask balance_hubs(WorldData& world, const SubStep& sub, WireMask& failed);
+/// The last trial is accepted.
+void take_hub(WorldData& world, int wire);
+
 // ---- step_solve.cpp: from the start of a step to the states that are accepted
 
 void clear_timers(WorldData& world);
@@ -57,6 +67,9 @@ void carry_on(WorldState& state);
 void read_results(WorldData& world, int wire, double h);
 /// After it, where hand stiffness is watched.
 void read_hand_stiffness(WorldData& world, int wire);
+/// Force of the hand at a wire's hub in the trial that was solved, and how it grows with what is fed [N], [N/m]; of several
+/// instruments on one centreline the latter is that of all together.
+[[nodiscard]] std::pair<double, double> hand_answer(WorldData& world, int wire);
 
 // ---- step_nodes.cpp
 

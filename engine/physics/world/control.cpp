@@ -18,7 +18,13 @@ Control::Hub& Control::hub(int instrument)
 
 Control& Control::move_to(int instrument, double advance, double turn)
 {
-    hub(instrument) = {Hub::Kind::MoveTo, advance, turn, {}};
+    hub(instrument) = {Hub::Kind::MoveTo, advance, turn, 0, 0, {}};
+    return *this;
+}
+
+Control& Control::push(int instrument, double force, double turn, double spring)
+{
+    hub(instrument) = {Hub::Kind::Push, 0, turn, force, spring, {}};
     return *this;
 }
 
@@ -27,7 +33,7 @@ Control& Control::follow(int instrument, std::span<const FeedKey> keys)
     if (keys.empty())
         throw Error(ExitCode::BadScene,
                     fmt::format("control: instrument {}: a path without keys; expected at least one", instrument));
-    hub(instrument) = {Hub::Kind::Follow, 0, 0, keys};
+    hub(instrument) = {Hub::Kind::Follow, 0, 0, 0, 0, keys};
     return *this;
 }
 

@@ -214,7 +214,7 @@ WorkDone work_done(const WorldRod& rod)
 void take_into_ledger(WorldData& world, int wire, const WorkDone& work)
 {
     EnergyAudit& audit = world.audit(wire);
-    audit.next_ledger = audit.known ? audit.ledger : EnergyLedger{};
+    audit.next_ledger = audit.ledger;
     if (!audit.known) return;
     EnergyLedger& ledger = audit.next_ledger;
     const double now = audit.kinetic + audit.elastic + audit.gravitational;
@@ -287,6 +287,7 @@ void FeedingAudit::after() const
     if (group) group->weight_work = 0;
     if (!inside_ || !feed.inside) {
         audit.known = false;
+        audit.ledger.material -= std::exchange(audit.ledger.wire, 0.0);  // what goes out takes its energy along
         return;
     }
     const RodView line = rod_.view();

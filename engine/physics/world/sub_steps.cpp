@@ -91,6 +91,11 @@ void SubSteps::halve(const WireMask& wires)
     pending_.push_back({now_.h / 2, wires, halvings, 1, SubStep::After::Nothing});
 }
 
+void SubSteps::again(const WireMask& wires)
+{
+    if (wires.any()) pending_.push_back({now_.h, wires, now_.halvings, 1, SubStep::After::Nothing});
+}
+
 void SubSteps::lose(const WireMask& wires)
 {
     for (std::size_t w = 0; w < lost_.size(); ++w) lost_[w] = lost_[w] || wires[w];

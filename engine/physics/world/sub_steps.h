@@ -63,6 +63,8 @@ public:
     [[nodiscard]] const SubStep* next();
     /// These wires of the present sub-step have been put back: they go on in two halves.
     void halve(const WireMask& wires);
+    /// These wires of the present sub-step have been put back: they take it again.
+    void again(const WireMask& wires);
     /// These wires have failed for good: they stay where they are.
     void lose(const WireMask& wires);
 

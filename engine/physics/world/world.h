@@ -15,6 +15,7 @@
 #include "newton/solver.h"
 #include "nodes/adapt.h"
 #include "solve/constraints.h"
+#include "solve/driven_hub.h"
 #include "solve/feed.h"
 #include "vessel/inside.h"
 #include "wall/wall_shape.h"
@@ -51,6 +52,7 @@ struct MergedGroups {
 struct WireState {
     double time = 0;  // [s]; where its system failed or was retired, it stopped
     FeedState feed;
+    HubState hub;                               // where a force drives it
     double remesh_energy = 0;                   // accumulated [J]
     std::vector<CarriedImpulse> carried, left;  // of the step before; of the present one
     EnergyAudit audit;
@@ -82,11 +84,23 @@ struct NodeAdapter {
 struct HubRequest {
     std::array<FeedKey, 3> own{};   // where it is, is to be, and is thought to go on to: used unless `keys` are given
     std::span<const FeedKey> keys;  // of a path that is known beforehand
-    [[nodiscard]] HubPath path() const { return HubPath(keys.empty() ? std::span<const FeedKey>(own) : keys); }
+    // of a hub that a force drives: `own` has where it is thought to go, and `keys`, if any, have forces and turns
+    bool driven = false;
+    double force = 0, spring = 0, turn = 0;  // without keys: Control::push
+    double from = 0, until = 0;              // where the hub is at the start of the step [m], when that ends [s]
+    [[nodiscard]] HubPath path() const { return HubPath(keys.empty() || driven ? std::span<const FeedKey>(own) : keys); }
+};
+
+/// A driven hub in the present sub-step.
+struct HubTrial {
+    HubEquation equation;
+    HubEquation::Answer answer;  // `at`: how far the hub goes [m]
+    int trials = 0;              // 0: none yet
 };
 
 struct WireWork {
     HubRequest hub;
+    HubTrial trial;
     NodeAdapter adapter;
     MomentumStart start;             // of the present sub-step
     std::vector<std::uint8_t> kept;  // what of the wire a failed attempt returns to
@@ -169,6 +183,8 @@ struct WorldData {
     [[nodiscard]] int shown_from(int wire) const { return groups.has(wire) ? groups.shown_from[wire] : 0; }
     [[nodiscard]] FeedState& feed(int wire) { return state.feed(wire); }
     [[nodiscard]] const FeedState& feed(int wire) const { return state.feed(wire); }
+    /// Whether a force drives its hub (D16).
+    [[nodiscard]] bool is_driven(int wire) const { return setup.wires[wire].feed.on && setup.wires[wire].feed.hub.driven(); }
     [[nodiscard]] EnergyAudit& audit(int wire) { return state.wires[wire].audit; }
     [[nodiscard]] WireConstraints& constraints(int wire) { return work.constraints[wire]; }
     [[nodiscard]] NodeAdapter& adapter(int wire) { return work.wires[wire].adapter; }

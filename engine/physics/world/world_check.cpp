@@ -102,6 +102,9 @@ void check_feed(const WireSetup& wire, const std::string& where)
     if (!(wire.feed.advance >= 0 && wire.feed.advance <= wire.wire.length))
         refuse(where + ".advance",
                fmt::format("got {} m; expected 0 to the wire's length, {} m", wire.feed.advance, wire.wire.length));
+    need_not_negative(wire.feed.hub.mass, where + ".hub.mass");
+    need_not_negative(wire.feed.hub.damping, where + ".hub.damping");
+    need_not_negative(wire.feed.hub.friction, where + ".hub.friction");
     if (!std::isfinite(wire.feed.turn)) refuse(where + ".turn", "got a number that is not finite; expected a finite one");
 }
 
@@ -133,6 +136,9 @@ void check_systems(const WorldSetup& setup)
 void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::string& where)
 {
     if (nest.order.size() < 2) refuse(where + ".order", "got fewer than two instruments; expected two or more, outer first");
+    if (nest.exchanged < 1 || nest.exchanged >= static_cast<int>(nest.order.size()))
+        refuse(where + ".exchanged", fmt::format("got {}; expected 1 to {}: one instrument at least is around them", nest.exchanged,
+                                                 nest.order.size() - 1));
     const auto system_of = [&](int wire) {
         int end = 0, system = 0;
         for (const int size : setup.systems)
@@ -149,10 +155,11 @@ void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::s
         if (system_of(wire) != system_of(nest.order[0]))
             refuse(where + ".order", "got instruments of different systems; expected those of one (WorldSetup::systems)");
         if (nest.model != CoaxialSpec::Model::Separate || k == 0) continue;
-        const double lumen = setup.wires[static_cast<std::size_t>(nest.order[k - 1])].wire.lumen_radius;
+        const int outer = nest.order[static_cast<std::size_t>(nest.around(k))];
+        const double lumen = setup.wires[static_cast<std::size_t>(outer)].wire.lumen_radius;
         const double radius = setup.wires[static_cast<std::size_t>(wire)].wire.largest_radius();
         if (lumen <= radius)
-            refuse(fmt::format("wires[{}].wire.lumen_radius", nest.order[k - 1]),
+            refuse(fmt::format("wires[{}].wire.lumen_radius", outer),
                    fmt::format("got {} m; expected more than the radius of the instrument inside, {} m", lumen, radius));
     }
     need_not_negative(nest.stiffness, where + ".stiffness");
@@ -219,10 +226,11 @@ void check_merged_member(const WorldSetup& setup, const CoaxialSpec& spec, int w
 void check_merged_room(const WorldSetup& setup, const CoaxialSpec& spec)
 {
     for (std::size_t k = 1; k < spec.order.size() && spec.lumen_friction; ++k) {
-        const double lumen = setup.wires[spec.order[k - 1]].wire.lumen_radius;
+        const int outer = spec.order[static_cast<std::size_t>(spec.around(k))];
+        const double lumen = setup.wires[outer].wire.lumen_radius;
         const double radius = setup.wires[spec.order[k]].wire.largest_radius();
         if (!(lumen > radius))
-            refuse(fmt::format("wires[{}].wire.lumen_radius", spec.order[k - 1]),
+            refuse(fmt::format("wires[{}].wire.lumen_radius", outer),
                    fmt::format("got {} m; expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen, radius));
     }
 }
@@ -295,6 +303,53 @@ void check_wall(const WorldSetup& setup)
     if (setup.vessel.elastic) check_elastic_wall(setup);
 }
 
+/// A hub that a force drives is solved with its instrument, at the end of the step (D16); one of those that answer each other.
+void check_driven(const WorldSetup& setup, const SystemList& systems)
+{
+    const IntegratorSpec& integrator = setup.integrator;
+    const bool solved = integrator.scheme == Scheme::Newton && !integrator.newmark && !integrator.conserve;
+    int last = -1;  // of those before
+    for (std::size_t w = 0; w < setup.wires.size(); ++w) {
+        if (!setup.wires[w].feed.on || !setup.wires[w].feed.hub.driven()) continue;
+        const std::string where = fmt::format("wires[{}].feed.hub.mass", w);
+        if (!solved)
+            refuse(where, "got a hub that a force drives with another scheme; expected newton with backward Euler. Fix: "
+                          "integrator.newmark = conserve = false, or mass = 0 and a path of the hub");
+        if (last >= 0 && systems.of(last) == systems.of(static_cast<int>(w)))
+            refuse(where, fmt::format("got a force that drives this hub and one for wires[{}], of the same system; expected one driven hub in a "
+                                      "system. Fix: mass = 0 and a path of the hub for one of them",
+                                      last));
+        last = static_cast<int>(w);
+    }
+}
+
+/// Where a control has a hub at the end of the step [m].
+double end_of(const WorldData& world, int wire, const Control::Hub& hub, double dt)
+{
+    if (hub.kind == Control::Hub::Kind::MoveTo) return hub.advance;
+    if (hub.kind == Control::Hub::Kind::Follow && !world.is_driven(wire))
+        return HubPath(hub.keys).at(world.state.wires[wire].time + dt).advance;
+    return world.feed(wire).advance;
+}
+
+/// Of instruments that take each other's place one is inside.
+void check_exchanges(const WorldData& world, std::span<const Control::Hub> hubs, double dt)
+{
+    for (const CoaxialSpec& spec : world.setup.coaxial) {
+        if (spec.exchanged < 2) continue;
+        int inside = -1;
+        for (const int w : spec.turns()) {
+            const double advance = end_of(world, w, static_cast<std::size_t>(w) < hubs.size() ? hubs[w] : Control::Hub{}, dt);
+            if (!(advance > 0)) continue;
+            if (inside >= 0)
+                refuse(fmt::format("control: instrument {}", w),
+                       fmt::format("advance: got {} m; expected 0 while instrument {} is inside: they take turns in another one (exchanged)",
+                                   advance, inside));
+            inside = w;
+        }
+    }
+}
+
 /// Asked in every step: makes no text unless there is something to say.
 void check_hub(const WorldData& world, int instrument, const Control::Hub& hub, double dt)
 {
@@ -305,11 +360,18 @@ void check_hub(const WorldData& world, int instrument, const Control::Hub& hub, 
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
             refuse_it(fmt::format("key {}: got {} s; expected times that increase", k, hub.keys[k].t));
+    const bool driven = world.is_driven(instrument), moved = hub.kind == Control::Hub::Kind::MoveTo;
+    const bool pushed = hub.kind == Control::Hub::Kind::Push;
+    if (driven && moved) refuse_it("got a move, but a force drives its hub (FeedSpec::hub); expected Control::push");
+    if (pushed && !driven)
+        refuse_it("got a push, but no force drives its hub; expected Control::move_to, or FeedSpec::hub with a mass");
     // later keys of a known path need not be satisfied by this step
-    const FeedKey end = hub.kind == Control::Hub::Kind::MoveTo ? FeedKey{0, hub.advance, hub.turn}
-                                                               : HubPath(hub.keys).at(world.state.wires[instrument].time + dt);
+    const FeedKey end = moved || pushed ? FeedKey{0, hub.advance, hub.turn, hub.force}
+                                        : HubPath(hub.keys).at(world.state.wires[instrument].time + dt);
     const double length = world.setup.wires[instrument].wire.length;
-    if (!(end.advance >= 0 && end.advance <= length))
+    if (driven && !(std::isfinite(end.force) && hub.spring >= 0 && std::isfinite(hub.spring)))
+        refuse_it(fmt::format("push: got {} N and {} N/m; expected finite numbers, the second 0 or more", end.force, hub.spring));
+    if (!driven && !(end.advance >= 0 && end.advance <= length))
         refuse_it(fmt::format("advance: got {} m; expected 0 to the wire's length, {} m", end.advance, length));
     if (!std::isfinite(end.turn)) refuse_it(fmt::format("turn: got {} rad; expected a finite number", end.turn));
 }
@@ -337,12 +399,14 @@ void check_setup(const WorldSetup& setup)
     check_wall(setup);
     check_touching(setup);
     check_merged(setup);
+    check_driven(setup, SystemList(static_cast<int>(setup.wires.size()), setup.systems));
 }
 
 void check_request(const WorldData& world, const Control& control, double dt)
 {
     if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("got {} s; expected a finite time greater than 0", dt));
     for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(world, static_cast<int>(k), control.hubs()[k], dt);
+    check_exchanges(world, control.hubs(), dt);
 }
 
 }  // namespace seldinger

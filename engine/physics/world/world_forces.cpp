@@ -36,7 +36,7 @@ InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> s
     made.system_of.assign(system_of.begin(), system_of.end());
     for (const CoaxialSpec& nest : setup.coaxial)
         if (nest.model == CoaxialSpec::Model::Separate)
-            made.nested.push_back({nest.order, nest.mu_static, nest.mu_sliding, nest.stiffness});
+            made.nested.push_back({nest.order, nest.mu_static, nest.mu_sliding, nest.stiffness, nest.exchanged});
     made.from_outside = setup.instruments_touch;
     return made;
 }

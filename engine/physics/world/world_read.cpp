@@ -68,6 +68,7 @@ WireReadings World::readings(int wire) const
     r.energy_made = data_->audit(wire).balance.made();
     r.force_residual = result.residual;
     r.energy = data_->audit(wire).ledger;
+    r.hub = data_->state.wires[wire].hub.readings;
     r.momentum = result.momentum;
     return r;
 }

@@ -40,6 +40,13 @@ void walk_feed(StateWalk& walk, FeedState& feed, bool nodes_change)
     walk({"a fed length", "m", "feed_hubs"}, feed.grown);
 }
 
+/// Only where a force drives it: other worlds have no such rows.
+void walk_hub(StateWalk& walk, HubState& hub)
+{
+    const StateRow row{"a hub's motion", "m/s, m/s^2, N, kg, N/m", "accept"};
+    for (double* value : {&hub.speed, &hub.acceleration, &hub.answer, &hub.mass, &hub.stiffness}) walk(row, *value);
+}
+
 void walk_node_count(StateWalk& walk, RodArrays& rods, int wire)
 {
     std::int32_t n = rods.node_count(wire);
@@ -85,6 +92,7 @@ void walk_wire(StateWalk& walk, WorldData& world, int wire)
     walk({"the time", "s", "accept", -latest, latest}, own.time);
     walk({"an energy", "J", "adapt_nodes"}, own.remesh_energy);
     walk_feed(walk, own.feed, own.feed.on || world.adapter(wire).on);
+    if (world.is_driven(wire)) walk_hub(walk, own.hub);
     if (!walk.of_attempt()) {  // what a failed attempt has found out of the spins is not forgotten
         Solver::SpinRecord& spins = world.solver->spin_record(wire);
         walk({"a count of steps", "", "solve", 0, 256}, spins.wait);
@@ -129,7 +137,10 @@ void walk_wires(StateWalk& walk, WorldData& world, std::span<const int> wires, b
     }
     for (const int w : wires) world.forces.terms.walk_state(walk, w);
     for (const int w : wires)
-        if (with_audits) walk_audit(walk, world.audit(w));
+        if (with_audits) {
+            walk_audit(walk, world.audit(w));
+            if (world.is_driven(w)) walk.numbers({"an energy", "J", "accept"}, world.state.wires[w].hub.readings);
+        }
     walk_carried(walk, world.state.wires, wires);  // the last rows: where no wire carries anything there are none
 }
 

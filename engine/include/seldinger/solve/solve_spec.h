@@ -62,9 +62,17 @@ struct LinkSpec {
 };
 
 /// Where the hub of a fed wire is at time t [s]: how much wire has been pushed in [m], and by how much it has been turned [rad],
-/// right-handed about the direction of insertion.
+/// right-handed about the direction of insertion. Of a hub that a force drives: by which force instead of how far [N].
 struct FeedKey {
-    double t = 0, advance = 0, turn = 0;
+    double t = 0, advance = 0, turn = 0, force = 0;
+};
+
+/// A hub that moves as a force pushes it (D16): what moves with the hand, and what holds that back outside of the body.
+struct HubSpec {
+    double mass = 0;      // [kg]; 0: no force drives the hub, a control says where it is
+    double damping = 0;   // [N s/m]
+    double friction = 0;  // dry, of a valve or a grip [N]
+    [[nodiscard]] bool driven() const { return mass > 0; }
 };
 
 /// The inlet that a wire is fed through, and where its hub is at the start.
@@ -72,6 +80,7 @@ struct FeedSpec {
     bool on = false;
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
     double advance = 0, turn = 0;  // at the start [m], [rad]
+    HubSpec hub;
     // For instruments in one centreline: length between the hand and the inlet at the start. It is twisted, and gets shorter as the
     // instrument is pushed; 0: the hand is always at the inlet [m].
     double behind = 0;

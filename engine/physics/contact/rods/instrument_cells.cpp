@@ -116,7 +116,8 @@ void InstrumentCells::add_pair(const InstrumentSetup& setup, int a, int b, uint 
 /// only beyond the outer one's mouth, by more than the distance back to the mouth.
 void InstrumentCells::add_nested_pairs(const InstrumentSetup& setup, int wire, const NestedInstruments& nest)
 {
-    const auto place = std::find(nest.order.begin(), nest.order.end(), wire) - nest.order.begin();
+    const std::ptrdiff_t listed = std::find(nest.order.begin(), nest.order.end(), wire) - nest.order.begin();
+    const std::ptrdiff_t place = std::min(listed, std::ssize(nest.order) - nest.exchanged);
     for (std::ptrdiff_t k = 0; k < place; ++k) {
         const int outer = nest.order[static_cast<std::size_t>(k)];
         const double margin = 20 * widest(outer);  // a wire's way to the mouth is not the catheter's to the last tenth

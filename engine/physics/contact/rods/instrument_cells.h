@@ -18,6 +18,7 @@ struct NestedInstruments {
     std::vector<int> order;  // wires, outer first
     double mu_static = 0, mu_sliding = 0;
     double stiffness = 0;  // force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall
+    int exchanged = 1;     // the last so many are in those before them, and not in each other
 };
 
 /// What contact between instruments is made from.
