@@ -7,15 +7,9 @@
 
 namespace seldinger {
 
-namespace {
-
-constexpr const NewtonConstants& constants = newton_constants;
-
-}  // namespace
-
 double NewtonAcceptance::after_refusal(double open) const
 {
-    const double share = open < 1 ? std::clamp(constants.open_share * open, 0.05, 0.5) : constants.refused_share;
+    const double share = open < 1 ? std::clamp(newton_constants.open_share * open, 0.05, 0.5) : newton_constants.refused_share;
     return share * at_.along.alpha;
 }
 
@@ -26,10 +20,10 @@ NewtonAcceptance::Verdict NewtonAcceptance::judge(const ForceTerms& terms)
         if (problem_.residual_share() <= at_.base.residual_share) return {Taken};
         kinks_.take_back();  // into the valley of the largest turn, on the direction as it was
         const KinksPassed& before = at_.along.before_redirection;
-        return {Shorter, std::max(before.share, constants.least_into_valley), before.width > 0};
+        return {Shorter, std::max(before.share, newton_constants.least_into_valley), before.width > 0};
     }
     const double slope = problem_.residual_along(at_.direction);
-    const bool slope_falls = std::abs(slope) <= std::max(constants.slope_left, 1 - at_.along.alpha / 2) * std::abs(at_.along.slope);
+    const bool slope_falls = std::abs(slope) <= std::max(newton_constants.slope_left, 1 - at_.along.alpha / 2) * std::abs(at_.along.slope);
     if (!at_.options.pseudo_transient) return natural_test(slope_falls, slope, terms);
     return {slope_falls || slope <= 0 ? Taken : MoreShift};
 }
@@ -44,8 +38,8 @@ NewtonAcceptance::Verdict NewtonAcceptance::natural_test(bool slope_falls, doubl
     at_.trial.contraction = contraction;
     const bool grows = contraction > 1;
     // the derivative of a direction of the projected Hessian need not fall: while it is negative, energy does
-    const bool descends = slope_falls || (direction_.projected_steps() > 0 && slope <= 0 && contraction < constants.most_descending);
-    if (contraction <= 1 - along.alpha / 4 || (descends && !(grows && at_.course.times_grown >= constants.most_grown))) {
+    const bool descends = slope_falls || (direction_.projected_steps() > 0 && slope <= 0 && contraction < newton_constants.most_descending);
+    if (contraction <= 1 - along.alpha / 4 || (descends && !(grows && at_.course.times_grown >= newton_constants.most_grown))) {
         at_.course.times_grown += grows;
         return {Taken};
     }
@@ -53,7 +47,7 @@ NewtonAcceptance::Verdict NewtonAcceptance::natural_test(bool slope_falls, doubl
     if ((along.into_valley || along.admits || crossed.entered) && problem_.residual_share() <= at_.base.residual_share) return {Taken};
     if (kinks_.balance(terms)) return {Tried};
     if (crossed.share < 1 && along.alpha == along.first_alpha)  // into the valley, whose tangent is the next direction's
-        return {Shorter, std::max(crossed.share, constants.least_into_valley) * along.alpha, crossed.width > 0};
+        return {Shorter, std::max(crossed.share, newton_constants.least_into_valley) * along.alpha, crossed.width > 0};
     if (!at_.options.shifted && crossed.share == 1 && fails_however_short(contraction, slope)) return {GivenUp};
     return {Shorter, next_share(contraction, slope)};
 }
@@ -68,8 +62,8 @@ double NewtonAcceptance::next_share(double contraction, double slope)
     for (int i = 0; i < problem_.size(); ++i) at_.scratch[i] = at_.correction[i] - (1 - along.alpha) * at_.direction[i];
     const double natural = 0.5 * along.norm * along.alpha * along.alpha / problem_.norm(at_.scratch);
     const double secant = slope * along.slope < 0 ? along.alpha * along.slope / (along.slope - slope) : 0.0;
-    const double onset = contraction > 2 ? along.alpha * std::pow(contraction, -1 / constants.contact_power) : 0.0;
-    return std::clamp(std::max({natural, secant, onset}), constants.shortest_cut * along.alpha, constants.longest_cut * along.alpha);
+    const double onset = contraction > 2 ? along.alpha * std::pow(contraction, -1 / newton_constants.contact_power) : 0.0;
+    return std::clamp(std::max({natural, secant, onset}), newton_constants.shortest_cut * along.alpha, newton_constants.longest_cut * along.alpha);
 }
 
 /// Whether two trials in a row on a direction, both of which fail both tests, lie where correction and derivative are linear in the
@@ -80,7 +74,7 @@ bool NewtonAcceptance::fails_however_short(double contraction, double slope)
     auto& along = at_.along;
     const double growth = (contraction - 1) / along.alpha, slope_growth = (slope / along.slope - 1) / along.alpha;
     const auto same = [](const std::optional<double>& before, double now) {
-        return before && std::abs(now - *before) <= constants.same_growth * std::max(1.0, std::abs(now));
+        return before && std::abs(now - *before) <= newton_constants.same_growth * std::max(1.0, std::abs(now));
     };
     const bool linear = same(along.growth, growth) && same(along.slope_growth, slope_growth);
     along.growth = growth;

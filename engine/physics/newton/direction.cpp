@@ -9,8 +9,6 @@ namespace seldinger {
 
 namespace {
 
-constexpr const NewtonConstants& constants = newton_constants;
-
 /// Trials until a residual of so many tolerances is within one, if each leaves `rate` of it.
 double trials_left(double residual, double rate) { return std::ceil(std::log(residual) / -std::log(rate)); }
 
@@ -21,10 +19,10 @@ double trials_left(double residual, double rate) { return std::ceil(std::log(res
 bool NewtonDirection::keeps_factors() const
 {
     const bool has_full_correction = at_.trial.contraction && at_.searching() && at_.along.alpha == 1 && !at_.options.shifted && problem_.at_prescribed();
-    if (!has_full_correction || !problem_.keeps_tangent() || at_.iterations() > constants.most_kept) return false;
+    if (!has_full_correction || !problem_.keeps_tangent() || at_.iterations() > newton_constants.most_kept) return false;
     // corrections in metres may shrink while forces on a short stiff edge hardly fall: the slower of the two counts
     const double residual = problem_.residual_share(), rate = std::max(*at_.trial.contraction, residual / at_.base.residual_share);
-    return rate <= constants.kept_contraction && trials_left(residual, std::max(rate, 1e-6)) <= trials_left(residual, constants.new_contraction);
+    return rate <= newton_constants.kept_contraction && trials_left(residual, std::max(rate, 1e-6)) <= trials_left(residual, newton_constants.new_contraction);
 }
 
 void NewtonDirection::find(bool keep, const ForceTerms& terms)
@@ -47,7 +45,7 @@ bool NewtonDirection::measure()
     const double move = problem_.largest_move(at_.direction), turn = problem_.largest_turn(at_.direction);
     double& first = at_.along.first_alpha;
     if (move > at_.course.move_limit) first = at_.course.move_limit / move;
-    if (turn * first > constants.largest_edge_turn) first = constants.largest_edge_turn / turn;
+    if (turn * first > newton_constants.largest_edge_turn) first = newton_constants.largest_edge_turn / turn;
     return true;
 }
 
@@ -63,12 +61,12 @@ void NewtonDirection::chord_steps(const ForceTerms& terms)
 {
     if (at_.along.alpha != 1 || at_.options.linearised || at_.options.pseudo_transient) return;
     double last = at_.along.norm;
-    for (int k = 0; k < constants.most_chord_steps; ++k) {
+    for (int k = 0; k < newton_constants.most_chord_steps; ++k) {
         const bool usable = problem_.update() && problem_.evaluate_linear_terms(terms, at_.base_q);
-        if (usable && problem_.residual_below(constants.chord_enough)) return;
+        if (usable && problem_.residual_below(newton_constants.chord_enough)) return;
         if (usable) correct();
         const double size = problem_.norm(at_.correction);
-        if (!usable || !(size < constants.chord_contraction * last) || (model_.shift > 0 && size < 1e-3 * at_.along.norm)) return;
+        if (!usable || !(size < newton_constants.chord_contraction * last) || (model_.shift > 0 && size < 1e-3 * at_.along.norm)) return;
         last = size;
         problem_.correct_tension(at_.correction);
         for (int i = 0; i < problem_.size(); ++i) problem_.trial[i] += at_.correction[i];
@@ -95,15 +93,15 @@ void NewtonDirection::solve(std::span<double> x)
 
 void NewtonDirection::lower_shift()
 {
-    if (at_.options.pseudo_transient) model_.shift *= constants.pseudo_time_growth;
+    if (at_.options.pseudo_transient) model_.shift *= newton_constants.pseudo_time_growth;
     else if (at_.along.alpha == at_.along.first_alpha) model_.shift *= at_.trial.contraction < 0.5 ? 0.1 : 0.5;
-    if (model_.shift < constants.smallest_shift) model_.shift = 0;
+    if (model_.shift < newton_constants.smallest_shift) model_.shift = 0;
 }
 
 bool NewtonDirection::raise_shift()
 {
-    const double larger = std::max(10 * model_.shift, 10 * constants.smallest_shift);
-    if (larger > constants.largest_shift) return false;
+    const double larger = std::max(10 * model_.shift, 10 * newton_constants.smallest_shift);
+    if (larger > newton_constants.largest_shift) return false;
     (void)model_.raise_shift(larger);
     std::copy_n(at_.base_q.begin(), problem_.size(), problem_.trial.begin());
     std::copy_n(at_.base_residual.begin(), problem_.size(), problem_.residual.begin());
