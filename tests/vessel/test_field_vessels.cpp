@@ -229,6 +229,27 @@ TEST_SUITE("vessel/field_vessels")
                 }
     }
 
+    TEST_CASE("property: a wall may be thick and uneven; one whose inner side is not certain is refused with what to do")
+    {
+        const auto bulging = [](double inner, double thin, double thick) {
+            WallMesh mesh = thick_tube(inner, inner + thin, true);
+            for (Vec3& v : mesh.vertices)
+                if (v.x() > 0.045 && std::hypot(v.y(), v.z()) > inner + 0.5 * thin) {
+                    const double wider = (inner + thick) / std::hypot(v.y(), v.z());
+                    v.y() *= wider, v.z() *= wider;
+                }
+            return mesh;
+        };
+        for (const auto& [thin, thick] : {std::pair{3.3e-3, 3.3e-3}, {0.9e-3, 4e-3}}) {
+            CAPTURE(thin);
+            WallMesh mesh = bulging(3e-3, thin, thick);
+            CHECK(has_note(repair(mesh), "inner of its two shells"));
+            CHECK(largest_radius(mesh) == about(3e-3).epsilon(1e-6));
+        }
+        WallMesh mesh = bulging(3e-3, 0.6e-3, 5e-3);
+        CHECK_THROWS_WITH_AS((void)repair(mesh), doctest::Contains("whose inner side could not be told for certain; expected the lumen's surface. Fix:"), Error);
+    }
+
     TEST_CASE("property: thin, flat, wound and crescent lumens are no walls")
     {
         const auto straight = [](double s, double u, double v) { return Vec3(0.15 * s, u, v); };

@@ -16,8 +16,12 @@ namespace seldinger::repair_steps {
 namespace {
 
 constexpr double least_share = 0.2;    // of the surface: a shell, not a crumb, a stent's strut or a catheter
-constexpr double largest_ratio = 1.8;  // of the areas, as of the radii: a coronary artery's outer radius is 1.6 inner ones
-constexpr double most_uneven = 2.5;    // the wall's thickness at 90 % of the places, in medians
+/// How much alike the two sides are.
+struct Likeness {
+    double ratio;   // largest, of the areas, as of the radii: a coronary artery's outer radius is 1.6 inner ones
+    double uneven;  // largest, of the thickness at 90 % of the places, in medians
+};
+constexpr Likeness separate{1.8, 2.5}, joined_sides{3, 6};  // of sides, more is known: plaque and thrombus thicken a wall
 constexpr std::size_t samples = 200;
 
 struct Patch {
@@ -81,16 +85,16 @@ bool encloses(const WallMesh& mesh, const Patch& outer, const std::vector<Vec3>&
 }
 
 /// Thickness of the wall between two shells, the smaller one inside; nothing where they are no such shells.
-std::optional<double> wall_between(const WallMesh& mesh, const std::vector<Patch>& shells)
+std::optional<double> wall_between(const WallMesh& mesh, const std::vector<Patch>& shells, const Likeness& most)
 {
-    if (shells.size() != 2 || shells[0].area > largest_ratio * shells[1].area) return std::nullopt;
+    if (shells.size() != 2 || shells[0].area > most.ratio * shells[1].area) return std::nullopt;
     const std::vector<Vec3> points = chosen_points(mesh, shells[1]);
     if (!encloses(mesh, shells[0], points)) return std::nullopt;
     std::vector<double> gaps;
     for (const Vec3& p : points) gaps.push_back(distance_to(mesh, shells[0], p));
     std::sort(gaps.begin(), gaps.end());
     const double middle = gaps[gaps.size() / 2];
-    if (gaps[gaps.size() * 9 / 10] > most_uneven * middle) return std::nullopt;
+    if (gaps[gaps.size() * 9 / 10] > most.uneven * middle) return std::nullopt;
     return middle;
 }
 
@@ -133,8 +137,8 @@ double root_mean_square_move(const WallMesh& from, const WallMesh& to)
 
 [[noreturn]] void refuse_wall()
 {
-    throw Error(ExitCode::BadFile, "got the wall of a vessel with its thickness, whose inner and outer surface cannot be told apart everywhere; expected the "
-                                   "lumen's surface. Fix: segment or export the lumen (the blood) instead of the wall");
+    throw Error(ExitCode::BadFile, "got a vessel's wall with its thickness, whose inner side could not be told for certain; expected the lumen's surface. Fix: "
+                                   "export the lumen (the blood) instead; in 3D Slicer, fill the wall's segment and subtract the wall from it (Logical operators)");
 }
 
 }  // namespace
@@ -143,14 +147,14 @@ bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::a
 {
     std::vector<std::int32_t> label = label_components(mesh, edges);
     std::vector<Patch> shells = shells_of(mesh, label);
-    std::optional<double> thickness = wall_between(mesh, shells);
+    std::optional<double> thickness = wall_between(mesh, shells, separate);
     const bool joined = !thickness && shells.size() == 1;
     double noise = 0;
     if (joined) {
         std::optional<WallMesh> even = part_sides(mesh, edges, shells[0], label);
         if (!even) return false;
         shells = shells_of(*even, label);
-        thickness = wall_between(*even, shells);
+        thickness = wall_between(*even, shells, joined_sides);
         if (!thickness) refuse_wall();
         noise = root_mean_square_move(mesh, *even);
         mesh.vertices = std::move(even->vertices);

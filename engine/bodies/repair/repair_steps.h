@@ -38,7 +38,7 @@ struct WallSides {
 
 // repair_shells.cpp
 /// Where a vessel's wall is modelled with its thickness, as printers, tissue models and segmentations give it, leaves the inner shell
-/// only. Shells run along each other, one inside the other, with areas of at most 1.8 to 1: separate parts, or the sides of one.
+/// only. Shells run along each other, one inside the other, with areas of at most 1.8 to 1: separate parts; or the sides of one (3 to 1).
 /// Needs consistent orientation. @param as_read  triangles that stay beside the mesh's  @return whether any went
 /// @throws Error BadFile: a wall whose inner side cannot be told
 bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read, RepairReport& report);
