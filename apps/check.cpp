@@ -2,13 +2,12 @@
 
 #include "command_line.h"
 #include "commands.h"
+#include "run/ready.h"
 #include "scene/scene.h"
-#include "setup/scene_setup.h"
 #include "setup/vessel_load.h"
 #include "vessel/inlets.h"
 #include "vessel/parts.h"
 #include "wall/wall_resolution.h"
-#include "world/setup_check.h"
 
 #include <fmt/format.h>
 
@@ -105,8 +104,7 @@ void add_check(CommandLine& app, Command& chosen)
             if (options->wire) options->overrides.push_back("wire.preset=" + *options->wire);
             const Scene scene = read_scene(options->file, options->overrides);
             RepairReport vessel;
-            const WorldSetup setup = make_setup(scene, -1, &vessel);
-            check_setup(setup);
+            const WorldSetup setup = ready_setup(scene, -1, &vessel);
             print(describe(scene, vessel, setup));
             return ExitCode::Done;
         };

@@ -6,10 +6,10 @@
 #include "core/file_io.h"
 #include "core/printable.h"
 #include "io/file_remarks.h"
+#include "run/ready.h"
 #include "scene/scene.h"
 #include "setup/access.h"
 #include "setup/first_scene.h"
-#include "setup/scene_setup.h"
 #include "vessel/branches.h"
 #include "vessel/parts.h"
 
@@ -136,7 +136,7 @@ void require_runnable(const InitArguments& options, const std::string& text, con
 {
     try {
         const Scene scene = read_scene_text(text, options.scene);
-        (void)make_setup(std::span(&scene, 1), vessel, -1);
+        (void)ready_setup(std::span(&scene, 1), vessel, -1);
     } catch (const Error& error) {
         std::string what = error.what();
         if (const std::string name = options.scene.string() + ": "; what.starts_with(name)) what = what.substr(name.size());

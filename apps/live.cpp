@@ -6,10 +6,10 @@
 #include "core/file_lock.h"
 #include "core/note.h"
 #include "live_model.h"
+#include "run/ready.h"
 #include "session/session.h"
 #include "session/web_policy.h"
 #include "session/web_server.h"
-#include "setup/scene_setup.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -85,7 +85,7 @@ ExitCode live(LiveArguments& options)
     }
     const FileLock lock = FileLock::of_file(what.record);
     std::optional<NoPolling> loading(std::in_place);
-    WorldSetup setup = make_setup(scene, options.device);
+    WorldSetup setup = ready_setup(scene, options.device);
     loading.reset();
     HandChannel hand(options.udp_address, options.udp, static_cast<int>(live_instruments(setup).size()));
     Session session(scene, std::move(setup), what, &hand);

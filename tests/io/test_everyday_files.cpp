@@ -188,6 +188,33 @@ TEST_SUITE("io/everyday_files")
         CHECK(refusal(std::string("\xFF\xFEs\0o\0l\0i\0d\0", 12), "x.stl").find("UTF-16") != std::string::npos);
     }
 
+    TEST_CASE("property: a binary STL whose count is wrong gives all that its body holds, with a note")
+    {
+        const auto stl = [](std::uint32_t count, std::size_t facets, std::size_t left_over) {
+            const float corners[4][9] = {{0, 0, 0, 0, 2, 0, 1, 0, 0}, {0, 0, 0, 1, 0, 0, 0, 0, 3}, {1, 0, 0, 0, 2, 0, 0, 0, 3}, {0, 0, 0, 0, 0, 3, 0, 2, 0}};
+            std::string bytes(80, ' ');
+            bytes.append(reinterpret_cast<const char*>(&count), 4);
+            for (std::size_t t = 0; t < facets; ++t)
+                bytes.append(12, '\0').append(reinterpret_cast<const char*>(corners[t]), sizeof corners[t]).append(2, '\0');
+            return bytes.append(left_over, '\n');
+        };
+        const auto read = [](const std::string& bytes) {
+            MeshFileFacts facts;
+            check_tetrahedron(parse_mesh(bytes, "x.stl", "mm", &facts));
+            return facts.note;
+        };
+        CHECK(read(stl(4, 4, 0)).empty());
+        CHECK(read(stl(0, 4, 0)).find("announces 0 triangles, its body holds 4") != std::string::npos);
+        CHECK(read(stl(3, 4, 0)).find("announces 3 triangles, its body holds 4") != std::string::npos);
+        CHECK(read(stl(~std::uint32_t{0}, 4, 0)).find("its body holds 4") != std::string::npos);
+        for (const std::size_t left_over : {1, 2, 49})
+            CHECK(read(stl(4, 4, left_over)).find(fmt::format("{} bytes behind its 4 triangles", left_over)) != std::string::npos);
+        // cut short, or nothing that is known to be facets
+        for (const std::string& bytes : {stl(5, 4, 0), stl(5, 4, 20), stl(0, 4, 7), stl(3, 4, 7)})
+            CHECK(refusal(bytes, "x.stl").find("truncated or damaged") != std::string::npos);
+        CHECK(refusal(stl(0, 0, 0), "x.stl").find("no triangles") != std::string::npos);
+    }
+
     TEST_CASE("property: a byte-order mark before OBJ and PLY costs no vertex")
     {
         const std::string mark = "\xEF\xBB\xBF", faces = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";

@@ -1,6 +1,7 @@
 // Vessels as segmentations, printers and CAD programs make them: in parts, with a thick wall, of exact spheres.
 #include "core/error.h"
 #include "repair/repair.h"
+#include "shapes/aortic_arch.h"
 #include "shapes/swept_lumen.h"
 #include "support/approx.h"
 #include "vessel/extract_centreline.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 namespace test_field_vessels {
 
@@ -64,6 +66,67 @@ WallMesh thick_tube(double inner, double outer, bool joined)
             flip(mesh, mesh.triangles.size() - 2);
         }
     return mesh;
+}
+
+/// The wall of a lumen: its surface, with noise, and another one outside; rims between them where it is open.
+WallMesh wall_around(const WallMesh& lumen, double thickness, double noise)
+{
+    WallMesh wall = lumen, outer = lumen;  // a wall's own surface faces out of its material: here into the lumen
+    std::vector<Vec3> into(lumen.vertices.size(), Vec3::Zero());
+    for (std::size_t t = 0; t < lumen.triangles.size(); ++t)
+        for (const std::int32_t v : lumen.triangles[t]) into[static_cast<std::size_t>(v)] += double_area(triangle_of(lumen, t));
+    for (std::size_t v = 0; v < into.size(); ++v) outer.vertices[v] -= thickness * into[v].normalized();
+    turn_all(outer);
+    const auto shift = static_cast<std::int32_t>(lumen.vertices.size());
+    append(wall, outer);
+    const MeshEdges edges = find_edges(lumen);
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        if (edges.uses(k).size() > 1) continue;
+        const std::int32_t a = half_edge_from(lumen, edges.uses(k)[0]), b = half_edge_to(lumen, edges.uses(k)[0]);
+        wall.triangles.push_back({b, a, a + shift});
+        wall.triangles.push_back({b, a + shift, b + shift});
+    }
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal(0, 1);
+    for (Vec3& v : wall.vertices)
+        for (int c = 0; c < 3; ++c) v[c] += noise * normal(random);
+    return wall;
+}
+
+/// A closed profile swept along a path of frames; its ends are open. Normals point outwards where the profile runs counter-clockwise.
+template <class Frame>
+WallMesh swept(const std::vector<std::pair<double, double>>& profile, int along, const Frame& frame)
+{
+    WallMesh mesh;
+    const auto around = static_cast<std::int32_t>(profile.size());
+    for (int i = 0; i <= along; ++i)
+        for (const auto& [u, v] : profile) mesh.vertices.push_back(frame(static_cast<double>(i) / along, u, v));
+    for (std::int32_t i = 0; i < along; ++i)
+        for (std::int32_t j = 0; j < around; ++j) {
+            const std::int32_t a = i * around + j, b = i * around + (j + 1) % around, c = b + around, d = a + around;
+            mesh.triangles.push_back({a, b, c});
+            mesh.triangles.push_back({a, c, d});
+        }
+    return mesh;
+}
+
+std::vector<std::pair<double, double>> ellipse(double a, double b, int around)
+{
+    std::vector<std::pair<double, double>> profile;
+    for (int j = 0; j < around; ++j) profile.emplace_back(a * std::cos(2 * pi * j / around), b * std::sin(2 * pi * j / around));
+    return profile;
+}
+
+/// A false lumen that lies round three fifths of a true one.
+std::vector<std::pair<double, double>> crescent(double inner, double outer, int around)
+{
+    std::vector<std::pair<double, double>> profile;
+    for (const bool out : {true, false})
+        for (int j = 0; j <= around; ++j) {
+            const double b = 2 * pi * 0.3 * (out ? 1 - 2.0 * j / around : 2.0 * j / around - 1), r = out ? outer : inner;
+            profile.emplace_back(r * std::cos(b), r * std::sin(b));
+        }
+    return profile;
 }
 
 bool has_note(const RepairReport& report, const char* text)
@@ -132,6 +195,87 @@ TEST_SUITE("vessel/field_vessels")
                 const LumenQuery lumen(mesh, report.loops);
                 CHECK(lumen.inside(Vec3(0.03, 0, 0)));
                 CHECK_FALSE(lumen.inside(Vec3(0.03, 0.0037, 0)));
+            }
+    }
+
+    TEST_CASE("property: of a rough wall in one surface the inner side is taken: straight, bent and branching, whatever its triangles")
+    {
+        constexpr double thickness = 1.8e-3;
+        for (const VesselShape shape : {VesselShape::Tube, VesselShape::Arc, VesselShape::Arch})
+            for (const double noise : {0.0, 0.1e-3, 0.2e-3, 0.35e-3, 0.5e-3})
+                for (const int triangles : {10000, 25000}) {
+                    CAPTURE(static_cast<int>(shape));
+                    CAPTURE(noise);
+                    CAPTURE(triangles);
+                    VesselSpec spec = tube_spec(9e-3, 0.15, triangles);
+                    spec.bend_radius = 0.04, spec.angle = pi, spec.lead_in = spec.lead_out = 0.03;
+                    const GeneratedVessel made = shape == VesselShape::Tube  ? make_tube(spec)
+                                                 : shape == VesselShape::Arc ? make_arc(spec)
+                                                                             : make_aortic_arch(spec);
+                    WallMesh mesh = wall_around(made.mesh, thickness, noise);
+                    if (triangles == 10000) turn_all(mesh);
+                    const RepairReport report = repair(mesh);
+                    CHECK(has_note(report, "inner of its two shells"));
+                    WallMesh alone = made.mesh;
+                    CHECK(report.loops.size() == repair(alone).loops.size());
+                    CHECK(report.components == 1);
+                    // all of the inner surface but for what noise takes at the rims, and nothing else; less noise than before
+                    const LumenQuery lumen(made.mesh, {});
+                    double square = 0, area = 0, whole = 0;
+                    for (const Vec3& v : mesh.vertices) square += std::pow(lumen.signed_distance(v), 2) / static_cast<double>(mesh.vertices.size());
+                    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += double_area(triangle_of(mesh, t)).norm();
+                    for (std::size_t t = 0; t < made.mesh.triangles.size(); ++t) whole += double_area(triangle_of(made.mesh, t)).norm();
+                    CHECK(std::sqrt(square) < 1e-6 + 1.1 * noise);
+                    CHECK(area > (noise == 0 ? 0.99 : 0.9) * whole);
+                }
+    }
+
+    TEST_CASE("property: a wall may be thick and uneven; one whose inner side is not certain is refused with what to do")
+    {
+        const auto bulging = [](double inner, double thin, double thick) {
+            WallMesh mesh = thick_tube(inner, inner + thin, true);
+            for (Vec3& v : mesh.vertices)
+                if (v.x() > 0.045 && std::hypot(v.y(), v.z()) > inner + 0.5 * thin) {
+                    const double wider = (inner + thick) / std::hypot(v.y(), v.z());
+                    v.y() *= wider, v.z() *= wider;
+                }
+            return mesh;
+        };
+        for (const auto& [thin, thick] : {std::pair{3.3e-3, 3.3e-3}, {0.9e-3, 4e-3}}) {
+            CAPTURE(thin);
+            WallMesh mesh = bulging(3e-3, thin, thick);
+            CHECK(has_note(repair(mesh), "inner of its two shells"));
+            CHECK(largest_radius(mesh) == about(3e-3).epsilon(1e-6));
+        }
+        WallMesh mesh = bulging(3e-3, 0.6e-3, 5e-3);
+        CHECK_THROWS_WITH_AS((void)repair(mesh), doctest::Contains("whose inner side could not be told for certain; expected the lumen's surface. Fix:"), Error);
+    }
+
+    TEST_CASE("property: thin, flat, wound and crescent lumens are no walls")
+    {
+        const auto straight = [](double s, double u, double v) { return Vec3(0.15 * s, u, v); };
+        // three turns that touch, along a helix of 12 mm: its inner side is enclosed by the others
+        const auto helix = [](double s, double u, double v) {
+            const double b = 6 * pi * s;
+            const Vec3 out(0, std::cos(b), std::sin(b));
+            return Vec3((12e-3 + u) * out + Vec3(18e-3 * s * 1.1 + v, 0, 0));
+        };
+        const std::pair<const char*, WallMesh> lumens[] = {{"thin tube", tube(0.5e-3, 0.3, 12, 600)},
+                                                           {"flattened vein", swept(ellipse(8e-3, 1e-3, 48), 80, straight)},
+                                                           {"helix", swept(ellipse(3e-3, 3e-3, 24), 400, helix)},
+                                                           {"crescent", swept(crescent(8e-3, 13e-3, 40), 80, straight)}};
+        for (const auto& [name, lumen] : lumens)
+            for (const double noise : {0.0, 0.1e-3}) {
+                CAPTURE(name);
+                CAPTURE(noise);
+                WallMesh mesh = lumen;
+                std::mt19937 random(3);
+                std::normal_distribution<double> normal(0, 1);
+                for (Vec3& v : mesh.vertices)
+                    for (int c = 0; c < 3; ++c) v[c] += noise * normal(random);
+                const RepairReport report = repair(mesh);
+                CHECK_FALSE(has_note(report, "inner of its two shells"));
+                CHECK(mesh.triangles.size() == lumen.triangles.size());
             }
     }
 

@@ -75,10 +75,10 @@ TEST_SUITE("vessel/shared_vessels")
         if (!shared) return;
         for (const Row& row : rows) {
             CAPTURE(row.file);
-            long read = 0;
+            MeshFileFacts facts;
             const double unit = metres_per_unit(row.units);
-            (void)read_mesh(*shared / "vessels" / row.file, row.units, &read);
-            CHECK(read == row.triangles);
+            (void)read_mesh(*shared / "vessels" / row.file, row.units, &facts);
+            CHECK(facts.triangles == row.triangles);
             VesselSpec spec;
             spec.shape = VesselShape::Mesh;
             spec.mesh = *shared / "vessels" / row.file;
@@ -100,7 +100,7 @@ TEST_SUITE("vessel/shared_vessels")
             CHECK(lumen.inside(inlet.point));
             // by the winding number: the root with coronaries folds over itself in a ring, and signs of distances are wrong there
             CHECK(turns_about(vessel.mesh, inlet.point + 0.5 * inlet.radius * inlet.direction) > 0.5);
-            MESSAGE(std::string(row.file) << ": read " << read << ", kept " << vessel.report.triangles << ", vertices "
+            MESSAGE(std::string(row.file) << ": read " << facts.triangles << ", kept " << vessel.report.triangles << ", vertices "
                                           << vessel.report.vertices << ", openings " << vessel.report.loops.size()
                                           << ", centreline " << line.total_length() / unit << " " << std::string(row.units)
                                           << ", median radius " << median_radius(line) / unit);

@@ -44,7 +44,7 @@ int try_to_write(const fs::path& dir)
     return problem;
 }
 
-/// Bitcode of LLVM whose blocks do not end where the file does: the compiler would end the process. [LLVM, bitstream format: a
+/// Bitcode of LLVM whose blocks do not end where the file does. [LLVM, bitstream format: a
 /// block is 2 bits "enter", 8 of its kind, 4 of its inner width, then, aligned, its length in words of 32 bits]
 bool is_cut_bitcode(int fd, const struct stat& status)
 {
@@ -233,7 +233,7 @@ fs::path clean_kernel_cache(const fs::path& dir)
 
 void prepare_kernel_cache()
 {
-    // PoCL ends the process over an empty one; to everybody else it is none
+    // to everybody but PoCL 3.1 an empty one is none
     if (const char* given = std::getenv("POCL_CACHE_DIR"); given && !*given) ::unsetenv("POCL_CACHE_DIR");
     fs::path dir = kernel_cache_folder();
     if (dir.is_relative()) {  // PoCL's linker takes a name that begins with - for an option

@@ -1,6 +1,5 @@
 #pragma once
-// PoCL's cache folder: whether it can be written to, and whether its contents are complete. PoCL itself ends in "does not build",
-// in no device at all, or by a signal where it is not.
+// PoCL's cache folder: whether it can be written to, and whether its contents are complete. PoCL 3.1 takes both for granted.
 
 #include <ctime>
 #include <filesystem>
@@ -8,7 +7,7 @@
 
 namespace seldinger::device {
 
-/// Call before PoCL first reads its cache. Removes truncated kernels (mapping one ends the process by SIGBUS). If the folder cannot
+/// Call before PoCL first reads its cache. Removes truncated kernels. If the folder cannot
 /// be written to, or has a link or a device in place of a kernel, prints a note. PoCL then uses a folder of this process alone,
 /// which is removed at its end.
 void prepare_kernel_cache();

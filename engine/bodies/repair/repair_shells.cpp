@@ -1,4 +1,5 @@
 // Vessels with a wall of a thickness: an outer and an inner shell, as separate parts or joined by rims. The wire is in the inner.
+#include "core/error.h"
 #include "repair/repair_steps.h"
 #include "vessel/mesh_components.h"
 #include "vessel/triangle_geometry.h"
@@ -15,22 +16,13 @@ namespace seldinger::repair_steps {
 namespace {
 
 constexpr double least_share = 0.2;    // of the surface: a shell, not a crumb, a stent's strut or a catheter
-constexpr double rim_angle = 60;       // a cut wall has rims of 90 degrees, the facets of a coarse tube turn by 45 [degrees]
-constexpr double largest_ratio = 1.8;  // of the areas, as of the radii: a coronary artery's outer radius is 1.6 inner ones
-constexpr double most_uneven = 2.5;    // the wall's thickness at 90 % of the places, in medians
+/// How much alike the two sides are.
+struct Likeness {
+    double ratio;   // largest, of the areas, as of the radii: a coronary artery's outer radius is 1.6 inner ones
+    double uneven;  // largest, of the thickness at 90 % of the places, in medians
+};
+constexpr Likeness separate{1.8, 2.5}, joined_sides{3, 6};  // of sides, more is known: plaque and thrombus thicken a wall
 constexpr std::size_t samples = 200;
-
-/// Groups of triangles that are joined without crossing an edge that turns by more than a rim's angle.
-std::vector<std::int32_t> smooth_patches(const WallMesh& mesh, const MeshEdges& edges)
-{
-    const double least = std::cos(rim_angle * std::numbers::pi / 180);
-    std::vector<Vec3> normal(mesh.triangles.size());
-    for (std::size_t t = 0; t < normal.size(); ++t) normal[t] = double_area(triangle_of(mesh, t)).normalized();
-    return label_sets(mesh, edges, [&](std::span<const std::int32_t> uses) {
-        if (uses.size() != 2) return false;
-        return !(normal[static_cast<std::size_t>(uses[0] / 3)].dot(normal[static_cast<std::size_t>(uses[1] / 3)]) < least);
-    });
-}
 
 struct Patch {
     std::int32_t label = 0;
@@ -93,16 +85,16 @@ bool encloses(const WallMesh& mesh, const Patch& outer, const std::vector<Vec3>&
 }
 
 /// Thickness of the wall between two shells, the smaller one inside; nothing where they are no such shells.
-std::optional<double> wall_between(const WallMesh& mesh, const std::vector<Patch>& shells)
+std::optional<double> wall_between(const WallMesh& mesh, const std::vector<Patch>& shells, const Likeness& most)
 {
-    if (shells.size() != 2 || shells[0].area > largest_ratio * shells[1].area) return std::nullopt;
+    if (shells.size() != 2 || shells[0].area > most.ratio * shells[1].area) return std::nullopt;
     const std::vector<Vec3> points = chosen_points(mesh, shells[1]);
     if (!encloses(mesh, shells[0], points)) return std::nullopt;
     std::vector<double> gaps;
     for (const Vec3& p : points) gaps.push_back(distance_to(mesh, shells[0], p));
     std::sort(gaps.begin(), gaps.end());
     const double middle = gaps[gaps.size() / 2];
-    if (gaps[gaps.size() * 9 / 10] > most_uneven * middle) return std::nullopt;
+    if (gaps[gaps.size() * 9 / 10] > most.uneven * middle) return std::nullopt;
     return middle;
 }
 
@@ -118,21 +110,54 @@ void keep(WallMesh& mesh, const std::vector<bool>& kept, std::vector<std::array<
     beside.resize(to);
 }
 
+/// Of a mesh of one large part: its outer side and rims are labelled 0, its inner side 1, small parts 2. @return the mesh without noise;
+/// nothing where it is no wall of two sides
+std::optional<WallMesh> part_sides(const WallMesh& mesh, const MeshEdges& edges, const Patch& part, std::vector<std::int32_t>& label)
+{
+    const bool all = part.triangles.size() == mesh.triangles.size();
+    WallMesh own;
+    if (!all) {
+        own.vertices = mesh.vertices;
+        for (const std::int32_t t : part.triangles) own.triangles.push_back(mesh.triangles[static_cast<std::size_t>(t)]);
+    }
+    std::optional<WallSides> sides = all ? sides_of_wall(mesh, edges) : sides_of_wall(own, find_edges(own));
+    if (!sides) return std::nullopt;
+    std::fill(label.begin(), label.end(), 2);
+    for (std::size_t k = 0; k < part.triangles.size(); ++k) label[static_cast<std::size_t>(part.triangles[k])] = sides->inner[k] ? 1 : 0;
+    sides->even.triangles = mesh.triangles;
+    return std::move(sides->even);
+}
+
+double root_mean_square_move(const WallMesh& from, const WallMesh& to)
+{
+    double sum = 0;
+    for (std::size_t v = 0; v < from.vertices.size(); ++v) sum += (to.vertices[v] - from.vertices[v]).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(from.vertices.size()));
+}
+
+[[noreturn]] void refuse_wall()
+{
+    throw Error(ExitCode::BadFile, "got a vessel's wall with its thickness, whose inner side could not be told for certain; expected the lumen's surface. Fix: "
+                                   "export the lumen (the blood) instead; in 3D Slicer, fill the wall's segment and subtract the wall from it (Logical operators)");
+}
+
 }  // namespace
 
 bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read, RepairReport& report)
 {
     std::vector<std::int32_t> label = label_components(mesh, edges);
     std::vector<Patch> shells = shells_of(mesh, label);
-    std::optional<double> thickness = wall_between(mesh, shells);
+    std::optional<double> thickness = wall_between(mesh, shells, separate);
     const bool joined = !thickness && shells.size() == 1;
+    double noise = 0;
     if (joined) {
-        bool closed = true;
-        for (std::size_t k = 0; k < edges.count() && closed; ++k) closed = edges.uses(k).size() > 1;
-        if (!closed) return false;
-        label = smooth_patches(mesh, edges);
-        shells = shells_of(mesh, label);
-        thickness = wall_between(mesh, shells);
+        std::optional<WallMesh> even = part_sides(mesh, edges, shells[0], label);
+        if (!even) return false;
+        shells = shells_of(*even, label);
+        thickness = wall_between(*even, shells, joined_sides);
+        if (!thickness) refuse_wall();
+        noise = root_mean_square_move(mesh, *even);
+        mesh.vertices = std::move(even->vertices);
     }
     if (!thickness) return false;
     std::vector<bool> kept(mesh.triangles.size());
@@ -142,6 +167,7 @@ bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::a
     report.notes.push_back(fmt::format("The wall has a thickness, of {:.3g} mm in the middle: the inner of its two shells is taken for the lumen, and the {} "
                                        "triangles of the outer one{} are left out.",
                                        1e3 * *thickness, dropped, joined ? " and of the rims" : ""));
+    if (noise > 0) report.notes.push_back(fmt::format("The wall is rough: noise of {:.2g} mm (root mean square) was averaged out of it.", 1e3 * noise));
     return true;
 }
 

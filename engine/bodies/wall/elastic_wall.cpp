@@ -102,6 +102,13 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
 
 }  // namespace
 
+void check_elastic_wall(const WallModel& wall)
+{
+    std::string reason;
+    double off = 0, edge_touched = 0;
+    const LoopSurface surface(control_mesh(wall, reason, off, edge_touched));
+}
+
 ElasticWall::~ElasticWall() = default;
 
 ElasticWall::ElasticWall(const WallModel& wall)

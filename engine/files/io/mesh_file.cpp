@@ -181,9 +181,9 @@ double metres_per_unit(const std::string& units)
     throw Error(ExitCode::BadScene, fmt::format("units: got \"{}\"; expected m, cm, mm, um or in. Fix: name the unit of the file's numbers", units));
 }
 
-WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read, double* rounding)
+WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts)
 {
-    return parse_mesh(read_mesh_bytes(path, units), path, units, triangles_read, rounding);
+    return parse_mesh(read_mesh_bytes(path, units), path, units, facts);
 }
 
 std::string read_mesh_bytes(const std::filesystem::path& path, const std::string& units)
@@ -193,8 +193,7 @@ std::string read_mesh_bytes(const std::filesystem::path& path, const std::string
     return read_file(path);
 }
 
-WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units, long* triangles_read,
-                    double* rounding)
+WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts)
 {
     const double scale = metres_per_unit(units);
     require_known(path);
@@ -208,10 +207,9 @@ WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path,
         bad_file(path, error.what());
     }
     if (mesh.triangles.empty()) bad_file(path, "got no triangles; expected a surface. Fix: export the mesh again");
-    if (rounding) *rounding = scale * float32_rounding(mesh.vertices);
+    if (facts) *facts = {static_cast<long>(mesh.triangles.size()), scale * float32_rounding(mesh.vertices), data.note};
     for (Vec3& v : mesh.vertices) v *= scale;
     require_usable(mesh, path, units);
-    if (triangles_read) *triangles_read = static_cast<long>(mesh.triangles.size());
     return mesh;
 }
 

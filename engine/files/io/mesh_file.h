@@ -15,21 +15,25 @@ namespace seldinger {
 /// Metres in one of the file's units: m, cm, mm, um, in. @throws Error BadScene for any other name
 [[nodiscard]] double metres_per_unit(const std::string& units);
 
+/// What a mesh does not say of its file.
+struct MeshFileFacts {
+    long triangles = 0;    // before any repair
+    double rounding = 0;   // half of the last bit of the largest coordinate where the file holds no more than float32 [m]; else 0
+    std::string note;      // PolyData::note
+};
+
 /// Triangles of an STL (binary, ASCII), OBJ, PLY, VTP or legacy VTK polydata file; polygons are cut into triangles.
-/// @param triangles_read  out, may be null: triangles before any repair
-/// @param rounding        out, may be null: half of the last bit of the largest coordinate of a file that holds no more than
-///                        float32 [m]; 0 for one with doubles
+/// @param facts  out, may be null
 /// @throws Error BadFile: missing, unreadable, empty, truncated, counts that do not fit, unknown extension, a vertex that is no
 ///         number or beyond ten kilometres, polygons too tangled to be cut
-[[nodiscard]] WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read = nullptr,
-                                 double* rounding = nullptr);
+[[nodiscard]] WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts = nullptr);
 
 /// The bytes that read_mesh parses. @throws Error as there, where no parsing is needed to know
 [[nodiscard]] std::string read_mesh_bytes(const std::filesystem::path& path, const std::string& units);
 
 /// Same, from the bytes of a file. @param path  its name, for messages and the format
 [[nodiscard]] WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units,
-                                  long* triangles_read = nullptr, double* rounding = nullptr);
+                                  MeshFileFacts* facts = nullptr);
 
 /// Format by extension: .stl (binary), .obj, .ply (binary), .vtp. Written beside its place, then renamed, so that a reader
 /// never meets half a file. STL holds float32, the others doubles. @throws Error BadFile

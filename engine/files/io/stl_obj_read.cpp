@@ -42,17 +42,33 @@ std::uint32_t announced_triangles(const std::string& bytes)
 }
 
 /// ASCII begins with "solid" in any case, behind blanks and a byte-order mark. Binary headers may say "solid" too.
-bool is_binary_stl(const std::string& bytes, const std::string& name)
+bool is_ascii_stl(const std::string& bytes)
 {
-    if (bytes.size() >= stl_header &&
-        bytes.size() == stl_header + stl_record * static_cast<std::uint64_t>(announced_triangles(bytes)))
-        return true;
-    if (same_word(TextWords(without_mark(bytes)).word().substr(0, 5), "solid") && has_word(bytes, "facet")) return false;
+    return same_word(TextWords(without_mark(bytes)).word().substr(0, 5), "solid") && has_word(bytes, "facet");
+}
+
+/// Facets of a binary STL. Writers that cannot go back to the header leave the count 0 or all ones; others append to the file and
+/// keep the count, or pad the end. A count above the facets that are there means that the file was cut short.
+/// @param note  out: what the count says otherwise
+std::uint64_t binary_triangles(const std::string& bytes, const std::string& name, std::string& note)
+{
     if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
         fail(name, "got text in UTF-16; expected plain text or binary STL. Fix: save it as UTF-8 or ASCII");
     if (bytes.size() < stl_header) refuse_damaged(name, fmt::format("got {} bytes; expected {} or more in an STL file", bytes.size(), stl_header + stl_record));
-    refuse_damaged(name, fmt::format("got a header that announces {} triangles; expected {}, as many as the file has bytes for", announced_triangles(bytes),
-                                     (bytes.size() - stl_header) / stl_record));
+    const std::uint32_t announced = announced_triangles(bytes);
+    const std::uint64_t there = (bytes.size() - stl_header) / stl_record, left_over = (bytes.size() - stl_header) % stl_record;
+    const bool unknown = announced == 0 || announced == ~std::uint32_t{0};
+    if (left_over == 0 && (unknown || announced < there)) {
+        if (there > 0)
+            note = fmt::format("The file's header announces {} triangles, its body holds {}: all of these were read.", announced, there);
+        return there;
+    }
+    if (left_over > 0 && announced == there && there > 0)
+        note = fmt::format("The file has {} bytes behind its {} triangles; they were left out.", left_over, there);
+    else if (left_over > 0 || announced != there)
+        refuse_damaged(name, fmt::format("got a header that announces {} triangles and {} bytes behind it; expected {} bytes for each triangle",
+                                         announced, bytes.size() - stl_header, stl_record));
+    return there;
 }
 
 void close_polygon(PolyData& data)
@@ -66,11 +82,11 @@ void close_polygon(PolyData& data)
 PolyData parse_binary_stl(const std::string& bytes, const std::string& name)
 {
     static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
-    const std::uint32_t count = announced_triangles(bytes);
-    if (count == 0) fail(name, "got no triangles; expected a surface. Fix: export the mesh again");
     PolyData data;
-    data.points.reserve(3 * static_cast<std::size_t>(count));
-    for (std::uint32_t t = 0; t < count; ++t) {
+    const std::uint64_t count = binary_triangles(bytes, name, data.note);
+    if (count == 0) fail(name, "got no triangles; expected a surface. Fix: export the mesh again");
+    data.points.reserve(3 * count);
+    for (std::uint64_t t = 0; t < count; ++t) {
         float corners[9];  // behind the normal, which is not needed
         std::memcpy(corners, bytes.data() + stl_header + stl_record * t + 12, sizeof corners);
         for (int c = 0; c < 9; c += 3) data.points.push_back({corners[c], corners[c + 1], corners[c + 2]});
@@ -122,7 +138,8 @@ std::string_view obj_line(TextWords& lines, std::string& joined)
 
 PolyData parse_stl(const std::string& bytes, const std::string& name)
 {
-    return is_binary_stl(bytes, name) ? parse_binary_stl(bytes, name) : parse_ascii_stl(bytes, name);
+    const bool fits = bytes.size() >= stl_header && bytes.size() == stl_header + stl_record * std::uint64_t{announced_triangles(bytes)};
+    return !fits && is_ascii_stl(bytes) ? parse_ascii_stl(bytes, name) : parse_binary_stl(bytes, name);
 }
 
 PolyData parse_obj(const std::string& bytes, const std::string& name)

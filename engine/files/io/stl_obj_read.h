@@ -7,7 +7,8 @@
 namespace seldinger {
 
 /// One point per corner, in the order of the file. Binary STL holds float32 and no more.
-/// @param name  of the file, for messages     @throws Error BadFile: a count that does not fit, cut short, no number where one is
+/// A binary file's count may be missing or too small, and bytes may follow the facets: PolyData::note says so.
+/// @param name  of the file, for messages     @throws Error BadFile: more announced than there, cut short, no number where one is
 /// due
 [[nodiscard]] PolyData parse_stl(const std::string& bytes, const std::string& name);
 

@@ -27,7 +27,7 @@ namespace {
 struct FileFacts {
     std::string name;
     std::size_t header_bytes = 4;  // width of the lengths before a block
-    bool compressed = false;
+    std::string compressor;  // empty: none. Text does not use it, though writers name it
     bool appended_base64 = false;
     std::string_view appended;       // after the '_'
     mutable std::uint64_t room = 0;  // bytes that may still be taken, in all arrays together
@@ -145,7 +145,10 @@ std::string take_compressed(const FileFacts& file, ByteSource& source)
 std::string take_block(const FileFacts& file, std::string_view bytes, bool base64)
 {
     ByteSource source(file, bytes, base64);
-    if (file.compressed) return take_compressed(file, source);
+    if (file.compressor == "vtkZLibDataCompressor") return take_compressed(file, source);
+    if (!file.compressor.empty())
+        fail(file, fmt::format("got data compressed by {}; expected zlib or none. Fix: save it again with \"Compressor Type\" ZLib or None (ParaView)",
+                               excerpt(file.compressor)));
     const std::uint64_t count = read_length(source.take(file.header_bytes), 0, file.header_bytes);
     if (count > bytes.size()) refuse_damaged(file.name, fmt::format("got an array that announces {} bytes; expected no more than the file has", count));
     return source.take(count);
@@ -347,11 +350,7 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name, Poly
     if (root.attribute("byte_order").as_string("LittleEndian") != std::string("LittleEndian"))
         fail(file, "got big-endian data; expected little-endian. Fix: open it in ParaView and save it again with \"Byte Order\" little-endian");
     file.header_bytes = root.attribute("header_type").as_string() == std::string("UInt64") ? 8 : 4;
-    const std::string compressor = root.attribute("compressor").as_string();
-    file.compressed = !compressor.empty();
-    if (file.compressed && compressor != "vtkZLibDataCompressor")
-        fail(file, fmt::format("got data compressed by {}; expected zlib or none. Fix: save it again with \"Compressor Type\" ZLib or None (ParaView)",
-                               excerpt(compressor)));
+    file.compressor = root.attribute("compressor").as_string();
 
     PolyData data;
     const pugi::xml_node poly = root.child("PolyData");

@@ -31,6 +31,7 @@ struct PolyData {
     std::map<std::string, PolyArray> point_data, cell_data, field_data;
     std::map<std::string, std::vector<std::string>> cell_names;  // strings of the cells; of .vtp alone
     std::string remarks;  // VTK: the legacy title, and strings of the field data as NAME=value
+    std::string note;     // what was wrong with the file, and what was read; one sentence for people, or empty
 };
 
 constexpr std::size_t kMostRemarks = 4096;  // a file may be nothing but comments [bytes]

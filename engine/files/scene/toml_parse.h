@@ -1,6 +1,5 @@
 #pragma once
-// TOML of files and of --set may be hostile. Size and depth are checked before the parser, which calls itself once for each level
-// and ends the process if there are too many.
+// TOML of files and of --set may be hostile. Size and depth are checked before the parser (toml++ 3.3), which has no limits of its own.
 
 #include "core/folder.h"
 

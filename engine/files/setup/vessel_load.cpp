@@ -70,14 +70,15 @@ Centreline found_centreline(LoadedVessel& vessel)
 LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
 {
     LoadedVessel vessel;
-    double rounding = 0;
-    vessel.mesh = parse_mesh(bytes, spec.mesh, spec.units, nullptr, &rounding);
+    MeshFileFacts facts;
+    vessel.mesh = parse_mesh(bytes, spec.mesh, spec.units, &facts);
     const std::string remarks = describe_remarks(remarks_in(bytes, spec.mesh), spec.units);
     bytes = {};  // as much memory as the mesh
     try {
         vessel.report = repair(vessel.mesh, spec.close_holes);
+        if (!facts.note.empty()) vessel.report.notes.push_back(facts.note);
         if (!remarks.empty()) vessel.report.notes.push_back(remarks);
-        if (rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(rounding));
+        if (facts.rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(facts.rounding));
         if (spec.centreline.empty()) {
             vessel.centreline = found_centreline(vessel);
             note_centreline(vessel);

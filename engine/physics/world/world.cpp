@@ -5,6 +5,8 @@
 #include "core/error.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
+#include "wall/elastic_wall.h"
+#include "wall/wall_model.h"
 #include "world/setup_check.h"
 #include "world/world_rod.h"
 
@@ -139,6 +141,21 @@ WorldData::WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall)
         for (const int one : WorldRod(*this, w).wires()) floor += energy_floor(setup.wires[one].wire, setup.gravity);
     }
     show_instruments(*this);
+}
+
+void check_start(const WorldSetup& setup)
+{
+    check_setup(setup);
+    if (setup.vessel.elastic) check_elastic_wall(WallModel(setup.vessel, setup.mesh, setup.centreline));
+    WorldSetup bare;  // without contact, which needs a device and refuses nothing that the above has let pass
+    bare.gravity = setup.gravity;
+    bare.wires = setup.wires;
+    bare.systems = setup.systems;
+    bare.integrator = setup.integrator;
+    bare.centreline = setup.centreline;
+    for (const CoaxialSpec& spec : setup.coaxial)
+        if (spec.model == CoaxialSpec::Model::Merged) bare.coaxial.push_back(spec);
+    (void)WorldData(std::move(bare), nullptr);
 }
 
 World::World(WorldSetup setup) : data_(std::make_unique<WorldData>(std::move(setup))) {}

@@ -196,6 +196,10 @@ void check_elastic_wall(const WorldSetup& setup)
     need_not_negative(vessel.wall_edge, "vessel.wall_edge");
     if (!std::isfinite(vessel.pressure))
         refuse("vessel.pressure", fmt::format("got {}; expected a finite number", vessel.pressure));
+    if (vessel.pressure != 0 && setup.centreline.points.size() < 2)
+        refuse("vessel.pressure", fmt::format("got {} Pa; expected 0 where the vessel has no axis (a plane, or no centreline was found). Fix: give "
+                                              "vessel.centreline",
+                                              vessel.pressure));
     const double radius = WallModel(vessel, setup.mesh, setup.centreline).typical_lumen_radius;
     if (vessel.thickness > radius)
         refuse("vessel.thickness", fmt::format("got {} m; expected at most the lumen's radius, {:.4g} m: the wall is a thin shell",

@@ -4,8 +4,8 @@
 #include "core/error.h"
 #include "record/checkpoint.h"
 #include "run/joint_readings.h"
+#include "run/ready.h"
 #include "run/wall_path.h"
-#include "setup/scene_setup.h"
 
 #include <fmt/format.h>
 
@@ -145,7 +145,7 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
     }
     scene_ = scenes.front();
     std::vector<BoundaryLoop> openings = vessel.report.loops;
-    WorldSetup setup = make_setup(scenes, std::move(vessel), device);
+    WorldSetup setup = ready_setup(scenes, std::move(vessel), device);
     find_wall_path(scenes, setup);
     world_ = std::make_unique<World>(std::move(setup));
     loop_.emplace(*world_, scenes, static_cast<RunHooks*>(this));
