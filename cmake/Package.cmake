@@ -4,7 +4,10 @@ if(NOT SELDINGER_SHARED)
 endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME seldinger)
-set(CPACK_PACKAGE_CONTACT "The Seldinger developers <developers@forge.invalid>")  # a placeholder, as in pyproject.toml
+# the project's address has one place
+file(STRINGS pyproject.toml address REGEX "^Repository = ")
+string(REGEX REPLACE ".*https?://([^/\"]+).*" "\\1" address "${address}")
+set(CPACK_PACKAGE_CONTACT "The Seldinger developers <developers@${address}>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulation of guidewires and catheters in blood vessels")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Seldinger simulates guidewires, catheters and sheaths as they are
 pushed, pulled and turned inside blood vessels. It runs in real time and
