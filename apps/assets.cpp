@@ -1,8 +1,7 @@
-// Runs plot scripts with Debian's python3, and finds scenes.
+// Runs plot scripts with Debian's python3.
 #include "assets.h"
 
 #include "core/child_process.h"
-#include "core/error.h"
 #include "core/note.h"
 
 #include <fmt/format.h>
@@ -36,21 +35,6 @@ bool draw_with(const std::string& script, const std::vector<std::string>& paths)
     note(fmt::format("seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,
                      fmt::join(words, " ")));
     return false;
-}
-
-std::string scene_file(const std::string& word)
-{
-    const fs::path path(word);
-    std::error_code unreadable;
-    if (path.empty() || path.has_parent_path() || path.has_extension() || fs::exists(path, unreadable)) return word;
-    try {
-        for (const char* folder : {"", "reference"})
-            if (const fs::path file = assets_folder() / "scenes" / folder / (word + ".toml");
-                fs::is_regular_file(file, unreadable))
-                return file.string();
-    } catch (const Error&) {  // no scenes come with this program
-    }
-    return word;
 }
 
 }  // namespace seldinger::apps

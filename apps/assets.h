@@ -1,5 +1,5 @@
 #pragma once
-// The plot scripts and scenes that come with the program.
+// The plot scripts that come with the program.
 
 #include "core/assets.h"
 
@@ -12,8 +12,5 @@ namespace seldinger::apps {
 /// whatever is missing is one line on stderr with the command that draws them later.
 /// @return whether it was drawn
 bool draw_with(const std::string& script, const std::vector<std::string>& paths);
-
-/// The file of a scene that comes with the program, if `word` is its name (aortic-arch) and no file is called so here; else `word`.
-[[nodiscard]] std::string scene_file(const std::string& word);
 
 }  // namespace seldinger::apps

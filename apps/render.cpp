@@ -21,7 +21,6 @@
 
 #ifdef SEL_WITH_VIEW
     #include "pictures/render.h"
-    #include "scene/run_scene.h"
     #include "view/model_export.h"
 #endif
 
@@ -69,13 +68,6 @@ void set_look(const RenderArguments& options, RenderOptions& what)
     const auto per_length = options.force_max.find('/') != std::string::npos;
     if (per_length) what.load_max = parse_load("--force-max", options.force_max);
     else if (!options.force_max.empty()) what.force_max = parse_force("--force-max", options.force_max);
-    const Folder run(options.dir);
-    if (!run.has("scene.toml")) return;
-    try {
-        const SceneCArm arm = read_run_scene(run).carm;
-        what.patient = {arm.head.normalized(), arm.back.normalized()};
-    } catch (const Error&) {  // of another version, or without its mesh: a picture needs only the run's own files
-    }
 }
 
 /// All frames unless some are asked for.
@@ -86,7 +78,7 @@ ExitCode export_model(const RenderArguments& options, RenderOptions& what)
                     "--labels, --preview: of a picture; --gltf and --usd write none. Fix: run render once for each");
     const RunFolder run = read_run_folder(options.dir);
     if (what.first < 0) what.first = 0, what.last = static_cast<int>(run.frames.size()) - 1;
-    const AnimatedModel model = animated_model(run, frames_asked(what, run.frames.size()), what.patient);
+    const AnimatedModel model = animated_model(run, frames_asked(what, run.frames.size()), patient_of(options.dir));
     std::vector<std::filesystem::path> written;
     for (const auto& [file, write] : {std::pair{options.gltf, &write_gltf}, std::pair{options.usd, &write_usd}}) {
         if (file.empty()) continue;

@@ -1,10 +1,10 @@
 #pragma once
 // The options of `seldinger render --view fluoro`, combined with those of the run's scene.
 
+#include "pictures/xray.h"
 #include "render_frames.h"
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,15 +12,10 @@ namespace seldinger::apps {
 
 class CommandLine;
 
-/// Absent: what the scene's [carm] says, or its defaults.
-struct FluoroArguments {
-    std::vector<std::string> c_arm;  // a view each
+struct FluoroArguments : XrayOptions {
+    std::vector<std::string> arms;  // positions of the detector, a view each
     std::filesystem::path views;     // sweep of [carm] and [contrast], a view for each of its runs
-    std::optional<std::string> body, mask;
-    std::optional<double> sid, sod, field, kvp, kev, photons, blur;
-    std::optional<std::int64_t> seed;
-    std::string raw, dicom;
-    bool no_noise = false, no_contrast = false, logarithmic = false;
+    bool no_noise = false, no_contrast = false;
 
     void declare(CommandLine& command);
     /// The first option given that only --view fluoro takes, or empty.

@@ -3,7 +3,7 @@
 #include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
-#include "report_page.h"
+#include "report/report_page.h"
 
 #include <fmt/format.h>
 

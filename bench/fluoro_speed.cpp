@@ -6,7 +6,7 @@
 // Prints size, frames, seconds until the first picture, of the others the median and the slowest wall time and the mean processor
 // time [ms], and a hash of all grey levels.
 #include "core/error.h"
-#include "fluoro_scene.h"
+#include "pictures/fluoro_scene.h"
 #include "pictures/fluorography.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ double processor_clock() { return static_cast<double>(std::clock()) / CLOCKS_PER
 
 FluoroOptions options_of(const std::filesystem::path& dir, const std::string& angles, int size)
 {
-    FluoroOptions o = apps::fluoro_options(read_scene(dir / "scene.toml"));
+    FluoroOptions o = fluoro_options(read_scene(dir / "scene.toml"));
     o.arm.columns = o.arm.rows = size;
     o.turning.clear();
     set_angles(o.arm, angles);

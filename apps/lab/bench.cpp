@@ -138,7 +138,7 @@ ExitCode bench(const BenchArguments& options)
     if (list.empty())
         throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
     results.device =
-        list[static_cast<std::size_t>(options.device < 0 ? device::default_device(device::all_devices()) : options.device)];
+        list[static_cast<std::size_t>(options.device < 0 ? device::default_device() : options.device)];
     if (options.gpu) return bench_fleets(options);
     for (const auto& file : options.scenes) (void)read_scene(file);  // before minutes are spent on kernels
     results.chosen = options.device < 0 ? "default" : "asked for";

@@ -23,21 +23,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* fleet_scene = "scenes/study/thousand.toml";
 
-template <class T>
-T device_number(cl_device_id device, cl_device_info what)
-{
-    T value{};
-    clGetDeviceInfo(device, what, sizeof value, &value, nullptr);
-    return value;
-}
-
 Json describe(int index)
 {
-    const cl_device_id device = device::all_devices()[static_cast<std::size_t>(index)];
+    const device::DeviceDetails details = device::device_details(index);
     const DeviceInfo info = list_devices()[static_cast<std::size_t>(index)];
     return {{"index", index},
             {"name", info.name},
-            {"vendor", device::device_text(device, CL_DEVICE_VENDOR)},
+            {"vendor", details.vendor},
             {"platform", info.platform},
             {"type", info.type},
             {"version", info.version},
@@ -45,9 +37,9 @@ Json describe(int index)
             {"fp64", info.fp64},
             {"compute_units", info.compute_units},
             {"memory_bytes", info.memory_bytes},
-            {"local_memory_bytes", device_number<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE)},
-            {"clock_mhz", device_number<cl_uint>(device, CL_DEVICE_MAX_CLOCK_FREQUENCY)},
-            {"timer_ns", device_number<std::size_t>(device, CL_DEVICE_PROFILING_TIMER_RESOLUTION)}};
+            {"local_memory_bytes", details.local_memory_bytes},
+            {"clock_mhz", details.clock_mhz},
+            {"timer_ns", details.timer_ns}};
 }
 
 Json kernels_of(const FleetTiming& fleet)
@@ -93,7 +85,7 @@ Json row_of(const FleetTiming& fleet, const char* precision)
 std::optional<int> other_cpu(int device)
 {
     const std::vector<DeviceInfo> list = list_devices();
-    const int reference = device::default_device(device::all_devices());
+    const int reference = device::default_device();
     if (reference == device || list[static_cast<std::size_t>(reference)].type != "CPU") return std::nullopt;
     return reference;
 }
@@ -102,7 +94,7 @@ std::optional<int> other_cpu(int device)
 
 std::string measure_gpu(const GpuBench& how, const std::function<void(const std::string&)>& show, const std::function<bool()>& stop)
 {
-    const int device = how.device < 0 ? device::default_device(device::all_devices()) : how.device;
+    const int device = how.device < 0 ? device::default_device() : how.device;
     const std::optional<int> reference = other_cpu(device);
     Json out = {{"scene", fleet_scene}, {"commit", SELDINGER_COMMIT}, {"device", describe(device)}};
     out["reference"] = reference ? describe(*reference) : Json();

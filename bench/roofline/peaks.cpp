@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 
 namespace seldinger::device {
 
@@ -87,7 +88,7 @@ Peaks measure_peaks(Context& context, Queue queue, int repeats, int mega_bytes)
     Kernel nothing(context, file, "peak_nothing", Items::Short);
     peaks.launch = median_time(
         [&] {
-            nothing.launch(queue, 1, cl_uint{0}, data);
+            nothing.launch(queue, 1, std::uint32_t{0}, data);
             context.finish(queue);
         },
         repeats, least_time);
@@ -110,7 +111,7 @@ Peaks measure_peaks(Context& context, Queue queue, int repeats, int mega_bytes)
     constexpr int chain = 64;
     const double chained = median_time(
         [&] {
-            for (int k = 0; k < chain; ++k) nothing.launch(queue, 1, cl_uint{0}, data);
+            for (int k = 0; k < chain; ++k) nothing.launch(queue, 1, std::uint32_t{0}, data);
             context.finish(queue);
         },
         repeats, least_time);
@@ -118,7 +119,7 @@ Peaks measure_peaks(Context& context, Queue queue, int repeats, int mega_bytes)
     peaks.round_trip = median_time(
         [&] {
             context.write(queue, data, host.data(), host.size());
-            nothing.launch(queue, 1, cl_uint{0}, data);
+            nothing.launch(queue, 1, std::uint32_t{0}, data);
             context.read(queue, data, host.data(), host.size());
         },
         repeats, least_time);

@@ -318,6 +318,16 @@ class World:
         """
         return json.loads(self._world.task(int(system)))
 
+    @property
+    def task_table(self) -> dict[str, Any]:
+        """The scene's [task] with the keys of the scene file, as far as they are given; empty without one.
+
+        >>> import seldinger
+        >>> seldinger.World("swing", set=["task={time_s = 2.0, target = {point = [0.0, 0.0, 0.0], radius_m = 0.01}}"]).task_table
+        {'time_s': 2.0, 'target': {'point': [0.0, 0.0, 0.0], 'radius_m': 0.01}}
+        """
+        return self._world.task_table()
+
     def branch(self, system: int = 0) -> tuple[int, float]:
         """Branch of the vessel that the leading tip is in, numbered as `task.target.branch`, and how far behind its mouth [m];
         0: in a vessel that ends in a fork, or no centreline. `branch_path` names that vessel, too."""

@@ -12,7 +12,7 @@
 #include <pybind11/stl.h>
 
 #ifdef SEL_WITH_VIEW
-    #include "fluoro_scene.h"
+    #include "pictures/fluoro_scene.h"
     #include "pictures/labels.h"
     #include "xray/detector.h"
     #include "xray/fluoroscope.h"
@@ -81,7 +81,7 @@ class Fluoroscopy {
 public:
     Fluoroscopy(const Handle& handle, const Ask& ask, const Output& output)
         : width_(ask.width), height_(ask.height), angles_(ask.angles), field_(ask.field),
-          options_(apps::fluoro_options(handle.scene(), false)), scope_(tube_spectrum(options_.kvp))
+          options_(fluoro_options(handle.scene(), false)), scope_(tube_spectrum(options_.kvp))
     {
         const WorldSetup& setup = handle.world().setup();
         CArm& arm = options_.arm;
@@ -95,7 +95,7 @@ public:
         scope_.set_wall(setup.mesh);
         if (!options_.body.isZero()) scope_.set_body(options_.body);
         if (!options_.bone.empty()) scope_.set_bone(load_bone(options_));
-        for (int s = 0; s < handle.world().system_count(); ++s) matter_.push_back(apps::fluoro_options(handle.scene(s)).instruments);
+        for (int s = 0; s < handle.world().system_count(); ++s) matter_.push_back(fluoro_options(handle.scene(s)).instruments);
     }
 
     [[nodiscard]] bool fits(const Ask& ask) const

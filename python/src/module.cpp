@@ -110,6 +110,30 @@ py::dict centreline(const World& world)
     return made;
 }
 
+/// [task] with the keys of a scene file, as far as they are given.
+py::dict task_table(const TaskSpec& task)
+{
+    py::dict table;
+    if (!task.on) return table;
+    if (!task.text.empty()) table["text"] = task.text;
+    for (const auto& [key, limit] : {std::pair{"wall_force_n", task.wall_force}, std::pair{"patch_force_n", task.patch_force},
+                                     std::pair{"time_s", task.time}, std::pair{"fluoroscopy_s", task.fluoroscopy}})
+        if (limit > 0) table[key] = limit;
+    if (task.target == TaskSpec::Target::None) return table;
+    py::dict target;
+    if (!task.target_name.empty()) target["name"] = task.target_name;
+    if (task.target == TaskSpec::Target::Point) {
+        target["point"] = std::vector<double>{task.point.x(), task.point.y(), task.point.z()};
+        target["radius_m"] = task.radius;
+    } else {
+        if (task.branch_path.empty()) target["branch"] = task.branch;
+        else target["branch"] = task.branch_path;
+        target["beyond_m"] = task.beyond;
+    }
+    table["target"] = target;
+    return table;
+}
+
 void bind_world(py::module_& module)
 {
     py::class_<Handle> c(module, "World");
@@ -146,6 +170,7 @@ void bind_world(py::module_& module)
     });
     c.def("time", [](Handle& h) { return alone(h, [&] { return h.world().time(); }); });
     c.def("task", [](Handle& h, int system) { return alone(h, [&] { return task_json(h.world(), h.scene(), h.score(system)); }); });
+    c.def("task_table", [](Handle& h) { return task_table(h.scene().task); });
     c.def("branch", [](Handle& h, int system) {
         return alone(h, [&] {
             const Branches::Place place = h.branch(system);

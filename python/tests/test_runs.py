@@ -113,3 +113,13 @@ def test_a_task_goes_back_with_the_state(folder):
     assert world.task() == after
     with pytest.raises(seldinger.Error, match="no \\[task\\]"):
         seldinger.World("swing").task()
+
+
+@needs_command
+def test_the_table_of_a_task_is_that_of_the_scene(folder):
+    assert seldinger.World(folder / "t.toml").task_table == {"target": {"point": [0.03, 0.0, -0.005], "radius_m": 0.002}}
+    limits = ["task.wall_force_n=0.5", "task.time_s=3.0", 'task.target={name = "left", branch = 1, beyond_m = 0.002}']
+    table = seldinger.World("aortic-arch", set=limits).task_table
+    assert table == {"wall_force_n": 0.5, "time_s": 3.0, "target": {"name": "left", "branch": 1, "beyond_m": 0.002}}
+    assert seldinger.World("aortic-arch", set=["task=" + seldinger._toml.value(table)]).task_table == table
+    assert seldinger.World("swing").task_table == {}

@@ -43,14 +43,15 @@ const std::map<std::string, std::set<std::string>> below = {
     {"setup", {"scene", "io", "api", "wall", "rod", "repair", "shapes", "vessel", "math", "core"}},
     {"xray", {"vessel", "math", "core"}},
     {"view", {"io", "rod", "vessel", "math", "core"}},
-    {"pictures", {"view", "xray", "io", "repair", "vessel", "core"}},
+    {"pictures", {"view", "xray", "scene", "io", "repair", "vessel", "core"}},
     {"run", {"setup", "scene", "io", "world", "api", "contact", "solve", "wall", "nodes", "rod", "repair", "vessel", "math", "core"}},
-    {"record", {"run", "scene", "io", "api", "math", "core"}},
+    {"record", {"run", "setup", "scene", "io", "api", "math", "core"}},
     {"batch", {"record", "run", "setup", "scene", "io", "api", "vessel", "core"}},
     {"models", {"run", "setup", "scene", "api", "solve", "surface", "wall", "math", "core"}},
     {"plan", {"models", "core"}},
     {"lab", {"models", "run", "setup", "scene", "io", "api", "contact", "solve", "wall", "rod", "repair", "shapes", "vessel", "device", "math", "core"}},
     {"session", {"record", "run", "scene", "io", "api", "core"}},
+    {"report", {"session", "models", "view", "run", "scene", "io", "core"}},
 };
 
 // The rooms of engine/, and the folders of each. The first four are the engine; no folder of these may include the last three, which are
@@ -60,7 +61,7 @@ const std::map<std::string, std::set<std::string>> rooms = {
     {"bodies", {"rod", "nodes", "vessel", "shapes", "repair", "surface", "wall"}},
     {"physics", {"solve", "newton", "contact", "world", "stages"}},
     {"files", {"io", "scene", "setup", "run", "record"}},
-    {"pictures", {"xray", "view", "pictures"}},
+    {"pictures", {"xray", "view", "pictures", "report"}},
     {"studies", {"batch", "models", "plan", "lab"}},
     {"live", {"session"}},
 };
@@ -130,7 +131,7 @@ TEST_SUITE("core/includes")
                 found.insert(folder);
             }
         }
-        CHECK(found.size() == 28);
+        CHECK(found.size() == 29);
         for (const auto& [room, folders] : rooms) {
             if (optional_rooms.count(room)) continue;
             for (const std::string& folder : folders)
@@ -138,6 +139,28 @@ TEST_SUITE("core/includes")
                     for (const std::string& part : rooms.at(optional_room))
                         CHECK_MESSAGE(below.at(folder).count(part) == 0, folder << " may not include " << part << ", of an optional library");
         }
+    }
+
+    // what calls OpenCL must link it: the command and the Python extension link the engine alone
+    TEST_CASE("property: OpenCL is named in engine/base/device alone, and called nowhere else")
+    {
+        const fs::path root = SEL_SOURCE_DIR;
+        const std::regex included(R"(^\s*#\s*include\s*[<"](CL|OpenCL)/)"), named(R"(\b(cl_[a-z]+\w*|cl[A-Z]\w*\s*\(|CL_[A-Z]\w*))");
+        int seen = 0;
+        for (const char* folder : {"engine", "apps", "bench", "python/src", "tests", "docs/example"})
+            for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+                const std::string extension = entry.path().extension(), file = fs::relative(entry.path(), root).generic_string();
+                if ((extension != ".h" && extension != ".cpp") || file.starts_with("engine/base/device/")) continue;
+                ++seen;
+                const bool may_name = file.starts_with("engine/") || file.starts_with("tests/");  // its numbers are arguments of kernels
+                std::ifstream in(entry.path());
+                std::smatch match;
+                for (std::string line; std::getline(in, line);) {
+                    CHECK_MESSAGE(!std::regex_search(line, match, included), file << ": " << line);
+                    if (!may_name) CHECK_MESSAGE(!std::regex_search(line, match, named), file << ": names OpenCL: " << line);
+                }
+            }
+        REQUIRE(seen > 500);
     }
 
     // that list is read by a build of its own, which plain builds never configure

@@ -15,7 +15,8 @@ HEADINGS = ["Added", "Changed", "Fixed", "Removed"]
 LINE = 160                                                            # characters; two lines are no limit without one
 NAMES_VERSIONS = {"CMakeLists.txt", "CITATION.cff", "CHANGELOG.md"}   # the others ask CMakeLists.txt
 PLACEHOLDER = "forge" + ".invalid"                                    # RFC 2606: a name that never leads anywhere
-HAS_ADDRESS = {"cmake/Package.cmake", "pyproject.toml", "SECURITY.md"}
+HAS_ADDRESS = {"pyproject.toml"}                                      # the others read it there, or name the file
+LONGEST = 60                                                          # lines of the newest version, which somebody is to read
 TEXT = {"", ".cff", ".cmake", ".cpp", ".def", ".h", ".html", ".in", ".js", ".json", ".md", ".py", ".pyi", ".sh", ".toml", ".txt", ".yml"}
 ASIDE = re.compile(r"\.git|\..*cache|build.*|out|results")            # folders of measured rows and of what is built
 
@@ -34,6 +35,9 @@ def texts(folder, root):
 def read_changelog(text):
     """([(version, date or None)], complaints)"""
     versions, sections, entry_lines, complaints = [], [], 0, []
+    newest = re.split(r"^## ", text, flags=re.MULTILINE)[1:2]
+    if newest and (lines := newest[0].rstrip().count("\n") + 1) > LONGEST:
+        complaints.append(f"CHANGELOG.md: the newest version has {lines} lines; expected at most {LONGEST}. Fix: say what a user needs to know")
     for number, line in enumerate(text.splitlines(), 1):
         complain = lambda what: complaints.append(f"CHANGELOG.md:{number}: {what}")
         if len(line) > LINE:
@@ -60,6 +64,8 @@ def read_changelog(text):
                 complain("expected an entry of at most two lines, in a section. Fix: shorten it, or make two of it")
     if versions and not sections:
         complaints.append(f"CHANGELOG.md: {versions[-1][0]} has no section")
+    if sum(date is None for _, date in versions) > 1:
+        complaints.append("CHANGELOG.md: several versions are unreleased; expected one, the next")
     numbers = [tuple(map(int, version.split("."))) for version, _ in versions]
     if not numbers or numbers != sorted(set(numbers), reverse=True):
         complaints.append("CHANGELOG.md: expected each version once, the newest first")
@@ -97,12 +103,11 @@ def check_elsewhere(files, versions):
 
 
 def check_address(files, released):
-    address = tomllib.loads(files["pyproject.toml"])["project"]["urls"]["Repository"]
-    if files["SECURITY.md"].count(address) != 1:
-        yield f"SECURITY.md: expected {address}, of pyproject.toml, once"
+    if "`Repository` in [pyproject.toml](pyproject.toml)" not in files["SECURITY.md"]:
+        yield "SECURITY.md: expected `Repository` in [pyproject.toml](pyproject.toml), the address for private reports"
     left = {path: text.count(PLACEHOLDER) for path, text in files.items() if PLACEHOLDER in text}
     if left and left != dict.fromkeys(HAS_ADDRESS, 1):
-        yield f"the placeholder {PLACEHOLDER} is in {left}; expected once in each of {sorted(HAS_ADDRESS)}, or nowhere"
+        yield f"the placeholder {PLACEHOLDER} is in {left}; expected once, in {sorted(HAS_ADDRESS)}, or nowhere"
     if left and released:
         yield f"a version is released, and {sorted(left)} still have the placeholder {PLACEHOLDER}"
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """What an attacker finds in a program that was built: hardening.py SOURCE_FOLDER BUILD_FOLDER FILE ...
 
-For each file (command, Python extension): its table of functions is read-only after the start, the stack is never executed, checks of the
-stack and of buffers are called, and no path of the source or build folder is in it but that of the assets. Exit 77 without readelf.
+For each file (command, library, Python extension): its table of functions is read-only after the start, the stack is never executed, checks
+of the stack and of buffers are called, and no path of the source or build folder is in it. Exit 77 without readelf.
 """
 import re
 import shutil
@@ -29,13 +29,13 @@ def faults(path, source, build):
         yield "no buffer is checked; expected -D_FORTIFY_SOURCE=2"
     data = Path(path).read_bytes()
     # A compiler may cut a name into pieces of 16 bytes and lay other text behind them, so a path counts by what the folder really holds.
-    inside = {entry.name for entry in Path(source).iterdir()} - {"assets"}
+    inside = {entry.name for entry in Path(source).iterdir()}
     paths = {m[0].decode("utf-8", "replace") for m in re.finditer(re.escape(source.encode()) + rb"/[\w.+-]+", data)}
     found = {p for p in paths if p[len(source) + 1:] in inside}
     if Path(source) not in Path(build).parents:
         found |= {build for _ in re.finditer(re.escape(build.encode()) + b"/", data)}
     if found:
-        yield f"{len(found)} paths of the machine that built it, {min(found)} among them; expected {source}/assets alone"
+        yield f"{len(found)} paths of the machine that built it, {min(found)} among them; expected none"
 
 
 def main():

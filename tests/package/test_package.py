@@ -6,6 +6,7 @@ installation document says to install. There the front page's scene is run and d
 package computes what a native build computes. As root only (chroot). Exit 77, which ctest shows as Skipped, where something is missing.
 """
 import argparse
+import gzip
 import os
 import re
 import shutil
@@ -157,6 +158,32 @@ def check_variants(system, words, out):
     print(f"  plain x86-64: {check_run(system, words, out, **environment):.1f} s, the same state")
 
 
+def check_documents(share):
+    """Man page, completion, and the site with the page that each of its links names."""
+    manual = gzip.decompress((share / "man/man1/seldinger.1.gz").read_bytes()).decode()
+    expect(manual.startswith(".TH SELDINGER 1") and ".SS run\n" in manual, "the man page has no command run")
+    expect("complete -o" in (share / "bash-completion/completions/seldinger").read_text(), "no bash completion")
+    site = share / "doc/seldinger/html"
+    pages = sorted(site.rglob("*.html"))
+    expect(len(pages) > 10 and (site / "index.html") in pages, f"{site}: {len(pages)} pages")
+    size = sum(f.stat().st_size for f in site.rglob("*") if f.is_file())
+    print(f"  man page, bash completion, {len(pages)} pages ({size / 1e6:.1f} MB)")
+
+
+def check_consumer(system):
+    """docs/example against the installed library, with a compiler and CMake and no other library's headers."""
+    system.install("g++", "cmake", "make")
+    shutil.copytree(SOURCE / "docs/example", system.root / "opt/example")
+    start = time.monotonic()
+    system.run("cmake", "-S", "/opt/example", "-B", "example", "-DCMAKE_BUILD_TYPE=Release")
+    system.run("cmake", "--build", "example")
+    said = system.run("example/recorded_run", "recorded")
+    expect(f"state {golden_hash()}\n" in said, f"the C++ example: {said}")
+    for picture in ("picture.png", "fluoro.png"):
+        expect((system.root / "home/user/recorded" / picture).stat().st_size > 10000, f"the C++ example's {picture} looks empty")
+    print(f"  C++ example built and run in {time.monotonic() - start:.1f} s, the same state")
+
+
 def test_wheel(packages, folder):
     wheels = list(packages.glob("seldinger-*.whl"))
     expect(len(wheels) == 1, f"{packages}: {len(wheels)} wheels; expected one. Fix: ./dev package wheel")
@@ -198,6 +225,7 @@ def test_deb(packages, folder):
         found = subprocess.run(["lintian", "--allow-root", "--fail-on", "error", str(debs[0])], capture_output=True, text=True)
         print("  lintian: " + (found.stdout.strip().replace("\n", "\n    ") or "nothing"))
         expect(found.returncode == 0, "lintian finds errors")
+    check_documents(folder / "unpacked/usr/share")
     system = System(folder / "root")
     shutil.copy(debs[0], system.root / "opt")
     start = time.monotonic()
@@ -208,6 +236,7 @@ def test_deb(packages, folder):
     system.install(*OPENGL)
     print(f"  apt-get install {install:.1f} s, run {seconds:.1f} s, picture {check_picture(system, ['seldinger'], 'demo'):.1f} s")
     check_variants(system, ["seldinger"], "demo-plain")
+    check_consumer(system)
     return system.root / "home/user/demo/picture.png"
 
 

@@ -1,5 +1,4 @@
-// Looks for the assets folder: environment, beside the program, beside the shared library or, of a static one, in the source tree and
-// where it was installed.
+// Looks for the assets folder: environment, around the shared library, around the program.
 #include "core/assets.h"
 
 #include "core/error.h"
@@ -36,26 +35,26 @@ bool is_ours(const fs::path& place, const fs::path& program)
     }
 }
 
-/// Folders to look in for a program that is linked with the library.
-std::vector<fs::path> places_of_library()
+/// Adds the folders to look in around a program or a library: it may be PREFIX/lib/x86_64-linux-gnu/glibc-hwcaps/x86-64-v3/libseldinger.so.
+void add_places_around(const fs::path& file, std::vector<fs::path>& places)
 {
-#if defined(SEL_SOURCE_ASSETS)
-    return {SEL_SOURCE_ASSETS, SEL_INSTALLED_ASSETS};
-#else
-    Dl_info code{};
-    std::error_code unreadable;
-    if (::dladdr(reinterpret_cast<const void*>(&places_of_library), &code) == 0) return {};
-    const fs::path library = fs::canonical(code.dli_fname, unreadable);
-    std::vector<fs::path> places;
-    // PREFIX/lib/x86_64-linux-gnu/glibc-hwcaps/x86-64-v3/libseldinger.so at most
-    fs::path around = library;
+    fs::path around = file;
     for (int up = 0; up < 5 && around.has_relative_path(); ++up) {
         around = around.parent_path();
         for (const fs::path& beside : {around / "assets", around / "share" / "seldinger"})
-            if (is_ours(beside, library)) places.push_back(beside);
+            if (is_ours(beside, file)) places.push_back(beside);
     }
-    return places;
-#endif
+}
+
+/// The shared library that this is in; empty in a program that has the engine in it.
+fs::path own_library()
+{
+    Dl_info code{};
+    std::error_code unreadable;
+    if (::dladdr(reinterpret_cast<const void*>(&own_library), &code) == 0) return {};
+    // of a program it is what the shell was given, which may name another file here
+    const fs::path named(code.dli_fname);
+    return named.is_absolute() ? fs::canonical(named, unreadable) : fs::path();
 }
 
 }  // namespace
@@ -65,17 +64,28 @@ fs::path assets_folder()
     std::vector<fs::path> places;
     std::error_code unreadable;
     if (const char* named = std::getenv("SELDINGER_ASSETS")) places.emplace_back(named);
-    const fs::path program = fs::read_symlink("/proc/self/exe", unreadable), around = program.parent_path().parent_path();
-    if (!program.empty())
-        for (const fs::path& beside : {around / "assets", around / "share" / "seldinger"})
-            if (is_ours(beside, program)) places.push_back(beside);
-    for (const fs::path& place : places_of_library()) places.push_back(place);
+    add_places_around(own_library(), places);
+    add_places_around(fs::read_symlink("/proc/self/exe", unreadable), places);
     for (const fs::path& place : places)
         if (fs::exists(place / "scenes", unreadable)) return place;
     throw Error(ExitCode::BadFile,
                 fmt::format("the program's scenes were not found beside it; set SELDINGER_ASSETS to the project's "
                             "folder \"assets\" (looked in {})",
                             places.empty() ? std::string("no folder: none lies beside it") : places.front().string()));
+}
+
+std::string scene_file(const std::string& word)
+{
+    const fs::path path(word);
+    std::error_code unreadable;
+    if (path.empty() || path.has_parent_path() || path.has_extension() || fs::exists(path, unreadable)) return word;
+    try {
+        for (const char* folder : {"", "reference"})
+            if (const fs::path file = assets_folder() / "scenes" / folder / (word + ".toml"); fs::is_regular_file(file, unreadable))
+                return file.string();
+    } catch (const Error&) {  // no scenes come with this program
+    }
+    return word;
 }
 
 }  // namespace seldinger

@@ -331,14 +331,14 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept
     return *this;
 }
 
-bool Kernel::is_new(cl_uint index, const void* value, std::size_t size)
+void Kernel::set(cl_uint index, const void* value, std::size_t size, const void* seen, std::size_t seen_size)
 {
     if (index >= arguments_.size()) arguments_.resize(index + 1);
     Argument& last = arguments_[index];
-    if (last.size == size && std::memcmp(last.bytes, value, size) == 0) return false;
-    last.size = size;
-    std::memcpy(last.bytes, value, size);
-    return true;
+    if (last.size == seen_size && std::memcmp(last.bytes, seen, seen_size) == 0) return;
+    last.size = seen_size;
+    std::memcpy(last.bytes, seen, seen_size);
+    CL_CHECK(clSetKernelArg(kernel_, index, size, value));
 }
 
 }  // namespace seldinger::device

@@ -154,19 +154,18 @@ private:
     }
     void set(cl_uint index, const Buffer& buffer)
     {
-        cl_mem memory = buffer.handle();
+        const cl_mem memory = buffer.handle();
         const std::uint64_t id = buffer.id();
-        if (is_new(index, &id, sizeof id))
-            CL_CHECK(clSetKernelArg(kernel_, index, sizeof memory, &memory));  // NOLINT(bugprone-sizeof-expression): the handle
+        set(index, &memory, sizeof memory, &id, sizeof id);  // NOLINT(bugprone-sizeof-expression): the handle
     }
     template <class T>
     void set(cl_uint index, const T& value)
     {
         static_assert(sizeof value <= sizeof(Argument::bytes));
-        if (is_new(index, &value, sizeof value)) CL_CHECK(clSetKernelArg(kernel_, index, sizeof value, &value));
+        set(index, &value, sizeof value, &value, sizeof value);
     }
-    /// Notes what an argument is set to. @return it was something else
-    bool is_new(cl_uint index, const void* value, std::size_t size);
+    /// @param seen,seen_size  by which a value is known to be that of the last launch
+    void set(cl_uint index, const void* value, std::size_t size, const void* seen, std::size_t seen_size);
 
     /// What an argument was last set to: bytes of a value, or the id of a buffer.
     struct Argument {

@@ -23,6 +23,15 @@ constexpr std::string_view pocl = "Portable Computing Language";
 /// ends the process by a signal.
 SystemNeeds needs_of_opencl() { return {"OpenCL", std::size_t{700} << 20, library_threads("POCL_MAX_PTHREAD_COUNT") + 2}; }
 
+/// 0 where the device does not answer.
+template <class T>
+T device_number(cl_device_id device, cl_device_info what)
+{
+    T value{};
+    clGetDeviceInfo(device, what, sizeof value, &value, nullptr);
+    return value;
+}
+
 }  // namespace
 
 std::vector<cl_device_id> all_devices()
@@ -105,6 +114,16 @@ int default_device(const std::vector<cl_device_id>& devices)
     return pool == devices.end() ? 0 : static_cast<int>(pool - devices.begin());
 }
 
+int default_device() { return default_device(all_devices()); }
+
+DeviceDetails device_details(int index)
+{
+    const cl_device_id device = all_devices().at(static_cast<std::size_t>(index));
+    return {device_text(device, CL_DEVICE_VENDOR), device_number<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE),
+            device_number<cl_uint>(device, CL_DEVICE_MAX_CLOCK_FREQUENCY),
+            device_number<std::size_t>(device, CL_DEVICE_PROFILING_TIMER_RESOLUTION)};
+}
+
 }  // namespace seldinger::device
 
 namespace seldinger {
@@ -119,15 +138,10 @@ std::vector<DeviceInfo> list_devices()
         info.version = device::device_text(id, CL_DEVICE_VERSION);
         info.driver = device::device_text(id, CL_DRIVER_VERSION);
         info.fp64 = device::device_text(id, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
-        cl_device_type type = 0;
-        clGetDeviceInfo(id, CL_DEVICE_TYPE, sizeof type, &type, nullptr);
+        const auto type = device::device_number<cl_device_type>(id, CL_DEVICE_TYPE);
         info.type = type & CL_DEVICE_TYPE_GPU ? "GPU" : type & CL_DEVICE_TYPE_CPU ? "CPU" : "accelerator";
-        cl_uint units = 0;
-        clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, nullptr);
-        info.compute_units = static_cast<int>(units);
-        cl_ulong memory = 0;
-        clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, nullptr);
-        info.memory_bytes = memory;
+        info.compute_units = static_cast<int>(device::device_number<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS));
+        info.memory_bytes = device::device_number<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
         info.platform = device::platform_name(id);
         list.push_back(info);
     }

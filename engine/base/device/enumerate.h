@@ -3,6 +3,8 @@
 
 #include <CL/cl.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +26,17 @@ enum class PoclDevice { None, Caller, Pool };
 
 /// PoCL's threaded CPU device where present (the built-in default), else the first device.
 [[nodiscard]] int default_device(const std::vector<cl_device_id>& devices);
+/// Of all devices.
+[[nodiscard]] int default_device();
+
+/// What a benchmark says of a device beside its DeviceInfo.
+struct DeviceDetails {
+    std::string vendor;
+    std::uint64_t local_memory_bytes = 0;
+    std::uint32_t clock_mhz = 0;
+    std::size_t timer_ns = 0;
+};
+[[nodiscard]] DeviceDetails device_details(int index);
 
 /// @throws Error NoDevice when there is no such device; -1, the default, always passes
 void check_device_index(int index);

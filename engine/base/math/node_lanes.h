@@ -16,7 +16,8 @@ inline const Vec4d& block(const double* p) { return *reinterpret_cast<const Vec4
 /// From anywhere. (Not returned: without AVX there is no register for it, and g++ warns.)
 inline void read_block(const double* p, Vec4d& to) { std::memcpy(&to, p, sizeof to); }
 
-inline Vec4d magnitude(const Vec4d& v) { return v < 0 ? -v : v; }
+// how a vector is returned depends on the processor that a file is compiled for
+inline __attribute__((always_inline)) Vec4d magnitude(const Vec4d& v) { return v < 0 ? -v : v; }
 
 inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), std::max(v[1], v[3])); }
 

@@ -315,12 +315,4 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
     return setup;
 }
 
-LoadedScene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides)
-{
-    const Scene scene = read_scene(file, overrides);
-    LoadedScene loaded{make_setup(scene), {}, scene.dt, scene.duration};
-    for (int k = 0; k < scene.instrument_count(); ++k) loaded.keys.push_back(scene.instrument(k).feed.keys);
-    return loaded;
-}
-
 }  // namespace seldinger

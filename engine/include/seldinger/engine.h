@@ -15,6 +15,7 @@
 #include "model.h"
 #include "output.h"
 #include "rod/rod_view.h"
+#include "task.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -31,7 +32,8 @@ struct DeviceCounts {
     std::uint64_t launches = 0, reads = 0, writes = 0, buffers_created = 0, programs_built = 0;
 };
 
-struct WorldData;  // the engine's own
+struct WorldData;    // the engine's own
+struct SceneSource;  // likewise
 
 class World {
 public:
@@ -141,10 +143,12 @@ struct LoadedScene {
     WorldSetup setup;
     std::vector<std::vector<FeedKey>> keys;  // of each hub: control.follow(k, scene.keys[k]); empty: it is not fed
     double dt = 0, duration = 0;             // [s]
+    TaskSpec task;                           // task.on: whether the scene has a [task]
+    std::shared_ptr<const SceneSource> source;  // for a Recording (record/recording.h)
 };
 
-/// Reads a scene (docs/scene-file.md) and loads its vessel. @param overrides  as of --set, "table.key=value"
-/// @throws Error BadFile, BadScene
+/// Reads a scene (docs/scene-file.md) and loads its vessel. @param file  or the name of a scene that comes with the program, "aortic-arch"
+/// @param overrides  as of --set, "table.key=value"  @throws Error BadFile, BadScene
 [[nodiscard]] LoadedScene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 [[nodiscard]] std::vector<DeviceInfo> list_devices();

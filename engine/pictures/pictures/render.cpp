@@ -7,8 +7,11 @@
 #include "io/png_write.h"
 #include "pictures/label_files.h"
 #include "pictures/label_sheet.h"
+#include "scene/run_scene.h"
+#include "view/frame_range.h"
 #include "view/legend.h"
 #include "view/run_folder.h"
+#include "view/viewpoint.h"
 #include "xray/mesh_paths.h"
 
 #include <fmt/format.h>
@@ -35,7 +38,7 @@ Look look_of(const RenderOptions& options, const RunFolder& run, const RunReach&
     look.inset = look.ruler = options.from != ViewFrom::Endoscopic;
     look.target = run.target;
     look.cube = options.from != ViewFrom::Endoscopic;
-    look.head = options.patient.head, look.back = options.patient.back;
+    look.head = options.patient->head, look.back = options.patient->back;
     if (options.ground != Ground::Shaded) look.background_top = look.background_bottom = 0xffffff;
     if (options.force_max > 0) look.force_scale = options.force_max;
     else if (options.load_max > 0) look.load_scale = options.load_max;
@@ -65,7 +68,7 @@ public:
     Drawing(const std::filesystem::path& dir, const RenderOptions& options, const RunFolder& run, RunReach reach)
         : options_(options), run_(run), renderer_(options.width, options.height, look_of(options, run, reach))
     {
-        scenery_ = {&run.wall, std::move(reach.nodes), options.patient, run.frames.front().time, run.frames.back().time};
+        scenery_ = {&run.wall, std::move(reach.nodes), *options.patient, run.frames.front().time, run.frames.back().time};
         renderer_.set_wall(run.wall);
         if (options.wall) renderer_.set_wall_scale(wall_scale(run, dir, options));
     }
@@ -137,12 +140,26 @@ void draw_sheet(Drawing& drawing, const RenderOptions& options, const FrameRange
 
 }  // namespace
 
+PatientAxes patient_of(const std::filesystem::path& dir)
+{
+    const Folder run(dir);
+    if (!run.has("scene.toml")) return {};
+    try {
+        const SceneCArm arm = read_run_scene(run).carm;
+        return {arm.head.normalized(), arm.back.normalized()};
+    } catch (const Error&) {  // of another version, or without its mesh: a picture needs only the run's own files
+        return {};
+    }
+}
+
 bool legend_fits(int width, int height) { return !lay_out_sheet(width, height, Look{}).panel_dropped; }
 
-PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& options, const FrameProgress& progress)
+PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& asked, const FrameProgress& progress)
 {
     const auto start = Clock::now();
     const RunFolder run = read_run_folder(dir);
+    RenderOptions options = asked;
+    if (!options.patient) options.patient = patient_of(dir);
     if (!options.film.empty() && options.ground == Ground::Transparent)
         throw Error(ExitCode::BadScene, "--video: a film cannot be transparent; take --background white, or pictures");
     const FrameRange range = frames_asked(options, run.frames.size());

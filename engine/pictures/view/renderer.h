@@ -5,6 +5,7 @@
 // wall is glass with a rim. What another tube's far wall still hides is drawn through it as a ghost.
 
 #include "view/camera.h"
+#include "view/view_from.h"
 
 #include <cstdint>
 #include <limits>
@@ -34,9 +35,6 @@ struct ContactMark {
     Vec3 friction = Vec3::Zero();     // on `instrument` [N]
     int instrument = 0, other = -1;   // indices into WireFrame::wires: what lies on what, -1: the wall (`other`), not recorded
 };
-
-/// What a wall that has moved is coloured by.
-enum class WallQuantity { Displacement, Stress };
 
 /// A wall where it has moved to.
 struct MovedWall {

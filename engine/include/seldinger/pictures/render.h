@@ -1,8 +1,10 @@
 #pragma once
-// `seldinger render`: pictures of a run from the files it wrote. To draw live state, use renderer.h.
+// `seldinger render`: pictures of a run from the files it wrote. To draw a world of your own, record it (record/recording.h).
+//
+//     seldinger::render_run("out", {});                      // out/picture.png
 
-#include "view/frame_range.h"
-#include "view/viewpoint.h"
+#include "view/frame_choice.h"
+#include "view/view_from.h"
 
 #include <filesystem>
 #include <optional>
@@ -15,7 +17,7 @@ enum class Ground { Shaded, White, Transparent };
 struct RenderOptions : FrameChoice {
     ViewFrom from = ViewFrom::Auto;
     CameraMotion motion;
-    PatientAxes patient;
+    std::optional<PatientAxes> patient;  // none: as the run's scene says, [carm] head and back
     Ground ground = Ground::Shaded;
     bool legend = true;
     double load_max = 0;  // at the top of the scale of contact force per length, which colours the wire [N/m]; 0: as force_max
@@ -24,6 +26,9 @@ struct RenderOptions : FrameChoice {
     double wall_max = 0;               // at the top of its scale [m] or [Pa]; 0: a round number above the run's largest
     double force_max = 0;              // at the top of the scale of contact force [N]; > 0: contacts are coloured, not the wire
 };
+
+/// How the patient of a run lies: as its scene says, else as by default.
+[[nodiscard]] PatientAxes patient_of(const std::filesystem::path& dir);
 
 /// Whether scale and legend have room on a picture of this size: letters of six pixels at least.
 [[nodiscard]] bool legend_fits(int width, int height);

@@ -1,5 +1,5 @@
 // Puts a report together: the page of assets/web/report.html with its scripts, and the run's numbers as JSON and base64.
-#include "report_page.h"
+#include "report/report_page.h"
 
 #include "batch/sweep.h"
 #include "core/assets.h"
@@ -9,6 +9,7 @@
 #include "io/json_text.h"
 #include "io/vtp_read.h"
 #include "models/result_table.h"
+#include "run/summary.h"
 #include "scene/run_scene.h"
 #include "session/web_content.h"
 
@@ -24,7 +25,7 @@
     #include "view/run_folder.h"
 #endif
 
-namespace seldinger::apps {
+namespace seldinger {
 namespace {
 
 namespace fs = std::filesystem;
@@ -288,4 +289,4 @@ std::string report_page(const fs::path& path)
     return page;
 }
 
-}  // namespace seldinger::apps
+}  // namespace seldinger

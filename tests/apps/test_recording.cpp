@@ -1,0 +1,150 @@
+// A program's own loop over a scene, recorded: the files are those of `seldinger run`.
+
+#include "apps/app_fixture.h"
+#include "core/error.h"
+#include "record/recording.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace test_recording {
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+const char* const task_scene = R"([scene]
+name = "task"
+duration_s = 0.2
+dt_s = 0.002
+record_every = 5
+[wire]
+length_m = 0.1
+radius_m = 0.0004
+density = 7900.0
+bend_nm2 = 1.0e-5
+twist_nm2 = 8.0e-6
+stretch_n = 1.0e4
+nodes = 41
+[vessel]
+shape = "tube"
+radius_m = 0.005
+length_m = 0.1
+triangles = 2000
+[feed]
+point = [0.0, 0.0, -0.0035]
+direction = [1.0, 0.0, -0.2]
+keys = [ {t_s = 0.0, advance_m = 0.004}, {t_s = 0.2, advance_m = 0.034} ]
+[task]
+text = "touch it"
+wall_force_n = 5.0
+target = { name = "the mark", point = [0.025, 0.0, -0.005], radius_m = 0.002 }
+[output]
+wire_every = 10
+)";
+
+/// trace.csv without what is measured by the clock.
+std::string trace_of(const fs::path& dir)
+{
+    std::istringstream lines(slurp(dir / "trace.csv"));
+    std::string out, line;
+    std::size_t column = std::string::npos;
+    while (std::getline(lines, line)) {
+        std::vector<std::string> cells;
+        std::istringstream row(line);
+        for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+        if (column == std::string::npos) column = static_cast<std::size_t>(std::ranges::find(cells, "step_ms") - cells.begin());
+        REQUIRE(column < cells.size());
+        cells.erase(cells.begin() + static_cast<long>(column));
+        out += fmt::format("{}\n", fmt::join(cells, ","));
+    }
+    return out;
+}
+
+template <class Call>
+std::string refused(const Call& call)
+{
+    try {
+        call();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "nothing was refused";
+}
+
+}  // namespace
+
+TEST_SUITE("apps/recording")
+{
+    TEST_CASE("property: a recorded loop writes the files of a run, and follows its task")
+    {
+        const ScratchFolder folder;
+        const fs::path file = folder.write("t.toml", task_scene), ours = folder.path / "ours", theirs = folder.path / "theirs";
+        REQUIRE(run_app(folder, "run t.toml -o theirs --error-estimate off --quiet").code == 0);
+        const LoadedScene scene = load_scene(file);
+        CHECK(scene.task.on);
+        CHECK(scene.task.text == "touch it");
+        CHECK(scene.task.target == TaskSpec::Target::Point);
+        CHECK(scene.task.target_name == "the mark");
+        CHECK(scene.task.point == Vec3(0.025, 0, -0.005));
+        CHECK(scene.task.wall_force == 5.0);
+
+        World world(scene.setup);
+        Recording recording(scene, world, ours);
+        CHECK_FALSE(recording.task().reached);
+        CHECK(recording.task().distance > 0.01);
+        Control control;
+        control.follow(0, scene.keys[0]);
+        while (world.time() < scene.duration - 0.5 * scene.dt) recording.stepped(world, step(world, control, scene.dt));
+        const nlohmann::json mine = nlohmann::json::parse(recording.finish(world)), run = nlohmann::json::parse(slurp(theirs / "summary.json"));
+
+        CHECK(mine["state_hash"] == run["state_hash"]);
+        CHECK(mine["task"] == run["task"]);
+        CHECK(trace_of(ours) == trace_of(theirs));
+        for (const char* same : {"scene.toml", "wire.csv", "wire.pvd", "wire_000100.vtp", "vessel.vtp"}) {
+            CAPTURE(same);
+            CHECK(slurp(ours / same) == slurp(theirs / same));
+        }
+        const TaskProgress progress = recording.task();
+        CHECK(progress.reached);
+        CHECK(progress.verdict == "passed");
+        CHECK(progress.reached_at == run["task"]["reached_at_s"].get<double>());
+        CHECK(progress.inserted_at == run["task"]["reached_at_m"].get<double>());
+        CHECK(progress.distance == 0);
+    }
+
+    TEST_CASE("property: a scene that comes with the program is found by its name, as the command finds it")
+    {
+        const ScratchFolder folder;
+        const LoadedScene swing = load_scene("swing");
+        CHECK_FALSE(swing.task.on);
+        World world(swing.setup);
+        CHECK(world.wire_count() == 1);
+        CHECK(refused([] { (void)load_scene("swong"); }).find("swong") == 0);
+        CHECK(load_scene("swing", {"scene.dt_s=0.0005"}).dt == 0.0005);
+    }
+
+    TEST_CASE("property: what is no record of a run is refused")
+    {
+        const ScratchFolder folder;
+        const LoadedScene scene = load_scene(folder.write("t.toml", task_scene));
+        World world(scene.setup);
+        const fs::path dir = folder.path / "out";
+        Recording recording(scene, world, dir);
+        CHECK(refused([&] { Recording(scene, world, dir); }).find("holds a run already") != std::string::npos);
+        CHECK_NOTHROW(Recording(scene, world, dir, true));
+        CHECK(refused([&] { Recording(LoadedScene{scene.setup, scene.keys, scene.dt, scene.duration, {}, {}}, world, dir, true); }) ==
+              "Recording: got a scene that was not read; expected what load_scene() returned");
+
+        (void)step(world, scene.dt);  // not recorded
+        StepReport report = step(world, scene.dt);
+        CHECK(refused([&] { recording.stepped(world, report); }) ==
+              "Recording: got a step of 0.004 s; expected 0.002 s, dt of the scene. Fix: record every step");
+        report.flags |= StepNotConverged;
+        CHECK(refused([&] { recording.stepped(world, report); }).find("a step that failed (flags 2)") != std::string::npos);
+    }
+}
+
+}  // namespace test_recording
