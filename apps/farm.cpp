@@ -139,7 +139,7 @@ std::pair<Folder, FarmPlan> make_farm(const FarmArguments& options)
     make_folder(options.dir);
     Folder dir(options.dir);
     // one after the other: a task that another command's worker has begun would be waiting once more
-    const FileLock one_at_a_time = FileLock::of_file(dir / "farm.json", FileLock::Wait::Yes);
+    const FileLock one_at_a_time = FileLock::of_file(dir / "farm.json", std::chrono::hours(1));
     if (!frames && !dir.has("farm.json")) {
         if (dir.has("results.csv")) throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
         write_file(dir / "farm-scene.toml", scene_text);

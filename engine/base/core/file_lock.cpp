@@ -15,6 +15,7 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -57,9 +58,10 @@ long holder(int fd)
 }
 
 /// @return a descriptor that holds the lock; -1 where the file system knows no locks
-int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
+int take(const fs::path& what, const FilePlace& lock, std::chrono::milliseconds patience)
 {
-    for (;;) {
+    constexpr std::chrono::milliseconds pause{20};  // between two tries
+    for (;; patience -= pause) {
         const int fd = ::openat(lock.start(), lock.name().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
         if (fd < 0 && errno == ELOOP) refuse(lock);
         if (fd < 0)
@@ -71,11 +73,15 @@ int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
             ::close(fd);
             refuse(lock);
         }
-        if (::flock(fd, wait == FileLock::Wait::Yes ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
+        if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
             const int error = errno;
             ::close(fd);
             if (error == EINTR) continue;
             if (error != EWOULDBLOCK) return -1;
+            if (patience > pause) {
+                std::this_thread::sleep_for(pause);
+                continue;
+            }
             throw Error(ExitCode::BadFile, fmt::format("{}: is being written by another run{}; wait for its end, stop it, or "
                                                        "choose another place with -o",
                                                        what.string(), by == unnamed ? "" : fmt::format(", process {}", by)));
@@ -100,9 +106,9 @@ pid_t writer_of(const std::string& name)
 
 }  // namespace
 
-FileLock::FileLock(const fs::path& what, FilePlace lock, Wait wait) : lock_(std::move(lock))
+FileLock::FileLock(const fs::path& what, FilePlace lock, std::chrono::milliseconds patience) : lock_(std::move(lock))
 {
-    fd_ = take(what, lock_, wait);
+    fd_ = take(what, lock_, patience);
     if (fd_ < 0) return;
     const std::string pid = fmt::format("{}\n", ::getpid());
     // whom to name is a help and no more: a full disk may leave it out
@@ -131,11 +137,11 @@ FileLock FileLock::of_folder(const Folder& folder)
     return lock;
 }
 
-FileLock FileLock::of_file(const FilePlace& file, Wait wait)
+FileLock FileLock::of_file(const FilePlace& file, std::chrono::milliseconds patience)
 {
     const fs::path& path = file.path();
     if (file.start() == AT_FDCWD && path.has_parent_path()) make_folder(path.parent_path());
-    return {path, file.beside(path.filename().string() + ".lock"), wait};
+    return {path, file.beside(path.filename().string() + ".lock"), patience};
 }
 
 FileLock::~FileLock()
