@@ -15,7 +15,7 @@ SEL_FN real nearer_gap(SEL_OUT const ContactPoint* first, SEL_OUT const ContactP
 }
 
 #if !SEL_SUMS_IN_MEMORY
-SEL_FN real gap_of_point(PointView point, ContactParams par, NodeView nodes, SEL_GLOBAL const ContactState* states_t0)
+SEL_PART real gap_of_point(PointView point, ContactParams par, NodeView nodes, SEL_GLOBAL const ContactState* states_t0)
 {
     const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
     const ContactBall ball = contact_ball(at.offset, at.origin, point.model.radius, point.model.reach, par.smoothing);

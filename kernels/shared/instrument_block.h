@@ -267,7 +267,7 @@ SEL_FN void cell_force(const SlotCell* its, CellEnds ends, int ends_known, Instr
 
 // Contact of `count` slots, SEL_BLOCK at most, with other instruments; of a slot with the same one nothing is done.
 // @param list  [count]     states_t0, states  [cells][SEL_INSTRUMENT_SLOTS]     forces  [count]     points  [count][SEL_INSTRUMENT_POINTS]
-SEL_FN void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBAL const InstrumentSlot* slots,
+SEL_PART void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBAL const InstrumentSlot* slots,
                               InstrumentBodies bodies, InstrumentNodes nodes, InstrumentNodes nodes_t0,
                               SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par,
                               SEL_GLOBAL InstrumentState* states, SEL_GLOBAL InstrumentForce* forces,
@@ -380,7 +380,7 @@ SEL_FN int is_self_followed(const SelfCell* its, SEL_OUT const SelfTouch* touch,
 
 #if !SEL_SUMS_IN_MEMORY
 // Contact of one slot of one cell with a stretch of the same rod.
-SEL_FN void instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
+SEL_PART void instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
                                   InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par,
                                   InstrumentState* now, InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
 {

@@ -207,7 +207,7 @@ SEL_FN ContactState empty_pair(uint triangle, real reach)
 
 // Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`, and L' [m] to
 // *touching. @return how many
-SEL_FN uint find_pairs(LayerEdge e, NodeView nodes, WallView wall, uint slots, SEL_GLOBAL uint* found, SEL_GLOBAL real* touching)
+SEL_PART uint find_pairs(LayerEdge e, NodeView nodes, WallView wall, uint slots, SEL_GLOBAL uint* found, SEL_GLOBAL real* touching)
 {
     *touching = 0;
     const AxisPoint at = axis_point(e.node, 0, nodes);
@@ -253,7 +253,7 @@ SEL_FN ContactPoint contact_of_ray(RayHit ray, vec3 p, uint triangle)
 }
 
 // Contact of one pair; *bary gets its place on the edge. old, now: its records; of the last step, and written.
-SEL_FN void evaluate_pair(LayerPair pair, LayerEdge e, ContactParams par, NodeView nodes, NodeView nodes_t0,
+SEL_PART void evaluate_pair(LayerPair pair, LayerEdge e, ContactParams par, NodeView nodes, NodeView nodes_t0,
                           SEL_GLOBAL const float* vertices, ContactState old, SEL_OUT ContactState* now,
                           SEL_OUT ContactForce* out, SEL_GLOBAL real* bary)
 {

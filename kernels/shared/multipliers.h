@@ -26,7 +26,7 @@ SEL_FN real least_stiffness(QuadratureModel m, ContactParams par, real force)
 }
 
 // State of a contact point at the start of a step, from its force at the end of the last one.
-SEL_FN MultiplierState multiplier_start(ContactState state, uint epoch, QuadratureModel m, ContactParams par)
+SEL_PART MultiplierState multiplier_start(ContactState state, uint epoch, QuadratureModel m, ContactParams par)
 {
     MultiplierState multiplier = no_multiplier();
     multiplier.live = state.epoch + 1 == epoch && (state.flags & SEL_CONTACT_ACTIVE) && m.weight > 0;
@@ -44,7 +44,7 @@ SEL_FN MultiplierState multiplier_start(ContactState state, uint epoch, Quadratu
 
 // Multipliers after a solve. @param touch  as the converged trial left it     was  at the start of the step
 // @param ratio  largest miss over the one allowed
-SEL_FN MultiplierState multiplier_update(MultiplierState last, ContactState state, ContactState was, uint epoch,
+SEL_PART MultiplierState multiplier_update(MultiplierState last, ContactState state, ContactState was, uint epoch,
                                          QuadratureModel m, ContactParams par, real* ratio)
 {
     MultiplierState next = last;

@@ -146,7 +146,7 @@ SEL_FN void share_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlane
     }
 }
 
-SEL_FN void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
+SEL_PART void join_neighbours(SEL_OUT ContactPoint* first, SEL_OUT NeighbourPlanes* planes, ContactBall ball, NearWallView near,
                             SEL_OUT const NearList* list)
 {
     find_neighbours(first, planes, ball, near, list);

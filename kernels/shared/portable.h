@@ -88,4 +88,12 @@ SEL_FN real max_r(real a, real b) { return a > b ? a : b; }
 SEL_FN real clamp_r(real a, real lo, real hi) { return a < lo ? lo : (a > hi ? hi : a); }
 
 SEL_END
+
+// A part of what an item does. PoCL compiles a kernel three times (for launches of any size, of a known and of a small one), and what
+// it calls once: as parts, contact_evaluate takes a quarter of the time to compile.
+#if SEL_SUMS_IN_MEMORY
+    #define SEL_PART SEL_FN
+#else
+    #define SEL_PART SEL_CALL
+#endif
 #endif

@@ -50,7 +50,7 @@ SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint bo
 }
 
 // Fraction of the straight path of a quadrature point from `base` to `trial` that is free of the wall near it (1: all).
-SEL_FN real sweep_point(AxisPoint base, AxisPoint trial, real radius, NearWallView near)
+SEL_PART real sweep_point(AxisPoint base, AxisPoint trial, real radius, NearWallView near)
 {
     const vec3 move = (trial.origin - base.origin) + (trial.offset - base.offset);
     real free_way = 1;

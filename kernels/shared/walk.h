@@ -167,7 +167,7 @@ SEL_FN int is_longer(TreeNode node, real size)
 
 // Nodes of at most `size` that hold every triangle within `range` of p (relative to `origin`), in the tree's own order.
 // Writes at most `slots` of them; @return how many there are; 0 where no triangle is within range, however near the boxes are
-SEL_FN uint find_near_nodes(AxisPoint at, real range, real size, WallView wall, uint slots, SEL_GLOBAL uint* found)
+SEL_PART uint find_near_nodes(AxisPoint at, real range, real size, WallView wall, uint slots, SEL_GLOBAL uint* found)
 {
     const real range2 = range * range;
     Descent way = descent_from(0);

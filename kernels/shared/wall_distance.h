@@ -20,7 +20,7 @@ SEL_FN real box_distance2(vec3 p, TreeNode box)
 #define SEL_DISTANCE_PART ((real)0.9)
 
 // A lower bound of the distance from p to the wall, at least SEL_DISTANCE_PART of it; `most` if nothing is nearer.
-SEL_FN real wall_distance(vec3 p, real most, WallView wall)
+SEL_PART real wall_distance(vec3 p, real most, WallView wall)
 {
     const vec3 zero = make_vec3(0, 0, 0);
     real best2 = most * most, closed2 = best2;  // of triangles; of boxes that stay closed

@@ -337,7 +337,7 @@ TEST_SUITE("apps/labels")
             CHECK(a["keypoints"][2] == 2);
             CHECK(a["keypoints"][3] == instrument["centreline_px"].back()[0]);
         }
-        if (std::system("python3 -c 'import pycocotools' 2>/dev/null") != 0) return skip("no pycocotools (pip install pycocotools)");
+        if (std::system("python3 -c 'import pycocotools' 2>/dev/null") != 0) return skip("no pycocotools: ./dev deps test");
         folder.write("open.py", R"(import json, sys
 from pycocotools.coco import COCO
 coco = COCO(sys.argv[1])

@@ -1,6 +1,8 @@
 // The folder of compiled kernels: cut-off files are taken out, whole ones stay.
 
+#include "core/error.h"
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "device/kernel_cache.h"
 #include "support/temporary_folder.h"
 
@@ -8,6 +10,9 @@
 
 #include <elf.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -46,6 +51,55 @@ std::string bitcode(std::uint32_t words)
 
 TEST_SUITE("device/kernel cache")
 {
+    TEST_CASE("property: what one process compiles another waits for, until it ends, however it ends; nobody waits for another name")
+    {
+        const TemporaryFolder folder;
+        const char* before = std::getenv("POCL_CACHE_DIR");
+        const std::string kept = before ? before : "";
+        ::setenv("POCL_CACHE_DIR", folder.path().c_str(), 1);
+        int pipe[2];
+        REQUIRE(::pipe(pipe) == 0);
+        const pid_t child = ::fork();
+        if (child == 0) {
+            const device::CompilerTurn turn("one");
+            (void)!::write(pipe[1], "x", 1);
+            for (;;) ::pause();
+        }
+        char said = 0;
+        REQUIRE(::read(pipe[0], &said, 1) == 1);
+        { const device::CompilerTurn other("two"); }
+        std::filesystem::path lock;
+        for (const auto& at : std::filesystem::directory_iterator(folder.path())) lock = at.path();
+        REQUIRE(lock.extension() == ".lock");
+        const auto file = lock.parent_path() / lock.stem();
+        CHECK_THROWS_AS((void)FileLock::of_file(file), Error);
+        CHECK_THROWS_AS((void)FileLock::of_file(file, std::chrono::milliseconds(50)), Error);
+        ::kill(child, SIGKILL);
+        { const device::CompilerTurn turn("one"); }
+        ::waitpid(child, nullptr, 0);
+        CHECK_FALSE(std::filesystem::exists(lock));
+        if (before) ::setenv("POCL_CACHE_DIR", kept.c_str(), 1);
+        else ::unsetenv("POCL_CACHE_DIR");
+        for (const int end : pipe) ::close(end);
+    }
+
+    TEST_CASE("property: a kernel is copied to where there is none, and whole; what is there stays")
+    {
+        const TemporaryFolder folder;
+        const auto a = folder.path() / "a", b = folder.path() / "b";
+        std::filesystem::create_directories(a / "kernel/1-1-1");
+        std::filesystem::create_directories(b);
+        write_file(a / "kernel/1-1-1/kernel.so", "code");
+        device::copy_kernel(a, b, "other");
+        CHECK(std::filesystem::is_empty(b));
+        device::copy_kernel(a, b, "kernel");
+        CHECK(read_file(b / "kernel/1-1-1/kernel.so") == "code");
+        write_file(a / "kernel/1-1-1/kernel.so", "newer");
+        device::copy_kernel(a, b, "kernel");
+        CHECK(read_file(b / "kernel/1-1-1/kernel.so") == "code");
+        CHECK(std::distance(std::filesystem::directory_iterator(b), {}) == 1);
+    }
+
     TEST_CASE("regression: an empty POCL_CACHE_DIR is none")
     {
         const TemporaryFolder folder;

@@ -136,7 +136,7 @@ TEST_SUITE("failure/links")
 
     TEST_CASE("regression: a film goes into a file of its own, whatever lies beside it and whatever it is called")
     {
-        if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) return skip("no ffmpeg");
+        if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) return skip("no ffmpeg: apt-get install ffmpeg");
         const ScratchFolder folder;
         folder.write("theirs", secret);
         for (const char* place : {"run-10:00", "tcp:", "100%d", "a\nb", "a b'\"", "\xff\xfe"}) {

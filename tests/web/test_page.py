@@ -4,6 +4,7 @@
     test_page.py APP SOURCE [-o FOLDER]      pictures go into FOLDER where one is given
 """
 import argparse
+import concurrent.futures
 import io
 import json
 import os
@@ -17,7 +18,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 try:
     from matplotlib.image import imread
 except ImportError:
-    print("skipped: no matplotlib")
+    print("skipped: no matplotlib: apt-get install python3-matplotlib")
     sys.exit(77)
 from browser import Browser, WebSocket  # noqa: E402
 from phone import phone  # noqa: E402
@@ -240,8 +241,8 @@ def without_webgl(session, pictures):
         browser.close()
 
 
-def reports(browser, app, source, pictures):
-    folder = tempfile.mkdtemp(prefix="seldinger-report-")
+def reports(app, source, pictures):
+    folder, browser = tempfile.mkdtemp(prefix="seldinger-report-"), Browser()
     try:
         run = os.path.join(folder, "run")
         subprocess.run([app, "run", os.path.join(source, "assets/scenes/experiment2.toml"), "--set", "scene.duration_s=6", "-o", run, "--quiet"], check=True)
@@ -258,7 +259,11 @@ def reports(browser, app, source, pictures):
         with open(os.path.join(folder, "report.html")) as file:
             text = file.read()
         check("src=" not in text.split("<script>")[0] and "href=\"http" not in text, "it needs nothing from outside")
+        report_of_several(browser, app, source, pictures)
+        errors = browser.errors()
+        check(not errors, f"reports: nothing in the console {errors or ''}")
     finally:
+        browser.close()
         shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -304,40 +309,46 @@ def report_of_several(browser, app, source, pictures):
         shutil.rmtree(folder, ignore_errors=True)
 
 
+def page(app, source, pictures):
+    session, browser = LiveSession(app, os.path.join(source, "assets/scenes/experiment2.toml")), Browser()
+    try:
+        drive(browser, session, pictures)
+        keyboard_only(browser)
+        dropped(browser)
+        refusals(session)
+        slow_and_broken(browser, session)
+        errors = browser.errors()
+        check(not errors, f"nothing in the console {errors or ''}")
+        browser.close()
+        without_webgl(session, pictures)
+        summary = session.end()
+        check(summary["failure"] == "", "the session ended well")
+        print(f"        {summary['steps']} steps, {100 * summary['late_share']:.2f} % late, p99 {summary['step']['p99_ms']:.2f} ms")
+    finally:
+        browser.close()
+        session.end()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("app")
     parser.add_argument("source")
     parser.add_argument("-o", dest="pictures")
     options = parser.parse_args()
+    try:
+        Browser().close()
+    except FileNotFoundError:
+        print("skipped: no chromium: apt-get install chromium")
+        sys.exit(77)
     pictures = options.pictures or tempfile.mkdtemp(prefix="seldinger-pictures-")
     os.makedirs(pictures, exist_ok=True)
+    # much of each is waiting, for a wire that is pushed at the speed of a hand: two at a time, the longest first
+    parts = [(page, ()), (reports, ()), (training, ()), (phone, (check,))]
     try:
-        browser = Browser()
-    except FileNotFoundError:
-        print("skipped: no chromium")
-        sys.exit(77)
-    session = LiveSession(options.app, os.path.join(options.source, "assets/scenes/experiment2.toml"))
-    try:
-        drive(browser, session, pictures)
-        keyboard_only(browser)
-        dropped(browser)
-        refusals(session)
-        without_webgl(session, pictures)
-        slow_and_broken(browser, session)
-        errors = browser.errors()
-        check(not errors, f"nothing in the console {errors or ''}")
-        summary = session.end()
-        check(summary["failure"] == "", "the session ended well")
-        print(f"        {summary['steps']} steps, {100 * summary['late_share']:.2f} % late, p99 {summary['step']['p99_ms']:.2f} ms")
-        training(options.app, options.source, pictures)
-        reports(browser, options.app, options.source, pictures)
-        report_of_several(browser, options.app, options.source, pictures)
-        browser.close()
-        phone(options.app, options.source, pictures, check)
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            for done in [pool.submit(part, options.app, options.source, pictures, *more) for part, more in parts]:
+                done.result()
     finally:
-        browser.close()
-        session.end()
         if not options.pictures:
             shutil.rmtree(pictures, ignore_errors=True)
     if FAILURES:

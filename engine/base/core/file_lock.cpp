@@ -15,6 +15,7 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -60,9 +61,10 @@ constexpr int lockless = -1, held = -2;
 
 /// @param refuses  where another process holds it
 /// @return a descriptor that holds the lock; lockless where the file system knows no locks; held
-int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait, bool refuses)
+int take(const fs::path& what, const FilePlace& lock, std::chrono::milliseconds patience, bool refuses)
 {
-    for (;;) {
+    constexpr std::chrono::milliseconds pause{20};  // between two tries
+    for (;; patience -= pause) {
         const int fd = ::openat(lock.start(), lock.name().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
         if (fd < 0 && errno == ELOOP) refuse(lock);
         if (fd < 0)
@@ -74,11 +76,15 @@ int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait, bool 
             ::close(fd);
             refuse(lock);
         }
-        if (::flock(fd, wait == FileLock::Wait::Yes ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
+        if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
             const int error = errno;
             ::close(fd);
             if (error == EINTR) continue;
             if (error != EWOULDBLOCK) return lockless;
+            if (patience > pause) {
+                std::this_thread::sleep_for(pause);
+                continue;
+            }
             if (!refuses) return held;
             throw Error(ExitCode::BadFile, fmt::format("{}: is being written by another run{}; wait for its end, stop it, or "
                                                        "choose another place with -o",
@@ -104,9 +110,9 @@ pid_t writer_of(const std::string& name)
 
 }  // namespace
 
-FileLock::FileLock(const fs::path& what, FilePlace lock, Wait wait, bool refuses) : lock_(std::move(lock))
+FileLock::FileLock(const fs::path& what, FilePlace lock, std::chrono::milliseconds patience, bool refuses) : lock_(std::move(lock))
 {
-    fd_ = take(what, lock_, wait, refuses);
+    fd_ = take(what, lock_, patience, refuses);
     if (fd_ < 0) return;
     const std::string pid = fmt::format("{}\n", ::getpid());
     // whom to name is a help and no more: a full disk may leave it out
@@ -135,16 +141,16 @@ FileLock FileLock::of_folder(const Folder& folder)
     return lock;
 }
 
-FileLock FileLock::of_file(const FilePlace& file, Wait wait)
+FileLock FileLock::of_file(const FilePlace& file, std::chrono::milliseconds patience)
 {
     const fs::path& path = file.path();
     if (file.start() == AT_FDCWD && path.has_parent_path()) make_folder(path.parent_path());
-    return {path, file.beside(path.filename().string() + ".lock"), wait};
+    return {path, file.beside(path.filename().string() + ".lock"), patience};
 }
 
 std::optional<FileLock> FileLock::if_free(const FilePlace& file)
 {
-    FileLock lock(file.path(), file.beside(file.path().filename().string() + ".lock"), Wait::No, false);
+    FileLock lock(file.path(), file.beside(file.path().filename().string() + ".lock"), {}, false);
     return lock.fd_ == held ? std::nullopt : std::optional(std::move(lock));
 }
 

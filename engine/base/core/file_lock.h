@@ -4,6 +4,7 @@
 
 #include "core/folder.h"
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -20,9 +21,9 @@ public:
     [[nodiscard]] static FileLock of_folder(const std::filesystem::path& dir);
     /// The same of a folder that is open.
     [[nodiscard]] static FileLock of_folder(const Folder& folder);
-    enum class Wait { No, Yes };  // for another process to end its writing
-    /// Locks one file that is to be written, by "FILE.lock" beside it. @throws Error BadFile
-    [[nodiscard]] static FileLock of_file(const FilePlace& file, Wait wait = Wait::No);
+    /// Locks one file that is to be written, by "FILE.lock" beside it.
+    /// @param patience  how long to wait for another process to end its writing     @throws Error BadFile
+    [[nodiscard]] static FileLock of_file(const FilePlace& file, std::chrono::milliseconds patience = {});
     /// The same; nothing where another process has it. @throws Error BadFile
     [[nodiscard]] static std::optional<FileLock> if_free(const FilePlace& file);
     ~FileLock();
@@ -36,7 +37,7 @@ public:
     }
 
 private:
-    FileLock(const std::filesystem::path& what, FilePlace lock, Wait wait = Wait::No, bool refuses = true);
+    FileLock(const std::filesystem::path& what, FilePlace lock, std::chrono::milliseconds patience = {}, bool refuses = true);
     void swap(FileLock& other) noexcept;
 
     FilePlace lock_{""};

@@ -79,9 +79,11 @@ void at_crash(int signal)
 
 int compiling_threads() { return threads; }
 
+CompilerBusy::CompilerBusy() { ++threads; }
+CompilerBusy::~CompilerBusy() { --threads; }
+
 CompilerWatch::CompilerWatch(const std::string& message)
 {
-    ++threads;
     watching.lock();
     static std::once_flag once;
     std::call_once(once, [] { std::atexit(at_exit); });
@@ -108,7 +110,6 @@ CompilerWatch::~CompilerWatch()
     if (kept_back != no_stderr) close(kept_back);
     true_stderr = kept_back = no_stderr;
     watching.unlock();
-    --threads;
 }
 
 }  // namespace seldinger::device

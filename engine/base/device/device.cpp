@@ -270,8 +270,16 @@ cl_mem Context::pin(void* host, std::size_t bytes)
 
 void Context::finish(Queue queue) { CL_CHECK(clFinish(command_queue(queue))); }
 
-void Context::enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::size_t workgroup)
+void Context::enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::size_t workgroup, bool first)
 {
+    if (first) {
+        cl_device_id device = nullptr;
+        CL_CHECK(clGetCommandQueueInfo(command_queue(queue), CL_QUEUE_DEVICE, sizeof device, &device, nullptr));
+        return shared_->first_launch(kernel, device, [&] {
+            enqueue(queue, kernel, items, workgroup, false);
+            finish(queue);
+        });
+    }
     const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
     const std::lock_guard<std::mutex> turn(launching);
     cl_event event = nullptr;
@@ -318,6 +326,7 @@ Kernel::Kernel(Kernel&& other) noexcept
     : context_(other.context_),
       kernel_(std::exchange(other.kernel_, nullptr)),
       workgroup_(other.workgroup_),
+      launched_{other.launched_[0], other.launched_[1]},
       arguments_(std::move(other.arguments_))
 {
 }
@@ -327,6 +336,7 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept
     std::swap(context_, other.context_);
     std::swap(kernel_, other.kernel_);
     std::swap(workgroup_, other.workgroup_);
+    std::swap(launched_, other.launched_);
     std::swap(arguments_, other.arguments_);
     return *this;
 }

@@ -14,6 +14,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace seldinger::device {
@@ -95,7 +96,8 @@ public:
     [[nodiscard]] cl_program program(const std::string& file) { return program(file, workgroup(Items::Branching)); }
     /// Items of a work-group for kernels of this sort.
     [[nodiscard]] std::size_t workgroup(Items items) const;
-    void enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::size_t workgroup);
+    /// @param first  of this kernel on this queue: it may be compiled here
+    void enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::size_t workgroup, bool first = false);
 
     [[nodiscard]] cl_context handle() const;
     [[nodiscard]] const std::string& name() const { return name_; }
@@ -141,7 +143,7 @@ public:
         if (items == 0) return;
         cl_uint index = 0;
         (set_next(index, args), ...);
-        context_->enqueue(queue, kernel_, items, workgroup_);
+        context_->enqueue(queue, kernel_, items, workgroup_, !std::exchange(launched_[queue == Queue::Inline ? 0 : 1], true));
     }
 
 private:
@@ -175,6 +177,7 @@ private:
     Context* context_ = nullptr;
     cl_kernel kernel_ = nullptr;
     std::size_t workgroup_ = 1;
+    bool launched_[2] = {false, false};  // on each queue
     std::vector<Argument> arguments_;
 };
 

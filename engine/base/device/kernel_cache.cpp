@@ -13,10 +13,14 @@
 #include <unistd.h>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
 #include <system_error>
 #include <vector>
 
@@ -164,20 +168,44 @@ void tell()
                      printable(kernel_cache_folder().string())));
 }
 
-/// Whether the folder has a program that the compiler finished at `since` or later; any at all without it.
-bool has_program(const fs::path& dir, const timespec* since)
+/// Programs in the folder that the compiler finished at `since` or later; all without it.
+/// @param found  is called with each; true: no more are wanted     @return so it was
+template <class Found>
+bool find_program(const fs::path& dir, const timespec* since, const Found& found)
 {
     std::error_code error;
     for (fs::recursive_directory_iterator at(dir, error), end; !error && at != end; at.increment(error)) {
         if (at->path().filename() != "program.bc") continue;  // in DIR/two letters/hash of source and options
         struct stat status {};
-        if (!since) return true;
-        if (::stat(at->path().c_str(), &status) != 0) continue;
+        if (since && ::stat(at->path().c_str(), &status) != 0) continue;
         const timespec& made = status.st_mtim;
-        if (made.tv_sec != since->tv_sec ? made.tv_sec > since->tv_sec : made.tv_nsec >= since->tv_nsec) return true;
+        const bool is_new = !since || (made.tv_sec != since->tv_sec ? made.tv_sec > since->tv_sec : made.tv_nsec >= since->tv_nsec);
+        if (is_new && found(at->path())) return true;
         if (at.depth() > 1) at.pop(error);  // its kernels tell nothing more
     }
     return false;
+}
+
+bool has_program(const fs::path& dir, const timespec* since)
+{
+    return find_program(dir, since, [](const fs::path&) { return true; });
+}
+
+constexpr std::chrono::minutes patience{2};  // with another process that compiles: ten times as long as any program takes
+
+FileLock turn_of(const std::string& what)
+{
+    const fs::path place = kernel_cache_folder() / fmt::format("seldinger-{:016x}", std::hash<std::string>()(what));
+    const auto asked = std::chrono::steady_clock::now();
+    try {
+        return FileLock::of_file(place, patience);
+    } catch (const Error&) {
+        static std::atomic<bool> said = false;
+        if (std::chrono::steady_clock::now() - asked >= patience && !said.exchange(true))
+            note(fmt::format("seldinger: another process has been compiling kernels for two minutes ({}.lock names it); compiling without it\n",
+                             printable(place.string())));
+        return {};
+    }
 }
 
 }  // namespace
@@ -200,6 +228,30 @@ CompilerCall::~CompilerCall()
     constexpr double shortest = 0.1;  // [s] a program that is in the cache takes half of it; no compiler takes as little
     const double took = static_cast<double>(now.tv_sec - begun_.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec - begun_.tv_nsec);
     if (took >= shortest && has_program(kernel_cache_folder(), &begun_)) tell();
+}
+
+CompilerTurn::CompilerTurn(const std::string& what) : lock_(turn_of(what)) {}
+
+std::vector<fs::path> new_programs(const timespec& since, const std::string& mark)
+{
+    std::vector<fs::path> found;
+    (void)find_program(kernel_cache_folder(), &since, [&](const fs::path& file) {
+        std::ifstream in(file, std::ios::binary);
+        const std::string code{std::istreambuf_iterator<char>(in), {}};
+        if (code.find(mark) != std::string::npos) found.push_back(file.parent_path());
+        return false;
+    });
+    return found;
+}
+
+void copy_kernel(const fs::path& from, const fs::path& to, const std::string& kernel)
+{
+    std::error_code error;
+    if (!fs::is_directory(from / kernel, error) || fs::exists(to / kernel, error)) return;
+    const fs::path half = to / fmt::format("temp-{}", ::getpid());  // the check of the cache passes such a name over
+    fs::copy(from / kernel, half, fs::copy_options::recursive, error);
+    if (!error) fs::rename(half, to / kernel, error);
+    if (error) fs::remove_all(half, error);  // it is compiled, then
 }
 
 fs::path kernel_cache_folder()

@@ -1,9 +1,13 @@
 #pragma once
 // PoCL's cache folder: whether it can be written to, and whether its contents are complete. PoCL 3.1 takes both for granted.
 
+#include "core/file_lock.h"
+#include "device/compiler_watch.h"
+
 #include <ctime>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace seldinger::device {
 
@@ -30,6 +34,24 @@ public:
 private:
     timespec begun_{};
 };
+
+/// While it lives no other process compiles what is called so, on this cache: the first one compiles, the others wait for it and then
+/// read what it has kept. A process that dies gives its turn away. After two minutes one goes on without its turn, and says so once.
+class CompilerTurn {
+public:
+    /// @param what  program, options, device and kernel: compiled alike wherever it is called the same
+    explicit CompilerTurn(const std::string& what);
+
+private:
+    CompilerBusy busy_;
+    FileLock lock_;
+};
+
+/// Folders of the cache in which PoCL has put a program at `since` or later whose bitcode has `mark` in it.
+[[nodiscard]] std::vector<std::filesystem::path> new_programs(const timespec& since, const std::string& mark);
+
+/// Copies a compiled kernel from one program's folder to another's, if it is in the one and not in the other.
+void copy_kernel(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& kernel);
 
 /// For the line of a build that failed: the folder, and what to do about it.
 [[nodiscard]] std::string kernel_cache_advice();

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <ctime>
+#include <functional>
 #include <optional>
 
 namespace seldinger::device {
@@ -49,6 +51,7 @@ SharedContext::SharedContext(std::vector<cl_device_id> devices) : devices_(std::
     cl_int status = CL_SUCCESS;
     context_ = clCreateContext(properties, static_cast<cl_uint>(devices_.size()), devices_.data(), nullptr, nullptr, &status);
     check(status, "clCreateContext");
+    pocl_ = device_text(devices_.front(), CL_DEVICE_VERSION).find("PoCL") != std::string::npos;
 }
 
 std::pair<cl_program, bool> SharedContext::program(const std::string& file, const std::string& text, const std::string& options)
@@ -60,28 +63,62 @@ std::pair<cl_program, bool> SharedContext::program(const std::string& file, cons
     return {known, true};
 }
 
-cl_program SharedContext::build(const std::string& file, const std::string& text, const std::string& options) const
+cl_program SharedContext::build(const std::string& file, std::string text, const std::string& options)
 {
+    const std::string name = device_text(devices_.front(), CL_DEVICE_NAME);
+    Compiled compiled;
+    timespec begun{};
+    std::optional<CompilerCall> said;  // what others compile, and where they keep it, is not known
+    std::optional<CompilerTurn> turn;
+    if (pocl_) {
+        // a kernel that does nothing, by whose name the program's folders in the cache are known
+        compiled.mark = fmt::format("seldinger_{:016x}", std::hash<std::string>()(text + options + name +
+                                                                                 device_text(devices_.front(), CL_DRIVER_VERSION)));
+        text += fmt::format("__kernel void {}(void) {{}}\n", compiled.mark);
+        said.emplace();
+        turn.emplace(compiled.mark);
+        ::clock_gettime(CLOCK_REALTIME_COARSE, &begun);  // the clock of file dates
+    }
     const char* source = text.c_str();
     const std::size_t length = text.size();
     cl_int status = CL_SUCCESS;
     cl_program built = clCreateProgramWithSource(context_, 1, &source, &length, &status);
     check(status, "clCreateProgramWithSource");
     {
-        std::optional<CompilerCall> said;  // what others compile, and where they keep it, is not known
-        if (device_text(devices_.front(), CL_DEVICE_VERSION).find("PoCL") != std::string::npos) said.emplace();
         const CompilerWatch watch(fmt::format(
             "seldinger: device \"{}\": its OpenCL driver ended the process while it compiled kernels/{}. Fix: choose another device "
             "with --device (`seldinger devices` lists them), or update the driver",
-            printable(device_text(devices_.front(), CL_DEVICE_NAME)), file));
+            printable(name), file));
         status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
+    }
+    if (status == CL_SUCCESS && pocl_) {
+        if (devices_.size() == 2) compiled.folders = new_programs(begun, compiled.mark);
+        const std::lock_guard<std::mutex> one(launching_);
+        compiled_[built] = std::move(compiled);
     }
     if (status == CL_SUCCESS) return built;
     const std::string error = first_error(built, devices_.front());
     clReleaseProgram(built);
-    throw Error(ExitCode::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({}); {}", file,
-                                                device_text(devices_.front(), CL_DEVICE_NAME), printable(error), error_name(status),
-                                                kernel_cache_advice()));
+    throw Error(ExitCode::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({}); {}", file, name,
+                                                printable(error), error_name(status), kernel_cache_advice()));
+}
+
+void SharedContext::first_launch(cl_kernel kernel, cl_device_id device, const std::function<void()>& launch)
+{
+    if (!pocl_) return launch();
+    cl_program program = nullptr;
+    CL_CHECK(clGetKernelInfo(kernel, CL_KERNEL_PROGRAM, sizeof program, &program, nullptr));
+    char name[128] = {};
+    CL_CHECK(clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name - 1, name, nullptr));
+    const std::lock_guard<std::mutex> one(launching_);
+    Compiled& compiled = compiled_.at(program);
+    if (compiled.kernels.contains({name, device})) return launch();
+    const CompilerTurn turn(fmt::format("{} {} {}", compiled.mark, name, device == devices_.front()));
+    // the two devices are one processor, for which PoCL makes the same code
+    const std::vector<std::filesystem::path>& folders = compiled.folders;
+    if (folders.size() == 2) copy_kernel(folders[0], folders[1], name), copy_kernel(folders[1], folders[0], name);
+    launch();
+    compiled.kernels.insert({name, device});
 }
 
 }  // namespace seldinger::device

@@ -5,8 +5,11 @@
 
 #include "device/device.h"
 
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,16 +28,29 @@ public:
     [[nodiscard]] std::pair<cl_program, bool> program(const std::string& file, const std::string& text,
                                                       const std::string& options);
 
+    /// @param launch  the first launch of a kernel on a device by its caller, which waits for its end. PoCL compiles a kernel there, unless
+    /// it is in the cache: one process at a time, and for one of its two devices; the other's code is a copy. Any thread
+    void first_launch(cl_kernel kernel, cl_device_id device, const std::function<void()>& launch);
+
     SharedContext(const SharedContext&) = delete;
     SharedContext& operator=(const SharedContext&) = delete;
 
 private:
     explicit SharedContext(std::vector<cl_device_id> devices);
-    [[nodiscard]] cl_program build(const std::string& file, const std::string& text, const std::string& options) const;
+    [[nodiscard]] cl_program build(const std::string& file, std::string text, const std::string& options);
+
+    /// What PoCL has made of a program.
+    struct Compiled {
+        std::string mark;                                        // its name, the same in every process
+        std::vector<std::filesystem::path> folders;              // of the cache, one a device, where this process has filled them
+        std::set<std::pair<std::string, cl_device_id>> kernels;  // that this process has launched
+    };
 
     std::vector<cl_device_id> devices_;
     cl_context context_ = nullptr;
-    std::mutex building_;
+    bool pocl_ = false;
+    std::mutex building_, launching_;
+    std::map<cl_program, Compiled> compiled_;  // under launching_
     std::map<std::pair<std::string, std::string>, cl_program>
         programs_;  // by options and text: with the devices all it depends on
 };

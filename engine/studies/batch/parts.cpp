@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <chrono>
 
 namespace seldinger {
 namespace {
@@ -57,7 +58,7 @@ std::string plan_key(const std::vector<std::string>& texts)
 void write_plan(const Folder& dir, const PartPlan& plan)
 {
     refuse_old(dir);
-    const FileLock one_at_a_time = FileLock::of_file(dir / plan_file, FileLock::Wait::Yes);
+    const FileLock one_at_a_time = FileLock::of_file(dir / plan_file, std::chrono::hours(1));
     if (!dir.has(plan_file)) return write_file(dir / plan_file, as_json(plan), Durable::Yes);
     if (read_file(dir / plan_file) != as_json(plan))
         throw Error(ExitCode::BadScene,
