@@ -42,7 +42,7 @@ struct KernelTiming {
     bool float32 = false;
     std::size_t items = 0;
     double time = 0;   // of a launch that is waited for, median [s]
-    double pairs = 0;  // of a quadrature point and a BVH node of the tree (walk.h); reduce, start, multipliers: quadrature
+    double pairs = 0;  // of a quadrature point and a cell of the tree (walk.h); reduce, start, multipliers: quadrature
                        // points; layer: pairs
     double flops = 0;  // of the launch
     double bytes = 0;  // read and written by the launch, however often: traffic between a core and its nearest cache

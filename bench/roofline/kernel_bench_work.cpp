@@ -72,9 +72,9 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     const std::size_t n = s.models.size(), edges = s.layer_edges.size();
     const WallView view = s.view(wall);
     std::vector<KernelWork> work;
-    std::vector<uint> near_nodes(n * slots), counts(n);
+    std::vector<uint> near_cells(n * slots), counts(n);
     const auto point = [&](uint k) {
-        return point_view(k, s.models[k], s.places[k], near_wall_view(view, &near_nodes[k * slots], counts[k]));
+        return point_view(k, s.models[k], s.places[k], near_wall_view(view, &near_cells[k * slots], counts[k]));
     };
     double near_pairs = 0;
     std::vector<Clearance> known(n);
@@ -83,8 +83,8 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
         for (const uint k : s.list) {
             const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.now());
             const real radius = s.models[k].radius;
-            counts[k] = std::min(slots, find_near_nodes(at, radius + s.models[k].reach + real(slack), SEL_NEAR_NODE_SIZE * radius,
-                                                        view, slots, &near_nodes[k * slots]));
+            counts[k] = std::min(slots, find_near_cells(at, radius + s.models[k].reach + real(slack), SEL_NEAR_CELL_SIZE * radius,
+                                                        view, slots, &near_cells[k * slots]));
             known[k] = found_clearance(at.origin + at.offset, radius + s.models[k].reach + real(slack), real(slack), radius, counts[k]);
             near_pairs += counts[k];
         }

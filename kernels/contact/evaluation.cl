@@ -6,12 +6,12 @@
 // Forces of active quadrature points.
 //   item    one entry of `list` (quadrature points with near nodes, ordered by wire and edge); range rounded up to the work-group
 //           size
-//   reads   list [item_count]; models, places, counts [points]; near_nodes [points][slots]; wall; nodes, at the trial and at the
+//   reads   list [item_count]; models, places, counts [points]; near_cells [points][slots]; wall; nodes, at the trial and at the
 //           start of the step; states_t0, multipliers [points][2]; clearances, memories [points] (stages have no memories)
 //   writes  forces, barys [item_count]; states [points][2]; clearances, memories
 #define SEL_FORCE_ARGUMENTS                                                                                              \
     const ContactParams par, __global const uint *restrict list, __global const QuadratureModel *restrict models,        \
-        __global const QuadraturePlace *restrict places, __global const uint *restrict near_nodes,                       \
+        __global const QuadraturePlace *restrict places, __global const uint *restrict near_cells,                       \
         __global const uint *restrict counts, SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS(node), SEL_NODE_ARGUMENTS(node_t0), \
         __global const ContactState *restrict states_t0, __global ContactState *restrict states,                         \
         __global ContactForce *restrict forces, __global real *restrict barys,                                           \
@@ -47,7 +47,7 @@ SEL_WALK_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
             ahead(memories + then, sizeof(WallMemory) - (par.returns ? 0u : (uint)sizeof(TouchMemory)));
             ahead(forces + item + SEL_AHEAD, sizeof(ContactForce));
         }
-        const NearWallView near = near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]);
+        const NearWallView near = near_wall_view(SEL_WALL, near_cells + (ulong)s * par.slots, counts[s]);
         const PointView point = point_view(s, models[s], places[s], near);
         write_force(contact_force(point, par, SEL_NODES(node), SEL_NODES(node_t0), state_view(states_t0, states, multipliers),
                                   clearances + s, memories + s),
@@ -70,7 +70,7 @@ SEL_WALK_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
         const uint s = list[item];                                         \
         const StateView view = state_view(states_t0, states, multipliers); \
         const PointView point =                                            \
-            point_view(s, models[s], places[s], near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]))
+            point_view(s, models[s], places[s], near_wall_view(SEL_WALL, near_cells + (ulong)s * par.slots, counts[s]))
     #define SEL_NEXT_POINT                                                      \
         if (get_global_id(0) >= todo[0]) return;                                \
         const uint item = todo[1 + get_global_id(0)];                           \

@@ -7,12 +7,12 @@
 // Nodes of the tree near listed quadrature points.
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] index of a quadrature point; models, places [points]; nodes [nodes][3] [m]; wall
-//   writes  near_nodes [points][slots], counts [points], found [item_count]: how many hold the wall within radius + reach + slack,
+//   writes  near_cells [points][slots], counts [points], found [item_count]: how many hold the wall within radius + reach + slack,
 //           also beyond `slots`; 0: nothing is; clearances [points]
 SEL_WALK_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                                   __global const QuadratureModel* restrict models,
                                   __global const QuadraturePlace* restrict places, SEL_NODE_ARGUMENTS(node), SEL_WALL_ARGUMENTS,
-                                  __global uint* restrict near_nodes, __global uint* restrict counts,
+                                  __global uint* restrict near_cells, __global uint* restrict counts,
                                   __global uint* restrict found, __global Clearance* restrict clearances)
 {
     const uint item = get_global_id(0);
@@ -22,7 +22,7 @@ SEL_WALK_KERNEL void contact_find(const ContactParams par, const real slack, __g
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, SEL_NODES(node));
         const real radius = models[s].radius, range = radius + models[s].reach + slack;
         const uint count =
-            find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * radius, wall, par.slots, near_nodes + (ulong)s * par.slots);
+            find_near_cells(at, range, SEL_NEAR_CELL_SIZE * radius, wall, par.slots, near_cells + (ulong)s * par.slots);
         counts[s] = found[item] = count;
         clearances[s] = found_clearance(at.origin + at.offset, range, slack, radius, count);
     }

@@ -1,5 +1,5 @@
 // Clearance of quadrature points that touch nothing. Along a wire that merely runs near the wall, 80 % of the quadrature points
-// with a list of BVH nodes touch nothing. Each of these keeps a clearance sphere, within which it cannot touch anything: that
+// with a list of cells touch nothing. Each of these keeps a clearance sphere, within which it cannot touch anything: that
 // costs one distance now and then in place of an evaluation every time. Holds knowledge of the wall only, never of
 // the wire: results are the same with it and without.
 #ifndef SEL_SHARED_CLEARANCE_H

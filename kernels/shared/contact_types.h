@@ -148,7 +148,7 @@ typedef struct EdgeForce {
 // One step of one launch; passed by value.
 typedef struct ContactParams {
     uint item_count;
-    uint slots;         // per quadrature point: BVH nodes of the tree (walk.h); layer: triangles
+    uint slots;         // per quadrature point: cells of the tree (walk.h); layer: triangles
     uint friction;      // SEL_FRICTION_*
     uint settling;      // SEL_SETTLE_*, scene start = "settled"; 0: not settling
     uint normal_law;    // SEL_NORMAL_*

@@ -12,7 +12,7 @@
 SEL_BEGIN
 
 // A listed node is a leaf, or at most this many radii long in any direction.
-#define SEL_NEAR_NODE_SIZE 2
+#define SEL_NEAR_CELL_SIZE 2
 
 // Leaves out boxes by rounded distances: by this fraction too few, so that none is left out that a triangle's own rounded
 // distance admits.
@@ -25,7 +25,7 @@ SEL_BEGIN
 typedef struct Walk {
     Descent way;
     uint triangle, end;  // of the leaf that is looked at
-    uint next;           // of the BVH nodes
+    uint next;           // of the cells
 } Walk;
 
 SEL_FN void start_walk(Walk* walk)
@@ -167,7 +167,7 @@ SEL_FN int is_longer(TreeNode node, real size)
 
 // Nodes of at most `size` that hold every triangle within `range` of p (relative to `origin`), in the tree's own order.
 // Writes at most `slots` of them; @return how many there are; 0 where no triangle is within range, however near the boxes are
-SEL_PART uint find_near_nodes(AxisPoint at, real range, real size, WallView wall, uint slots, SEL_GLOBAL uint* found)
+SEL_PART uint find_near_cells(AxisPoint at, real range, real size, WallView wall, uint slots, SEL_GLOBAL uint* found)
 {
     const real range2 = range * range;
     Descent way = descent_from(0);

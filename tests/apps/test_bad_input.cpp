@@ -151,7 +151,7 @@ TEST_SUITE("apps/bad_input")
         CHECK(run_app(folder, "check fits.toml").code == 0);
     }
 
-    TEST_CASE("property: a wall that cannot yield is one line and exit 2 or 3")
+    TEST_CASE("property: a wall that cannot be elastic is one line and exit 2 or 3")
     {
         const ScratchFolder folder;
         const auto elastic = [&](const std::string& name, const std::string& mesh) {

@@ -148,7 +148,7 @@ TEST_SUITE("apps/plan")
         CHECK(run.code == 0);
     }
 
-    TEST_CASE("property: where a wall that yields hardly moves it is planned rigid, with the reason, and that scene runs")
+    TEST_CASE("property: where an elastic wall hardly moves it is planned rigid, with the reason, and that scene runs")
     {
         const ScratchFolder folder;
         folder.write("t.toml", soft_scene(1e6, 1e6));

@@ -154,7 +154,7 @@ TEST_SUITE("coaxial/merged adaptive")
     // it: 56 um of 3.1 mm of clearance. A bending force goes with the cube of a length: 5 %. The share of each hand follows the
     // moment at the catheter's tip, of first order in the edge there, with even nodes too (rod/coaxial.h).
     TEST_CASE(
-        "property: round a bend as fine even nodes, beside a rigid wall and one that yields, with energy and momentum closed")
+        "property: round a bend as fine even nodes, beside a rigid wall and an elastic one, with energy and momentum closed")
     {
         for (const double youngs : {0.0, 0.4e6}) {
             CAPTURE(youngs);

@@ -117,7 +117,7 @@ TEST_SUITE("coaxial/merged contact")
     }
 
     // Wire and catheter push one wall: the passenger's contact acts through the line's unknowns.
-    TEST_CASE("property: beside a wall that yields, with energy closed, nothing outside, and the rigid wall as its limit")
+    TEST_CASE("property: beside an elastic wall, with energy closed, nothing outside, and the rigid wall as its limit")
     {
         const Place start{0.01, 0.02}, wire_out{0.01, 0.09}, over_it{0.07, 0.1};
         const auto end_of = [&](double youngs) {
@@ -148,7 +148,7 @@ TEST_SUITE("coaxial/merged contact")
         CHECK((hard - rigid).norm() < 0.3 * (soft - rigid).norm());
     }
 
-    TEST_CASE("property: beside a wall that yields a run that is taken up again ends with the same bits")
+    TEST_CASE("property: beside an elastic wall a run that is taken up again ends with the same bits")
     {
         World whole(in_a_bend(0.01, 0.02, 0.4e6)), first(in_a_bend(0.01, 0.02, 0.4e6)), second(in_a_bend(0.01, 0.02, 0.4e6));
         for (World* world : {&whole, &first}) go(*world, {0.01, 0.02}, {0.05, 0.09}, 350);

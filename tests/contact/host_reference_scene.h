@@ -177,7 +177,7 @@ Found host_find(const Scene& s, const std::vector<uint>& list, real slack, uint 
         const AxisPoint at = s.axis(point);
         const real radius = s.models[point].radius, range = radius + s.models[point].reach + slack;
         out.counts[point] =
-            find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * radius, s.view(), slots, out.candidates.data() + point * slots);
+            find_near_cells(at, range, SEL_NEAR_CELL_SIZE * radius, s.view(), slots, out.candidates.data() + point * slots);
         out.clearances[point] = found_clearance(at.origin + at.offset, range, slack, radius, out.counts[point]);
     }
     return out;

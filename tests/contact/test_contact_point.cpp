@@ -17,10 +17,10 @@ namespace {
 constexpr double r = 0.4445e-3;    // 0.035 inch wire [m]
 constexpr double rounding = 1e-9;  // [m] a wall coordinate of 10 mm in float: 2^-24 of it, rounded
 
-Soup floor_patch(int near_nodes)
+Soup floor_patch(int squares)
 {
     Soup soup;
-    soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0), near_nodes);
+    soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0), squares);
     return soup;
 }
 
@@ -82,10 +82,10 @@ TEST_SUITE("contact/contact_point")
 
     TEST_CASE("property: facets cut finer in their own plane leave depth and normal as they are")
     {
-        for (int near_nodes : {1, 2, 5, 16, 40}) {
-            const Soup soup = floor_patch(near_nodes);
+        for (int squares : {1, 2, 5, 16, 40}) {
+            const Soup soup = floor_patch(squares);
             for (int k = 0; k < 200; ++k) {
-                // on BVH node edges, on vertices and between
+                // on edges of squares, on vertices and between
                 const vec3 p =
                     v3(0.01 * std::sin(1.0 * k), k % 3 ? 0.0005 * (k % 20) - 0.005 : 0.01 * std::cos(2.0 * k), 0.7 * r);
                 const ContactPointPair t = contacts_at(soup, p, r);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double r = 0.4445e-3, H = r / 2;
 
-/// Floor z = 0 facing up, of columns x rows BVH nodes on [-10, 10] mm squared, each cut into two triangles, with its tree.
+/// Floor z = 0 facing up, of columns x rows squares on [-10, 10] mm squared, each cut into two triangles, with its tree.
 struct Floor {
     WallMesh mesh;
     WallTree tree;

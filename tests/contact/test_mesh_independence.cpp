@@ -38,16 +38,16 @@ WallMesh subdivided(const WallMesh& mesh, int parts)
     return fine;
 }
 
-/// A square patch in the plane z = `height`, `BVH nodes` x `BVH nodes` squares of two triangles, facing up or down.
-void add_floor(WallMesh& mesh, double height, bool up, int near_nodes)
+/// A square patch in the plane z = `height`, `squares` x `squares` squares of two triangles, facing up or down.
+void add_floor(WallMesh& mesh, double height, bool up, int squares)
 {
     const int base = static_cast<int>(mesh.vertices.size());
-    for (int i = 0; i <= near_nodes; ++i)
-        for (int j = 0; j <= near_nodes; ++j)
-            mesh.vertices.emplace_back(0.1 * i / near_nodes, 0.1 * j / near_nodes - 0.05, height);
-    for (int i = 0; i < near_nodes; ++i)
-        for (int j = 0; j < near_nodes; ++j) {
-            const int a = base + i * (near_nodes + 1) + j, b = a + near_nodes + 1;
+    for (int i = 0; i <= squares; ++i)
+        for (int j = 0; j <= squares; ++j)
+            mesh.vertices.emplace_back(0.1 * i / squares, 0.1 * j / squares - 0.05, height);
+    for (int i = 0; i < squares; ++i)
+        for (int j = 0; j < squares; ++j) {
+            const int a = base + i * (squares + 1) + j, b = a + squares + 1;
             for (const auto& [p, q, r] : {std::array{a, b, b + 1}, std::array{a, b + 1, a + 1}})
                 mesh.triangles.push_back(up ? std::array<std::int32_t, 3>{p, q, r} : std::array<std::int32_t, 3>{p, r, q});
         }
@@ -103,10 +103,10 @@ TEST_SUITE("contact/mesh_independence")
         const auto on = [&](const WallMesh& mesh, double y) {
             return push_at(context, mesh, none, Detection::Capsule, {{y, z}}).front();
         };
-        for (const int near_nodes : {1, 4, 40, 333}) {
-            CAPTURE(near_nodes);
+        for (const int squares : {1, 4, 40, 333}) {
+            CAPTURE(squares);
             WallMesh floor;
-            add_floor(floor, 0, true, near_nodes);
+            add_floor(floor, 0, true, squares);
             for (const double y : {0.0, 0.1 / 333, 0.0137}) {  // along a row of edges, of other edges, and anywhere
                 CAPTURE(y);
                 const Push push = on(floor, y);

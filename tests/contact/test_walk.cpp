@@ -34,15 +34,15 @@ struct Random {
     double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng); }
 };
 
-/// Every triangle as a separate BVH node, with a box that holds everything: nothing is left out.
+/// Every triangle as a separate cell, with a box that holds everything: nothing is left out.
 struct Everything {
     std::vector<TreeNode> nodes;
-    std::vector<uint> near_nodes;
+    std::vector<uint> near_cells;
     explicit Everything(std::size_t triangles)
     {
         for (std::size_t t = 0; t < triangles; ++t) {
             nodes.push_back({{-1, -1, -1}, static_cast<uint>(t), {1, 1, 1}, 1});
-            near_nodes.push_back(static_cast<uint>(t));
+            near_cells.push_back(static_cast<uint>(t));
         }
     }
 };
@@ -84,21 +84,21 @@ TEST_SUITE("contact/walk")
             const Everything all(tree.triangle_count());
             const std::vector<uint> boundary(tree.triangle_count(), 0);
             const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), boundary.data());
-            std::vector<uint> near_nodes(tree.triangle_count());
+            std::vector<uint> near_cells(tree.triangle_count());
             for (int k = 0; k < 300; ++k) {
                 const double a = draw(0, 6.283), rho = radius - r * draw(-0.3, 1.15), slack = 0.4 * r;
                 const vec3 origin = v3(static_cast<float>(draw(-0.01, 0.01)), static_cast<float>(rho * std::cos(a)),
                                        static_cast<float>(rho * std::sin(a)));
                 const vec3 p = v3(draw(-1e-5, 1e-5), draw(-1e-5, 1e-5), 0);
                 const vec3 then = p + v3(draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack);
-                const uint count = find_near_nodes(axis(origin, then), r + reach + slack, SEL_NEAR_NODE_SIZE * r, wall,
-                                                   static_cast<uint>(near_nodes.size()), near_nodes.data());
+                const uint count = find_near_cells(axis(origin, then), r + reach + slack, SEL_NEAR_CELL_SIZE * r, wall,
+                                                   static_cast<uint>(near_cells.size()), near_cells.data());
                 ContactPoint states[2][2];
                 for (const bool walked : {false, true}) {
                     const NearWallView around =
-                        walked ? near_wall_view(wall, near_nodes.data(), count)
+                        walked ? near_wall_view(wall, near_cells.data(), count)
                                : near_wall_view(wall_view(all.nodes.data(), tree.vertices.data(), boundary.data()),
-                                                all.near_nodes.data(), static_cast<uint>(all.near_nodes.size()));
+                                                all.near_cells.data(), static_cast<uint>(all.near_cells.size()));
                     const ContactBall ball = contact_ball(p, origin, r, reach, 0.002);
                     NearList near, none;
                     none.count = SEL_NEAR_MOST + 1;  // the reference goes without the list as well
@@ -139,20 +139,20 @@ TEST_SUITE("contact/walk")
         model.reach = reach;
         const double slack = 0.4 * r, range = r + reach + slack;
         const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), nullptr);
-        std::vector<uint> near_nodes(tree.triangle_count());
+        std::vector<uint> near_cells(tree.triangle_count());
         const vec3 zero = v3(0, 0, 0);
         int clear = 0, kept = 0, touching = 0;
         for (int walk = 0; walk < 300; ++walk) {
             const double a = draw(0, 6.283), rho = 0.003 - r - draw(-0.1, 0.6) * r;
             vec3 p = v3(draw(-0.01, 0.01), rho * std::cos(a), rho * std::sin(a));
-            const uint count = find_near_nodes(axis(zero, p), range, SEL_NEAR_NODE_SIZE * r, wall,
-                                               static_cast<uint>(near_nodes.size()), near_nodes.data());
+            const uint count = find_near_cells(axis(zero, p), range, SEL_NEAR_CELL_SIZE * r, wall,
+                                               static_cast<uint>(near_cells.size()), near_cells.data());
             Clearance known = found_clearance(p, range, slack, r, count);
             for (int k = 0; k < 40; ++k) {
                 p = p + v3(draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r);
                 const double before = known.at[0];
                 const int nothing =
-                    is_clear_of_wall(axis(zero, p), model, near_wall_view(wall, near_nodes.data(), count), &known);
+                    is_clear_of_wall(axis(zero, p), model, near_wall_view(wall, near_cells.data(), count), &known);
                 const double distance = std::sqrt(nearest_on_wall(tree, tree.centre + Vec3(p.x, p.y, p.z)).distance2);
                 if (nothing) REQUIRE(distance > r + reach);
                 if (nothing && known.at[0] != before) {
@@ -207,13 +207,13 @@ TEST_SUITE("contact/walk")
             if (round == 1) mesh = subdivide_loop(subdivide_loop(mesh));
             const WallTree tree = build_wall_tree(mesh);
             const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), nullptr);
-            std::vector<uint> near_nodes(4096);
+            std::vector<uint> near_cells(4096);
             double most = 0;
             for (int k = 0; k < 200; ++k) {
                 const double a = 0.03 * k, rho = 0.003 - r - 2e-6;
                 const vec3 origin = v3(-0.005 + 5e-5 * k, rho * std::cos(a), rho * std::sin(a)), p = v3(0, 0, 0);
                 const uint count =
-                    find_near_nodes(axis(origin, p), 1.5 * r, SEL_NEAR_NODE_SIZE * r, wall, 4096, near_nodes.data());
+                    find_near_cells(axis(origin, p), 1.5 * r, SEL_NEAR_CELL_SIZE * r, wall, 4096, near_cells.data());
                 most = std::max(most, static_cast<double>(count));
                 // triangles of the leaves that a walk to the nearest reaches, once something near is known
                 const TreeHit hit = nearest_on_wall(tree, tree.centre + Vec3(origin.x, origin.y, origin.z));
@@ -221,10 +221,10 @@ TEST_SUITE("contact/walk")
                 Walk walk;
                 start_walk(&walk);
                 TreeNode leaf;
-                while (next_leaf(&walk, near_wall_view(wall, near_nodes.data(), count), ball_query(p, origin, range), &leaf))
+                while (next_leaf(&walk, near_wall_view(wall, near_cells.data(), count), ball_query(p, origin, range), &leaf))
                     work[round] += leaf.count;
             }
-            // BVH nodes are some two radii long and cover a disc of 1.1 radii round the foot
+            // cells are some two radii long and cover a disc of 1.1 radii round the foot
             CHECK(most < 40);
         }
         REQUIRE(work[0] > 0);

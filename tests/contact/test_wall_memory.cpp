@@ -94,7 +94,7 @@ TEST_SUITE("contact/wall_memory")
                 REQUIRE(tree.centre.x() == about(middle).epsilon(1e-3));
                 const std::vector<uint> boundary(tree.triangle_count(), 0);
                 const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), boundary.data());
-                std::vector<uint> near_nodes(tree.triangle_count());
+                std::vector<uint> near_cells(tree.triangle_count());
                 for (int walk = 0; walk < 40; ++walk) {
                     double angle = draw(0, 6.283), x = draw(-0.01, 0.01), gap = draw(-0.02, 0.08) * r;
                     const double range = r + reach + 0.4 * r, stride = draw(0, 1) < 0.5 ? 0.01 * r : 0.1 * r;
@@ -108,13 +108,13 @@ TEST_SUITE("contact/wall_memory")
                         at.origin = v3(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
                         at.offset = p - at.origin;
                         if (count == 0 || distance_of(p, known.list_at) > 0.4 * r) {
-                            count = find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * r, wall, static_cast<uint>(near_nodes.size()),
-                                                    near_nodes.data());
+                            count = find_near_cells(at, range, SEL_NEAR_CELL_SIZE * r, wall, static_cast<uint>(near_cells.size()),
+                                                    near_cells.data());
                             known = found_clearance(p, range, 0.4 * r, r, count);
                         }
                         const double turned = angle + draw(-0.1, 0.1);
                         const Touched touched(v3(0, -std::cos(turned), -std::sin(turned)));
-                        const NearWallView near = near_wall_view(wall, near_nodes.data(), count);
+                        const NearWallView near = near_wall_view(wall, near_cells.data(), count);
                         const ContactBall ball = contact_ball(at.offset, at.origin, r, reach, 0.002);
                         const WallMemory before = memory;
                         const ContactPointPair with = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball, 1)),
@@ -170,7 +170,7 @@ TEST_SUITE("contact/wall_memory")
             const WallTree tree = build_wall_tree(plates(c.apart * r));
             const std::vector<uint> boundary(tree.triangle_count(), 0);
             const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), boundary.data());
-            std::vector<uint> near_nodes(tree.triangle_count());
+            std::vector<uint> near_cells(tree.triangle_count());
             const Touched touched(v3(0, 0, 1));
             WallMemory memory{};
             Clearance known{};
@@ -182,9 +182,9 @@ TEST_SUITE("contact/wall_memory")
                 at.offset = p;
                 const double range = r + reach + 0.4 * r;
                 const uint count =
-                    find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * r, wall, static_cast<uint>(near_nodes.size()), near_nodes.data());
+                    find_near_cells(at, range, SEL_NEAR_CELL_SIZE * r, wall, static_cast<uint>(near_cells.size()), near_cells.data());
                 known = found_clearance(p, range, 0.4 * r, r, count);
-                const NearWallView near = near_wall_view(wall, near_nodes.data(), count);
+                const NearWallView near = near_wall_view(wall, near_cells.data(), count);
                 const ContactBall ball = contact_ball(p, at.origin, r, reach, 0.002);
                 with[step] = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball, 1));
                 without = contact_points_of(ball, near, touched.last(), no_recall());

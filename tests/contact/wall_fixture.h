@@ -24,7 +24,7 @@ struct Soup {
     std::vector<float> vertices;          // [T][9] [m]
     std::vector<std::uint32_t> boundary;  // [T]
     std::vector<std::uint32_t> all;       // [T] 0, 1, ...
-    std::vector<TreeNode> nodes;          // [T] BVH nodes of one triangle each, so that a BVH node's index is its triangle's
+    std::vector<TreeNode> nodes;          // [T] cells of one triangle each, so that a cell's index is its triangle's
 
     void add(vec3 a, vec3 b, vec3 c, std::uint32_t at_boundary = 0)
     {
@@ -52,12 +52,12 @@ struct Soup {
         nodes.clear();
         for (std::size_t t = 0; t < boundary.size(); ++t) nodes.push_back(leaf(t));
     }
-    /// Parallelogram `corner`, `corner + u`, ...; normal u x v; cut into BVH nodes x BVH nodes squares of two triangles.
-    void add_patch(vec3 corner, vec3 u, vec3 v, int near_nodes = 1)
+    /// Parallelogram `corner`, `corner + u`, ...; normal u x v; cut into squares x squares of two triangles.
+    void add_patch(vec3 corner, vec3 u, vec3 v, int squares = 1)
     {
-        const double step = 1.0 / near_nodes;
-        for (int i = 0; i < near_nodes; ++i)
-            for (int j = 0; j < near_nodes; ++j) {
+        const double step = 1.0 / squares;
+        for (int i = 0; i < squares; ++i)
+            for (int j = 0; j < squares; ++j) {
                 const vec3 a = corner + i * step * u + j * step * v, b = a + step * u, c = a + step * v, d = b + step * v;
                 add(a, b, d);
                 add(a, d, c);

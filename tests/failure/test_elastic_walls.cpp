@@ -235,7 +235,7 @@ Outcomes go(const Row& row, double youngs)
 
 TEST_SUITE("failure/elastic_walls")
 {
-    TEST_CASE("property: the hard rows hold beside a wall that yields, as soft as 0.1 MPa")
+    TEST_CASE("property: the hard rows hold beside an elastic wall, as soft as 0.1 MPa")
     {
         for (const Row& row : all_rows()) {
             const std::string name = row.name;

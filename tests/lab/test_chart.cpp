@@ -162,7 +162,7 @@ TEST_SUITE("lab/chart_models")
     }
 
     TEST_CASE_FIXTURE(ChartFixture,
-                      "property: beside a wall that yields stand a rigid one and coarser ones; beside a rigid one, elastic")
+                      "property: beside an elastic wall stand a rigid one and coarser ones; beside a rigid one, elastic")
     {
         Scene scene = read_scene(options.scenes[0]);
         scene.vessel.shape = VesselShape::Tube;

@@ -154,7 +154,7 @@ TEST_SUITE("lab/stability")
         CHECK(published.verdict.readings.outside > 0);
     }
 
-    TEST_CASE("property: beside an aorta's wall that yields the default holds at steps of a display, and presses no deeper")
+    TEST_CASE("property: beside an aorta's elastic wall the default holds at steps of a display, and presses no deeper")
     {
         const StabilityMap& map = map_named("soft-wall");
         const CellReference reference = cell_reference(map, 1, ".");

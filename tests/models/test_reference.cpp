@@ -93,7 +93,7 @@ TEST_SUITE("models/reference")
         CHECK(at(left.rms, Observable::Tip) < at(reference.uncertainty, Observable::Tip));
     }
 
-    TEST_CASE("property: the control mesh of a wall that yields is refined with the wire, as far as its least edge")
+    TEST_CASE("property: the control mesh of an elastic wall is refined with the wire, as far as its least edge")
     {
         Refinement how = from(11, 5e-4, 4);
         CHECK_FALSE(how.model(2).wall_edge);

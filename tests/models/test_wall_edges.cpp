@@ -53,9 +53,9 @@ TEST_SUITE("models/wall_edges")
     TEST_CASE("property: a rigid wall has no edges to try")
     {
         const WallEdges edges = edges_of("");
-        CHECK_FALSE(edges.yields());
+        CHECK_FALSE(edges.elastic());
         CHECK(edges.trials().empty());
-        CHECK_FALSE(edges_of("wall_edge_m = 0.004").yields());  // which says nothing while the wall is rigid
+        CHECK_FALSE(edges_of("wall_edge_m = 0.004").elastic());  // which says nothing while the wall is rigid
     }
 
     // beta^4 = (E t / R^2 + k_s) / (4 D): with E = 1 MPa, D = 1.045e-4 N m, E t / R^2 = 1e7 Pa/m and k_s = 1e6 it decays over

@@ -13,7 +13,7 @@
 namespace test_adapt {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

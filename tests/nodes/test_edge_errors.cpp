@@ -7,7 +7,7 @@
 namespace test_edge_errors {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

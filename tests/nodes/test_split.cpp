@@ -10,7 +10,7 @@
 namespace test_split {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

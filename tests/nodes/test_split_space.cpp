@@ -7,7 +7,7 @@
 namespace test_split_space {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -255,7 +255,7 @@ TEST_SUITE("plan/plan_search")
         CHECK(found.best->rolling == false);
     }
 
-    TEST_CASE("property: a wall that yields is rigid where that meets the goals, on a coarser mesh where only that does")
+    TEST_CASE("property: an elastic wall is rigid where that meets the goals, on a coarser mesh where only that does")
     {
         Scene scene = small_scene();
         scene.vessel.elastic = true;

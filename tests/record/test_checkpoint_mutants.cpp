@@ -72,7 +72,7 @@ const std::vector<Case>& cases()
         {"layer", "tests/golden/bend.toml", {"contact.detection=layer"}, 120},
         {"nodes that come and go", "tests/golden/bend.toml", {"wire.nodes=adaptive"}, 120},
         {"barrier", "tests/golden/bend.toml", {"contact.normal=barrier"}, 120},
-        {"a wall that yields",
+        {"an elastic wall",
          "tests/golden/bend.toml",
          {"vessel.wall=elastic", "vessel.youngs_pa=1e6", "vessel.thickness_m=0.0008"},
          120},

@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-namespace seldinger::testing {
+namespace seldinger::test {
 
 using std::numbers::pi;
 using test::about;
@@ -281,4 +281,4 @@ private:
     }
 };
 
-}  // namespace seldinger::testing
+}  // namespace seldinger::test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace seldinger::testing {
+namespace seldinger::test {
 
 using test::about;
 
@@ -132,4 +132,4 @@ inline std::vector<Vec3> straight_nodes(int n, double length)
     return nodes;
 }
 
-}  // namespace seldinger::testing
+}  // namespace seldinger::test

@@ -11,7 +11,7 @@
 namespace test_coaxial {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

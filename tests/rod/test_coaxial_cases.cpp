@@ -8,7 +8,7 @@
 namespace test_coaxial_cases {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

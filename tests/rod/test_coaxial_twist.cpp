@@ -9,7 +9,7 @@
 namespace test_coaxial_twist {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

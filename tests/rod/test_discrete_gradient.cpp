@@ -9,7 +9,7 @@
 namespace test_discrete_gradient {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -12,7 +12,7 @@
 namespace test_lumen_press {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 using Complex = LumenPress::Complex;
 
 namespace {

@@ -11,7 +11,7 @@
 namespace test_no_state {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 TEST_SUITE("rod/no_state")
 {

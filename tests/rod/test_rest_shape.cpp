@@ -9,7 +9,7 @@
 namespace test_rest_shape {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 TEST_SUITE("rod/rest_shape")
 {

@@ -8,7 +8,7 @@
 namespace test_statics {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -77,7 +77,7 @@ Dent dent_of(const Scene& scene, bool with_path)
 }  // namespace
 
 // The reference is a small plane with even edges of a quarter of the decay length. Its own errors are 0.026/16 of the displacement, and a few
-// per cent of the stress (contact/test_yielding_wall). Along a path edges are half of the decay length: 0.026/4 and as much.
+// per cent of the stress (contact/test_elastic_contact). Along a path edges are half of the decay length: 0.026/4 and as much.
 TEST_CASE("property: on a plane of any size displacement and stress are those of a fine mesh, with less vertices than an even one")
 {
     const Dent fine = dent_of(pressed_wire(0.06, 0.00066), true);

@@ -428,13 +428,13 @@ TEST_SUITE("scene/scene")
             }
     }
 
-    TEST_CASE("property: a wall that yields is read, and survives the round trip")
+    TEST_CASE("property: an elastic wall is read, and survives the round trip")
     {
         const std::string tube = minimal + "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 0.2\n";
         const Scene plain = read(tube);
         CHECK_FALSE(plain.vessel.elastic);
         CHECK(plain.vessel.rims_held);
-        // of a rigid wall nothing is written that only a yielding one has
+        // of a rigid wall nothing is written that only an elastic one has
         CHECK(write_scene(plain, ".").find("support_pa_m") == std::string::npos);
         const Scene s =
             read(tube, {"vessel.wall=elastic", "vessel.support_pa_m=3e5", "vessel.support_pa_s_m=0", "vessel.rims=free",

@@ -286,7 +286,7 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"scene.dt_s=1e-12"}, "scene.dt_s: makes 2e+12 steps"});
     }
 
-    TEST_CASE("property: a wall that yields is a thin shell, and something holds it")
+    TEST_CASE("property: an elastic wall is a thin shell, and something holds it")
     {
         const std::string tube = good + "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 0.3\n";
         const std::string elastic = tube + "wall = \"elastic\"\n";

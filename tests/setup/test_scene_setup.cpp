@@ -164,7 +164,7 @@ TEST_SUITE("setup/scene_setup")
         CHECK(placed(plane, "{ shape = \"straight\", base = [0.2, 0.0, -0.01], direction = [1.0, 0.0, 0.0] }").empty());
     }
 
-    TEST_CASE("property: a lumen that is narrower than its yielding wall is thick is told of, with place and sizes")
+    TEST_CASE("property: a lumen that is narrower than its elastic wall is thick is told of, with place and sizes")
     {
         VesselSpec vessel;
         vessel.thickness = 8e-4;

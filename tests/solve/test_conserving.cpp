@@ -4,7 +4,7 @@
 namespace test_conserving {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -7,7 +7,7 @@
 namespace test_contact_steps {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -7,7 +7,7 @@
 namespace test_equilibrium {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -10,7 +10,7 @@
 namespace test_feed_lengths {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

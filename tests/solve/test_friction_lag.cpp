@@ -10,7 +10,7 @@
 namespace test_friction_lag {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -11,7 +11,7 @@
 namespace test_reference_rods {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

@@ -5,7 +5,7 @@
 namespace test_stiff_wire {
 
 using namespace seldinger;
-using namespace seldinger::testing;
+using namespace seldinger::test;
 
 namespace {
 

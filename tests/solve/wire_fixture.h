@@ -14,7 +14,7 @@
 #include <numbers>
 #include <vector>
 
-namespace seldinger::testing {
+namespace seldinger::test {
 
 using test::about;
 
@@ -127,4 +127,4 @@ struct Rig {
     [[nodiscard]] Vec3 tip(int w = 0) { return rods.view(w).pos(0); }
 };
 
-}  // namespace seldinger::testing
+}  // namespace seldinger::test

@@ -79,7 +79,7 @@ TEST_SUITE("step/requests")
         refused([](TestSetup& s) { s.systems = {2, 0}; }, "systems[1]: got 0");
     }
 
-    TEST_CASE("property: a wall that yields is a thin shell, and something holds it")
+    TEST_CASE("property: an elastic wall is a thin shell, and something holds it")
     {
         const auto elastic = [](const std::function<void(VesselSpec&)>& change) {
             return [change](TestSetup& s) {

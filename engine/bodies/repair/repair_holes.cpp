@@ -14,7 +14,7 @@ namespace seldinger::repair_steps {
 namespace {
 
 constexpr std::size_t kLongestHole = 200;  // vertices; filling is cubic in it
-constexpr long kMostNamed = 3;             // holes, in a note
+constexpr long most_named = 3;             // holes, in a note
 
 /// A hole is one of these. (1) A loop of at most four edges: no one models a lumen with four facets. (2) A loop of at most
 /// twelve edges and 1/3 of the lumen's radius: too coarse for a branch that anyone means to enter. Or (3) a loop in the plane
@@ -96,7 +96,7 @@ void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
         if (!rule) continue;
         work.spend(std::pow(static_cast<double>(chain.size()), 3) / 6);
         fill(mesh, chain);
-        if (++report.hole_loops_closed <= kMostNamed) {
+        if (++report.hole_loops_closed <= most_named) {
             const Vec3& at = loop.centre;
             places += fmt::format("{}at [{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm ({})", places.empty() ? "" : "; ", at.x(), at.y(), at.z(), 1e3 * loop.radius, rule);
         }
@@ -104,7 +104,7 @@ void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     const long closed = report.hole_loops_closed;
     if (closed == 0) return;
     edges = find_edges(mesh);
-    if (closed > kMostNamed) places += fmt::format("; and {} more", closed - kMostNamed);
+    if (closed > most_named) places += fmt::format("; and {} more", closed - most_named);
     report.notes.push_back(fmt::format("{} small hole{} closed: {}. vessel.close_holes = false leaves {} open.", closed, closed == 1 ? " was" : "s were", places,
                                        closed == 1 ? "it" : "them"));
 }

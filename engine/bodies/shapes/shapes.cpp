@@ -13,7 +13,7 @@ namespace seldinger {
 namespace {
 
 constexpr int kDefaultTriangles = 20000;
-constexpr int kMostTriangles = 50'000'000;  // vertex indices are 32 bits
+constexpr int most_triangles = 50'000'000;  // vertex indices are 32 bits
 
 void require_positive(double value, const char* key)
 {
@@ -23,9 +23,9 @@ void require_positive(double value, const char* key)
 
 int wanted_triangles(const VesselSpec& spec)
 {
-    if (spec.triangles < 0 || spec.triangles > kMostTriangles)
+    if (spec.triangles < 0 || spec.triangles > most_triangles)
         throw Error(ExitCode::BadScene,
-                    fmt::format("vessel.triangles: got {}; expected 0 (default) to {}", spec.triangles, kMostTriangles));
+                    fmt::format("vessel.triangles: got {}; expected 0 (default) to {}", spec.triangles, most_triangles));
     return spec.triangles == 0 ? kDefaultTriangles : spec.triangles;
 }
 

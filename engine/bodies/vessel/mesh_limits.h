@@ -7,9 +7,9 @@ namespace seldinger {
 
 /// Largest coordinate of a wall [m]. An aorta in micrometres that is read as metres must come through, so that its unit
 /// can be said to be wrong; squares of squares of much larger numbers overflow in the device's float32.
-constexpr double kMostCoordinate = 1e6;
+constexpr double most_coordinate = 1e6;
 
-/// Index of the first vertex with a coordinate that is no number or beyond kMostCoordinate; -1: all can be used.
+/// Index of the first vertex with a coordinate that is no number or beyond most_coordinate; -1: all can be used.
 [[nodiscard]] std::int64_t first_unusable_vertex(const WallMesh& mesh);
 
 /// Refuses walls with stray vertices: one corner far away makes a spike, which would be reported, and entered, as a vessel of

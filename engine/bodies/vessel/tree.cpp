@@ -17,7 +17,7 @@ namespace {
 
 using Lane4 = Eigen::Array4f;  // x, y, z and a lane along for the ride: one vector instruction for a box
 
-constexpr int kMostBins = 16;
+constexpr int most_bins = 16;
 constexpr float kBoxCost = 1.0f, kTriangleCost = 1.5f;  // an exact capsule-triangle test costs a few box tests
 constexpr int kMaxDepth = SEL_TREE_STACK - 1;
 
@@ -84,7 +84,7 @@ struct Split {
 Split best_split(const Item* begin, const Item* end, const Box& centres)
 {
     const std::ptrdiff_t items = end - begin;
-    const int bins = items <= 8 ? 4 : items <= 64 ? 8 : kMostBins;  // small ranges: bins cost more than triangles
+    const int bins = items <= 8 ? 4 : items <= 64 ? 8 : most_bins;  // small ranges: bins cost more than triangles
     Split best;
     const Lane4 spread = centres.hi - centres.lo;
     const float widest = std::max({spread[0], spread[1], spread[2]});
@@ -93,14 +93,14 @@ Split best_split(const Item* begin, const Item* end, const Box& centres)
         if (!(spread[axis] > 0) || spread[axis] < 0.3f * widest) continue;
         Split split{axis, centres.lo[axis], static_cast<float>(bins) / spread[axis], bins, 0, 3e38f};
         if (!(split.scale < 3e38f)) continue;
-        std::array<Box, kMostBins> box;
-        std::array<std::uint32_t, kMostBins> count{};
+        std::array<Box, most_bins> box;
+        std::array<std::uint32_t, most_bins> count{};
         for (const Item* it = begin; it != end; ++it) {
             const auto b = static_cast<std::size_t>(split.bin_of(*it));
             box[b].add(it->lo, it->hi);
             ++count[b];
         }
-        std::array<float, kMostBins> right_cost{};
+        std::array<float, most_bins> right_cost{};
         Box sweep;
         std::uint32_t n = 0;
         for (auto b = static_cast<std::size_t>(bins) - 1; b > 0; --b) {

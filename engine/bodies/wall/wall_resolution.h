@@ -35,7 +35,7 @@ struct WallMeshBand {
 
 /// Under a line load q [N/m] the moment has a peak with a corner, q lambda/4 of a plate on its bed [Hetenyi46]. Elements of edge l
 /// cut off about q l/18 of it: that is the rest against the closed form on planes with l of 0.25 to 0.9 lambda, within 3 % of the whole
-/// (contact/test_yielding_wall). With it the von Mises stress at the surface is larger by 6/t^2 sqrt(1 - nu + nu^2) q l/18.
+/// (contact/test_elastic_contact). With it the von Mises stress at the surface is larger by 6/t^2 sqrt(1 - nu + nu^2) q l/18.
 ///
 /// A load F on a length L of less than l has a logarithm in place of the corner: elements see it as spread over a disc of 0.48 l, and what they
 /// cut off is 6/t^2 F (1 + nu)/(4 pi) (1/2 + ln(0.96 l/L)). With q = F/L, L from l/5 to l, both agree within 30 %. Near a point load a thin

@@ -91,7 +91,7 @@ std::vector<int> names_of_lines(const PolyData& data, std::vector<std::string>& 
 /// Points and the links between them, as the lines have them; which way a line runs is forgotten but for its first point.
 class LineGraph {
 public:
-    LineGraph(const PolyData& data, double scale, const std::string& name) : name_(name), most_(kMostCoordinate / scale)
+    LineGraph(const PolyData& data, double scale, const std::string& name) : name_(name), most_(most_coordinate / scale)
     {
         const RadiusArray radius = radius_of(data, name);
         const std::vector<int> name_of = names_of_lines(data, names_);
@@ -138,7 +138,7 @@ private:
         if (!(r > 0 && r <= most_) || !std::all_of(at.begin(), at.end(), [&](double x) { return std::abs(x) <= most_; }))
             fail_centreline(name_, fmt::format("point {}: got [{:.6g}, {:.6g}, {:.6g}] with radius {:.6g}; expected coordinates within {:.0f} m and a radius above 0. Fix: check the "
                                     "units, or export the centreline again",
-                                    i, at[0], at[1], at[2], r, kMostCoordinate));
+                                    i, at[0], at[1], at[2], r, most_coordinate));
         const auto [it, fresh] = known.try_emplace(at, count());
         if (fresh) {
             points_.push_back(scale * Vec3(at[0], at[1], at[2]));

@@ -60,7 +60,7 @@ std::string units_in(std::string_view text)
 std::string obj_comments(std::string_view text)
 {
     std::string comments;
-    for (TextWords lines(text); !lines.at_end() && comments.size() < kMostRemarks;)
+    for (TextWords lines(text); !lines.at_end() && comments.size() < most_remarks;)
         if (const std::string_view line = lines.line(); line.starts_with('#')) comments.append(line).push_back('\n');
     return comments;
 }

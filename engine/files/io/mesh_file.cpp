@@ -159,7 +159,7 @@ void require_usable(const WallMesh& mesh, const std::filesystem::path& path, con
     const Vec3 at = mesh.vertices[static_cast<std::size_t>(v)] / metres_per_unit(units);
     bad_file(path, fmt::format("vertex {} (counted from 1): got [{:.6g}, {:.6g}, {:.6g}] {}; expected numbers within {:.0f} m. Fix: check the units, or export "
                                "the mesh again",
-                               v + 1, at.x(), at.y(), at.z(), units, kMostCoordinate));
+                               v + 1, at.x(), at.y(), at.z(), units, most_coordinate));
 }
 
 }  // namespace

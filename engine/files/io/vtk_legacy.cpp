@@ -257,7 +257,7 @@ private:
         at_ += width;
         if (file_.size() - at_ < length) damaged("FIELD is cut off in its strings: got the end of the file; expected more bytes");
         at_ += length;
-        return file_.substr(at_ - length, std::min<std::size_t>(length, kMostRemarks));
+        return file_.substr(at_ - length, std::min<std::size_t>(length, most_remarks));
     }
 
     /// FIELD name n, then n arrays: name, components, tuples, type, values; each may have a METADATA block behind it.
@@ -281,7 +281,7 @@ private:
                 for (std::size_t k = 0; k < n; ++k) {
                     if (at_ >= file_.size()) cut_off("FIELD", n, "strings", k);
                     const std::string text = string_value();
-                    if (remarks && remarks->size() < kMostRemarks) *remarks += name + "=" + text + "\n";
+                    if (remarks && remarks->size() < most_remarks) *remarks += name + "=" + text + "\n";
                 }
             } else if (type == "variant") {  // text in both encodings: a type number and a value each
                 for (std::size_t k = 0; k < 2 * n; ++k)

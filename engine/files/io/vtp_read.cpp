@@ -44,7 +44,7 @@ void charge(const FileFacts& file, std::uint64_t bytes)
     if (bytes > file.room)
         fail(file, fmt::format("got arrays that unpack to more than {0} times the file's size; expected {0} times at most: damaged, or made to fill "
                                "the memory. Fix: export the mesh again",
-                               kMostUnpacked));
+                               most_unpacked));
     file.room -= bytes;
 }
 
@@ -259,10 +259,10 @@ void read_names(const FileFacts& file, const pugi::xml_node& parent, std::map<st
 void read_strings(const FileFacts& file, const pugi::xml_node& parent, std::string& remarks)
 {
     for (const pugi::xml_node& node : parent.children()) {
-        if (!is_text(node) || remarks.size() >= kMostRemarks) continue;
+        if (!is_text(node) || remarks.size() >= most_remarks) continue;
         std::string text;
         for (const std::uint8_t c : read_values<std::uint8_t>(file, node, "UInt8")) {
-            if (text.size() == kMostRemarks) break;
+            if (text.size() == most_remarks) break;
             text.push_back(c == 0 ? '\n' : static_cast<char>(c));
         }
         remarks += fmt::format("{}={}\n", node.attribute("Name").as_string(), text);
@@ -329,7 +329,7 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name, Poly
 {
     FileFacts file;
     file.name = name;
-    file.room = std::max(kMostUnpacked * static_cast<std::uint64_t>(bytes.size()), kLeastUnpacked);
+    file.room = std::max(most_unpacked * static_cast<std::uint64_t>(bytes.size()), kLeastUnpacked);
     // raw appended bytes are not XML: cut them off before parsing, and close the element they were in
     std::string xml = bytes;
     const std::size_t tail = bytes.find("<AppendedData");

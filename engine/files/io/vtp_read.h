@@ -1,7 +1,7 @@
 #pragma once
 // Reads VTK PolyData (.vtp): ascii, base64 and appended raw or base64 arrays, plain or zlib-compressed, of either header width.
 // Little-endian only, as every writer of the last decades makes on common machines. What a file unpacks to is bounded by its size
-// (kMostUnpacked), whatever its headers promise.
+// (most_unpacked), whatever its headers promise.
 
 #include "core/folder.h"
 
@@ -34,7 +34,7 @@ struct PolyData {
     std::string note;     // what was wrong with the file, and what was read; one sentence for people, or empty
 };
 
-constexpr std::size_t kMostRemarks = 4096;  // a file may be nothing but comments [bytes]
+constexpr std::size_t most_remarks = 4096;  // a file may be nothing but comments [bytes]
 
 /// Geometry leaves point, cell and field data packed: nobody asks for them, and a constant array packs a thousandfold. Remarks stops
 /// before the first point.
@@ -43,10 +43,10 @@ enum class PolyParts { All, Geometry, Remarks };
 /// Times the file's size that its arrays may take in memory, every value as eight bytes, with the bytes that are read to find
 /// them. VTK's own writer reaches 14 at best, with regular tubes, planes and spheres of float32 and 32-bit indices, and 4 with
 /// patients' vessels. Compression alone would reach a thousand, and many pieces on one block have no limit.
-constexpr std::uint64_t kMostUnpacked = 32;
+constexpr std::uint64_t most_unpacked = 32;
 constexpr std::uint64_t kLeastUnpacked = 1 << 20;  // small files may, whatever their size [bytes]
 
-/// @throws Error BadFile: missing, not PolyData, cut short, an index outside the points, or more than kMostUnpacked
+/// @throws Error BadFile: missing, not PolyData, cut short, an index outside the points, or more than most_unpacked
 [[nodiscard]] PolyData read_poly_data(const FilePlace& place, PolyParts parts = PolyParts::All);
 
 /// Same, from the bytes of a file; `name` is for messages.

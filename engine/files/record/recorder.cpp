@@ -119,7 +119,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
       mesh_(world.setup().mesh),
       dir_(std::move(dir)),
       vessel_hash_(hash_of(mesh_)),
-      yields_(world.setup().vessel.elastic)
+      elastic_(world.setup().vessel.elastic)
 {
     const Stopwatch watch(tally_.record);
     resolved_ = write_scene(scene, dir_);  // first: it may be what is overwritten
@@ -144,7 +144,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
       vessel_hash_(hash_of(mesh_)),
       has_wall_(!mesh_.triangles.empty()),
       closed_ends_(closed_ends_of(world, vessel_)),
-      yields_(world.setup().vessel.elastic),
+      elastic_(world.setup().vessel.elastic),
       tally_(saved.tally),
       wire_frames_(saved.wire_frames),
       contact_frames_(saved.contact_frames)
@@ -183,7 +183,7 @@ void Recorder::forget_lost_frames()
     };
     for (int k = 0; k < scene_.instrument_count(); ++k) std::erase_if(wire_frames_, is_lost(series_of(scene_, k)));
     std::erase_if(contact_frames_, is_lost("contacts"));
-    if (yields_) std::erase_if(contact_frames_, is_lost("wall"));
+    if (elastic_) std::erase_if(contact_frames_, is_lost("wall"));
 }
 
 void Recorder::take_in(const Output& now, const StepReport& report, double dt)
@@ -268,7 +268,7 @@ void Recorder::placed(const Output& now)
 unsigned Recorder::frame_parts() const
 {
     const unsigned parts = Output::Shape | Output::Contacts | Output::Wall;
-    return yields_ && scene_.contacts_every > 0 ? parts | Output::WallShape : parts;
+    return elastic_ && scene_.contacts_every > 0 ? parts | Output::WallShape : parts;
 }
 
 /// In most steps the total load is below the largest reading so far, and the load along the wires is not computed.
@@ -284,12 +284,12 @@ bool Recorder::may_bear_most(const World& world) const
 unsigned Recorder::wants(const World& world) const
 {
     const std::int64_t next = tally_.steps + 1;
-    const unsigned contacts = yields_ ? Output::Contacts | Output::WallShape : Output::Contacts;
+    const unsigned contacts = elastic_ ? Output::Contacts | Output::WallShape : Output::Contacts;
     return (due(next, scene_.wire_every) ? Output::Shape : Output::Numbers) |
            (has_wall_ && due(next, scene_.contacts_every) ? contacts : Output::Numbers) |
            (due(next, scene_.record_every) ? Output::Contacts : Output::Numbers) |
            (may_bear_most(world) ? Output::Loads : Output::Numbers) |
-           (!yields_ ? Output::Numbers : due(next, scene_.record_every) ? Output::Wall : Output::WallUnder);
+           (!elastic_ ? Output::Numbers : due(next, scene_.record_every) ? Output::Wall : Output::WallUnder);
 }
 
 void Recorder::stepped(const Output& now, const StepReport& report, double seconds, long rest_steps)
@@ -317,7 +317,7 @@ void Recorder::write_contact_frame(const Output& now)
 {
     if (!has_wall_) return;
     write_file(dir_ / frame_name("contacts", tally_.steps), contacts_vtp(now.contacts));
-    if (yields_) write_file(dir_ / frame_name("wall", tally_.steps), moved_wall_vtp(mesh_, now.walls[0]));
+    if (elastic_) write_file(dir_ / frame_name("wall", tally_.steps), moved_wall_vtp(mesh_, now.walls[0]));
     contact_frames_.push_back({tally_.steps, now.time});
 }
 
@@ -340,7 +340,7 @@ void Recorder::write_collections()
         for (const std::string& one : instruments)
             if (one != "wire") write(one, wire_frames_, {one});
     write("contacts", contact_frames_, {"contacts"});
-    if (yields_) write("wall", contact_frames_, {"wall"});
+    if (elastic_) write("wall", contact_frames_, {"wall"});
 }
 
 /// The frames as arrays. They are files that somebody may have changed: then there is a warning, and the run ends as it does.

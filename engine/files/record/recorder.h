@@ -98,7 +98,7 @@ private:
     std::string resolved_;  // the scene as the checkpoint carries it
     bool has_wall_ = false;
     ClosedEnds closed_ends_;
-    bool yields_ = false;             // and it yields
+    bool elastic_ = false;             // and it is elastic
     double move_nodes_ = 0, stress_nodes_ = 0;  // error of its load by nodes, as a share of what it does
     std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
     RunTally tally_;

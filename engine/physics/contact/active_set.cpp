@@ -63,7 +63,7 @@ void ActiveSet::list_wire(std::size_t w, const NearWall& near)
     for (int k = 0; k < wire.live; ++k) {
         const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
         // once evaluated in this step, always: a record that an earlier trial wrote would pass for the last one's
-        if (!near.has_near_nodes(static_cast<int>(s)) && listed_[s] != wire.epoch) continue;
+        if (!near.has_near_cells(static_cast<int>(s)) && listed_[s] != wire.epoch) continue;
         listed_[s] = wire.epoch;
         const std::uint32_t edge = quadrature_.places[s].edge;
         if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {

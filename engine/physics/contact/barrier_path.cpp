@@ -26,8 +26,8 @@ BarrierPath::BarrierPath(device::Context& context, const QuadratureSet& points, 
 
 void BarrierPath::warm_up(device::Queue at, ContactParams none, const QuadratureBuffers& b)
 {
-    gaps_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0, result_buffer_);
-    sweep_.launch(at, 1, none, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, base_, b.nodes, result_buffer_);
+    gaps_.launch(at, 1, none, b.list, b.models, b.places, b.near_cells, b.counts, b.wall, b.nodes, b.states_t0, result_buffer_);
+    sweep_.launch(at, 1, none, b.list, b.models, b.places, b.near_cells, b.counts, b.wall, base_, b.nodes, result_buffer_);
 }
 
 /// Gaps of the quadrature points in b.list, into result_.
@@ -35,7 +35,7 @@ void BarrierPath::measure_gaps(device::Queue at, ContactParams par, const Quadra
 {
     if (count == 0) return;
     par.item_count = static_cast<uint>(count);
-    gaps_.launch(at, count, par, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, b.nodes, b.states_t0, result_buffer_);
+    gaps_.launch(at, count, par, b.list, b.models, b.places, b.near_cells, b.counts, b.wall, b.nodes, b.states_t0, result_buffer_);
     context_.read(at, result_buffer_, result_.data(), count * sizeof(real));
 }
 
@@ -74,7 +74,7 @@ void BarrierPath::sweep(device::Queue at, ContactParams par, const QuadratureBuf
     if (list.empty()) return;
     base_.upload(context_, at);
     par.item_count = static_cast<uint>(list.size());
-    sweep_.launch(at, list.size(), par, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall, base_, b.nodes,
+    sweep_.launch(at, list.size(), par, b.list, b.models, b.places, b.near_cells, b.counts, b.wall, base_, b.nodes,
                   result_buffer_);
     context_.read(at, result_buffer_, result_.data(), list.size() * sizeof(real));
     std::size_t k = 0;

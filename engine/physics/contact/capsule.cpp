@@ -89,7 +89,7 @@ QuadratureBuffers CapsuleContact::buffers(const ActiveList& list) const
     return {states_.models(),
             states_.places(),
             list.point_buffer,
-            near_.near_nodes(),
+            near_.near_cells(),
             near_.counts(),
             states_.states_t0(),
             states_.states(),

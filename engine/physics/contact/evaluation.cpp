@@ -34,7 +34,7 @@ void Evaluation::launch_forces(device::Queue queue, const ContactParams& par, co
                                const DeviceNodes& before, const device::Buffer& clearances, const device::Buffer* multipliers)
 {
     const auto launch = [&](const auto& params) {
-        evaluate_.launch(queue, std::max(par.item_count, 1u), params, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall,
+        evaluate_.launch(queue, std::max(par.item_count, 1u), params, b.list, b.models, b.places, b.near_cells, b.counts, b.wall,
                          b.nodes, before, b.states_t0, b.states, forces_, barys_, multipliers ? *multipliers : no_multipliers_,
                          clearances, memories_);
     };

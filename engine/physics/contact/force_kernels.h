@@ -62,12 +62,12 @@ public:
     /// Gaps of the quadrature points in `list`, where `nodes` are: kernels/contact/barrier_path.cl.
     template <class Params, class Wall, class Nodes>
     void launch(device::Queue queue, std::size_t items, const Params& par, const device::Buffer& list,
-                const device::Buffer& models, const device::Buffer& places, const device::Buffer& near_nodes,
+                const device::Buffer& models, const device::Buffer& places, const device::Buffer& near_cells,
                 const device::Buffer& counts, const Wall& wall, const Nodes& nodes, const device::Buffer& states_t0,
                 const device::Buffer& gaps)
     {
         const auto with = [&](const auto&... more) {
-            StagedKernel::launch(queue, items, par, list, models, places, near_nodes, counts, wall, nodes, more...);
+            StagedKernel::launch(queue, items, par, list, models, places, near_cells, counts, wall, nodes, more...);
         };
         if (launches() == 1) return with(states_t0, gaps);
         // moves of nothing; and these stages touch no states, forces, multipliers, clearances or memories

@@ -44,7 +44,7 @@ NearWall::NearWall(device::Context& context, const QuadratureSet& points, const 
     to_find_.reserve(n);
     found_.resize(n);
     distances_.resize(n);
-    near_nodes_ = device::Buffer(context, n * slots_ * sizeof(std::uint32_t));
+    near_cells_ = device::Buffer(context, n * slots_ * sizeof(std::uint32_t));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     clearances_ = device::Buffer(context, n * device_size<Clearance>(context));
     list_ = device::Buffer(context, to_find_.data(), n * sizeof(std::uint32_t));
@@ -61,7 +61,7 @@ void NearWall::warm_up(device::Queue at, const ContactParams& none)
 void NearWall::launch_find(device::Queue at, std::size_t items, const ContactParams& par)
 {
     const auto launch = [&](const auto& params, const auto& margin) {
-        find_.launch(at, items, params, margin, list_, states_.models(), states_.places(), nodes_, wall_, near_nodes_,
+        find_.launch(at, items, params, margin, list_, states_.models(), states_.places(), nodes_, wall_, near_cells_,
                      count_buffer_, found_buffer_, clearances_);
     };
     if (context_.float32()) launch(narrow(par), static_cast<float>(lengths_.margin));
@@ -186,7 +186,7 @@ void NearWall::take_spheres(int w)
     }
 }
 
-// Distances from the wall of every `stride`-th stale quadrature point, but for those that had BVH nodes the last time.
+// Distances from the wall of every `stride`-th stale quadrature point, but for those that had cells the last time.
 void NearWall::probe(int stride)
 {
     to_find_.clear();
@@ -238,7 +238,7 @@ bool NearWall::find_listed(const ContactParams& params)
     for (std::size_t i = 0; i < to_find_.size(); ++i) most = std::max(most, counts_[to_find_[i]] = found_[i]);
     if (most <= slots_) return true;
     slots_ = (most + most / 2 + 7) / 8 * 8;
-    near_nodes_ = device::Buffer(context_, counts_.size() * slots_ * sizeof(std::uint32_t));
+    near_cells_ = device::Buffer(context_, counts_.size() * slots_ * sizeof(std::uint32_t));
     return false;
 }
 

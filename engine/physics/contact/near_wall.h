@@ -30,10 +30,10 @@ public:
     /// Launches each kernel once with nothing to do.
     void warm_up(device::Queue at, const ContactParams& none);
 
-    [[nodiscard]] bool has_near_nodes(int point) const { return counts_[point] > 0; }
+    [[nodiscard]] bool has_near_cells(int point) const { return counts_[point] > 0; }
     /// Nodes that a list has room for: ContactParams::slots of every launch that reads lists. Grows in renew().
     [[nodiscard]] uint slots() const { return slots_; }
-    [[nodiscard]] const device::Buffer& near_nodes() const { return near_nodes_; }  // [points][slots]
+    [[nodiscard]] const device::Buffer& near_cells() const { return near_cells_; }  // [points][slots]
     [[nodiscard]] const device::Buffer& counts() const { return count_buffer_; }    // [points]
     [[nodiscard]] const device::Buffer& clearances() const { return clearances_; }  // [points], kernels/shared/clearance.h
 
@@ -60,7 +60,7 @@ private:
     const PointStates& states_;
     Lengths lengths_;
     uint slots_;
-    // An entry is valid while the quadrature point is within keep_ of at_. It has either its BVH nodes (counts_ > 0) or no wall
+    // An entry is valid while the quadrature point is within keep_ of at_. It has either its cells (counts_ > 0) or no wall
     // within clear_ of at_ (clear_ > 0), which serves for the neighbours too.
     std::vector<Vec3> at_;                // [points] NaN: nothing is known
     std::vector<double> keep_, clear_;    // [points] [m]
@@ -71,7 +71,7 @@ private:
     std::vector<std::uint32_t> found_;    // what it says of them
     std::vector<double> distances_;
     device::Kernel find_, distance_;
-    device::Buffer near_nodes_, count_buffer_, clearances_, list_, found_buffer_, distance_buffer_;
+    device::Buffer near_cells_, count_buffer_, clearances_, list_, found_buffer_, distance_buffer_;
     std::vector<std::uint32_t> narrow_;  // scratch of a float32 context (device_records.h)
 };
 

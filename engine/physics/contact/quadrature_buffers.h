@@ -8,7 +8,7 @@
 namespace seldinger {
 
 struct QuadratureBuffers {
-    const device::Buffer &models, &places, &list, &near_nodes, &counts, &states_t0, &states;
+    const device::Buffer &models, &places, &list, &near_cells, &counts, &states_t0, &states;
     const DeviceWall& wall;
     const DeviceNodes& nodes;
 };

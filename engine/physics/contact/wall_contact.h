@@ -1,6 +1,6 @@
 #pragma once
 // Contact with the wall as the wires of a world feel it. A rigid wall's is the detection method itself (contact_system.h); an elastic
-// wall stands in front of one (elastic/yielding_wall.h). What only a wall that moves has to say has the rigid wall's answer here, so
+// wall stands in front of one (elastic/elastic_contact.h). What only a wall that moves has to say has the rigid wall's answer here, so
 // that nobody asks which of the two it is.
 
 #include "contact/contact_row.h"

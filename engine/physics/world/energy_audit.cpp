@@ -186,7 +186,7 @@ void read_energies(const WorldRod& rod, double elastic)
 struct WorkDone {
     double hand = 0, turning = 0;  // feeding, clamps that turn
     double outside = 0;            // holds, loads, links
-    double wall = 0;               // one that yields
+    double wall = 0;               // an elastic one
     double feed = 0;               // of a common centreline: the elastic part of `hand`
     [[nodiscard]] double sum() const { return hand + turning + outside + wall; }
 };

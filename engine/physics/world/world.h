@@ -119,7 +119,7 @@ struct StepWork {
     std::vector<std::uint8_t> active, live;
     // of the rod whose nodes are being changed
     SplitScratch split;
-    std::vector<std::uint8_t> bowed;  // YieldingWall::mark_bowed
+    std::vector<std::uint8_t> bowed;  // ElasticContact::mark_bowed
     // a step that may be stopped
     std::function<bool()> stop_asked;      // empty: never
     std::vector<std::uint8_t> step_start;  // the whole state there, of a step of several sub-steps

@@ -300,7 +300,7 @@ void check_wall(const WorldSetup& setup)
     if (const std::int64_t v = first_unusable_vertex(setup.mesh); v >= 0) {
         const std::string name = fmt::format("mesh.vertices[{}]", v);
         need_finite(setup.mesh.vertices[static_cast<std::size_t>(v)], name);
-        refuse(name, fmt::format("got more than {0:.0f} m, which float32 cannot hold finely enough; expected {0:.0f} m at most", kMostCoordinate));
+        refuse(name, fmt::format("got more than {0:.0f} m, which float32 cannot hold finely enough; expected {0:.0f} m at most", most_coordinate));
     }
     need_positive(setup.vessel.youngs, "vessel.youngs");
     need_positive(setup.vessel.thickness, "vessel.thickness");

@@ -4,7 +4,7 @@
 
 #include "contact/rods/coaxial_friction.h"
 #include "contact/rods/instrument_contact.h"
-#include "contact/elastic/yielding_wall.h"
+#include "contact/elastic/elastic_contact.h"
 #include "device/enumerate.h"
 #include "solve/line_holds.h"
 #include "world/systems.h"
@@ -59,8 +59,8 @@ void WorldForces::make_contacts(const WorldSetup& setup, const SystemList& syste
         contact = make_contact(*context, contact_setup(setup, *wall), unmoved_rods ? *unmoved_rods : rods);
         wall_contact = contact.get();
         if (elastic_wall) {
-            yielding = std::make_unique<YieldingWall>(*elastic_wall, *contact, rods, *unmoved_rods, systems.of_each());
-            wall_contact = yielding.get();
+            elastic = std::make_unique<ElasticContact>(*elastic_wall, *contact, rods, *unmoved_rods, systems.of_each());
+            wall_contact = elastic.get();
         }
         terms.add(*wall_contact);
     }

@@ -20,7 +20,7 @@ class InstrumentContact;  // contact/rods/instrument_contact.h
 class LineHolds;          // solve/line_holds.h
 class SystemList;         // world/systems.h
 class WallContact;        // contact/wall_contact.h
-class YieldingWall;       // contact/elastic/yielding_wall.h
+class ElasticContact;       // contact/elastic/elastic_contact.h
 namespace device {
 class Context;  // device/device.h
 }
@@ -41,7 +41,7 @@ struct WorldForces {
     std::shared_ptr<const ElasticWall> elastic_wall;  // only of an elastic vessel, and so the next two; twins share it
     std::unique_ptr<RodArrays> unmoved_rods;         // the wires as the wall sees them where it has not moved
     std::unique_ptr<ContactMethod> contact;          // none without a vessel
-    std::unique_ptr<YieldingWall> yielding;          // in front of it, of an elastic vessel
+    std::unique_ptr<ElasticContact> elastic;          // in front of it, of an elastic vessel
     WallContact* wall_contact = nullptr;             // contact as the wires feel it, one of the two
     std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
     std::unique_ptr<CoaxialFriction> coaxial_friction;  // between those that share a centreline

@@ -193,7 +193,7 @@ private:
     void refine_wall(Refinement& how) const
     {
         const WallEdges walls = wall_edges(study_.setup);
-        if (!walls.yields()) return;
+        if (!walls.elastic()) return;
         how.coarsest.wall_edge = walls.of_level(0, 1);
         how.least_wall_edge = walls.least;
     }

@@ -128,7 +128,7 @@ void add_contact_choices(Collection& models, const Scene& scene, bool quick)
     }
 }
 
-/// Beside a rigid wall, what an elastic wall would do; beside one that yields, rigid and coarser ones.
+/// Beside a rigid wall, what an elastic wall would do; beside an elastic one, rigid and coarser ones.
 void add_walls(Collection& models, const Scene& scene, bool quick, const WallEdges& walls)
 {
     const auto add = [&](bool elastic, double edge, double dt) {
@@ -141,7 +141,7 @@ void add_walls(Collection& models, const Scene& scene, bool quick, const WallEdg
         models.add("wall", dt == 1 * ms ? word : fmt::format("{} · {}", word, step_name(dt)), model);
     };
     add(!scene.vessel.elastic, 0, 1 * ms);
-    if (!walls.yields()) return;
+    if (!walls.elastic()) return;
     add(false, 0, frame);
     const std::vector<double> edges = walls.trials();
     for (const double edge : edges) {

@@ -19,7 +19,7 @@ struct ChartModel {
 
 /// In the order in which they are worth running: an interrupted chart has the most telling ones.
 /// @param scene  a scene without a vessel has no detection, laws or friction to vary
-/// @param walls  of a scene whose wall yields: rigid and coarser ones are compared with it
+/// @param walls  of a scene whose wall is elastic: rigid and coarser ones are compared with it
 [[nodiscard]] std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::vector<Baseline>& baselines,
                                                    const WallEdges& walls = {});
 

@@ -207,7 +207,7 @@ StabilityMap triangles()
 }
 
 /// An aorta's wall of modulus `youngs`, on a control mesh of 1.5 mm; the wire's edges are at most as long.
-Texts yielding(double youngs, Texts more)
+Texts elastic(double youngs, Texts more)
 {
     more.insert(more.end(), {"vessel.wall=elastic", fmt::format("vessel.youngs_pa={}", youngs)});
     return more;
@@ -220,7 +220,7 @@ StabilityMap soft_wall()
     StabilityMap map = fed_map("soft-wall", "F18", "fed round a bend with an elastic wall", "modulus of the wall, of nominal",
                                decades(1e-2, 1e2));
     map.set = [](double value, double, double pace, const fs::path&) {
-        return yielding(nominal * value, fed(pace, {"vessel.thickness_m=0.00082", "vessel.wall_edge_m=0.0015", "wire.nodes=65",
+        return elastic(nominal * value, fed(pace, {"vessel.thickness_m=0.00082", "vessel.wall_edge_m=0.0015", "wire.nodes=65",
                                                     "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"}));
     };
     return map;
@@ -238,7 +238,7 @@ StabilityMap snug()
                                    fmt::format("wire.twist_nm2={}", 7.7e-5 * value),
                                    fmt::format("vessel.radius_m={}", 1.2 * radius), "vessel.bend_radius_m=0.5",
                                    "vessel.angle_deg=4.0", "vessel.lead_out_m=0.005", "vessel.thickness_m=0.0002"});
-        return yielding(1e5, std::move(texts));
+        return elastic(1e5, std::move(texts));
     };
     return map;
 }

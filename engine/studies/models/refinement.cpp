@@ -30,7 +30,7 @@ Model level_model(const Scene& scene, const WallEdges& wall, const RunPlan& plan
     model.scheme = is_static ? Scheme::Static : Scheme::Newton;
     model.tolerance = std::min(scene.integrator.tolerance, IntegratorSpec{}.tolerance);
     if (scene.vessel.shape != VesselShape::None) model.detection = Detection::Swept;
-    if (wall.yields()) model.wall_edge = wall.of_level(level, edge_refinement);
+    if (wall.elastic()) model.wall_edge = wall.of_level(level, edge_refinement);
     if (is_static) return model;
     model.trapezoid = trapezoid;
     // whole parts of the sampled interval, so that the run has the requested steps

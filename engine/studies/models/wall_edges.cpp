@@ -25,7 +25,7 @@ double rounded(double length)
 
 std::vector<double> WallEdges::trials() const
 {
-    if (!yields()) return {};
+    if (!elastic()) return {};
     return {rounded(coarsest * own), rounded(coarser * own), own};
 }
 

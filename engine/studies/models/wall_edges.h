@@ -11,7 +11,7 @@ struct WallEdges {
     double own = 0;    // what `run` takes: the scene's, or the one that is chosen where it gives none [m]; 0: the wall is rigid
     double least = 0;  // the finest that is run: some 6,000 vertices, or `own` where that is finer [m]
 
-    [[nodiscard]] bool yields() const { return own > 0; }
+    [[nodiscard]] bool elastic() const { return own > 0; }
     /// Edges worth trying, longest first: multiples of `own`, down to it.
     [[nodiscard]] std::vector<double> trials() const;
     /// Edge of level k of a reference, twice `own` at first and refined by `ratio`, down to `least`.

@@ -299,8 +299,8 @@ private:
             return false;
         }
         const double step_seconds = trial->seconds * coarse.dt.value_or(1);
-        // fewer nodes, one Newton step, at the very best; a rigid wall takes a twentieth of one that yields
-        const double cheaper_yet = wall_.yields() ? 100 : 10;
+        // fewer nodes, one Newton step, at the very best; a rigid wall takes a twentieth of an elastic one
+        const double cheaper_yet = wall_.elastic() ? 100 : 10;
         if (step_seconds * goals_.rate < cheaper_yet) return true;
         stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so "
                                                    "that {:.2g} a second is about the most",
@@ -414,7 +414,7 @@ private:
     /// since the reason for the choice comes of it.
     void look_at_wall(TrialRuns& trials)
     {
-        if (!wall_.yields() || !result_.touches) return;
+        if (!wall_.elastic() || !result_.touches) return;
         const PlannedModel& chosen = *result_.chosen;
         WallChoice wall;
         wall.elastic = chosen.scene.vessel.elastic;

@@ -85,7 +85,7 @@ struct Plan {
     std::optional<PlannedModel> accurate;  // the cheapest that meets the tolerance (or the most accurate), whatever its rate
     std::optional<PlannedModel> fast;      // the most accurate that meets the rate
     std::vector<Omission> left_out;
-    std::optional<WallChoice> wall;  // of a scene whose wall yields and is touched
+    std::optional<WallChoice> wall;  // of a scene whose wall is elastic and is touched
     std::vector<std::string> notes;  // one sentence each
     bool touches = false;            // the wire met the wall
     bool search_complete = true;     // false: the budget ended it

@@ -37,7 +37,7 @@ struct RenderOptions : FrameChoice {
 /// options.output says; into a film alone when that is all that is asked for. Camera and scales are those of
 /// the whole run, so that a frame is the same bytes alone, in a series and in any part of one. Each file is complete when it
 /// appears.
-/// @throws Error BadFile (folder or files; a wall to be coloured that did not yield), BadScene (frames that are not there, an
+/// @throws Error BadFile (folder or files; a wall to be coloured that is rigid), BadScene (frames that are not there, an
 /// impossible size), NoDevice (no off-screen OpenGL)
 PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& options, const FrameProgress& progress = {});
 

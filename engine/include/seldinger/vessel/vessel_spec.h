@@ -29,7 +29,7 @@ struct VesselSpec {
     Vec3 origin = Vec3::Zero(), axis = Vec3::UnitX(), normal = Vec3::UnitZ();
     double size = 0;                   // plane: side [m]
     int triangles = 0;                 // about
-    bool elastic = false;              // the wall yields; the rest of what it takes for that is below
+    bool elastic = false;              // the wall is an elastic one; the rest of what it takes for that is below
     double youngs = 1.0e6;             // wall [Pa]
     bool youngs_given = false;         // by the scene; otherwise choose_wall_youngs()
     double poisson = 0.45;             // [-]

@@ -1,6 +1,6 @@
 // Contact with an elastic wall from step to step: feet, possible contacts, the wall's own step, saving.
 
-#include "contact/elastic/yielding_system.h"
+#include "contact/elastic/elastic_system.h"
 
 #include "core/clock.h"
 #include "core/state_walk.h"
@@ -19,7 +19,7 @@ constexpr double may_touch = 2.5;        // radii of the axis from the wall: nea
 
 }  // namespace
 
-void YieldingWall::System::correct()
+void ElasticContact::System::correct()
 {
     WallTrial& now = trial();
     scratch_m.assign(now.rho.begin(), now.rho.end());
@@ -27,7 +27,7 @@ void YieldingWall::System::correct()
     for (std::size_t k = 0; k < now.u.size(); ++k) now.u[k] -= scratch_m[k];
 }
 
-double YieldingWall::System::misses(double of_force, double of_radius) const
+double ElasticContact::System::misses(double of_force, double of_radius) const
 {
     const WallTrial& now = trial();
     double force = 0, most = 0, move = 0;
@@ -48,7 +48,7 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
 // ---- start of a step ----
 
 /// End state of the node that was at x; births and merges have renumbered it. Null: there was none.
-const WallEnd* YieldingWall::System::end_of(int first, int count, int node, const Vec3& x) const
+const WallEnd* ElasticContact::System::end_of(int first, int count, int node, const Vec3& x) const
 {
     const auto is = [&](int i) { return i >= 0 && i < count && Vec3(ends[first + i].x) == x; };
     for (int k = 0; k <= most_renumbered; ++k)
@@ -57,7 +57,7 @@ const WallEnd* YieldingWall::System::end_of(int first, int count, int node, cons
     return nullptr;
 }
 
-void YieldingWall::System::find_before(int first, const RodView& rod)
+void ElasticContact::System::find_before(int first, const RodView& rod)
 {
     const int capacity = static_cast<int>(rod.x.size());
     thread_local std::vector<const WallEnd*> end;
@@ -78,7 +78,7 @@ void YieldingWall::System::find_before(int first, const RodView& rod)
     }
 }
 
-void YieldingWall::System::keep_carried(int node, const Vec3& x, double radius)
+void ElasticContact::System::keep_carried(int node, const Vec3& x, double radius)
 {
     WallStation& station = stations[node];
     station.shift.setZero();
@@ -89,7 +89,7 @@ void YieldingWall::System::keep_carried(int node, const Vec3& x, double radius)
     if (size > most) station.shift = (most / size - 1) * missing;
 }
 
-void YieldingWall::System::note_ends(int first, int count)
+void ElasticContact::System::note_ends(int first, int count)
 {
     const WallTrial& now = trial();
     for (int i = first; i < first + count; ++i) {
@@ -100,7 +100,7 @@ void YieldingWall::System::note_ends(int first, int count)
     }
 }
 
-void YieldingWall::list_seen(RodArrays& rods, int wire, std::vector<Vec3>& places) const
+void ElasticContact::list_seen(RodArrays& rods, int wire, std::vector<Vec3>& places) const
 {
     const System& system = of(wire);
     const ConstRodView rod = rods.view(wire);
@@ -118,7 +118,7 @@ void YieldingWall::list_seen(RodArrays& rods, int wire, std::vector<Vec3>& place
     }
 }
 
-void YieldingWall::mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const
+void ElasticContact::mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t> bowed) const
 {
     const System& system = of(wire);
     const RodView rod = rods.view(wire);
@@ -134,7 +134,7 @@ void YieldingWall::mark_bowed(RodArrays& rods, int wire, std::span<std::uint8_t>
     }
 }
 
-void YieldingWall::carry_back(RodArrays& rods, int wire)
+void ElasticContact::carry_back(RodArrays& rods, int wire)
 {
     System& system = of(wire);
     const int first = rods.node_begin(wire) - system.first_node;
@@ -143,7 +143,7 @@ void YieldingWall::carry_back(RodArrays& rods, int wire)
 }
 
 /// Feet are found where they are not known.
-void YieldingWall::place_and_copy(RodArrays& rods, int wire)
+void ElasticContact::place_and_copy(RodArrays& rods, int wire)
 {
     System& system = of(wire);
     const int first = rods.node_begin(wire) - system.first_node, n = rods.node_count(wire);
@@ -165,7 +165,7 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
     system.stations.forget(first + n, first + rods.capacity(wire));
 }
 
-void YieldingWall::begin_step(RodArrays& rods, Settling how)
+void ElasticContact::begin_step(RodArrays& rods, Settling how)
 {
     const auto start = Clock::now();
     for_each_system([&](System& system) {
@@ -176,7 +176,7 @@ void YieldingWall::begin_step(RodArrays& rods, Settling how)
     contact_.begin_step(unmoved_, how);
 }
 
-void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
+void ElasticContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 {
     const auto start = Clock::now();
     for_each_system([&](System& system) {
@@ -190,7 +190,7 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 }
 
 /// Starts the step of a system that has not begun it. @return whether its wall stands; else its wires have nothing to do
-bool YieldingWall::begun(System& system, double h)
+bool ElasticContact::begun(System& system, double h)
 {
     if (!system.begun) start_step(system, h);
     if (!system.stands)
@@ -200,7 +200,7 @@ bool YieldingWall::begun(System& system, double h)
 
 /// The wall's free motion in a step of h, and its compliance where it may be touched. Fewer rows, of nodes that touch alone, make more
 /// evaluations where many contacts come and go.
-void YieldingWall::start_step(System& system, double h) const
+void ElasticContact::start_step(System& system, double h) const
 {
     system.begun = true;
     system.h = h;
@@ -226,7 +226,7 @@ void YieldingWall::start_step(System& system, double h) const
 }
 
 /// Rows of the stations that are marked, and their compliance.
-void YieldingWall::list_rows(System& system) const
+void ElasticContact::list_rows(System& system) const
 {
     system.rows.clear();
     system.wire_of_row.clear();
@@ -245,7 +245,7 @@ void YieldingWall::list_rows(System& system) const
 }
 
 /// Where the wall would be at the rows if nothing touched it.
-void YieldingWall::set_free(System& system) const
+void ElasticContact::set_free(System& system) const
 {
     system.u_free.clear();
     for (const int row : system.rows) {
@@ -257,7 +257,7 @@ void YieldingWall::set_free(System& system) const
 }
 
 /// Nodes on which contact has just been found to act join those that move the wall; it stays where it is under them for now.
-void YieldingWall::add_rows(System& system) const
+void ElasticContact::add_rows(System& system) const
 {
     const std::vector<int> before = system.rows;
     const std::vector<double> u = system.trial().u;
@@ -278,22 +278,22 @@ void YieldingWall::add_rows(System& system) const
 
 // ---- the accepted state ----
 
-void YieldingWall::keep_feet()
+void ElasticContact::keep_feet()
 {
     for (const auto& system : systems_) system->feet_before.assign(system->stations.feet().begin(), system->stations.feet().end());
 }
 
-void YieldingWall::put_feet_back()
+void ElasticContact::put_feet_back()
 {
     for (const auto& system : systems_) std::copy(system->feet_before.begin(), system->feet_before.end(), system->stations.feet().begin());
 }
 
-bool YieldingWall::begins_block(double h) const
+bool ElasticContact::begins_block(double h) const
 {
     return std::any_of(systems_.begin(), systems_.end(), [&](const auto& system) { return system->dynamics.begins_block(h); });
 }
 
-void YieldingWall::System::walk_wall(StateWalk& walk)
+void ElasticContact::System::walk_wall(StateWalk& walk)
 {
     dynamics.walk_state(walk);
     if (walk.reads()) exerted.clear(), work_at_rest.clear();
@@ -306,7 +306,7 @@ void YieldingWall::System::walk_wall(StateWalk& walk)
         StateWalk::need(push.wire >= 0 && push.wire < count && push.vertex >= 0 && push.vertex < vertices && push.force.norm() <= row.most, row.name);
 }
 
-double YieldingWall::work_from_outside(int wire) const
+double ElasticContact::work_from_outside(int wire) const
 {
     const System& system = of(wire);
     if (system.h == 0 && !system.work_at_rest.empty())
@@ -323,7 +323,7 @@ double YieldingWall::work_from_outside(int wire) const
 }
 
 /// The wall takes what the wires exert on it.
-void YieldingWall::commit(std::span<const std::uint8_t> active)
+void ElasticContact::commit(std::span<const std::uint8_t> active)
 {
     contact_.commit(active);
     const auto start = Clock::now();
@@ -355,7 +355,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
 }
 
 /// The work on the way to an equilibrium takes means of the forces at both ends: from another equilibrium, what linear theory stores, exactly.
-void YieldingWall::end_equilibrium(System& system, double farthest) const
+void ElasticContact::end_equilibrium(System& system, double farthest) const
 {
     std::vector<WallDynamics::Push> both = system.exerted_before;
     both.insert(both.end(), system.exerted.begin(), system.exerted.end());
@@ -371,7 +371,7 @@ void YieldingWall::end_equilibrium(System& system, double farthest) const
 }
 
 /// What the wires exert on the wall's control vertices.
-void YieldingWall::list_pushes(System& system) const
+void ElasticContact::list_pushes(System& system) const
 {
     system.pushed.clear();
     for (std::size_t k = 0; k < system.rows.size(); ++k) {
@@ -383,7 +383,7 @@ void YieldingWall::list_pushes(System& system) const
     }
 }
 
-void YieldingWall::read_under(System& system) const
+void ElasticContact::read_under(System& system) const
 {
     constexpr double heavy = 0.5;  // of the largest force on a node
     WallReadings& now = system.under;
@@ -428,7 +428,7 @@ void YieldingWall::read_under(System& system) const
 
 /// Load per length of wire beside a row [N/m]. A node's force is on its own length of wire, at most a decay length. The mean is over that length, half a
 /// control edge or a thickness, whichever is longest: nearer to a load the wall is no thin plate (LostPeak).
-double YieldingWall::line_load(const System& system, std::size_t row, std::int32_t triangle) const
+double ElasticContact::line_load(const System& system, std::size_t row, std::int32_t triangle) const
 {
     const int wire = system.wire_of_row[row], first = rods_.node_begin(wire) - system.first_node;
     const ConstRodView rod = rods_.view(wire);
@@ -446,7 +446,7 @@ double YieldingWall::line_load(const System& system, std::size_t row, std::int32
     return load.norm() / length;
 }
 
-WallReadings YieldingWall::readings(int system, std::span<const double> displacement, std::vector<double>* stress) const
+WallReadings ElasticContact::readings(int system, std::span<const double> displacement, std::vector<double>* stress) const
 {
     WallReadings all = read_wall(wall_, displacement, work(system), stress);
     const WallReadings& here = under(system);
@@ -457,15 +457,15 @@ WallReadings YieldingWall::readings(int system, std::span<const double> displace
     return all;
 }
 
-WallReadings YieldingWall::under(int system) const { return systems_[system]->under; }
+WallReadings ElasticContact::under(int system) const { return systems_[system]->under; }
 
-std::vector<double> YieldingWall::displacement(int system) const { return systems_[system]->dynamics.displacement(); }
+std::vector<double> ElasticContact::displacement(int system) const { return systems_[system]->dynamics.displacement(); }
 
-double YieldingWall::work(int system) const { return systems_[system]->dynamics.work; }
+double ElasticContact::work(int system) const { return systems_[system]->dynamics.work; }
 
-bool YieldingWall::stands(int system) const { return systems_[system]->stands; }
+bool ElasticContact::stands(int system) const { return systems_[system]->stands; }
 
-double YieldingWall::move_share(int system) const
+double ElasticContact::move_share(int system) const
 {
     double most = 0;
     const System& s = *systems_[system];
@@ -476,7 +476,7 @@ double YieldingWall::move_share(int system) const
     return most;
 }
 
-void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
+void ElasticContact::add_nodal_forces(int wire, std::span<Vec3> forces) const
 {
     const System& system = of(wire);
     std::vector<Vec3> own(forces.size(), Vec3::Zero());
@@ -485,7 +485,7 @@ void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
     for (std::size_t i = 0; i < own.size(); ++i) forces[i] += system.back(first + static_cast<int>(i)).transpose() * own[i];
 }
 
-std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
+std::vector<ContactRow> ElasticContact::rows(RodArrays& rods)
 {
     // reading leaves no trace: the last bits of a foot depend on the start of its search
     const auto copy = [&](bool back) {
@@ -514,13 +514,13 @@ std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
     return list;
 }
 
-bool YieldingWall::is_clear(RodArrays& rods, int wire)
+bool ElasticContact::is_clear(RodArrays& rods, int wire)
 {
     carry_back(rods, wire);
     return contact_.is_clear(unmoved_, wire);
 }
 
-void YieldingWall::walk_state(StateWalk& walk, int wire)
+void ElasticContact::walk_state(StateWalk& walk, int wire)
 {
     System& system = of(wire);
     contact_.walk_state(walk, wire);

@@ -1,6 +1,6 @@
-// Wire and wall solved together: trials, residual, tangent. Start and end of a step: yielding_wall_step.cpp.
+// Wire and wall solved together: trials, residual, tangent. Start and end of a step: elastic_contact_step.cpp.
 
-#include "contact/elastic/yielding_system.h"
+#include "contact/elastic/elastic_system.h"
 #include "core/clock.h"
 
 #include <algorithm>
@@ -70,7 +70,7 @@ NodeJoint joint_of(const BandMatrix& t, int i, int j, bool has_spin, const Mat3&
 
 }  // namespace
 
-YieldingWall::YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
+ElasticContact::ElasticContact(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
                            std::span<const int> systems)
     : wall_(wall), contact_(contact), rods_(rods), unmoved_(unmoved), system_of_(systems.begin(), systems.end())
 {
@@ -95,19 +95,19 @@ YieldingWall::YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodA
     todo_.resize(rods.wire_count());
 }
 
-YieldingWall::~YieldingWall() = default;
+ElasticContact::~ElasticContact() = default;
 
 // ---- at a trial ---------------------------------------------------------------------------------------------------------------
 
 /// What contact has taken is in this term's times too.
-void YieldingWall::take_times(double seconds)
+void ElasticContact::take_times(double seconds)
 {
     times += contact_.times;
     times.wall += seconds;
     contact_.times = {};
 }
 
-void YieldingWall::evaluate(const TermTrial& trial)
+void ElasticContact::evaluate(const TermTrial& trial)
 {
     if (trial.before) return evaluate_start(trial);
     std::copy(trial.active.begin(), trial.active.end(), todo_.begin());
@@ -137,7 +137,7 @@ void YieldingWall::evaluate(const TermTrial& trial)
 }
 
 /// The wall stands where it is when forces are taken at the start of a step.
-void YieldingWall::evaluate_start(const TermTrial& start)
+void ElasticContact::evaluate_start(const TermTrial& start)
 {
     std::copy(start.active.begin(), start.active.end(), todo_.begin());
     for (const auto& system : systems_) {
@@ -153,7 +153,7 @@ void YieldingWall::evaluate_start(const TermTrial& start)
 }
 
 /// Where the wall goes under the forces of the accepted state, which change little in a step.
-void YieldingWall::guess(System& system) const
+void ElasticContact::guess(System& system) const
 {
     const auto force_on = [&](std::size_t k) -> const Vec3& { return system.force_before[static_cast<std::size_t>(system.rows[k])]; };
     std::vector<std::size_t>& loaded = system.loaded;
@@ -171,7 +171,7 @@ void YieldingWall::guess(System& system) const
 }
 
 /// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
-void YieldingWall::predict(System& system, const TrialState& trial) const
+void ElasticContact::predict(System& system, const TrialState& trial) const
 {
     WallTrial& now = system.next_trial();
     now.q.resize(4 * static_cast<std::size_t>(system.stations.count()));
@@ -201,7 +201,7 @@ void YieldingWall::predict(System& system, const TrialState& trial) const
     for (std::size_t k = 0; k < m; ++k) now.u[k] += base->u[k];
 }
 
-void YieldingWall::carry_trial(System& system, const TrialState& trial, TrialState& to) const
+void ElasticContact::carry_trial(System& system, const TrialState& trial, TrialState& to) const
 {
     WallTrial& now = system.trial();
     now.y.resize(3 * static_cast<std::size_t>(system.stations.count()));
@@ -218,7 +218,7 @@ void YieldingWall::carry_trial(System& system, const TrialState& trial, TrialSta
 
 /// What contact has said, and how it changes. @return false: nodes have come to touch that were not thought of; the wall moves
 /// under them too from the next evaluation on
-bool YieldingWall::take_forces(System& system) const
+bool ElasticContact::take_forces(System& system) const
 {
     bool thought_of = true;
     for (const int w : system.wires) {
@@ -256,7 +256,7 @@ bool YieldingWall::take_forces(System& system) const
 
 /// E, F and D from the last tangents of contact.
 /// @param among  unknowns that are counted, and wires that are left out; null: all of them, counted over the system's nodes
-void YieldingWall::linearise(System& system, const SystemUnknowns* among, Condensed& to) const
+void ElasticContact::linearise(System& system, const SystemUnknowns* among, Condensed& to) const
 {
     to.reset(static_cast<int>(3 * system.rows.size()), system.compliance.entries());
     to.own_accuracy = system.h > 0 ? in_time : at_rest;
@@ -289,7 +289,7 @@ void YieldingWall::linearise(System& system, const SystemUnknowns* among, Conden
 
 // ---- residual and tangent ----
 
-void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const
+void ElasticContact::add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const
 {
     const System& system = of(wire);
     const int n = rods_.node_count(wire), first = rods_.node_begin(wire) - system.first_node;
@@ -328,7 +328,7 @@ void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, 
     }
 }
 
-void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool symmetric) const
+void ElasticContact::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool symmetric) const
 {
     System& system = of(unknowns.wires.front());
     const WallTrial& now = system.trial();
@@ -350,7 +350,7 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
     else linearise(system, &unknowns, tangent->condensed);
 }
 
-TermAnswer YieldingWall::answer(int wire, Ask what)
+TermAnswer ElasticContact::answer(int wire, Ask what)
 {
     if (what == Ask::Kinks) return {};  // they are the unmoved wall's
     TermAnswer answer;
@@ -370,7 +370,7 @@ TermAnswer YieldingWall::answer(int wire, Ask what)
 }
 
 /// No wall is jumped while no node goes farther than the limit as the unmoved wall sees it. @return how much of the path is open
-double YieldingWall::open_way(const System& system, int wire) const
+double ElasticContact::open_way(const System& system, int wire) const
 {
     const double limit = traits_.most_move.empty() ? INFINITY : traits_.most_move[static_cast<std::size_t>(wire)];
     if (!std::isfinite(limit)) return 1;
@@ -384,7 +384,7 @@ double YieldingWall::open_way(const System& system, int wire) const
     return share < 1 - 1e-6 ? share : 1;
 }
 
-void YieldingWall::take(int wire, Base base, std::span<double> /*kinks*/)
+void ElasticContact::take(int wire, Base base, std::span<double> /*kinks*/)
 {
     contact_.take(wire, base, {});
     if (base == Base::Trial) of(wire).take();
@@ -392,7 +392,7 @@ void YieldingWall::take(int wire, Base base, std::span<double> /*kinks*/)
 }
 
 /// The wall's large displacements under contact's forces, in an equilibrium. @return whether it would go elsewhere
-bool YieldingWall::relax(System& system) const
+bool ElasticContact::relax(System& system) const
 {
     if (system.h > 0) return false;
     list_pushes(system);
@@ -405,7 +405,7 @@ bool YieldingWall::relax(System& system) const
     return true;
 }
 
-bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
+bool ElasticContact::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
 {
     bool any = contact_.refine(solved, again);
     take_times(0);

@@ -1,7 +1,7 @@
 #pragma once
-// State of contact with an elastic wall for one system while a step is solved. Private to yielding_wall*.cpp.
+// State of contact with an elastic wall for one system while a step is solved. Private to elastic_contact*.cpp.
 
-#include "contact/elastic/yielding_wall.h"
+#include "contact/elastic/elastic_contact.h"
 
 #include <algorithm>
 #include <limits>
@@ -21,7 +21,7 @@ struct WallTrial {
 
 static_assert(sizeof(WallDynamics::Push) == 2 * sizeof(std::int32_t) + 3 * sizeof(double));
 
-struct YieldingWall::System {
+struct ElasticContact::System {
     System(const ElasticWall& wall, int first)
         : stations(wall, 0), kept(wall, 0), first_node(first), dynamics(wall), moves(static_cast<std::size_t>(wall.unknowns()))
     {
@@ -74,7 +74,7 @@ struct YieldingWall::System {
     std::vector<int> wires;
     WallStations stations, kept;  // kept: while rows() reads
     std::vector<WallEnd> ends;  // [nodes] of the accepted state
-    std::vector<WallFoot> feet_before;  // [nodes] YieldingWall::keep_feet
+    std::vector<WallFoot> feet_before;  // [nodes] ElasticContact::keep_feet
     std::vector<std::optional<Vec3>> before;  // [nodes] y to go on from; none: not known
     std::vector<Vec3> force_before;           // [nodes] of the accepted state
     int first_node;  // of the system in the concatenated arrays
@@ -83,7 +83,7 @@ struct YieldingWall::System {
 
     // of the step
     bool begun = false;
-    bool stands = true;  // YieldingWall::stands
+    bool stands = true;  // ElasticContact::stands
     double h = 0;  // [s]; 0: an equilibrium
     int refinements = 0, relaxations = 0;
     bool relaxed = true;             // the last equilibrium's wall, as far as its large displacements go

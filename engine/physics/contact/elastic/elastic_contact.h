@@ -23,12 +23,12 @@
 
 namespace seldinger {
 
-class YieldingWall final : public WallContact {
+class ElasticContact final : public WallContact {
 public:
     /// @param unmoved  what `contact` was made with; as `rods`, carried back @param systems  [wires]  @param rods  of the world
-    YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
+    ElasticContact(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
                  std::span<const int> systems);
-    ~YieldingWall() override;
+    ~ElasticContact() override;
 
     void begin_step(RodArrays& rods, Settling how) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;

@@ -5,7 +5,7 @@
 #include "support/approx.h"
 #include "support/fed_world.h"
 #include "support/world_fixture.h"
-#include "contact/elastic/yielding_wall.h"
+#include "contact/elastic/elastic_contact.h"
 #include "stages/step_stages.h"
 #include "world/world.h"
 
@@ -14,7 +14,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace test_yielding_wall {
+namespace test_elastic_contact {
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -127,14 +127,14 @@ TEST_CASE("a wire that touches nothing moves as it does beside a rigid wall, to 
     TestSetup setup = lowered_wire();
     setup.wires[0].wire.place.base.z() = 0.02;
     setup.wires[0].holds[0].velocity = Vec3(0.01, 0, 0);
-    World yielding{WorldSetup(setup)};
+    World elastic{WorldSetup(setup)};
     setup.vessel.elastic = false;
     World rigid{WorldSetup(setup)};
     for (int k = 0; k < 50; ++k) {
-        REQUIRE(!step(yielding, 1e-3).failed());
+        REQUIRE(!step(elastic, 1e-3).failed());
         REQUIRE(!step(rigid, 1e-3).failed());
     }
-    for (int i = 0; i < rigid.rod(0).n; ++i) CHECK(yielding.rod(0).pos(i) == rigid.rod(0).pos(i));
+    for (int i = 0; i < rigid.rod(0).n; ++i) CHECK(elastic.rod(0).pos(i) == rigid.rod(0).pos(i));
 }
 
 TEST_CASE("the same bits from a saved state, on one thread and on two, alone and beside others")
@@ -192,7 +192,7 @@ TEST_CASE("analytic: the largest stress under a line load is that of a plate on 
         const WallReadings now = world.wall_readings();
         CHECK(now.stress_max == about(exact).epsilon(0.04));
         CHECK(std::abs(now.stress_max - exact) < now.stress_band.sum());
-        const WallReadings bare = read_wall(*data_of(world).forces.elastic_wall, data_of(world).forces.yielding->displacement(0), 0);
+        const WallReadings bare = read_wall(*data_of(world).forces.elastic_wall, data_of(world).forces.elastic->displacement(0), 0);
         if (share > 0.3) CHECK(bare.stress_max < 0.93 * exact);
     }
 }
@@ -279,7 +279,7 @@ TEST_CASE("the wall stores or loses what contact gives it, and gives none of its
     CHECK(world.readings(0).energy_made < 1e-7);
 }
 
-TEST_CASE("every detection and every law presses on a wall that yields")
+TEST_CASE("every detection and every law presses on an elastic wall")
 {
     // (`layer` misses a tip that comes down on a plane, whatever the wall is)
     for (const Detection detection : {Detection::Swept, Detection::Capsule, Detection::Nodes})
@@ -433,7 +433,7 @@ TEST_CASE("analytic: the path of a trial is open as far as the node that goes fa
     feed_hubs(data, *sub);
     hold_and_load(data, *sub);
     find_contacts(data);
-    YieldingWall& wall = *data.forces.yielding;
+    ElasticContact& wall = *data.forces.elastic;
     const double limit = wall.traits().most_move[0];
     REQUIRE(limit == about(0.45 * radius).epsilon(1e-6));
     const ConstRodView rod = world.rod(0);
@@ -450,4 +450,4 @@ TEST_CASE("analytic: the path of a trial is open as far as the node that goes fa
     }
 }
 
-}  // namespace test_yielding_wall
+}  // namespace test_elastic_contact
