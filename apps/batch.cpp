@@ -49,15 +49,15 @@ PartChoice part_of(const BatchArguments& options)
 {
     const auto [part, parts] = two_numbers(options.part, '/', "--part", "PART/PARTS, e.g. 1/40 to 40/40");
     if (part < 1 || part > parts)
-        throw Error(ExitCode::BadScene, fmt::format("--part: got {}; expected a part from 1/{} to {}/{}", options.part, parts, parts, parts));
+        throw Error(ErrorKind::BadScene, fmt::format("--part: got {}; expected a part from 1/{} to {}/{}", options.part, parts, parts, parts));
     return {static_cast<std::size_t>(part), static_cast<std::size_t>(parts), options.scene_at};
 }
 
-ExitCode batch(BatchArguments& options)
+ErrorKind batch(BatchArguments& options)
 {
     RunOptions& what = options.run;
-    if (options.scene.empty()) throw Error(ExitCode::BadScene, "batch: got no scene; expected one. Fix: give SCENE.toml --vary SWEEP.toml");
-    if (options.sweep.empty()) throw Error(ExitCode::BadScene, "batch: got no --vary; expected a sweep. Fix: give --vary SWEEP.toml");
+    if (options.scene.empty()) throw Error(ErrorKind::BadScene, "batch: got no scene; expected one. Fix: give SCENE.toml --vary SWEEP.toml");
+    if (options.sweep.empty()) throw Error(ErrorKind::BadScene, "batch: got no --vary; expected a sweep. Fix: give --vary SWEEP.toml");
     if (options.parent > 0) end_with_parent(options.parent, SIGTERM);
     if (options.resume) what.use = FolderUse::Resume;
     if (options.overwrite) what.use = FolderUse::Overwrite;
@@ -87,7 +87,7 @@ void add_merge(CommandLine& batch_command, Command& chosen)
 
 }  // namespace
 
-ExitCode merge_and_tell(const std::vector<std::filesystem::path>& dirs)
+ErrorKind merge_and_tell(const std::vector<std::filesystem::path>& dirs)
 {
     const RunOutcome outcome = merge_parts(dirs);
     const nlohmann::json s = nlohmann::json::parse(outcome.summary);

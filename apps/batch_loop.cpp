@@ -35,14 +35,14 @@ void check_batch_folder(const Folder& folder, FolderUse use, const BatchSource& 
     for (const fs::path& given : {source.scene_file, source.sweep.source})
         for (const char* name : {"scene.toml", "sweep.toml"})
             if (fs::equivalent(dir / name, given, ignored) && !folder.has("checkpoint.bin"))
-                throw Error(ExitCode::BadScene,
+                throw Error(ErrorKind::BadScene,
                             fmt::format("{}: {} lies there itself and would be overwritten; choose another folder with -o",
                                         dir.string(), given.string()));
     if (folder.has("parts.json"))
-        throw Error(ExitCode::BadScene, dir.string() + ": holds a batch in parts (--part, farm); choose another folder with -o");
+        throw Error(ErrorKind::BadScene, dir.string() + ": holds a batch in parts (--part, farm); choose another folder with -o");
     if (!holds_a_batch(folder)) return;
     if (use == FolderUse::Refuse)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("{}: holds a run already; give --resume to continue it, --overwrite to replace it, "
                                 "or another folder with -o",
                                 dir.string()));
@@ -50,7 +50,7 @@ void check_batch_folder(const Folder& folder, FolderUse use, const BatchSource& 
     const bool same = folder.has("sweep.toml") && read_file(folder / "sweep.toml") == sweep_text &&
                       read_file(folder / "scene.toml") == resolved_scene(source, dir);
     if (!same)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("{}: scene.toml or sweep.toml differs from what is to be resumed; give the same scene, sweep "
                                 "and --set, or --overwrite",
                                 dir.string()));
@@ -162,7 +162,7 @@ private:
 
     [[noreturn]] void refuse(const std::string& what) const
     {
-        throw Error(ExitCode::BadFile, fmt::format("{}: {}; run again with --overwrite", task_.file.path().string(), what));
+        throw Error(ErrorKind::BadFile, fmt::format("{}: {}; run again with --overwrite", task_.file.path().string(), what));
     }
 
     void restore()
@@ -228,19 +228,19 @@ private:
     RunOutcome stop(RunStatus status)
     {
         if (status != RunStatus::Done || !saved_as_done_) save(status);
-        RunOutcome outcome{ExitCode::Done, summary(status), {}};
+        RunOutcome outcome{ErrorKind::None, summary(status), {}};
         if (task_.whole) write_file(folder_ / "summary.json", outcome.summary);
         const std::string saved = fmt::format("with {} of {} runs done, state saved in {}; run again{}", now_.rows.size(), task_.end - task_.begin,
                                               folder_.path().string(), task_.whole ? " with --resume" : "");
-        if (status == RunStatus::TimeLimit) outcome.code = ExitCode::TimeLimit, outcome.message = "stopped by a limit " + saved;
-        if (status == RunStatus::Interrupted) outcome.code = ExitCode::Interrupted, outcome.message = "interrupted " + saved;
+        if (status == RunStatus::TimeLimit) outcome.code = ErrorKind::TimeLimit, outcome.message = "stopped by a limit " + saved;
+        if (status == RunStatus::Interrupted) outcome.code = ErrorKind::Interrupted, outcome.message = "interrupted " + saved;
         if (status != RunStatus::Done || !task_.whole) return outcome;  // runs that stopped are results of a part like the others
         std::int64_t stopped = 0, first = -1;
         const auto runs = static_cast<std::int64_t>(source_.sweep.run_count());
         for (const BatchRow& row : now_.rows)
             if (row.run < runs && row.status == RunStatus::Stopped && (stopped++ == 0 || row.run < first)) first = row.run;
         if (stopped == 0) return outcome;
-        outcome.code = ExitCode::Stopped;
+        outcome.code = ErrorKind::Stopped;
         outcome.message =
             fmt::format("{} of {} runs stopped where no step converged, run {} first; see the column status of {}; make scene.dt_s smaller "
                         "or contact.stiffness lower there",
@@ -346,7 +346,7 @@ RunOutcome run_batch_part(const fs::path& scene, const fs::path& sweep, const Pa
         return Batch(source, sweep_text, part, folder, options).go(called);
     } catch (const Error& error) {
         // a file that cannot be gone on from costs its part, not the batch
-        if (error.code() != ExitCode::BadFile || options.use == FolderUse::Overwrite || !fs::exists(part.file.path())) throw;
+        if (error.kind() != ErrorKind::BadFile || options.use == FolderUse::Overwrite || !fs::exists(part.file.path())) throw;
         note(fmt::format("seldinger: {}: begun again, since {}\n", plan.name(which.part), error.what()));
         options.use = FolderUse::Overwrite;
         return Batch(source, sweep_text, part, folder, options).go(called);

@@ -31,7 +31,7 @@ PartPlan begin_parts(const BatchSource& source, const std::string& sweep_text, s
 /// @throws Error BadFile: parts are missing
 [[nodiscard]] RunOutcome merge_parts(const std::vector<std::filesystem::path>& dirs);
 /// The same, and tells of it on stdout.
-ExitCode merge_and_tell(const std::vector<std::filesystem::path>& dirs);
+ErrorKind merge_and_tell(const std::vector<std::filesystem::path>& dirs);
 /// The line about what is missing. @param parts  at least one
 [[noreturn]] void say_missing(const Folder& dir, const PartPlan& plan, const std::vector<std::size_t>& parts);
 

@@ -40,13 +40,13 @@ PartPlan begin_parts(const BatchSource& source, const std::string& sweep_text, s
     PartPlan plan;
     plan.items = source.item_count(), plan.parts = parts;
     if (parts > plan.items)
-        throw Error(ExitCode::BadScene, fmt::format("got {} parts, where there are only {} runs. Fix: take that many or fewer", parts, plan.items));
+        throw Error(ErrorKind::BadScene, fmt::format("got {} parts, where there are only {} runs. Fix: take that many or fewer", parts, plan.items));
     plan.key = batch_key(source, sweep_text);
     make_folder(dir);
     const Folder folder(dir);
     // in this order: another part may begin meanwhile
     if (holds_a_batch(folder) && !folder.has("parts.json") && !folder.has("farm.json"))
-        throw Error(ExitCode::BadScene, dir.string() + ": holds a batch, a run or a scene; choose another folder with -o");
+        throw Error(ErrorKind::BadScene, dir.string() + ": holds a batch, a run or a scene; choose another folder with -o");
     write_plan(folder, plan);
     return plan;
 }
@@ -56,7 +56,7 @@ void say_missing(const Folder& dir, const PartPlan& plan, const std::vector<std:
     std::vector<std::size_t> items;
     for (const std::size_t part : parts)
         for (std::size_t i = plan.range(part).begin; i < plan.range(part).end; ++i) items.push_back(plan.first + i);
-    throw Error(ExitCode::BadFile, fmt::format("{}: {} of {} parts are missing: {} ({}s {}). Fix: run the same command again, and merge then",
+    throw Error(ErrorKind::BadFile, fmt::format("{}: {} of {} parts are missing: {} ({}s {}). Fix: run the same command again, and merge then",
                                                dir.path().string(), parts.size(), plan.parts, list_ranges(parts), plan.item_word(),
                                                list_ranges(items)));
 }
@@ -68,7 +68,7 @@ RunOutcome merge_parts(const std::vector<fs::path>& dirs)
     const PartPlan plan = read_plan(folder);
     for (const Folder& other : folders)
         if (const PartPlan its = read_plan(other); its.key != plan.key || its.parts != plan.parts || its.items != plan.items)
-            throw Error(ExitCode::BadScene, fmt::format("{}: holds parts of another batch than {}. Fix: merge the parts of one",
+            throw Error(ErrorKind::BadScene, fmt::format("{}: holds parts of another batch than {}. Fix: merge the parts of one",
                                                         other.path().string(), folder.path().string()));
     SavedBatch all;
     std::vector<std::size_t> missing;
@@ -85,7 +85,7 @@ RunOutcome merge_parts(const std::vector<fs::path>& dirs)
     if (!missing.empty()) say_missing(folder, plan, missing);
     const Sweep sweep = read_sweep_text(all.sweep, folder.path() / "sweep.toml", all.seed);
     if (all.rows.size() != plan.items || all.layout.runs != sweep.run_count() || plan.items != (all.layout.bands ? 2 : 1) * sweep.run_count())
-        throw Error(ExitCode::BadFile, (folder.path() / "parts").string() + ": the parts do not fit together. Fix: begin again in another folder");
+        throw Error(ErrorKind::BadFile, (folder.path() / "parts").string() + ": the parts do not fit together. Fix: begin again in another folder");
     for (const Folder& other : folders)
         if (&other != &folder) copy_files(other, folder);
     const BatchTable table{sweep, all.layout};
@@ -98,7 +98,7 @@ RunOutcome merge_parts(const std::vector<fs::path>& dirs)
     summary["parts"] = plan.parts;
     write_file(folder / "summary.json", json_text(summary, 2) + "\n");
     write_tables(folder, table, all.rows);
-    return {summary["stopped"].get<long>() > 0 ? ExitCode::Stopped : ExitCode::Done, json_text(summary, 2) + "\n", {}};
+    return {summary["stopped"].get<long>() > 0 ? ErrorKind::Stopped : ErrorKind::None, json_text(summary, 2) + "\n", {}};
 }
 
 }  // namespace seldinger::apps

@@ -106,7 +106,7 @@ void add_check(CommandLine& app, Command& chosen)
             RepairReport vessel;
             const WorldSetup setup = ready_setup(scene, -1, &vessel);
             print(describe(scene, vessel, setup));
-            return ExitCode::Done;
+            return ErrorKind::None;
         };
     });
 }

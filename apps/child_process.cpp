@@ -26,7 +26,7 @@ class Pipe {
 public:
     Pipe()
     {
-        if (::pipe2(ends_.data(), O_CLOEXEC) != 0) throw Error(ExitCode::Stopped, fmt::format("no pipe could be made: {}", std::strerror(errno)));
+        if (::pipe2(ends_.data(), O_CLOEXEC) != 0) throw Error(ErrorKind::Stopped, fmt::format("no pipe could be made: {}", std::strerror(errno)));
     }
     ~Pipe() { shut(0), shut(1); }
     Pipe(const Pipe&) = delete;
@@ -61,7 +61,7 @@ pid_t start(const std::vector<std::string>& arguments, const Pipe& input, const 
     const int failed = ::posix_spawn(&child, "/proc/self/exe", &files, &how, argv.data(), environ);
     posix_spawnattr_destroy(&how);
     posix_spawn_file_actions_destroy(&files);
-    if (failed != 0) throw Error(ExitCode::Stopped, fmt::format("no process could be started: {}", std::strerror(failed)));
+    if (failed != 0) throw Error(ErrorKind::Stopped, fmt::format("no process could be started: {}", std::strerror(failed)));
     return child;
 }
 

@@ -12,7 +12,7 @@ namespace seldinger::apps {
 
 class CommandLine;
 
-using Command = std::function<ExitCode()>;
+using Command = std::function<ErrorKind()>;
 
 /// Each sets `chosen` when its subcommand is on the command line.
 void add_run(CommandLine& app, Command& chosen);

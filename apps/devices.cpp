@@ -41,17 +41,17 @@ direction = [1.0, 0.0, 0.0]
 keys = [ {t_s = 0.0, advance_m = 0.004}, {t_s = 1.0, advance_m = 0.008} ]
 )";
 
-ExitCode list()
+ErrorKind list()
 {
     const std::vector<DeviceInfo> devices = list_devices();
     if (devices.empty())
-        throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
+        throw Error(ErrorKind::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
     std::string text;
     for (const DeviceInfo& d : devices)
         text += fmt::format("{}: {} ({}), {}, {}, {} compute units, {:.1f} GiB, {}\n", d.index, d.name, d.type, d.platform, d.version,
                             d.compute_units, static_cast<double>(d.memory_bytes) / (1u << 30), d.fp64 ? "fp64" : "no fp64");
     print(text);
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 int kept_kernels()
@@ -64,7 +64,7 @@ int kept_kernels()
 }
 
 /// What a run launches with the default detection: each law of the wall by a world that has it, in both precisions, and instruments.
-ExitCode warm(int device)
+ErrorKind warm(int device)
 {
     (void)list_devices();  // which settles where kernels are kept
     const int before = kept_kernels();
@@ -78,7 +78,7 @@ ExitCode warm(int device)
     print(after == 0 ? "kernels were compiled; the device's driver keeps them, if any does\n"
                      : fmt::format("{} kernels compiled, {} were there; kept in {}\n", after - before, before,
                                    device::kernel_cache_folder().string()));
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 struct DevicesOptions {
@@ -86,10 +86,10 @@ struct DevicesOptions {
     int device = -1;
 };
 
-ExitCode run(const DevicesOptions& options)
+ErrorKind run(const DevicesOptions& options)
 {
     if (options.warm) return warm(options.device);
-    if (options.device >= 0) throw Error(ExitCode::BadScene, "--device: got no --warm; expected both. Fix: add --warm, or take --device out");
+    if (options.device >= 0) throw Error(ErrorKind::BadScene, "--device: got no --warm; expected both. Fix: add --warm, or take --device out");
     return list();
 }
 

@@ -47,7 +47,7 @@ struct ViewOptions {
 std::size_t part_count(const FarmArguments& options, std::size_t items, const char* word)
 {
     if (options.tasks && static_cast<std::size_t>(*options.tasks) > items)
-        throw Error(ExitCode::BadScene, fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks, items, word));
+        throw Error(ErrorKind::BadScene, fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks, items, word));
     if (options.tasks) return static_cast<std::size_t>(*options.tasks);
     if (fs::exists(options.dir / "parts.json")) return std::min(items, read_plan(Folder(options.dir)).parts);
     return std::min(items, options.backend == "slurm" ? slurm_tasks : local_tasks * static_cast<std::size_t>(options.local.jobs));
@@ -122,7 +122,7 @@ PartPlan plan_frames(const FarmArguments& options, const std::vector<std::string
     return plan;
 #else
     (void)options, (void)words;
-    throw Error(ExitCode::BadScene, "--frames: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
+    throw Error(ErrorKind::BadScene, "--frames: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 #endif
 }
 
@@ -138,16 +138,16 @@ PartCommand render_command(const FarmArguments& options, const std::vector<std::
 void check_words(const FarmArguments& options)
 {
     if (options.source.empty())
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "farm: got no work; expected a sweep or frames. Fix: give SCENE.toml --vary SWEEP.toml, or the folder of a run with --frames 0:499");
-    if (options.dir.empty()) throw Error(ExitCode::BadScene, "farm: give a folder that all machines share with -o DIR");
+    if (options.dir.empty()) throw Error(ErrorKind::BadScene, "farm: give a folder that all machines share with -o DIR");
     if (options.submit && options.backend != "slurm")
-        throw Error(ExitCode::BadScene, "--submit: got no --backend slurm; expected it. Fix: give both");
+        throw Error(ErrorKind::BadScene, "--submit: got no --backend slurm; expected it. Fix: give both");
     const bool frames = !options.frames.empty();
     if (!frames && !options.render.empty())
-        throw Error(ExitCode::BadScene, fmt::format("{}: unknown option; see `seldinger farm --help`", options.render.front()));
+        throw Error(ErrorKind::BadScene, fmt::format("{}: unknown option; see `seldinger farm --help`", options.render.front()));
     if (frames == !options.sweep.empty())
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "farm: give either --vary SWEEP.toml (runs of a scene) or --frames A:B (pictures of a run)");
 }
 
@@ -174,7 +174,7 @@ std::string head_of(const Folder& dir, const PartPlan& plan)
     return fmt::format("{}: {} {}s in {} tasks\n", dir.path().string(), plan.items, plan.item_word(), plan.parts);
 }
 
-ExitCode show_status(const ViewOptions& options)
+ErrorKind show_status(const ViewOptions& options)
 {
     const Folder dir(options.dir);
     const PartPlan plan = read_plan(dir);
@@ -186,10 +186,10 @@ ExitCode show_status(const ViewOptions& options)
     else
         print(head_of(dir, plan) + fmt::format("  {} tasks done, {} {}; {}\n", done, status.items, items,
                                                missing.empty() ? "all done: seldinger farm merge " + dir.path().string() : "missing: tasks " + missing));
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
-ExitCode merge_frames(const Folder& dir, const PartPlan& plan, const ViewOptions& options)
+ErrorKind merge_frames(const Folder& dir, const PartPlan& plan, const ViewOptions& options)
 {
     if (const Status status = status_of(dir, plan); !status.missing.empty()) say_missing(dir, plan, status.missing);
     const std::size_t end = plan.first + plan.items;
@@ -207,45 +207,45 @@ ExitCode merge_frames(const Folder& dir, const PartPlan& plan, const ViewOptions
         text += name.string() + "\n";
     }
     print(text);
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
-ExitCode merge(const ViewOptions& options)
+ErrorKind merge(const ViewOptions& options)
 {
     const Folder dir(options.dir);
     const PartPlan plan = read_plan(dir);
     if (plan.frames) return merge_frames(dir, plan, options);
-    if (!options.video.empty()) throw Error(ExitCode::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
+    if (!options.video.empty()) throw Error(ErrorKind::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
     return merge_and_tell({options.dir});
 }
 
 // ---------------------------------------------------------------- farm
 
-ExitCode give_to_slurm(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
+ErrorKind give_to_slurm(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
 {
     const Status status = status_of(dir, plan);
     const auto array = write_slurm_job(dir, plan, command, options.sbatch, status.missing);
     print(head_of(dir, plan) + (status.missing.empty() ? fmt::format("  all done: seldinger farm merge {}\n", options.dir.string())
                                 : options.submit       ? submit(dir, array)
                                                        : "  " + shell_text(array) + "\n"));
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
-ExitCode run_and_merge(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
+ErrorKind run_and_merge(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
 {
-    const ExitCode code = run_here(dir, plan, command, options.local);
+    const ErrorKind code = run_here(dir, plan, command, options.local);
     const Status status = status_of(dir, plan);
-    if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
+    if (code == ErrorKind::TimeLimit || code == ErrorKind::Interrupted)
         throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
                                       plan.parts - status.missing.size(), plan.parts));
     if (!status.missing.empty())
-        throw Error(ExitCode::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them", options.dir.string(),
+        throw Error(ErrorKind::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them", options.dir.string(),
                                                    list_ranges(status.missing)));
     if (!plan.frames && options.local.quiet) return merge_parts({options.dir}).code;
-    return options.local.quiet ? ExitCode::Done : merge({options.dir, {}, {}, false});
+    return options.local.quiet ? ErrorKind::None : merge({options.dir, {}, {}, false});
 }
 
-ExitCode farm(FarmArguments& options)
+ErrorKind farm(FarmArguments& options)
 {
     check_words(options);
     if (options.bands) options.overrides.push_back("output.bands=true");
@@ -266,7 +266,7 @@ ExitCode farm(FarmArguments& options)
     std::string text = "# " + head_of(dir, plan);
     for (const std::size_t part : status_of(dir, plan).missing) text += shell_text(command.of(plan, part)) + "\n";
     print(text);
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 void add_status(CommandLine& farm_command, Command& chosen)
@@ -305,7 +305,7 @@ std::vector<std::string> PartCommand::of(const PartPlan& plan, std::size_t part)
 void check_farm_of(const fs::path& farm, const fs::path& run)
 {
     if (const PartPlan plan = read_plan(Folder(farm)); !plan.key.starts_with(run_key(run)))
-        throw Error(ExitCode::BadScene, fmt::format("{}: the run {} has changed since the farm was made, or this is another version ({}); "
+        throw Error(ErrorKind::BadScene, fmt::format("{}: the run {} has changed since the farm was made, or this is another version ({}); "
                                                     "make a new farm",
                                                     farm.string(), run.string(), version()));
 }

@@ -23,7 +23,7 @@ struct LocalBackend {
 };
 /// Runs every part that is not done, in `jobs` processes at a time, and waits for those that others run.
 /// @return Done, or TimeLimit, Interrupted after a signal, or a failed part's code. @throws Error
-ExitCode run_here(const Folder& dir, const PartPlan& plan, const PartCommand& command, const LocalBackend& backend);
+ErrorKind run_here(const Folder& dir, const PartPlan& plan, const PartCommand& command, const LocalBackend& backend);
 
 /// Refuses a folder or an option that would become commands of a job's script. Before anything is made. @throws Error BadScene
 void check_job_script(const std::filesystem::path& dir, const std::vector<std::string>& options);

@@ -2,6 +2,7 @@
 #include "farm.h"
 
 #include "core/child_process.h"
+#include "core/exit_code.h"
 #include "core/file_lock.h"
 #include "core/note.h"
 #include "core/parallel.h"
@@ -41,7 +42,7 @@ public:
     LocalFarm(const LocalFarm&) = delete;
     LocalFarm& operator=(const LocalFarm&) = delete;
 
-    ExitCode run()
+    ErrorKind run()
     {
         for (bool left = true; !children_.empty() || (left && asked_ == 0);) {
             left = asked_ == 0 && start_free();
@@ -54,8 +55,8 @@ public:
                 note(fmt::format("{}: waiting for {} tasks that other processes have\n", dir_.path().string(), open_.size()));
             std::this_thread::sleep_for(std::chrono::milliseconds(waits ? 50 : shows_ ? 100 : 5));
         }
-        if (asked_ != 0) return asked_ == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit;
-        return static_cast<ExitCode>(worst_);
+        if (asked_ != 0) return asked_ == SIGINT ? ErrorKind::Interrupted : ErrorKind::TimeLimit;
+        return kind_of_exit_code(worst_);
     }
 
 private:
@@ -87,7 +88,7 @@ private:
         const std::vector<std::string> words = command_.of(plan_, part);
         // of a group of its own: Ctrl-C reaches it by us alone, so once
         const pid_t process = start_program(words, no_descriptor, no_descriptor, no_descriptor, ProcessGroup::Own);
-        if (process < 0) throw Error(ExitCode::BadFile, "a part: " + why_not_started(words.front(), "install the program again"));
+        if (process < 0) throw Error(ErrorKind::BadFile, "a part: " + why_not_started(words.front(), "install the program again"));
         children_.push_back({process, part, std::move(lock)});
     }
 
@@ -115,7 +116,7 @@ private:
 
 }  // namespace
 
-ExitCode run_here(const Folder& dir, const PartPlan& plan, const PartCommand& command, const LocalBackend& backend)
+ErrorKind run_here(const Folder& dir, const PartPlan& plan, const PartCommand& command, const LocalBackend& backend)
 {
     const StopSignal listening("run the same command again");
     return LocalFarm(dir, plan, command, backend).run();

@@ -23,7 +23,7 @@ Said ask(const std::string& command)
 {
     std::string text;
     std::FILE* pipe = popen((command + " 2>&1").c_str(), "re");
-    if (!pipe) throw Error(ExitCode::BadFile, why_not_started("sh", "it is needed to ask Slurm"));
+    if (!pipe) throw Error(ErrorKind::BadFile, why_not_started("sh", "it is needed to ask Slurm"));
     char part[4096];
     for (std::size_t got = 0; (got = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, got);
     return {exit_code(pclose(pipe)), text};
@@ -35,7 +35,7 @@ std::string submitted(const std::vector<std::string>& words)
     const Said said = ask(shell_text(words));
     const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
     if (said.code != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
-        throw Error(ExitCode::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch, or take fewer --tasks",
+        throw Error(ErrorKind::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch, or take fewer --tasks",
                                                    shell_text(words), one_line(said.text)));
     return job;
 }
@@ -47,7 +47,7 @@ std::string slurm_text(const fs::path& dir)
     std::string text;
     for (const char c : dir.string()) {
         if (c == '"' || c == '\\' || (c >= 0 && c < ' '))
-            throw Error(ExitCode::BadScene, fmt::format("{}: a job's script cannot name a folder with {} in its name. Fix: choose another with -o",
+            throw Error(ErrorKind::BadScene, fmt::format("{}: a job's script cannot name a folder with {} in its name. Fix: choose another with -o",
                                                         dir.string(), c == '"' ? "a quotation mark" : c == '\\' ? "a backslash" : "a line break or tab"));
         text += c == '%' ? std::string("%%") : std::string(1, c);
     }
@@ -99,7 +99,7 @@ void check_job_script(const fs::path& dir, const std::vector<std::string>& optio
     (void)slurm_text(dir);
     for (const std::string& option : options)
         if (option.find_first_of("\r\n") != std::string::npos)
-            throw Error(ExitCode::BadScene, "--sbatch: got a line break, which would make the rest a command of the job's script. Fix: give one "
+            throw Error(ErrorKind::BadScene, "--sbatch: got a line break, which would make the rest a command of the job's script. Fix: give one "
                                             "option, in one line, each time");
 }
 
@@ -122,7 +122,7 @@ std::vector<std::string> write_slurm_job(const Folder& dir, const PartPlan& plan
 void need_slurm()
 {
     if (ask("command -v sbatch").code != 0)
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     "--submit: there is no sbatch here; submit from a machine with Slurm (Debian: apt-get install "
                     "slurm-client), or give --backend local");
 }

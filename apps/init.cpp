@@ -40,7 +40,7 @@ void refuse_to_overwrite(const InitArguments& options, const fs::path& picture)
     if (options.overwrite) return;
     for (const fs::path& file : {options.scene, picture})
         if (fs::exists(file))
-            throw Error(ExitCode::BadScene, fmt::format("{}: is there already; give --overwrite to replace it, or another name with -o",
+            throw Error(ErrorKind::BadScene, fmt::format("{}: is there already; give --overwrite to replace it, or another name with -o",
                                                         file.string()));
 }
 
@@ -81,11 +81,11 @@ LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
     first.unit = unit.unit;
     first.unit_why = describe_unit(guesses, unit, !options.units.empty() ? "given" : !said.empty() ? "said by the file's header" : "guessed from its size");
     if (options.units.empty() && !unit.plausible)
-        throw Error(ExitCode::BadScene, fmt::format("{}: got units \"{}\", {}; expected a lumen of 0.3 to 20 mm radius along most of its axis. Fix: say "
+        throw Error(ErrorKind::BadScene, fmt::format("{}: got units \"{}\", {}; expected a lumen of 0.3 to 20 mm radius along most of its axis. Fix: say "
                                                     "with --units which unit it has",
                                                     options.mesh.string(), unit.unit, first.unit_why));
     if (const std::string why = describe_no_vessel(vessel); !why.empty() && options.units.empty())
-        throw Error(ExitCode::BadFile, fmt::format("{}: is no vessel: {}. Fix: give the surface of a lumen, cut where the vessel ends; --units takes "
+        throw Error(ErrorKind::BadFile, fmt::format("{}: is no vessel: {}. Fix: give the surface of a lumen, cut where the vessel ends; --units takes "
                                                    "it as it is",
                                                    options.mesh.string(), why));
     return vessel;
@@ -106,9 +106,9 @@ std::vector<std::string> choose_inlet(const InitArguments& options, const Loaded
 {
     first.inlets = find_inlets(vessel.report.loops, vessel.centreline);
     if (first.inlets.empty())
-        throw Error(ExitCode::BadFile, fmt::format("{}: got a surface without an opening and without a lumen that has an axis; expected the wall of a vessel. Fix: cut the vessel's ends, or give the surface of its lumen", options.mesh.string()));
+        throw Error(ErrorKind::BadFile, fmt::format("{}: got a surface without an opening and without a lumen that has an axis; expected the wall of a vessel. Fix: cut the vessel's ends, or give the surface of its lumen", options.mesh.string()));
     if (static_cast<std::size_t>(std::max(0, options.inlet)) > first.inlets.size())
-        throw Error(ExitCode::BadScene, fmt::format("--inlet {}: the vessel has {} inlet{}", options.inlet, first.inlets.size(),
+        throw Error(ErrorKind::BadScene, fmt::format("--inlet {}: the vessel has {} inlet{}", options.inlet, first.inlets.size(),
                                                     first.inlets.size() == 1 ? "" : "s"));
     std::vector<int> part(first.inlets.size(), 0);
     std::optional<VesselParts> parts;
@@ -140,14 +140,14 @@ void require_runnable(const InitArguments& options, const std::string& text, con
     } catch (const Error& error) {
         std::string what = error.what();
         if (const std::string name = options.scene.string() + ": "; what.starts_with(name)) what = what.substr(name.size());
-        throw Error(error.code(), fmt::format("{}: no scene was written, as none would run: {}", options.mesh.string(), what));
+        throw Error(error.kind(), fmt::format("{}: no scene was written, as none would run: {}", options.mesh.string(), what));
     }
 }
 
-ExitCode init(InitArguments& options)
+ErrorKind init(InitArguments& options)
 {
     if (options.mesh.extension() == ".toml")
-        throw Error(ExitCode::BadScene, fmt::format("{}: got a scene; expected a mesh. Fix: give the file of the vessel's surface, or run the scene", options.mesh.string()));
+        throw Error(ErrorKind::BadScene, fmt::format("{}: got a scene; expected a mesh. Fix: give the file of the vessel's surface, or run the scene", options.mesh.string()));
     if (options.scene.empty()) options.scene = options.mesh.stem().string() + ".toml";
     const fs::path picture = options.scene.parent_path() / (options.scene.stem().string() + "-ways-in.png");
     refuse_to_overwrite(options, picture);
@@ -169,7 +169,7 @@ ExitCode init(InitArguments& options)
     for (const std::string& line : ways) out += fmt::format("  {}\n", line);
     out += fmt::format("  wire: {}\n  {}: the scene; next: seldinger run {}\n", first.wire.why, options.scene.string(), options.scene.string());
     print(out + draw(picture, vessel.mesh, vessel.centreline, first));
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ std::string line_of(const Instrument& instrument)
                        size_of(instrument), 2e3 * wire.shaft.radius, lumen, low, high, instrument.title);
 }
 
-ExitCode list_instruments()
+ErrorKind list_instruments()
 {
     std::string text = fmt::format("{:<24} {:<9} {:<9} {:>6}  {:>5}  {:<17}  {}\n", "name", "kind", "outside", "mm", "lumen",
                                    "EI from - to, Nm2", "what");
@@ -40,7 +40,7 @@ ExitCode list_instruments()
     for (const Instrument& instrument : all) text += line_of(instrument);
     text += fmt::format("{} instruments in {}\n", all.size(), instrument_file("").parent_path().string());
     print(text);
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 }  // namespace

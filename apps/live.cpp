@@ -68,7 +68,7 @@ std::string end_for_people(const Session& session, const std::filesystem::path& 
                        beside(record, ".score.json").string(), session.world().state_hash());
 }
 
-ExitCode live(LiveArguments& options)
+ErrorKind live(LiveArguments& options)
 {
     const StopSignal listening;
     if (options.wire) options.overrides.push_back("wire.preset=" + *options.wire);
@@ -109,9 +109,9 @@ ExitCode live(LiveArguments& options)
     write_file(beside(what.record, ".score.html"), score_page(scene, session.score()));
     if (options.json) print(summary);
     else if (!options.quiet) print(end_for_people(session, what.record));
-    if (!session.failure().empty()) throw Error(ExitCode::Stopped, fmt::format("{}; record in {}", session.failure(), what.record.string()));
+    if (!session.failure().empty()) throw Error(ErrorKind::Stopped, fmt::format("{}; record in {}", session.failure(), what.record.string()));
     const int signal = stop_asked_for();
-    return signal == 0 ? ExitCode::Done : signal == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted;
+    return signal == 0 ? ErrorKind::None : signal == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted;
 }
 
 void add_what(CommandLine& command, LiveArguments& options)

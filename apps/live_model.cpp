@@ -5,6 +5,7 @@
 #include "command_line.h"
 #include "commands.h"
 #include "core/child_process.h"
+#include "core/exit_code.h"
 #include "core/note.h"
 #include "io/json_text.h"
 #include "quantity.h"
@@ -50,7 +51,7 @@ Plan planned(const Scene& scene, const LiveModelWish& wish)
 }
 
 /// The whole of the process: scene in, model out, as JSON.
-ExitCode choose(const LiveModelArguments& options)
+ErrorKind choose(const LiveModelArguments& options)
 {
     end_with_parent(options.parent, SIGKILL);
     const StopSignal listening;
@@ -58,15 +59,15 @@ ExitCode choose(const LiveModelArguments& options)
     nlohmann::json said;
     try {
         const Plan plan = planned(read_scene_text(text, options.source), options.wish);
-        if (plan.status == PlanStatus::Interrupted) throw Error(ExitCode::Interrupted, "interrupted while the model was being chosen");
-        if (!plan.chosen) throw Error(ExitCode::NotFeasible, plan.message);
+        if (plan.status == PlanStatus::Interrupted) throw Error(ErrorKind::Interrupted, "interrupted while the model was being chosen");
+        if (!plan.chosen) throw Error(ErrorKind::NotFeasible, plan.message);
         said = {{"scene", write_scene(plan.chosen->scene, options.source.parent_path())}, {"label", label(plan.chosen->model)},
                 {"error", plan.chosen->error}, {"slowest", plan.chosen->slowest}};
     } catch (const Error& error) {
-        said = {{"code", static_cast<int>(error.code())}, {"message", error.what()}};
+        said = {{"code", exit_code(error.kind())}, {"message", error.what()}};
     }
     print(json_text(said) + "\n");
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 }  // namespace
@@ -82,10 +83,10 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
     if (wish.quiet) arguments.emplace_back("--quiet");
     const ChildEnd end = run_self(arguments, write_scene(scene, source.parent_path()));
     const nlohmann::json said = nlohmann::json::parse(end.out, nullptr, false);
-    if (stop_asked_for() != 0) throw Error(stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted, "interrupted while the model was being chosen");
+    if (stop_asked_for() != 0) throw Error(stop_asked_for() == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted, "interrupted while the model was being chosen");
     if (!said.is_object())
-        throw Error(ExitCode::Stopped, fmt::format("choosing the model ended with code {}; try `seldinger plan` on the scene", end.code));
-    if (said.contains("code")) throw Error(static_cast<ExitCode>(said["code"].get<int>()), said["message"].get<std::string>());
+        throw Error(ErrorKind::Stopped, fmt::format("choosing the model ended with code {}; try `seldinger plan` on the scene", end.code));
+    if (said.contains("code")) throw Error(kind_of_exit_code(said["code"].get<int>()), said["message"].get<std::string>());
     if (!wish.quiet)
         note(fmt::format("model: {}; within {:.2g} mm, {:.2g} s of computation per second in its slowest part\n",
                          said["label"].get<std::string>(), 1e3 * said["error"].get<double>(), said["slowest"].get<double>()));

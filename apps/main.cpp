@@ -2,6 +2,7 @@
 
 #include "command_line.h"
 #include "commands.h"
+#include "core/exit_code.h"
 #include "core/note.h"
 #include "core/printable.h"
 #include "device/kernel_cache.h"
@@ -32,13 +33,13 @@ namespace {
 constexpr std::size_t longest_line = 4000, longest_shown_word = 400;
 
 /// One line, whatever an exception's text holds: names and texts in it are others'.
-int complain(std::string message, ExitCode code)
+int complain(std::string message, ErrorKind code)
 {
     // an argument or another library's exception may quote a file, too
     message = one_line(printable(with_short_words(message, longest_shown_word), longest_line));
     while (!message.empty() && message.back() == ' ') message.pop_back();
     note(fmt::format("seldinger: {}\n", message));
-    return static_cast<int>(code);
+    return exit_code(code);
 }
 
 /// A mesh of millions of triangles passes through a dozen large arrays. To return each to the system and be given cleared memory for the
@@ -80,10 +81,10 @@ int run_command_line(int argc, char** argv)
     use_vessel_cache(true);
     const std::string first = argc > 1 ? argv[1] : "";
     if (!first.empty() && first[0] != '-' && !app.subcommand(first))
-        return complain(fmt::format("\"{}\": unknown subcommand; see `seldinger --help`", first), ExitCode::BadScene);
+        return complain(fmt::format("\"{}\": unknown subcommand; see `seldinger --help`", first), ErrorKind::BadScene);
     const CommandLine::Parsed parsed = app.parse(argc, argv);
     if (parsed.printed) return 0;  // --help, --version
-    if (!parsed.error.empty()) return complain(parsed.error + "; see `seldinger --help`", ExitCode::BadScene);
+    if (!parsed.error.empty()) return complain(parsed.error + "; see `seldinger --help`", ErrorKind::BadScene);
     device::tell_compiling(!app.below_was_given("--quiet"));
     return static_cast<int>(chosen());
 }
@@ -100,7 +101,7 @@ std::string limited(const std::exception& error)
         if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
         say_at_once("seldinger: out of memory inside a library; raise the limit of memory (ulimit -v), or take a coarser mesh\n");
-        ::_exit(static_cast<int>(ExitCode::BadFile));
+        ::_exit(exit_code(ErrorKind::BadFile));
     } catch (...) {  // ours: a core dump tells more
     }
     std::abort();
@@ -128,7 +129,7 @@ void print(std::string_view given)
     errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
         if (errno == EPIPE) return;  // who reads has read enough (`| head`)
-        throw Error(ExitCode::BadFile, "stdout: cannot be written. Fix: check that the disk is not full");
+        throw Error(ErrorKind::BadFile, "stdout: cannot be written. Fix: check that the disk is not full");
     }
 }
 
@@ -146,21 +147,21 @@ int main(int argc, char** argv)
         apps::watch_signals();
         return apps::run_command_line(argc, argv);
     } catch (const Error& error) {
-        return apps::complain(error.what(), error.code());
+        return apps::complain(error.what(), error.kind());
     } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a folder that one may not look into
         return apps::complain(
             fmt::format("{}: cannot be used: {}; check the path", error.path1().string(), error.code().message()),
-            ExitCode::BadFile);
+            ErrorKind::BadFile);
     } catch (const std::system_error& error) {  // no thread to be had
-        return apps::complain(apps::limited(error), ExitCode::BadFile);
+        return apps::complain(apps::limited(error), ErrorKind::BadFile);
     } catch (const std::bad_alloc&) {
-        return apps::complain("out of memory; take a coarser mesh or fewer nodes", ExitCode::BadFile);
+        return apps::complain("out of memory; take a coarser mesh or fewer nodes", ErrorKind::BadFile);
     } catch (const std::exception& error) {
         // oneTBB has no separate exception type for a thread that it does not get
         if (std::string_view(error.what()).starts_with("pthread_create"))
-            return apps::complain(apps::limited(error), ExitCode::BadFile);
-        return apps::complain(fmt::format("{}; please report the command that led here", error.what()), ExitCode::Stopped);
+            return apps::complain(apps::limited(error), ErrorKind::BadFile);
+        return apps::complain(fmt::format("{}; please report the command that led here", error.what()), ErrorKind::Stopped);
     } catch (...) {
-        return apps::complain("unknown error; please report the command that led here", ExitCode::Stopped);
+        return apps::complain("unknown error; please report the command that led here", ErrorKind::Stopped);
     }
 }

@@ -25,21 +25,21 @@ struct PlanArguments {
     bool json = false, quiet = false;
 };
 
-ExitCode exit_code(const Plan& plan)
+ErrorKind kind_of(const Plan& plan)
 {
     switch (plan.status) {
         case PlanStatus::Planned:
-            return ExitCode::Done;
+            return ErrorKind::None;
         case PlanStatus::NothingHolds:
-            return ExitCode::Stopped;
+            return ErrorKind::Stopped;
         case PlanStatus::Interrupted:
-            return stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted;
+            return stop_asked_for() == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted;
         default:
-            return ExitCode::NotFeasible;
+            return ErrorKind::NotFeasible;
     }
 }
 
-ExitCode plan_scene(PlanArguments& options)
+ErrorKind plan_scene(PlanArguments& options)
 {
     const StopSignal listening;
     PlanOptions& what = options.what;
@@ -55,10 +55,10 @@ ExitCode plan_scene(PlanArguments& options)
         what.goals.peaks.is_relative = peak.relative;
     }
     if (what.enough > 0 && what.goals.rate <= 0)
-        throw Error(ExitCode::BadScene, "--enough: got no --rate; expected one. Fix: give --rate N");
+        throw Error(ErrorKind::BadScene, "--enough: got no --rate; expected one. Fix: give --rate N");
     const PlanFiles files = plan_files(options.plan);
     if (std::filesystem::exists(options.plan) && std::filesystem::equivalent(options.plan, options.scene))
-        throw Error(ExitCode::BadScene, fmt::format("-o {}: is the scene itself; choose another file", options.plan.string()));
+        throw Error(ErrorKind::BadScene, fmt::format("-o {}: is the scene itself; choose another file", options.plan.string()));
     what.trials = options.plan.parent_path() / (options.plan.stem().string() + ".pilots");
     const FileLock lock = FileLock::of_file(options.plan);
     what.stop = [] { return stop_asked_for() != 0; };
@@ -71,14 +71,14 @@ ExitCode plan_scene(PlanArguments& options)
     const Plan plan = make_plan(scene, what);
     if (shows) note("\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
-        throw Error(exit_code(plan),
+        throw Error(kind_of(plan),
                     fmt::format("interrupted; all finished runs are kept in {}, and the same command continues",
                                 what.trials.string()));
     write_plan(plan, what.goals, files);
     if (options.json) print(plan_json(plan, what.goals, files));
     else if (!options.quiet) print(plan_report(plan, what.goals, files));
-    if (plan.status != PlanStatus::Planned) throw Error(exit_code(plan), plan.message);
-    return ExitCode::Done;
+    if (plan.status != PlanStatus::Planned) throw Error(kind_of(plan), plan.message);
+    return ErrorKind::None;
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ std::pair<double, std::size_t> parse(const std::string& option, const std::strin
                                      const char* example)
 {
     const auto fail = [&](const std::string& what) -> std::pair<double, std::size_t> {
-        throw Error(ExitCode::BadScene, fmt::format("{} {}: {}; write for example {}", option, text, what, example));
+        throw Error(ErrorKind::BadScene, fmt::format("{} {}: {}; write for example {}", option, text, what, example));
     };
     double number = 0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);

@@ -39,7 +39,7 @@ struct RenderArguments {
 void set_wall(const RenderArguments& options, RenderOptions& what)
 {
     if (options.wall.empty() && !options.wall_max.empty())
-        throw Error(ExitCode::BadScene, "--wall-max: got no --wall; expected displacement or stress. Fix: give --wall displacement or --wall stress");
+        throw Error(ErrorKind::BadScene, "--wall-max: got no --wall; expected displacement or stress. Fix: give --wall displacement or --wall stress");
     if (options.wall.empty()) return;
     const bool stress = options.wall == "stress";
     what.wall = stress ? WallQuantity::Stress : WallQuantity::Displacement;
@@ -55,12 +55,12 @@ void set_look(const RenderArguments& options, RenderOptions& what)
         {"top", ViewFrom::Top},     {"bottom", ViewFrom::Bottom}, {"endoscopic", ViewFrom::Endoscopic}};
     what.from = views.at(options.view);
     if (!options.camera.empty() && what.from == ViewFrom::Endoscopic)
-        throw Error(ExitCode::BadScene, "--camera: the endoscopic view already moves with the tip. Fix: leave one of the two out");
+        throw Error(ErrorKind::BadScene, "--camera: the endoscopic view already moves with the tip. Fix: leave one of the two out");
     const bool labelled = !what.labels.empty() || !what.preview.empty();
     if (labelled && what.from == ViewFrom::Endoscopic)
-        throw Error(ExitCode::BadScene, "--labels: the endoscopic view looks out of an instrument. Fix: take another --view");
+        throw Error(ErrorKind::BadScene, "--labels: the endoscopic view looks out of an instrument. Fix: take another --view");
     if (!what.preview.empty() && options.background == "transparent")
-        throw Error(ExitCode::BadScene, "--preview: a sheet is not transparent. Fix: leave out --background transparent");
+        throw Error(ErrorKind::BadScene, "--preview: a sheet is not transparent. Fix: leave out --background transparent");
     if (!options.camera.empty()) what.motion = parse_motion(options.camera);
     if (options.background == "white") what.ground = Ground::White;
     if (options.background == "transparent") what.ground = Ground::Transparent;
@@ -71,10 +71,10 @@ void set_look(const RenderArguments& options, RenderOptions& what)
 }
 
 /// All frames unless some are asked for.
-ExitCode export_model(const RenderArguments& options, RenderOptions& what)
+ErrorKind export_model(const RenderArguments& options, RenderOptions& what)
 {
     if (!what.labels.empty() || !what.preview.empty())
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "--labels, --preview: of a picture; --gltf and --usd write none. Fix: run render once for each");
     const RunFolder run = read_run_folder(options.dir);
     if (what.first < 0) what.first = 0, what.last = static_cast<int>(run.frames.size()) - 1;
@@ -83,27 +83,27 @@ ExitCode export_model(const RenderArguments& options, RenderOptions& what)
     for (const auto& [file, write] : {std::pair{options.gltf, &write_gltf}, std::pair{options.usd, &write_usd}}) {
         if (file.empty()) continue;
         if (std::filesystem::is_directory(file))
-            throw Error(ExitCode::BadFile, file + ": got a folder; expected the name of a file");
+            throw Error(ErrorKind::BadFile, file + ": got a folder; expected the name of a file");
         write(file, model);
         written.emplace_back(file);
     }
     if (!options.frames.quiet) print_files({written, {}});
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 #endif
 
-ExitCode render(const RenderArguments& options)
+ErrorKind render(const RenderArguments& options)
 {
     if (options.frames.parent > 0) end_with_parent(options.frames.parent, SIGTERM);
     if (!options.frames.farm.empty()) check_farm_of(options.frames.farm, options.dir);
     set_thread_count(options.frames.threads);
     const bool fluoro = options.view == "fluoro";
     const std::string alien = options.fluoro.first_given();
-    if (!fluoro && !alien.empty()) throw Error(ExitCode::BadScene, alien + ": is an option of --view fluoro; give that too");
+    if (!fluoro && !alien.empty()) throw Error(ErrorKind::BadScene, alien + ": is an option of --view fluoro; give that too");
     if (fluoro && !options.wall.empty())
-        throw Error(ExitCode::BadScene, "--wall: an X-ray picture has no colours. Fix: leave out --view fluoro");
+        throw Error(ErrorKind::BadScene, "--wall: an X-ray picture has no colours. Fix: leave out --view fluoro");
     if (fluoro && (!options.camera.empty() || !options.background.empty() || !options.force_max.empty() || options.no_legend))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "--camera, --background, --force-max, --no-legend: not for an X-ray picture. Fix: leave out --view fluoro");
     const auto [width, height] = two_numbers(options.size.empty() ? fluoro ? "1024x1024" : "1280x720" : options.size, 'x',
                                              "--size", "WIDTHxHEIGHT in pixels, e.g. 1280x720,");
@@ -118,14 +118,14 @@ ExitCode render(const RenderArguments& options)
     if (!options.gltf.empty() || !options.usd.empty()) return export_model(options, what);
     FrameWatch watch;
     const PictureFiles files = render_run(options.dir, what, watch.progress());
-    if (options.frames.quiet) return ExitCode::Done;
+    if (options.frames.quiet) return ErrorKind::None;
     print_files(files);
     if (what.legend && what.labels.empty() && what.preview.empty() && !legend_fits(width, height))
         note(fmt::format("seldinger: note: {}x{} is too small for scale and legend (from 400x288 or 288x360)\n", width, height));
-    return ExitCode::Done;
+    return ErrorKind::None;
 #else
     (void)width, (void)height;
-    throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
+    throw Error(ErrorKind::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 #endif
 }
 
@@ -185,13 +185,13 @@ std::vector<std::string> files_of_frame(const std::vector<std::string>& words)
     std::vector<std::string> all = {"render", "."};
     all.insert(all.end(), words.begin(), words.end());
     if (const CommandLine::Parsed parsed = app.parse(std::move(all)); !parsed.error.empty())
-        throw Error(ExitCode::BadScene, parsed.error + "; see `seldinger render --help`");
+        throw Error(ErrorKind::BadScene, parsed.error + "; see `seldinger render --help`");
     FrameArguments& frames = options->frames;
     for (const auto& [option, given] : std::initializer_list<std::pair<const char*, const std::string&>>{
              {"--gltf", options->gltf}, {"--usd", options->usd}, {"--frames", frames.frames}, {"-o", frames.output}, {"--video", frames.video},
              {"--preview", frames.preview}, {"--farm", frames.farm}, {"--raw", options->fluoro.raw}, {"--dicom", options->fluoro.dicom}})
         if (!given.empty())
-            throw Error(ExitCode::BadScene, fmt::format("{}: a farm makes only numbered pictures and their labels. Fix: leave it out (a film: "
+            throw Error(ErrorKind::BadScene, fmt::format("{}: a farm makes only numbered pictures and their labels. Fix: leave it out (a film: "
                                                         "farm merge DIR --video FILE.mp4)",
                                                         option));
 #ifdef SEL_WITH_VIEW

@@ -90,7 +90,7 @@ XrayOptions swept_view(XrayOptions view, const fs::path& sweep, const std::vecto
         else if (key == "carm.cra_deg") cra = std::strtod(setting.c_str() + key.size() + 1, nullptr);
         else if (key.starts_with("carm.") || key.starts_with("contrast.")) view.set.push_back(setting);
         else
-            throw Error(ExitCode::BadScene, fmt::format("{}: \"{}\" is not of the picture; expected carm.lao_deg, carm.cra_deg or another "
+            throw Error(ErrorKind::BadScene, fmt::format("{}: \"{}\" is not of the picture; expected carm.lao_deg, carm.cra_deg or another "
                                                         "key of [carm] or [contrast]. Fix: vary other keys in a sweep of runs",
                                                         sweep.string(), key));
     }
@@ -116,12 +116,12 @@ std::vector<XrayOptions> views_of(const fs::path& dir, const FluoroArguments& ar
 }  // namespace
 #endif
 
-ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height,
+ErrorKind render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height,
                             const FrameArguments& frames)
 {
 #ifdef SEL_WITH_VIEW
     if (!arguments.arms.empty() && !arguments.views.empty())
-        throw Error(ExitCode::BadScene, "--c-arm and --views: both say where the detector is; give one of the two");
+        throw Error(ErrorKind::BadScene, "--c-arm and --views: both say where the detector is; give one of the two");
     XrayOptions plain = arguments;
     static_cast<FrameChoice&>(plain) = frames.choice();
     plain.width = width, plain.height = height;
@@ -129,10 +129,10 @@ ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArgume
     FrameWatch watch;
     const PictureFiles files = render_xray(dir, views_of(dir, arguments, plain), watch.progress());
     if (!frames.quiet) print_files(files);
-    return ExitCode::Done;
+    return ErrorKind::None;
 #else
     (void)dir, (void)arguments, (void)width, (void)height, (void)frames;
-    throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
+    throw Error(ErrorKind::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 #endif
 }
 

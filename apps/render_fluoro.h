@@ -25,7 +25,7 @@ struct FluoroArguments : XrayOptions {
 };
 
 /// @param width,height  pixels. @param frames  which, and where to
-ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height,
+ErrorKind render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height,
                             const FrameArguments& frames);
 
 }  // namespace seldinger::apps

@@ -42,7 +42,7 @@ std::pair<int, int> two_numbers(const std::string& text, char between, const cha
         const auto second = std::from_chars(first.ptr + 1, end, b);
         if (second.ec == std::errc() && second.ptr == end && a >= 0 && b >= 0) return {a, b};
     }
-    throw Error(ExitCode::BadScene, fmt::format("{}: got \"{}\"; expected {}", option, text, form));
+    throw Error(ErrorKind::BadScene, fmt::format("{}: got \"{}\"; expected {}", option, text, form));
 }
 
 #ifdef SEL_WITH_VIEW
@@ -53,19 +53,19 @@ FrameChoice FrameArguments::choice() const
         const auto [first, last] = two_numbers(frames, ':', "--frames", "FIRST:LAST, e.g. 0:99,");
         choice.first = first, choice.last = last;
     }
-    if (fps && video.empty()) throw Error(ExitCode::BadScene, "--fps: got no --video; expected a film. Fix: give --video FILE.mp4");
+    if (fps && video.empty()) throw Error(ErrorKind::BadScene, "--fps: got no --video; expected a film. Fix: give --video FILE.mp4");
     if (fps && !(*fps >= 0.1 && *fps <= 240))
-        throw Error(ExitCode::BadScene, fmt::format("--fps: got {}; expected frames per second from 0.1 to 240", *fps));
-    if (label_vessel && labels.empty()) throw Error(ExitCode::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
+        throw Error(ErrorKind::BadScene, fmt::format("--fps: got {}; expected frames per second from 0.1 to 240", *fps));
+    if (label_vessel && labels.empty()) throw Error(ErrorKind::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
     if (!preview.empty() && !video.empty())
-        throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --video");
+        throw Error(ErrorKind::BadScene, "--preview: only the sheet is written. Fix: leave out --video");
     if (!preview.empty() && !labels.empty())
-        throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --labels, or run render once for each");
+        throw Error(ErrorKind::BadScene, "--preview: only the sheet is written. Fix: leave out --labels, or run render once for each");
     if (!farm.empty() && !labels.empty() && !leads_below(labels))
-        throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
+        throw Error(ErrorKind::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
     for (const std::string& file : {preview, farm.empty() ? labels : std::string()})
         if (!file.empty() && std::filesystem::is_directory(file) != (file == labels) && std::filesystem::exists(file))
-            throw Error(ExitCode::BadFile, fmt::format("{}: got a {}; expected the name of a {}", file, file == labels ? "file" : "folder",
+            throw Error(ErrorKind::BadFile, fmt::format("{}: got a {}; expected the name of a {}", file, file == labels ? "file" : "folder",
                                                        file == labels ? "folder" : "file"));
     choice.labels = labels, choice.labels_in = farm, choice.label_vessel = label_vessel, choice.preview = preview;
     choice.output = output, choice.film = video;
@@ -86,7 +86,7 @@ FrameProgress FrameWatch::progress() const
         const int signal = done < all ? stop_asked_for() : 0;
         if (signal == 0) return;
         if (shows) note("\r\033[K");
-        throw Error(signal == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
+        throw Error(signal == SIGINT ? ErrorKind::Interrupted : ErrorKind::TimeLimit,
                     fmt::format("stopped after {} of {} frames; run again with --resume", done, all));
     };
 }

@@ -12,7 +12,7 @@ namespace seldinger::apps {
 
 Replay::Replay(const std::filesystem::path& record) : path_(record), record_(read_record(record))
 {
-    if (record_.steps() == 0) throw Error(ExitCode::BadFile, fmt::format("{}: holds no step", record.string()));
+    if (record_.steps() == 0) throw Error(ErrorKind::BadFile, fmt::format("{}: holds no step", record.string()));
 }
 
 Scene Replay::scene(Scene of_session) const
@@ -27,7 +27,7 @@ void Replay::check(const Scene& scene, const WorldSetup& setup) const
 {
     check_record(record_, path_, scene, hash_of(setup.mesh));
     if (record_.header.instruments != static_cast<int>(setup.wires.size()))
-        throw Error(ExitCode::BadScene, fmt::format("{}: is of {} instruments, the scene has {}", path_.string(),
+        throw Error(ErrorKind::BadScene, fmt::format("{}: is of {} instruments, the scene has {}", path_.string(),
                                                     record_.header.instruments, setup.wires.size()));
 }
 

@@ -28,7 +28,7 @@ void add_report(CommandLine& app, Command& chosen)
             make_folder_of(options->file);
             write_file(options->file, page);
             print(fmt::format("{}\n", options->file.string()));
-            return ExitCode::Done;
+            return ErrorKind::None;
         };
     });
 }

@@ -58,7 +58,7 @@ void add_run(CommandLine& app, Command& chosen)
         chosen = [options] {
             RunOptions& what = options->run;
             if (options->scene.empty()) {
-                if (!options->resume || what.dir.empty()) throw Error(ExitCode::BadScene, "SCENE is required; see `seldinger run --help`. Only --resume -o DIR takes that of DIR");
+                if (!options->resume || what.dir.empty()) throw Error(ErrorKind::BadScene, "SCENE is required; see `seldinger run --help`. Only --resume -o DIR takes that of DIR");
                 options->scene = what.dir / "scene.toml";
             }
             if (options->wire) what.overrides.push_back("wire.preset=" + *options->wire);

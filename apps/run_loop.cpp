@@ -243,13 +243,13 @@ private:
                                               recorder_.tally().steps, scene_.steps(), dir, dir);
         switch (status) {
             case RunStatus::Stopped:
-                outcome = {ExitCode::Stopped, outcome.summary, fmt::format("{}; last good state in {}", failure_, dir)};
+                outcome = {ErrorKind::Stopped, outcome.summary, fmt::format("{}; last good state in {}", failure_, dir)};
                 break;
             case RunStatus::TimeLimit:
-                outcome = {ExitCode::TimeLimit, outcome.summary, "stopped by a limit " + saved};
+                outcome = {ErrorKind::TimeLimit, outcome.summary, "stopped by a limit " + saved};
                 break;
             case RunStatus::Interrupted:
-                outcome = {ExitCode::Interrupted, outcome.summary, "interrupted " + saved};
+                outcome = {ErrorKind::Interrupted, outcome.summary, "interrupted " + saved};
                 break;
             default:
                 break;
@@ -294,7 +294,7 @@ RunOutcome run_scene(const Scene& given, const RunOptions& options)
     const auto file = options.dir / "checkpoint.bin";
     if (options.use == FolderUse::Resume && std::filesystem::exists(file)) saved = read_checkpoint(file);
     if (saved) check_checkpoint(file, *saved, scene, write_scene(scene, options.dir));
-    if (saved && saved->status == RunStatus::Done) return {ExitCode::Done, read_file(options.dir / "summary.json"), {}};
+    if (saved && saved->status == RunStatus::Done) return {ErrorKind::None, read_file(options.dir / "summary.json"), {}};
     RepairReport vessel;
     WorldSetup setup = ready_setup(scene, options.device, &vessel);
     if (replay) replay->check(scene, setup);

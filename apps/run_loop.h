@@ -24,7 +24,7 @@ struct RunOptions {
 };
 
 struct RunOutcome {
-    ExitCode code = ExitCode::Done;
+    ErrorKind code = ErrorKind::None;
     std::string summary;  // JSON
     std::string message;  // one line for stderr; empty when the run is done
 };

@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "core/exit_code.h"
 #include "device/compiler_watch.h"
 
 #include <fcntl.h>
@@ -42,8 +43,8 @@ sigset_t both_signals()
         say(how_to_go_on.load());
     }
     say("\n");
-    const ExitCode code = signal == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit;
-    ::_exit(listeners == 0 ? 128 + signal : static_cast<int>(code));
+    const ErrorKind code = signal == SIGINT ? ErrorKind::Interrupted : ErrorKind::TimeLimit;
+    ::_exit(listeners == 0 ? 128 + signal : exit_code(code));
 }
 
 /// Not after a loop has responded: from then until the return from main, the orderly end is running.

@@ -35,10 +35,10 @@ struct VesselArguments {
 VesselSpec spec_of(const VesselArguments& options)
 {
     if (options.input.extension() == ".toml") {
-        if (!options.units.empty()) throw Error(ExitCode::BadScene, "--units: a scene states its own; take it out");
+        if (!options.units.empty()) throw Error(ErrorKind::BadScene, "--units: a scene states its own; take it out");
         const Scene scene = read_scene(options.input);
         if (scene.vessel.shape == VesselShape::None)
-            throw Error(ExitCode::BadScene, fmt::format("{}: vessel: the scene has no [vessel]", options.input.string()));
+            throw Error(ErrorKind::BadScene, fmt::format("{}: vessel: the scene has no [vessel]", options.input.string()));
         return scene.vessel;
     }
     VesselSpec spec;
@@ -147,7 +147,7 @@ void write_files(const LoadedVessel& vessel, const std::string& units, const std
     if (!vessel.centreline.empty()) write_centreline_vtp(dir / "centreline.vtp", vessel.centreline, units);
 }
 
-ExitCode inspect(const VesselArguments& options)
+ErrorKind inspect(const VesselArguments& options)
 {
     const VesselSpec spec = spec_of(options);
     LoadedVessel vessel = load_vessel(spec);
@@ -168,7 +168,7 @@ ExitCode inspect(const VesselArguments& options)
         text += fmt::format("  {}: vessel.stl, vessel.vtp{} (in {})\n", options.dir.string(),
                             vessel.centreline.empty() ? "" : ", centreline.vtp", spec.units);
     print(text);
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ void turn_by_frames(FluoroOptions& o, const RunFolder& run)
 
 int measure(const std::vector<std::string>& words)
 {
-    if (words.size() < 5) throw Error(ExitCode::BadScene, "fluoro_speed DIR ANGLES SIZE FIRST LAST [turn]");
+    if (words.size() < 5) throw Error(ErrorKind::BadScene, "fluoro_speed DIR ANGLES SIZE FIRST LAST [turn]");
     const int size = std::stoi(words[2]);
     const std::size_t first = std::stoul(words[3]), last = std::stoul(words[4]);
     const double start = wall_clock();

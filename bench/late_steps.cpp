@@ -14,6 +14,7 @@
 
 #include "contact/capsule.h"
 #include "core/error.h"
+#include "core/exit_code.h"
 #include "core/file_io.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
@@ -61,7 +62,7 @@ Options read_options(int argc, char** argv)
     for (int k = 1; k < argc; ++k) {
         const std::string word = argv[k];
         const auto value = [&]() -> std::string {
-            return k + 1 < argc ? argv[++k] : throw Error(ExitCode::BadScene, word + ": a value is missing");
+            return k + 1 < argc ? argv[++k] : throw Error(ErrorKind::BadScene, word + ": a value is missing");
         };
         if (word == "--worst") options.worst = static_cast<std::size_t>(std::atol(value().c_str()));
         else if (word == "--keep") options.keep = value();
@@ -74,9 +75,9 @@ Options read_options(int argc, char** argv)
         else if (word == "--steps") options.steps = std::max(1L, std::atol(value().c_str()));
         else if (word == "--set") options.overrides.push_back(value());
         else if (options.scene.empty() && word[0] != '-') options.scene = word;
-        else throw Error(ExitCode::BadScene, word + ": unknown. The head of bench/late_steps.cpp says what there is");
+        else throw Error(ErrorKind::BadScene, word + ": unknown. The head of bench/late_steps.cpp says what there is");
     }
-    if (options.scene.empty()) throw Error(ExitCode::BadScene, "give a scene file");
+    if (options.scene.empty()) throw Error(ErrorKind::BadScene, "give a scene file");
     return options;
 }
 
@@ -90,7 +91,7 @@ public:
         steps_ = std::min(most, record_->steps());
         for (const RecordEntry& entry : record_->entries)
             if (entry.kind == RecordEntry::Kind::Reset || entry.kind == RecordEntry::Kind::CutShort)
-                throw Error(ExitCode::BadFile, record + ": holds resets or steps cut short; expected neither");
+                throw Error(ErrorKind::BadFile, record + ": holds resets or steps cut short; expected neither");
     }
 
     [[nodiscard]] long steps() const { return steps_; }
@@ -227,7 +228,7 @@ public:
         const double start = thread_time();
         const StepReport report = step(world_, control, dt);
         step_.time = thread_time() - start;
-        if (report.failed()) throw Error(ExitCode::Stopped, fmt::format("step {} failed", number));
+        if (report.failed()) throw Error(ErrorKind::Stopped, fmt::format("step {} failed", number));
         step_.iterations = report.newton_iterations;
         step_.sub_steps = report.sub_steps;
         step_.nodes = world_.rod(0).n;
@@ -365,7 +366,7 @@ std::vector<Step> read_kept(const std::string& file)
         std::memcpy(head, bytes.data() + at, sizeof(head));
         at += sizeof(head);
         if (head[1] < 0 || static_cast<std::size_t>(head[1]) > bytes.size() - at)
-            throw Error(ExitCode::BadFile, file + ": cut off");
+            throw Error(ErrorKind::BadFile, file + ": cut off");
         Step step;
         step.number = head[0];
         step.before.assign(bytes.begin() + static_cast<std::ptrdiff_t>(at),
@@ -456,6 +457,6 @@ int main(int argc, char** argv)
         return run(read_options(argc, argv));
     } catch (const seldinger::Error& error) {
         fmt::print(stderr, "late_steps: {}\n", error.what());
-        return static_cast<int>(error.code());
+        return exit_code(error.kind());
     }
 }

@@ -8,6 +8,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "core/exit_code.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
@@ -58,7 +59,7 @@ Options read_options(int argc, char** argv)
     for (int k = 1; k < argc; ++k) {
         const std::string word = argv[k];
         const auto value = [&]() -> std::string {
-            return k + 1 < argc ? argv[++k] : throw Error(ExitCode::BadScene, word + ": a value is missing");
+            return k + 1 < argc ? argv[++k] : throw Error(ErrorKind::BadScene, word + ": a value is missing");
         };
         if (word == "--rounds") options.rounds = std::atoi(value().c_str());
         else if (word == "--first") options.first = std::atoi(value().c_str());
@@ -68,11 +69,11 @@ Options read_options(int argc, char** argv)
         else if (word == "--set") options.overrides.push_back(value());
         else if (options.scene.empty() && word[0] != '-') options.scene = word;
         else
-            throw Error(ExitCode::BadScene, word +
+            throw Error(ErrorKind::BadScene, word +
                                                 ": unknown; usage: mesh_density SCENE.toml [--rounds N] [--first N] [--steps N] "
                                                 "[--repeat N] [--csv FILE] [--set k=v]");
     }
-    if (options.scene.empty()) throw Error(ExitCode::BadScene, "give a scene file");
+    if (options.scene.empty()) throw Error(ErrorKind::BadScene, "give a scene file");
     return options;
 }
 
@@ -117,7 +118,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
         const double cpu_start = processor_time();
         for (long k = 0; k < steps; ++k) {
             const StepReport report = step(world, keys.control(), scene.dt);
-            if (report.failed()) throw Error(ExitCode::Stopped, fmt::format("step {} failed", k + 1));
+            if (report.failed()) throw Error(ErrorKind::Stopped, fmt::format("step {} failed", k + 1));
             stages += report.times;
             newton += report.newton_iterations;
             contacts = std::max(contacts, world.readings(0).contacts);
@@ -156,7 +157,7 @@ int run(const Options& options)
     if (!options.csv.empty()) {
         std::ofstream out(options.csv);
         out << table;
-        if (!out.flush()) throw Error(ExitCode::BadFile, options.csv + ": cannot be written");
+        if (!out.flush()) throw Error(ErrorKind::BadFile, options.csv + ": cannot be written");
     }
     return 0;
 }
@@ -169,6 +170,6 @@ int main(int argc, char** argv)
         return run(read_options(argc, argv));
     } catch (const seldinger::Error& error) {
         fmt::print(stderr, "mesh_density: {}\n", error.what());
-        return static_cast<int>(error.code());
+        return exit_code(error.kind());
     }
 }

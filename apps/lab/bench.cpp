@@ -41,8 +41,8 @@ void show(const BenchArguments& options, const std::string& doing)
 
 void stop_when_asked()
 {
-    if (stop_asked_for() == SIGINT) throw Error(ExitCode::Interrupted, "interrupted; nothing was written");
-    if (stop_asked_for() != 0) throw Error(ExitCode::TimeLimit, "stopped; nothing was written");
+    if (stop_asked_for() == SIGINT) throw Error(ErrorKind::Interrupted, "interrupted; nothing was written");
+    if (stop_asked_for() != 0) throw Error(ErrorKind::TimeLimit, "stopped; nothing was written");
 }
 
 void check_folder(const BenchArguments& options)
@@ -52,7 +52,7 @@ void check_folder(const BenchArguments& options)
                                                        : std::vector<const char*>(std::begin(bench_files), std::end(bench_files));
     for (const char* file : files)
         if (std::filesystem::exists(options.dir / file))
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("{}: holds results of a benchmark ({}); give --overwrite, or another folder with -o",
                                     options.dir.string(), file));
 }
@@ -96,7 +96,7 @@ void measure_scenes(const BenchArguments& options, BenchResults& results)
         show(options, file.filename().string());
         try {
             if (!results.device.fp64)
-                throw Error(ExitCode::NoDevice,
+                throw Error(ErrorKind::NoDevice,
                             "the device has no double precision, which scenes need; choose another with --device, or give "
                             "--kernels-only");
             results.scenes.push_back(time_scene(read_scene(file), options.device, options.quick ? 1 : options.repeat,
@@ -110,7 +110,7 @@ void measure_scenes(const BenchArguments& options, BenchResults& results)
 }
 
 /// --gpu: one file for all of it.
-ExitCode bench_fleets(const BenchArguments& options)
+ErrorKind bench_fleets(const BenchArguments& options)
 {
     const GpuBench how = {options.device, options.wires, options.quick ? quick_fleet_steps : fleet_steps};
     const std::string found = measure_gpu(
@@ -124,10 +124,10 @@ ExitCode bench_fleets(const BenchArguments& options)
     if (options.json) print(found);
     else if (!options.quiet) print(gpu_summary(found));
     if (!options.json && !options.quiet && !options.dir.empty()) print(fmt::format("{}\n", (options.dir / gpu_file).string()));
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
-ExitCode bench(const BenchArguments& options)
+ErrorKind bench(const BenchArguments& options)
 {
     const StopSignal listening;
     const FileLock lock = options.dir.empty() ? FileLock() : FileLock::of_folder(options.dir);
@@ -136,7 +136,7 @@ ExitCode bench(const BenchArguments& options)
     const std::vector<DeviceInfo> list = list_devices();
     device::check_device_index(options.device);
     if (list.empty())
-        throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
+        throw Error(ErrorKind::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
     results.device =
         list[static_cast<std::size_t>(options.device < 0 ? device::default_device() : options.device)];
     if (options.gpu) return bench_fleets(options);
@@ -155,7 +155,7 @@ ExitCode bench(const BenchArguments& options)
     if (!options.json && !options.quiet && !options.dir.empty())
         print(fmt::format("{}: device.csv, kernels.csv, scenes.csv{}\n", options.dir.string(),
                           drawn ? ", roofline.png, roofline.svg" : ""));
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ void forget(const std::filesystem::path& dir)
     for (const char* file : {"runs.csv", "chart.csv", "references.csv"}) (void)folder.remove(file);
 }
 
-ExitCode chart(ChartArguments& options)
+ErrorKind chart(ChartArguments& options)
 {
     const StopSignal listening;
     ChartOptions& what = options.chart;
@@ -53,7 +53,7 @@ ExitCode chart(ChartArguments& options)
     if (!options.quiet) show_model("");
     const std::string dir = what.dir.string();
     if (result.interrupted)
-        throw Error(stop_asked_for() == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
+        throw Error(stop_asked_for() == SIGINT ? ErrorKind::Interrupted : ErrorKind::TimeLimit,
                     fmt::format("interrupted after {} of {} runs, all kept in {}; the same command continues", result.runs_done,
                                 result.runs_wanted, dir));
     const bool drawn = draw_with("plot_chart.py", {dir});
@@ -62,7 +62,7 @@ ExitCode chart(ChartArguments& options)
         print(fmt::format("{}: chart.csv, references.csv, runs.csv{}\n", dir,
                           drawn ? ", chart.svg, chart.png and one picture per scene" : ""));
     }
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ void add_lab(CommandLine& app, Command& chosen)
         CommandLine* command = app.add_subcommand(name, "not in this build: ./dev build makes it");
         command->allow_extras();
         command->callback([&chosen, name] {
-            chosen = [name]() -> ExitCode {
-                throw Error(ExitCode::BadScene, fmt::format("{}: got a build without charts, maps and benchmarks (SELDINGER_LAB=OFF, as "
+            chosen = [name]() -> ErrorKind {
+                throw Error(ErrorKind::BadScene, fmt::format("{}: got a build without charts, maps and benchmarks (SELDINGER_LAB=OFF, as "
                                                             "./dev demo makes it); expected one with them. Fix: ./dev build", name));
             };
         });

@@ -69,7 +69,7 @@ std::vector<Item> named(const std::vector<Item>& all, const std::vector<std::str
     for (const std::string& wanted : names) {
         const auto at = std::find_if(all.begin(), all.end(), [&](const Item& item) { return item.name == wanted; });
         if (at == all.end())
-            throw Error(ExitCode::BadScene, fmt::format("--{}: got \"{}\"; expected one of: {}", what, wanted, known));
+            throw Error(ErrorKind::BadScene, fmt::format("--{}: got \"{}\"; expected one of: {}", what, wanted, known));
         found.push_back(*at);
     }
     return found;
@@ -85,7 +85,7 @@ bool stands(const Row* row, double budget)
 std::pair<std::string, std::vector<double>> parse_vary(const std::string& text)
 {
     const auto fail = [&] {
-        throw Error(ExitCode::BadScene, fmt::format("--vary: got \"{}\"; expected a key of the scene and numbers, rising, e.g. "
+        throw Error(ErrorKind::BadScene, fmt::format("--vary: got \"{}\"; expected a key of the scene and numbers, rising, e.g. "
                                                     "\"vessel.youngs_pa=1e5,1e6,1e7\"",
                                                     text));
     };
@@ -116,7 +116,7 @@ std::vector<StabilityMap> of_rows(const std::vector<StabilityMap>& all, const st
         if (std::any_of(rows.begin(), rows.end(), [&](const std::string& row) { return shows(map, row); })) found.push_back(map);
     for (const std::string& row : rows)
         if (std::none_of(all.begin(), all.end(), [&](const StabilityMap& map) { return shows(map, row); }))
-            throw Error(ExitCode::BadScene, fmt::format("--row: got \"{}\"; expected F1 to F21", row));
+            throw Error(ErrorKind::BadScene, fmt::format("--row: got \"{}\"; expected F1 to F21", row));
     return found;
 }
 
@@ -301,13 +301,13 @@ StabilityWork select_work(const StabilityOptions& options)
     StabilityWork work;
     if (options.scene.empty()) {
         if (!options.vary.empty())
-            throw Error(ExitCode::BadScene, "--vary: goes with a SCENE.toml; the maps have their own values");
+            throw Error(ErrorKind::BadScene, "--vary: goes with a SCENE.toml; the maps have their own values");
         work.maps = named(of_rows(stability_maps(), options.rows), options.maps, "maps");
     } else {
         if (!options.rows.empty() || !options.maps.empty())
-            throw Error(ExitCode::BadScene, "--row, --maps: not with a SCENE.toml, which is one map");
+            throw Error(ErrorKind::BadScene, "--row, --maps: not with a SCENE.toml, which is one map");
         if (options.vary.empty())
-            throw Error(ExitCode::BadScene, "--vary: is needed with a SCENE.toml, e.g. --vary vessel.youngs_pa=1e5,1e6,1e7");
+            throw Error(ErrorKind::BadScene, "--vary: is needed with a SCENE.toml, e.g. --vary vessel.youngs_pa=1e5,1e6,1e7");
         const auto [key, values] = parse_vary(options.vary);
         work.maps = {map_of_scene(options.scene, key, values)};
     }

@@ -56,6 +56,6 @@ int main(int argc, char** argv)
         return 0;
     } catch (const Error& error) {
         std::fprintf(stderr, "%s\n", error.what());
-        return static_cast<int>(error.code());
+        return static_cast<int>(error.kind());
     }
 }

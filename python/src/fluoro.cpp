@@ -268,7 +268,7 @@ py::dict labels_of(int) { return {}; }
 
 std::vector<Taken> take(Handle&, const Ask&, const std::vector<Shot>&)
 {
-    throw Error(ExitCode::BadScene, "fluoroscopy: this build has no pictures; configure with -DSELDINGER_VIEW=ON");
+    throw Error(ErrorKind::BadScene, "fluoroscopy: this build has no pictures; configure with -DSELDINGER_VIEW=ON");
 }
 
 #endif
@@ -285,7 +285,7 @@ void bind_fluoroscopy(py::module_& module)
         std::vector<Shot> shots;
         for (std::size_t k = 0; k < systems.size(); ++k) {
             if (systems[k] < 0)
-                throw Error(ExitCode::BadScene, "fluoroscopy: got system " + std::to_string(systems[k]) + "; expected 0 or more");
+                throw Error(ErrorKind::BadScene, "fluoroscopy: got system " + std::to_string(systems[k]) + "; expected 0 or more");
             shots.push_back({systems[k], frames.at(k)});
         }
         std::vector<Taken> taken;

@@ -29,7 +29,7 @@ bool forked()
 void check_process()
 {
     if (forked())
-        throw Error(ExitCode::NoDevice,
+        throw Error(ErrorKind::NoDevice,
                     "OpenCL: got a process that was forked after OpenCL had been started, without its threads; expected a fork before the first world. "
                     "Fix: start it with multiprocessing's \"spawn\" or \"forkserver\" (AsyncVectorEnv: context=\"spawn\"), or make the first "
                     "World after the fork.");
@@ -89,7 +89,7 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
     const std::string shared = shared_part(scenes_.front(), scenes_.front());
     for (std::size_t k = 1; k < scenes_.size(); ++k)
         if (const std::string apart = first_difference(shared, shared_part(scenes_[k], scenes_.front())); !apart.empty())
-            throw Error(ExitCode::BadScene, "copies: systems of one world share all but their instruments, feeds and coefficients of "
+            throw Error(ErrorKind::BadScene, "copies: systems of one world share all but their instruments, feeds and coefficients of "
                                             "contact, and of the first (there) and number " +
                                                 std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
     WorldSetup setup = ready_setup(scenes_, loaded_vessel(scenes_.front().vessel), device);
@@ -122,7 +122,7 @@ void Handle::follow_tasks(double dt)
 const ScoreNumbers& Handle::score(int system) const
 {
     check_system(system);
-    if (!watch_) throw Error(ExitCode::BadScene, "task: the scene has no [task]; expected one with a target");
+    if (!watch_) throw Error(ErrorKind::BadScene, "task: the scene has no [task]; expected one with a target");
     return scores_[static_cast<std::size_t>(std::max(system, 0))];
 }
 
@@ -157,7 +157,7 @@ void Handle::close()
 
 World& Handle::world() const
 {
-    if (!world_) throw Error(ExitCode::BadScene, "the world is closed; make a new one");
+    if (!world_) throw Error(ErrorKind::BadScene, "the world is closed; make a new one");
     check_process();
     return *world_;
 }
@@ -238,7 +238,7 @@ void Handle::begin_run(bool settles)
 Handle::RunPart Handle::run(long to, long most)
 {
     const World& at = world();
-    if (!run_) throw Error(ExitCode::BadScene, "run: nothing has begun");
+    if (!run_) throw Error(ErrorKind::BadScene, "run: nothing has begun");
     forget_output();
     failed_.assign(static_cast<std::size_t>(at.wire_count()), 0);
     (void)run_->run(std::min(to, at.step_count() + most));
@@ -273,7 +273,7 @@ std::shared_ptr<const Output> Handle::output()
 void Handle::check_system(int system) const
 {
     if (system >= world().system_count())
-        throw Error(ExitCode::BadScene, "system " + std::to_string(system) + ": there is no such system; the world has " +
+        throw Error(ErrorKind::BadScene, "system " + std::to_string(system) + ": there is no such system; the world has " +
                                             std::to_string(world().system_count()));
 }
 
@@ -296,7 +296,7 @@ void Handle::restore(const SavedState& state, int into)
 {
     World& at = world();
     const int system = state.system >= 0 && into >= 0 ? into : state.system;
-    if (system >= at.system_count()) throw Error(ExitCode::BadFile, "the saved state is of a system that is not there");
+    if (system >= at.system_count()) throw Error(ErrorKind::BadFile, "the saved state is of a system that is not there");
     if (system < 0) at.restore_state(state.bytes);
     else at.restore_state(system, state.bytes);
     std::fill(failed_.begin(), failed_.end(), 0);
@@ -324,7 +324,7 @@ void take_list(const std::uint8_t*& at, const std::uint8_t* end, std::vector<T>&
 {
     std::uint64_t count = 0;
     take_bytes(at, end, &count, 1);
-    if (count > static_cast<std::uint64_t>(end - at) / sizeof(T)) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+    if (count > static_cast<std::uint64_t>(end - at) / sizeof(T)) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
     list.resize(count);
     std::copy(at, at + count * sizeof(T), reinterpret_cast<std::uint8_t*>(list.data()));
     at += count * sizeof(T);
@@ -341,7 +341,7 @@ void put_raw(std::vector<std::uint8_t>& bytes, const T& value)
 template <class T>
 void take_raw(const std::uint8_t*& at, const std::uint8_t* end, T& value)
 {
-    if (static_cast<std::size_t>(end - at) < sizeof value) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+    if (static_cast<std::size_t>(end - at) < sizeof value) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
     std::copy(at, at + sizeof value, reinterpret_cast<std::uint8_t*>(&value));
     at += sizeof value;
 }
@@ -371,7 +371,7 @@ std::vector<ScoreNumbers> unpack_scores(const std::vector<std::uint8_t>& bytes)
     std::vector<ScoreNumbers> scores;
     take_list(at, end, scores);
     for (const ScoreNumbers& score : scores)
-        if (!is_sound(score)) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+        if (!is_sound(score)) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
     return scores;
 }
 
@@ -398,12 +398,12 @@ std::shared_ptr<const Output> unpack(const std::vector<std::uint8_t>& bytes)
     const auto resize = [&](auto& vector) {
         std::uint64_t count = 0;
         raw(count);
-        if (count > bytes.size()) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+        if (count > bytes.size()) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
         vector.resize(count);
     };
     raw(output->time), raw(output->step), raw(output->parts);
     resize(output->wires);
-    if (output->wires.empty()) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+    if (output->wires.empty()) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
     for (WireOutput& wire : output->wires) visit(wire, raw, list);
     resize(output->walls);
     for (WallOutput& wall : output->walls) raw(wall.readings), list(wall.displacement), list(wall.stress);

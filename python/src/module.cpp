@@ -5,6 +5,7 @@
 #include "studies.h"
 #include "views.h"
 
+#include "core/exit_code.h"
 #include "run/summary.h"
 
 #include <pybind11/stl.h>
@@ -22,7 +23,7 @@ PyObject* error_class = nullptr;
 void raise(const Error& error)
 {
     if (!error_class) return PyErr_SetString(PyExc_RuntimeError, error.what());
-    const py::object made = py::handle(error_class)(std::string(error.what()), static_cast<int>(error.code()));
+    const py::object made = py::handle(error_class)(std::string(error.what()), exit_code(error.kind()));
     PyErr_SetObject(error_class, made.ptr());
 }
 
@@ -68,7 +69,7 @@ const SavedState& contents(py::handle object)
 {
     if (!py::isinstance<SavedState>(object)) throw py::type_error("a State expected");
     if (!reinterpret_cast<py::detail::instance*>(object.ptr())->get_value_and_holder().holder_constructed())
-        throw Error(ExitCode::BadFile, "this State has no contents; take one from World.save(), or unpickle one");
+        throw Error(ErrorKind::BadFile, "this State has no contents; take one from World.save(), or unpickle one");
     return object.cast<const SavedState&>();
 }
 
@@ -86,7 +87,7 @@ void bind_state(py::module_& module)
                 return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes(), as_bytes(pack(s.scores)));
             },
             [](const py::tuple& t) {
-                if (t.size() != 4) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+                if (t.size() != 4) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
                 const Bytes output = from_bytes(t[2].cast<py::bytes>());
                 return SavedState{t[0].cast<int>(), from_bytes(t[1].cast<py::bytes>()),
                                   output.empty() ? nullptr : unpack(output), unpack_scores(from_bytes(t[3].cast<py::bytes>()))};

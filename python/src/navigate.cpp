@@ -43,7 +43,7 @@ Navigator::Navigator(const Centreline& line, const NavigateSpec& spec) : spec_(s
 {
     const std::size_t count = line.points.size();
     if (count < 2)
-        throw Error(ExitCode::BadScene, "navigate: the scene's vessel has no centreline; expected a vessel with branches");
+        throw Error(ErrorKind::BadScene, "navigate: the scene's vessel has no centreline; expected a vessel with branches");
     std::vector<std::vector<int>> joined(count);
     for (std::size_t i = 0; i < count; ++i) {
         x_.push_back(line.points[i].x()), y_.push_back(line.points[i].y()), z_.push_back(line.points[i].z());

@@ -111,11 +111,11 @@ std::string plan(const std::string& text, const std::string& file, const Texts& 
     what.stop = [&] { return watch.stop(); };
     const Plan made = make_plan(load_study_scene(read_scene_text(text, file, overrides), device), what);
     if (made.status == PlanStatus::Interrupted)
-        throw Error(ExitCode::Interrupted, "interrupted; trials that were finished are kept in " + what.trials.string());
+        throw Error(ErrorKind::Interrupted, "interrupted; trials that were finished are kept in " + what.trials.string());
     const apps::PlanFiles files = apps::plan_files(out);
     apps::write_plan(made, goals, files);
     if (made.status != PlanStatus::Planned)
-        throw Error(made.status == PlanStatus::NothingHolds ? ExitCode::Stopped : ExitCode::NotFeasible, made.message);
+        throw Error(made.status == PlanStatus::NothingHolds ? ErrorKind::Stopped : ErrorKind::NotFeasible, made.message);
     return apps::plan_json(made, goals, files);
 }
 
@@ -131,7 +131,7 @@ std::pair<std::string, std::string> chart(const Texts& scenes, const std::string
     Watch watch;
     what.stop = [&] { return watch.stop(); };
     const ChartResult made = make_chart(what);
-    if (made.interrupted) throw Error(ExitCode::Interrupted, "interrupted; runs that were finished are kept in " + dir);
+    if (made.interrupted) throw Error(ErrorKind::Interrupted, "interrupted; runs that were finished are kept in " + dir);
     return {chart_csv(made), references_csv(made)};
 }
 
@@ -221,7 +221,7 @@ py::array render(Handle& handle, int width, int height, bool legend, double forc
 
 py::array render(Handle&, int, int, bool, double, const CameraPose&, int)
 {
-    throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
+    throw Error(ErrorKind::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 }
 
 #endif

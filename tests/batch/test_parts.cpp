@@ -50,7 +50,7 @@ std::string refusal(const std::function<void()>& call)
     try {
         call();
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadFile);
+        CHECK(error.kind() == ErrorKind::BadFile);
         CHECK(std::string(error.what()).find('\n') == std::string::npos);
         return error.what();
     }

@@ -28,7 +28,7 @@ std::string complaint(const std::string& text)
     try {
         (void)sweep_of(text);
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadScene);
+        CHECK(error.kind() == ErrorKind::BadScene);
         return error.what();
     }
     return "";

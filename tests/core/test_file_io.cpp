@@ -36,14 +36,14 @@ private:
 };
 
 template <class Action>
-ExitCode code_of(const Action& action)
+ErrorKind code_of(const Action& action)
 {
     try {
         action();
     } catch (const Error& error) {
-        return error.code();
+        return error.kind();
     }
-    return ExitCode::Done;
+    return ErrorKind::None;
 }
 
 }  // namespace
@@ -67,15 +67,15 @@ TEST_SUITE("core/file_io")
         write_file(path, "old");
         {
             const FileSizeLimit full(1000);
-            CHECK(code_of([&] { write_file(path, std::string(5000, 'x')); }) == ExitCode::BadFile);
+            CHECK(code_of([&] { write_file(path, std::string(5000, 'x')); }) == ErrorKind::BadFile);
         }
         CHECK(read_file(path) == "old");
         CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
-        CHECK(code_of([&] { write_file(path / "below-a-file", "x"); }) == ExitCode::BadFile);
-        CHECK(code_of([&] { make_folder(path); }) == ExitCode::BadFile);
-        CHECK(code_of([&] { make_folder(path / "sub"); }) == ExitCode::BadFile);
-        CHECK(code_of([&] { (void)read_file(folder.path()); }) == ExitCode::BadFile);
-        CHECK(code_of([&] { (void)read_file(folder.path() / "none"); }) == ExitCode::BadFile);
+        CHECK(code_of([&] { write_file(path / "below-a-file", "x"); }) == ErrorKind::BadFile);
+        CHECK(code_of([&] { make_folder(path); }) == ErrorKind::BadFile);
+        CHECK(code_of([&] { make_folder(path / "sub"); }) == ErrorKind::BadFile);
+        CHECK(code_of([&] { (void)read_file(folder.path()); }) == ErrorKind::BadFile);
+        CHECK(code_of([&] { (void)read_file(folder.path() / "none"); }) == ErrorKind::BadFile);
     }
 
     TEST_CASE("property: a table keeps whole rows when the disk fills up")
@@ -87,7 +87,7 @@ TEST_SUITE("core/file_io")
         {
             const FileSizeLimit full(30);
             table.append("1,0.1\n");
-            CHECK(code_of([&] { table.append("2,0.200000000000000000001\n"); }) == ExitCode::BadFile);
+            CHECK(code_of([&] { table.append("2,0.200000000000000000001\n"); }) == ErrorKind::BadFile);
         }
         CHECK(read_file(path) == "step,time_s\n1,0.1\n");
         table.append("2,0.2\n");  // space again
@@ -103,7 +103,7 @@ TEST_SUITE("core/file_io")
         AppendFile table(path, 11);
         table.append("row 2 again\n");
         CHECK(read_file(path) == "head\nrow 1\nrow 2 again\n");
-        CHECK(code_of([&] { AppendFile(path, 1000); }) == ExitCode::BadFile);  // shorter than the checkpoint says
+        CHECK(code_of([&] { AppendFile(path, 1000); }) == ErrorKind::BadFile);  // shorter than the checkpoint says
         CHECK(read_file(path) == "head\nrow 1\nrow 2 again\n");
     }
 }

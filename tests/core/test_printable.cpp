@@ -18,7 +18,7 @@ std::string reason_of(const std::filesystem::path& path)
     try {
         (void)read_file(path);
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadFile);
+        CHECK(error.kind() == ErrorKind::BadFile);
         return error.what();
     }
     return "";
@@ -62,7 +62,7 @@ TEST_SUITE("core/printable")
 
     TEST_CASE("property: every error is printable, whoever made it")
     {
-        CHECK(std::string(Error(ExitCode::BadFile, "x\x1b]0;owned\x07.vtk").what()) == "x?]0;owned?.vtk");
+        CHECK(std::string(Error(ErrorKind::BadFile, "x\x1b]0;owned\x07.vtk").what()) == "x?]0;owned?.vtk");
     }
 
     TEST_CASE("property: pipes and devices are refused at once, with or without a writer")

@@ -58,12 +58,12 @@ std::string hash_after(TestSetup setup, int steps)
     return world.state_hash();
 }
 
-std::string message_of(const std::function<void()>& call, ExitCode& code)
+std::string message_of(const std::function<void()>& call, ErrorKind& code)
 {
     try {
         call();
     } catch (const Error& error) {
-        code = error.code();
+        code = error.kind();
         return error.what();
     }
     return "";
@@ -164,10 +164,10 @@ TEST_SUITE("device")
 
     TEST_CASE("property: a device index beyond the list is an error that names the range")
     {
-        ExitCode code = ExitCode::Done;
+        ErrorKind code = ErrorKind::None;
         TestSetup setup = heavy_setup(99);
         const std::string text = message_of([&] { FedWorld world(std::move(setup)); }, code);
-        CHECK(code == ExitCode::NoDevice);
+        CHECK(code == ErrorKind::NoDevice);
         CHECK(holds(text, "--device 99"));
         CHECK(holds(text, "devices 0 to " + std::to_string(list_devices().size() - 1)));
     }
@@ -179,9 +179,9 @@ TEST_SUITE("device")
         fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder, fs::copy_options::recursive);
         std::ofstream(folder / "contact" / "evaluation.cl", std::ios::app) << "\n__kernel void broken() { no_such_thing = 1; }\n";
         setenv("SEL_KERNEL_DIR", folder.c_str(), 1);
-        ExitCode code = ExitCode::Done;
+        ErrorKind code = ErrorKind::None;
         const std::string broken = message_of([] { (void)device::Context().program("contact/evaluation.cl"); }, code);
-        CHECK(code == ExitCode::NoDevice);
+        CHECK(code == ErrorKind::NoDevice);
         CHECK(holds(broken, "kernels/contact/evaluation.cl does not build on device"));
         CHECK(holds(broken, "no_such_thing"));
         CHECK(holds(broken, "CL_BUILD_PROGRAM_FAILURE"));
@@ -248,9 +248,9 @@ TEST_SUITE("device")
 
     TEST_CASE("property: a failing call is named, with OpenCL's own name for the error")
     {
-        ExitCode code = ExitCode::Done;
+        ErrorKind code = ErrorKind::None;
         const std::string text = message_of([] { device::check(CL_INVALID_BUFFER_SIZE, "clCreateBuffer(context, 0)"); }, code);
-        CHECK(code == ExitCode::NoDevice);
+        CHECK(code == ErrorKind::NoDevice);
         CHECK(holds(text, "clCreateBuffer failed with CL_INVALID_BUFFER_SIZE"));
     }
 

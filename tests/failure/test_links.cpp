@@ -54,7 +54,7 @@ std::string refusal(const auto& call)
     try {
         call();
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadFile);
+        CHECK(error.kind() == ErrorKind::BadFile);
         return error.what();
     }
     return {};

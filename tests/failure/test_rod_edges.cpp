@@ -53,7 +53,7 @@ std::string refusal(const std::string& text, const std::vector<std::string>& set
     try {
         (void)world_of(text, sets);
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadScene);
+        CHECK(error.kind() == ErrorKind::BadScene);
         return error.what();
     }
     return "";

@@ -102,7 +102,7 @@ void record(Bytes bytes)
         }
         require(record.steps() <= static_cast<long>(record.entries.size()));
         check_record(record, file, known_scene(), 0);
-    }, ExitCode::BadScene);
+    }, ErrorKind::BadScene);
 }
 
 /// parts.json, or, after a first byte of 'r', the payload of a part.

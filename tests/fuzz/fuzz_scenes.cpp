@@ -64,7 +64,7 @@ void scene(Bytes bytes)
     put_file(folder() / "part.toml", parts[1]);
     const std::vector<std::string> settings = lines_of(parts[2], 8);
     std::optional<Scene> taken;
-    answer([&] { taken = read_scene_text(parts[0], folder() / "scene.toml", settings); }, ExitCode::BadScene);
+    answer([&] { taken = read_scene_text(parts[0], folder() / "scene.toml", settings); }, ErrorKind::BadScene);
     if (taken) check_words(*taken);
 }
 
@@ -76,7 +76,7 @@ void sweep(Bytes bytes)
         require(runs >= 1 && runs <= 1'000'000);
         for (const std::size_t run : {std::size_t{0}, runs - 1})
             (void)read_scene_text(swept_scene, folder() / "scene.toml", sweep.overrides(run));
-    }, ExitCode::BadScene);
+    }, ErrorKind::BadScene);
 }
 
 }  // namespace seldinger::fuzz

@@ -22,12 +22,12 @@ inline std::string text_of(Bytes bytes) { return {reinterpret_cast<const char*>(
 
 /// @param also  a code that an Error may have beside BadFile
 template <class Work>
-void answer(const Work& work, ExitCode also = ExitCode::BadFile)
+void answer(const Work& work, ErrorKind also = ErrorKind::BadFile)
 {
     try {
         work();
     } catch (const Error& error) {
-        require(error.code() == ExitCode::BadFile || error.code() == also);
+        require(error.kind() == ErrorKind::BadFile || error.kind() == also);
         for (const char* c = error.what(); *c; ++c) require(*c == '\n' || static_cast<unsigned char>(*c) >= ' ');
     }
 }

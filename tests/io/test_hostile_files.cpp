@@ -34,7 +34,7 @@ std::string refusal(const Work& work)
     try {
         work();
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadFile);
+        CHECK(error.kind() == ErrorKind::BadFile);
         return error.what();
     }
     return "";

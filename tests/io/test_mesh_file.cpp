@@ -39,7 +39,7 @@ std::string refusal(const fs::path& path)
     try {
         (void)read_mesh(path, "mm");
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadFile);
+        CHECK(error.kind() == ErrorKind::BadFile);
         CHECK(std::string(error.what()).find(path.filename().string()) != std::string::npos);
         return error.what();
     }

@@ -97,7 +97,7 @@ void check_damaged(const std::string& bytes, const std::string& word)
         (void)parse_poly_data(bytes, "triangle.vtp");
         FAIL("accepted");
     } catch (const Error& e) {
-        CHECK(e.code() == ExitCode::BadFile);
+        CHECK(e.kind() == ErrorKind::BadFile);
         CHECK(std::string(e.what()).find("triangle.vtp: ") == 0);
         CHECK(std::string(e.what()).find(word) != std::string::npos);
     }

@@ -125,7 +125,7 @@ bool render_or_skip(const fs::path& dir, const RenderOptions& options, std::vect
         written = render_run(dir, options).paths;
         return true;
     } catch (const Error& e) {
-        if (e.code() != ExitCode::NoDevice && std::string(e.what()).find("font") == std::string::npos) throw;
+        if (e.kind() != ErrorKind::NoDevice && std::string(e.what()).find("font") == std::string::npos) throw;
         skip(e.what());
         return false;
     }
@@ -145,14 +145,14 @@ std::uint32_t big_endian(const std::string& bytes, std::size_t at)
     return v;
 }
 
-void check_refused(const fs::path& dir, const RenderOptions& options, ExitCode code, const std::string& word)
+void check_refused(const fs::path& dir, const RenderOptions& options, ErrorKind code, const std::string& word)
 {
     CAPTURE(word);
     try {
         render_run(dir, options);
         FAIL("accepted");
     } catch (const Error& e) {
-        CHECK(e.code() == code);
+        CHECK(e.kind() == code);
         CHECK(std::string(e.what()).find(word) != std::string::npos);
         CHECK(std::string(e.what()).find('\n') == std::string::npos);
     }
@@ -260,13 +260,13 @@ TEST_SUITE("pictures/render")
         // stopped between two frames: no film, no part of one
         options.resume = false, options.output.clear(), options.film = dir.path / "film.mp4";
         const auto stop = [](std::size_t done, std::size_t, double) {
-            if (done == 2) throw Error(ExitCode::TimeLimit, "stopped");
+            if (done == 2) throw Error(ErrorKind::TimeLimit, "stopped");
         };
         CHECK_THROWS_AS(render_run(dir.path, options, stop), Error);
         CHECK_FALSE(fs::exists(dir.path / "film.mp4"));
         CHECK_FALSE(fs::exists(dir.path / "film.mp4.part"));
         options.ground = Ground::Transparent;
-        check_refused(dir.path, options, ExitCode::BadScene, "cannot be transparent");
+        check_refused(dir.path, options, ErrorKind::BadScene, "cannot be transparent");
     }
 
     TEST_CASE("property: a transparent ground has no cover where nothing is, the vessel's far wall all of it; 4K is drawn")
@@ -342,32 +342,32 @@ TEST_SUITE("pictures/render")
         write_run(dir.path, 2);
         RenderOptions options;
         options.wall = WallQuantity::Displacement;
-        check_refused(dir.path, options, ExitCode::BadFile, "--set vessel.wall=elastic");
+        check_refused(dir.path, options, ErrorKind::BadFile, "--set vessel.wall=elastic");
         write_moved_walls(dir.path, 2);
         fs::remove(dir.path / "vessel.vtp");
-        check_refused(dir.path, options, ExitCode::BadFile, "nothing to colour");
+        check_refused(dir.path, options, ErrorKind::BadFile, "nothing to colour");
         write_vessel(dir.path);
         write_text(dir.path / "wall_000000.vtp", poly_data(1, points_xml({{0, 0, 0}})));
-        check_refused(dir.path, options, ExitCode::BadFile, "displacement");
+        check_refused(dir.path, options, ErrorKind::BadFile, "displacement");
         options.wall = WallQuantity::Stress;
-        check_refused(dir.path, options, ExitCode::BadFile, "stress");
+        check_refused(dir.path, options, ErrorKind::BadFile, "stress");
     }
 
     TEST_CASE("regression: what is missing or damaged is named")
     {
         const TemporaryFolder dir;
-        check_refused(dir.path / "nowhere", {}, ExitCode::BadFile, "no such folder");
-        check_refused(dir.path, {}, ExitCode::BadFile, "wire.pvd");
+        check_refused(dir.path / "nowhere", {}, ErrorKind::BadFile, "no such folder");
+        check_refused(dir.path, {}, ErrorKind::BadFile, "wire.pvd");
         write_list(dir.path, 0);
-        check_refused(dir.path, {}, ExitCode::BadFile, "names no frame");
+        check_refused(dir.path, {}, ErrorKind::BadFile, "names no frame");
         write_run(dir.path, 2);
         RenderOptions options;
         for (auto [first, last] : {std::pair{2, 2}, {1, 0}, {-1, 1}, {0, 2}}) {
             options.first = first, options.last = last;
-            check_refused(dir.path, options, ExitCode::BadScene, "0 <= A <= B <= 1, the run has 2 frames");
+            check_refused(dir.path, options, ErrorKind::BadScene, "0 <= A <= B <= 1, the run has 2 frames");
         }
         write_text(dir.path / "summary.json", "{ \"task\": ");
-        check_refused(dir.path, {}, ExitCode::BadFile, "summary.json: got something that is not JSON");
+        check_refused(dir.path, {}, ErrorKind::BadFile, "summary.json: got something that is not JSON");
         write_text(dir.path / "summary.json", R"({"task": {"target": "left", "target_at_m": [0.1, 0.2, 0.3], "target_radius_m": 0.004}})");
         const std::optional<TargetMark> target = read_run_folder(dir.path).target;
         REQUIRE(target);
@@ -379,11 +379,11 @@ TEST_SUITE("pictures/render")
             CHECK_FALSE(read_run_folder(dir.path).target);
         }
         fs::remove(dir.path / "wire_000001.vtp");
-        check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
+        check_refused(dir.path, {}, ErrorKind::BadFile, "wire_000001.vtp");
         write_text(dir.path / "wire_000001.vtp", "half a fi");
-        check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
+        check_refused(dir.path, {}, ErrorKind::BadFile, "wire_000001.vtp");
         write_text(dir.path / "wire_000001.vtp", poly_data(1, points_xml({{0, 0, 0}})));
-        check_refused(dir.path, {}, ExitCode::BadFile, "radius");
+        check_refused(dir.path, {}, ErrorKind::BadFile, "radius");
     }
 }
 

@@ -95,7 +95,7 @@ bool try_state(World& world, const Scene& scene, const Bytes& state)
     try {
         world.restore_state(state);
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadFile);
+        CHECK(error.kind() == ErrorKind::BadFile);
         CHECK(std::string(error.what()).find('\n') == std::string::npos);
         return false;
     }
@@ -198,7 +198,7 @@ TEST_SUITE("record/checkpoint mutants")
                     (void)recorder.finish(world, RunStatus::Interrupted, 1.0);
                     ++taken;
                 } catch (const Error& error) {
-                    CHECK(error.code() == ExitCode::BadFile);
+                    CHECK(error.kind() == ErrorKind::BadFile);
                     ++refused;
                 }
                 write_file(dir / "trace.csv", trace);

@@ -120,7 +120,7 @@ std::string refusal(const Work& work)
     try {
         work();
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadScene);
+        CHECK(error.kind() == ErrorKind::BadScene);
         return error.what();
     }
     return {};

@@ -35,7 +35,7 @@ struct Mistake {
     std::string text;               // whole scene
     std::vector<std::string> sets;  // --set
     std::string says;               // part of the message
-    ExitCode code = ExitCode::BadScene;
+    ErrorKind code = ErrorKind::BadScene;
 };
 
 void check_mistake(const Mistake& mistake)
@@ -48,7 +48,7 @@ void check_mistake(const Mistake& mistake)
     } catch (const Error& error) {
         const std::string message = error.what();
         INFO(message);
-        CHECK(error.code() == mistake.code);
+        CHECK(error.kind() == mistake.code);
         CHECK(message.find('\n') == std::string::npos);
         CHECK(test::says(message, mistake.says));
     }
@@ -102,8 +102,8 @@ TEST_SUITE("scene/scene_errors")
         }
         check_mistake({good + "[vessel]\nmesh = \"C:\\vessels\\a.stl\"\n", {}, "write paths with /, or in single quotes"});
         // \t and \b are escapes: TOML, but no path
-        check_mistake({good + "[vessel]\nmesh = \"C:\\temp\\b.stl\"\n", {}, "write paths with /, or in single quotes", ExitCode::BadFile});
-        check_mistake({good + "[vessel]\nmesh = 'meshes\\a.stl'\n", {}, "write paths with /", ExitCode::BadFile});
+        check_mistake({good + "[vessel]\nmesh = \"C:\\temp\\b.stl\"\n", {}, "write paths with /, or in single quotes", ErrorKind::BadFile});
+        check_mistake({good + "[vessel]\nmesh = 'meshes\\a.stl'\n", {}, "write paths with /", ErrorKind::BadFile});
     }
 
     TEST_CASE("property: syntax errors carry file, line and column")
@@ -345,17 +345,17 @@ TEST_SUITE("scene/scene_errors")
     TEST_CASE("property: missing files are files' mistakes")
     {
         check_mistake(
-            {good + "[vessel]\nmesh = \"nowhere/a.stl\"\n", {}, "bad.toml:12:8: vessel.mesh: no file at", ExitCode::BadFile});
+            {good + "[vessel]\nmesh = \"nowhere/a.stl\"\n", {}, "bad.toml:12:8: vessel.mesh: no file at", ErrorKind::BadFile});
         check_mistake({good,
                        {"vessel.shape=tube", "vessel.radius_m=1", "vessel.length_m=1", "vessel.centreline=none.vtp"},
                        "vessel.centreline: no file at",
-                       ExitCode::BadFile});
+                       ErrorKind::BadFile});
         for (const auto file : {"no-such-scene.toml", "/"}) {
             try {
                 (void)read_scene(file);
                 FAIL_CHECK("was accepted");
             } catch (const Error& error) {
-                CHECK(error.code() == ExitCode::BadFile);
+                CHECK(error.kind() == ErrorKind::BadFile);
             }
         }
     }

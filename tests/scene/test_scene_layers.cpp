@@ -44,7 +44,7 @@ struct Files {
 };
 
 template <class Read>
-void check_error(Read&& reading, const std::vector<std::string>& says, ExitCode code = ExitCode::BadScene)
+void check_error(Read&& reading, const std::vector<std::string>& says, ErrorKind code = ErrorKind::BadScene)
 {
     try {
         (void)reading();
@@ -52,7 +52,7 @@ void check_error(Read&& reading, const std::vector<std::string>& says, ExitCode 
     } catch (const Error& error) {
         const std::string message = error.what();
         INFO(message);
-        CHECK(error.code() == code);
+        CHECK(error.kind() == code);
         CHECK(message.find('\n') == std::string::npos);
         for (const std::string& part : says) CHECK_MESSAGE(test::says(message, part), part);
     }

@@ -326,7 +326,7 @@ TEST_SUITE("session/session")
                 for (const RecordEntry& entry : record.entries)
                     for (const double asked : entry.hubs) CHECK(std::abs(asked) <= 1e9);
             } catch (const Error& error) {
-                CHECK(error.code() == ExitCode::BadFile);
+                CHECK(error.kind() == ErrorKind::BadFile);
                 CHECK(std::string(error.what()).find('\n') == std::string::npos);
             }
         }

@@ -66,7 +66,7 @@ std::string message_of(const std::string& text)
     try {
         (void)make_setup(read_scene_text(text, "/tmp/case.toml"));
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadScene);
+        CHECK(error.kind() == ErrorKind::BadScene);
         return error.what();
     }
     return {};

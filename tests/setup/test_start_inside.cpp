@@ -90,7 +90,7 @@ std::string message_of(const std::string& place, double rise)
     try {
         (void)setup_of(place, folded_plane(rise));
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadScene);
+        CHECK(error.kind() == ErrorKind::BadScene);
         return error.what();
     }
     return {};

@@ -21,7 +21,7 @@ std::string refusal(const std::vector<HoldSpec>& holds, const std::vector<LoadSp
     try {
         rig.hold(holds, loads);
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadScene);
+        CHECK(error.kind() == ErrorKind::BadScene);
         return error.what();
     }
     return "";

@@ -33,7 +33,7 @@ std::string message_of(const std::function<void()>& call)
     try {
         call();
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadScene);
+        CHECK(error.kind() == ErrorKind::BadScene);
         return error.what();
     }
     return {};

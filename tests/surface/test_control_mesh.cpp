@@ -169,12 +169,12 @@ int turned_over(const WallMesh& wall, const WallMesh& control)
     return count;
 }
 
-std::string message_of(const std::function<void()>& call, ExitCode code)
+std::string message_of(const std::function<void()>& call, ErrorKind code)
 {
     try {
         call();
     } catch (const Error& error) {
-        CHECK(error.code() == code);
+        CHECK(error.kind() == code);
         const std::string message = error.what();
         CHECK(message.find('\n') == std::string::npos);
         return message;
@@ -186,7 +186,7 @@ void refused(const WallMesh& mesh, const std::string& expected)
 {
     ControlMeshSpec spec;
     spec.edge = 0.004;
-    const std::string message = message_of([&] { (void)make_control_mesh(mesh, spec); }, ExitCode::BadFile);
+    const std::string message = message_of([&] { (void)make_control_mesh(mesh, spec); }, ErrorKind::BadFile);
     CAPTURE(message);
     CHECK(message.find(expected) != std::string::npos);
 }
@@ -366,7 +366,7 @@ TEST_SUITE("surface/control_mesh")
     TEST_CASE("property: edges that memory has no room for are refused with what they would take")
     {
         CHECK_NOTHROW(check_control_edge(0.02, 0.003));
-        const std::string message = message_of([] { check_control_edge(0.02, 1e-5); }, ExitCode::BadScene);
+        const std::string message = message_of([] { check_control_edge(0.02, 1e-5); }, ErrorKind::BadScene);
         CHECK(message.find("vessel.wall_edge_m: 1e-05 m makes about 2.3e+08 vertices, whose matrix factor takes ") == 0);
         const WallMesh tube = make_tube(tube_spec(0.01, 0.05, 2000)).mesh;
         ControlMeshSpec spec;

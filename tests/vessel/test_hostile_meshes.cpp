@@ -26,7 +26,7 @@ std::string refusal(WallMesh mesh)
         const RepairReport report = repair(mesh);
         (void)extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops));
     } catch (const Error& error) {
-        CHECK(error.code() == ExitCode::BadFile);
+        CHECK(error.kind() == ErrorKind::BadFile);
         return error.what();
     }
     return "";

@@ -211,7 +211,7 @@ TEST_SUITE("repair/repair")
             try {
                 (void)repair(mesh);
             } catch (const Error& error) {
-                return error.code() == ExitCode::BadFile;
+                return error.kind() == ErrorKind::BadFile;
             }
             return false;
         };

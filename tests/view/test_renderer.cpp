@@ -285,7 +285,7 @@ TEST_SUITE("view/renderer")
                 Renderer r(w, h);
                 FAIL("accepted");
             } catch (const Error& e) {
-                CHECK(e.code() == ExitCode::BadScene);
+                CHECK(e.kind() == ErrorKind::BadScene);
                 CHECK(std::string(e.what()).find("--size") != std::string::npos);
             }
         }

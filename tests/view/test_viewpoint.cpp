@@ -118,7 +118,7 @@ TEST_SUITE("view/viewpoint")
                 (void)parse_motion(text);
                 FAIL("accepted");
             } catch (const Error& e) {
-                CHECK(e.code() == ExitCode::BadScene);
+                CHECK(e.kind() == ErrorKind::BadScene);
                 CHECK(std::string(e.what()).find("orbit [DEGREES]") != std::string::npos);
             }
         }

@@ -19,7 +19,7 @@ inline std::unique_ptr<Renderer> renderer_or_skip(int width, int height, const L
     try {
         return std::make_unique<Renderer>(width, height, look);
     } catch (const Error& e) {
-        if (e.code() != ExitCode::NoDevice) throw;
+        if (e.kind() != ErrorKind::NoDevice) throw;
         skip(e.what());
         return nullptr;
     }

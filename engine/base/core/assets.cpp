@@ -68,7 +68,7 @@ fs::path assets_folder()
     add_places_around(fs::read_symlink("/proc/self/exe", unreadable), places);
     for (const fs::path& place : places)
         if (fs::exists(place / "scenes", unreadable)) return place;
-    throw Error(ExitCode::BadFile,
+    throw Error(ErrorKind::BadFile,
                 fmt::format("the program's scenes were not found beside it; set SELDINGER_ASSETS to the project's "
                             "folder \"assets\" (looked in {})",
                             places.empty() ? std::string("no folder: none lies beside it") : places.front().string()));

@@ -45,7 +45,7 @@ void take_bytes(const std::uint8_t*& bytes, const std::uint8_t* end, T* data, st
     static_assert(std::is_trivially_copyable_v<T>);
     const std::size_t size = count * sizeof(T);
     if (static_cast<std::size_t>(end - bytes) < size)
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     "the saved state is shorter than this scene's; it was written by another scene or version");
     if (size > 0) std::memcpy(data, bytes, size);
     bytes += size;

@@ -5,6 +5,6 @@
 
 namespace seldinger {
 
-Error::Error(ExitCode code, const std::string& message) : std::runtime_error(printable(message)), code_(code) {}
+Error::Error(ErrorKind kind, const std::string& message) : std::runtime_error(printable(message)), kind_(kind) {}
 
 }  // namespace seldinger

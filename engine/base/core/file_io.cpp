@@ -20,7 +20,7 @@ constexpr int most_taken = 1000;  // names beside a file that somebody else has;
 {
     const char* advice = error == ENOSPC || error == EFBIG || error == EDQUOT ? "free some space or choose another folder with -o"
                                                                               : "choose a folder that can be written to with -o";
-    throw Error(ExitCode::BadFile, fmt::format("{}: cannot be written: {}; {}", path.string(), std::strerror(error), advice));
+    throw Error(ErrorKind::BadFile, fmt::format("{}: cannot be written: {}; {}", path.string(), std::strerror(error), advice));
 }
 
 /// Writes all bytes; @return 0 or errno
@@ -43,7 +43,7 @@ void check_place(const FilePlace& place)
     struct stat status {};
     if (::fstatat(place.start(), place.name().c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return;
     if (S_ISREG(status.st_mode) || S_ISLNK(status.st_mode)) return;
-    throw Error(ExitCode::BadFile, fmt::format("{}: is {}; give the name of a file", place.path().string(),
+    throw Error(ErrorKind::BadFile, fmt::format("{}: is {}; give the name of a file", place.path().string(),
                                                S_ISDIR(status.st_mode) ? "a folder" : "a pipe or a device, which would be lost"));
 }
 
@@ -54,23 +54,23 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
     const std::string path = place.path().string();
     auto fail = [&](int error) {
         const bool backslash = error == ENOENT && path.find('\\') != std::string::npos;
-        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be read: {}; {}", path, std::strerror(error),
+        throw Error(ErrorKind::BadFile, fmt::format("{}: cannot be read: {}; {}", path, std::strerror(error),
                                                    backslash ? "write / between folders, not \\" : "check the path"));
     };
     // without waiting: opening a pipe that no one writes to would never return
     const int fd = ::openat(place.start(), place.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | place.read_flags());
     if (fd < 0 && errno == ELOOP && place.read_flags() != 0)
-        throw Error(ExitCode::BadFile, path + ": is a link; expected a file in this folder. Fix: put the file itself there");
+        throw Error(ErrorKind::BadFile, path + ": is a link; expected a file in this folder. Fix: put the file itself there");
     if (fd < 0) fail(errno);
     struct stat status {};
     if (::fstat(fd, &status) == 0 && !S_ISREG(status.st_mode)) {
         ::close(fd);
         if (S_ISDIR(status.st_mode)) fail(EISDIR);
-        throw Error(ExitCode::BadFile, path + ": is a pipe or a device, which may have no end; give a file");
+        throw Error(ErrorKind::BadFile, path + ": is a pipe or a device, which may have no end; give a file");
     }
     if (static_cast<std::uint64_t>(status.st_size) > most) {
         ::close(fd);
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     fmt::format("{}: got {} bytes; expected at most {}. Fix: check that this is the right file", path,
                                 status.st_size, most));
     }
@@ -158,7 +158,7 @@ AppendFile::AppendFile(const FilePlace& place, std::uint64_t keep) : path_(place
 {
     const auto refuse = [&](const char* what) {
         if (fd_ >= 0) ::close(std::exchange(fd_, -1));
-        throw Error(ExitCode::BadFile, fmt::format("{}: {}; remove it, or choose another folder with -o", path_.string(), what));
+        throw Error(ErrorKind::BadFile, fmt::format("{}: {}; remove it, or choose another folder with -o", path_.string(), what));
     };
     // not through a link, which may lead out of the folder, nor into a pipe that nobody reads
     fd_ = ::openat(place.start(), place.name().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
@@ -174,7 +174,7 @@ AppendFile::AppendFile(const FilePlace& place, std::uint64_t keep) : path_(place
         const int error = errno;
         ::close(std::exchange(fd_, -1));
         if (too_short)
-            throw Error(ExitCode::BadFile,
+            throw Error(ErrorKind::BadFile,
                         fmt::format("{}: is shorter than its checkpoint says; run again with --overwrite", path_.string()));
         fail_writing(path_, error);
     }

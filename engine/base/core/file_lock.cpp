@@ -53,7 +53,7 @@ long holder(int fd)
 
 [[noreturn]] void refuse(const FilePlace& lock)
 {
-    throw Error(ExitCode::BadFile, lock.path().string() + ": is not a lock file (a link, a file with a second name or "
+    throw Error(ErrorKind::BadFile, lock.path().string() + ": is not a lock file (a link, a file with a second name or "
                                                           "with something in it); move it away, or choose another folder with -o");
 }
 
@@ -68,7 +68,7 @@ int take(const fs::path& what, const FilePlace& lock, std::chrono::milliseconds 
         const int fd = ::openat(lock.start(), lock.name().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
         if (fd < 0 && errno == ELOOP) refuse(lock);
         if (fd < 0)
-            throw Error(ExitCode::BadFile, fmt::format("{}: cannot be written: {}; {}", what.string(), std::strerror(errno),
+            throw Error(ErrorKind::BadFile, fmt::format("{}: cannot be written: {}; {}", what.string(), std::strerror(errno),
                                                        errno == ENOSPC ? "free some space or choose another place with -o"
                                                                        : "choose a place that can be written to with -o"));
         const long by = holder(fd);
@@ -86,7 +86,7 @@ int take(const fs::path& what, const FilePlace& lock, std::chrono::milliseconds 
                 continue;
             }
             if (!refuses) return held;
-            throw Error(ExitCode::BadFile, fmt::format("{}: is being written by another run{}; wait for its end, stop it, or "
+            throw Error(ErrorKind::BadFile, fmt::format("{}: is being written by another run{}; wait for its end, stop it, or "
                                                        "choose another place with -o",
                                                        what.string(), by == unnamed ? "" : fmt::format(", process {}", by)));
         }

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail_folder(const fs::path& path, const std::string& what) { throw Error(ExitCode::BadFile, path.string() + ": " + what); }
+[[noreturn]] void fail_folder(const fs::path& path, const std::string& what) { throw Error(ErrorKind::BadFile, path.string() + ": " + what); }
 
 /// Neither a path out of the folder nor a path down: a file's list may name its neighbours.
 bool is_name(const std::string& name)

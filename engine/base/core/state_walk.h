@@ -99,7 +99,7 @@ public:
     /// @throws Error BadFile where it is not sound
     static void need(bool sound, const char* what)
     {
-        if (!sound) throw Error(ExitCode::BadFile, fmt::format("the saved state is damaged: {} is out of bounds", what));
+        if (!sound) throw Error(ErrorKind::BadFile, fmt::format("the saved state is damaged: {} is out of bounds", what));
     }
 
 private:

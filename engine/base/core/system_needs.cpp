@@ -58,11 +58,11 @@ void try_system_needs(const SystemNeeds& needs)
 {
     const std::size_t bytes = needs.address_space + static_cast<std::size_t>(needs.threads) * usual_stack;
     if (!can_reserve(bytes))
-        throw Error(ExitCode::NoDevice, fmt::format("{}: got less address space than it may need; expected {} MB more. Fix: raise the limit "
+        throw Error(ErrorKind::NoDevice, fmt::format("{}: got less address space than it may need; expected {} MB more. Fix: raise the limit "
                                                     "(ulimit -v)",
                                                     needs.library, bytes / mebibyte));
     if (const int got = can_start(needs.threads); got < needs.threads)
-        throw Error(ExitCode::NoDevice, fmt::format("{}: got {} threads; expected {}. Fix: raise the limit of processes (ulimit -u), or end others",
+        throw Error(ErrorKind::NoDevice, fmt::format("{}: got {} threads; expected {}. Fix: raise the limit of processes (ulimit -u), or end others",
                                                     needs.library, got, needs.threads));
 }
 

@@ -1,5 +1,6 @@
 // Catches exit() and the signals of a crash in the thread that compiles. Once the process ends, only calls that are safe in a
 // signal handler are made: the message is complete beforehand.
+#include "core/exit_code.h"
 #include "device/compiler_watch.h"
 
 #include "core/error.h"
@@ -59,7 +60,7 @@ bool ends_the_compiler() { return compiling && pthread_equal(compiler, pthread_s
     print(notice.data(), notice.size());
     print_last_words();
     print("\n", 1);
-    _exit(static_cast<int>(ExitCode::NoDevice));
+    _exit(exit_code(ErrorKind::NoDevice));
 }
 
 void at_exit()

@@ -82,7 +82,7 @@ void check(cl_int status, const char* call)
 {
     if (status == CL_SUCCESS) return;
     const std::string name(call, std::strcspn(call, "("));
-    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists usable devices", name,
+    throw Error(ErrorKind::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists usable devices", name,
                                                 error_name(status), status));
 }
 
@@ -164,7 +164,7 @@ Context::Context(int index, bool float32) : float32_(float32)
     const auto all = all_devices();
     if (all.empty())
         throw Error(
-            ExitCode::NoDevice,
+            ErrorKind::NoDevice,
             "no OpenCL device was found; install one, for example `apt-get install pocl-opencl-icd`, or in a Python environment "
             "`pip install 'seldinger[cpu]'`");
     check_device_index(index);
@@ -187,7 +187,7 @@ Context::Context(int index, bool float32) : float32_(float32)
     if (!cpu && (single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)) rounding_ = " -cl-fp32-correctly-rounded-divide-sqrt";
     name_ = device_text(heavy, CL_DEVICE_NAME);
     if (!float32 && device_text(heavy, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") == std::string::npos)
-        throw Error(ExitCode::NoDevice,
+        throw Error(ErrorKind::NoDevice,
                     fmt::format("device \"{}\": got no double precision (cl_khr_fp64); expected it for contact.precision = "
                                 "\"float64\". Fix: set contact.precision = \"float32\", or choose another device with --device "
                                 "(`seldinger devices` lists them).",

@@ -85,7 +85,7 @@ void check_device_index(int index)
 {
     const int count = static_cast<int>(all_devices().size());
     if (index < count) return;
-    throw Error(ExitCode::NoDevice,
+    throw Error(ErrorKind::NoDevice,
                 fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, count - 1));
 }
 

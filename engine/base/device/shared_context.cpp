@@ -99,7 +99,7 @@ cl_program SharedContext::build(const std::string& file, std::string text, const
     if (status == CL_SUCCESS) return built;
     const std::string error = first_error(built, devices_.front());
     clReleaseProgram(built);
-    throw Error(ExitCode::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({}); {}", file, name,
+    throw Error(ErrorKind::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({}); {}", file, name,
                                                 printable(error), error_name(status), kernel_cache_advice()));
 }
 

@@ -42,11 +42,11 @@ std::string text_of_file(const std::string& name)
         std::stringstream text;
         if (in) return text << in.rdbuf(), text.str();
         if (const std::string* own = find_added(name)) return *own;
-        throw Error(ExitCode::NoDevice, fmt::format("SEL_KERNEL_DIR: no kernel file {}/{}", folder, name));
+        throw Error(ErrorKind::NoDevice, fmt::format("SEL_KERNEL_DIR: no kernel file {}/{}", folder, name));
     }
     if (const std::string* own = find_in(embedded_kernels(), name)) return *own;
     if (const std::string* own = find_added(name)) return *own;
-    throw Error(ExitCode::NoDevice, fmt::format("no kernel file \"{}\" in this build", name));
+    throw Error(ErrorKind::NoDevice, fmt::format("no kernel file \"{}\" in this build", name));
 }
 
 void append(const std::string& name, std::set<std::string>& seen, std::string& out)

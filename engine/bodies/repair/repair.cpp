@@ -17,7 +17,7 @@ void require_triangles(const WallMesh& mesh, const RepairReport& report)
 {
     if (!mesh.triangles.empty()) return;
     throw Error(
-        ExitCode::BadFile,
+        ErrorKind::BadFile,
         fmt::format("no usable triangle is left of {}: {} with non-finite corners, {} degenerate, {} duplicates",
                     report.triangles_read, report.non_finite_dropped, report.degenerate_dropped, report.duplicates_dropped));
 }

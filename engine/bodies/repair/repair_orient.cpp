@@ -153,7 +153,7 @@ void orient(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     // a noisy patch reaches 1e-5; nothing a wire could enter stays below 1e-3
     constexpr double kFlat = 1e-4;
     if (std::all_of(parts.begin(), parts.end(), [](const MeshComponent& part) { return compactness(part) < kFlat; }))
-        throw Error(ExitCode::BadFile, fmt::format("the mesh is a flat patch of {} triangle{} that bounds no lumen; a tube or a "
+        throw Error(ErrorKind::BadFile, fmt::format("the mesh is a flat patch of {} triangle{} that bounds no lumen; a tube or a "
                                                    "closed surface is expected",
                                                    mesh.triangles.size(), mesh.triangles.size() == 1 ? "" : "s"));
     long nested = 0;

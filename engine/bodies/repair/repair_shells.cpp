@@ -137,7 +137,7 @@ double root_mean_square_move(const WallMesh& from, const WallMesh& to)
 
 [[noreturn]] void refuse_wall()
 {
-    throw Error(ExitCode::BadFile, "got a vessel's wall with its thickness, whose inner side could not be told for certain; expected the lumen's surface. Fix: "
+    throw Error(ErrorKind::BadFile, "got a vessel's wall with its thickness, whose inner side could not be told for certain; expected the lumen's surface. Fix: "
                                    "export the lumen (the blood) instead; in 3D Slicer, fill the wall's segment and subtract the wall from it (Logical operators)");
 }
 

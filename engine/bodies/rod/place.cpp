@@ -42,10 +42,10 @@ struct Polyline {
 
 Polyline centreline_path(std::span<const Vec3> path, double from)
 {
-    if (path.empty()) throw Error(ExitCode::BadScene, "wire.place: shape \"centreline\" needs a vessel with a centreline");
+    if (path.empty()) throw Error(ErrorKind::BadScene, "wire.place: shape \"centreline\" needs a vessel with a centreline");
     Polyline whole({path.begin(), path.end()});
     if (from >= whole.length())
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("wire.place.from_m: {} m is beyond the vessel's centreline of {:.4g} m", from, whole.length()));
     std::vector<Vec3> rest = {whole(from)};
     for (std::size_t i = 0; i < whole.points.size(); ++i)
@@ -60,7 +60,7 @@ void refuse_sharp_corners(const std::vector<Vec3>& points)
     for (std::size_t i = 1; i + 1 < points.size(); ++i) {
         const Vec3 before = (points[i] - points[i - 1]).normalized(), after = (points[i + 1] - points[i]).normalized();
         if (before.dot(after) < -std::cos(10 * pi / 180))
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("wire.place.points: the wire folds back on itself at point {}; expected corners of less than "
                                     "170 degrees, round it off",
                                     i));
@@ -129,7 +129,7 @@ void refuse_folds(const RodView& rod)
 {
     for (int i = 1; i < rod.n - 1; ++i)
         if (one_plus_cos(rod.tangent(i - 1), rod.tangent(i)) <= fold_limit)
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("wire.place: the wire folds back on itself {:.4g} m from its tip; expected a shape "
                                     "that turns by less than 180 degrees at a point, round the corner off",
                                     rod.material_s[i]));
@@ -168,7 +168,7 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const
         rod.spin_rate[i] = 0.0 - place.spin_rate;  // theta turns about the edges' tangents, which point against insertion
         if (i > 0) u = ring || place.stretched ? (n - i) * h * stretch : next_at_chord(curve, u, rod.pos(i), h);
         if (u > curve.length * (1 + 1e-9))
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("wire.place: the wire of {} m is longer than the {:.4g} m that its shape offers to edges of "
                                     "{:.3g} m, which cut corners; give a longer shape or more nodes",
                                     spec.length, curve.length, h));

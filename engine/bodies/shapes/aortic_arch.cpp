@@ -77,7 +77,7 @@ struct Body {
 Body make_body(const ArchSpec& spec)
 {
     if (!(spec.superior.norm() > 0) || !spec.superior.allFinite())
-        throw Error(ExitCode::BadScene, "vessel.axis: got zero; expected a direction");
+        throw Error(ErrorKind::BadScene, "vessel.axis: got zero; expected a direction");
     const Vec3 superior = spec.superior.normalized();
     const Vec3 anterior = cross_frame(superior, spec.anterior).u, left = superior.cross(anterior);
     return {superior, anterior, left, -std::cos(spec.plane_angle) * anterior + std::sin(spec.plane_angle) * left};
@@ -193,9 +193,9 @@ void check_spec(const ArchSpec& spec)
           spec.descending_length, spec.ascending_length, spec.diameter_innominate, spec.diameter_carotid,
           spec.diameter_subclavian, spec.branch_length, spec.fillet})
         if (!(length > 0) || !std::isfinite(length))
-            throw Error(ExitCode::BadScene, "aortic arch: every length must be finite and above 0");
+            throw Error(ErrorKind::BadScene, "aortic arch: every length must be finite and above 0");
     if (spec.triangles < 2000 || spec.triangles > 4'000'000)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("vessel.triangles: got {}; expected 2000 to 4000000 for an aortic arch", spec.triangles));
 }
 

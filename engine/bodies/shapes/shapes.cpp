@@ -18,13 +18,13 @@ constexpr int most_triangles = 50'000'000;  // vertex indices are 32 bits
 void require_positive(double value, const char* key)
 {
     if (!(value > 0) || !std::isfinite(value))
-        throw Error(ExitCode::BadScene, fmt::format("vessel.{}: got {}; expected a finite length above 0", key, value));
+        throw Error(ErrorKind::BadScene, fmt::format("vessel.{}: got {}; expected a finite length above 0", key, value));
 }
 
 int wanted_triangles(const VesselSpec& spec)
 {
     if (spec.triangles < 0 || spec.triangles > most_triangles)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("vessel.triangles: got {}; expected 0 (default) to {}", spec.triangles, most_triangles));
     return spec.triangles == 0 ? kDefaultTriangles : spec.triangles;
 }
@@ -33,7 +33,7 @@ Vec3 unit(const Vec3& v, const char* key)
 {
     const double length = v.norm();
     if (!(length > 0) || !std::isfinite(length))
-        throw Error(ExitCode::BadScene, fmt::format("vessel.{}: got zero; expected a direction", key));
+        throw Error(ErrorKind::BadScene, fmt::format("vessel.{}: got zero; expected a direction", key));
     return v / length;
 }
 
@@ -75,7 +75,7 @@ Facets facets_of(double radius, double length, int triangles, const char* key)
     const double edge = std::sqrt(2 * 2 * std::numbers::pi * radius * length / triangles), facets = 2 * std::numbers::pi * radius / edge;
     // as many around as there are triangles in all: half a row would be the whole tube
     if (!(facets <= std::max(8, triangles)))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("{}: {} m of {} m radius is shorter than a facet of {} triangles; expected a longer vessel, "
                                 "or check the units (metres)",
                                 key, length, radius, triangles));
@@ -107,9 +107,9 @@ GeneratedVessel make_arc(const VesselSpec& spec)
     require_positive(spec.bend_radius, "bend_radius_m");
     require_positive(spec.angle, "angle_deg");
     if (!(spec.lead_in >= 0) || !(spec.lead_out >= 0))
-        throw Error(ExitCode::BadScene, "vessel.lead_in_m, vessel.lead_out_m: expected lengths of 0 or more");
+        throw Error(ErrorKind::BadScene, "vessel.lead_in_m, vessel.lead_out_m: expected lengths of 0 or more");
     if (spec.bend_radius <= spec.radius)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("vessel.bend_radius_m: got {} m; expected more than radius_m = {} m, or the tube cuts itself",
                                 spec.bend_radius, spec.radius));
     const Vec3 axis = unit(spec.axis, "axis");

@@ -21,7 +21,7 @@ constexpr double flat_angle = 1e-3;  // [rad] of a triangle; its stiffness goes 
 
 [[noreturn]] void refuse(const std::string& what)
 {
-    throw Error(ExitCode::BadFile, fmt::format("the wall {}; repair the mesh, or set vessel.wall = \"rigid\"", what));
+    throw Error(ErrorKind::BadFile, fmt::format("the wall {}; repair the mesh, or set vessel.wall = \"rigid\"", what));
 }
 
 std::string in_words(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }

@@ -15,7 +15,7 @@ namespace seldinger {
 
 namespace {
 
-[[noreturn]] void refuse_mesh(const std::string& what) { throw Error(ExitCode::BadFile, "control mesh of the wall: " + what); }
+[[noreturn]] void refuse_mesh(const std::string& what) { throw Error(ErrorKind::BadFile, "control mesh of the wall: " + what); }
 
 std::string name(const char* thing, std::int32_t index) { return std::string(thing) + " " + std::to_string(index); }
 

@@ -116,7 +116,7 @@ Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& ce
 {
     const std::vector<Inlet> inlets = find_inlets(openings, centreline);
     if (inlets.empty())
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     "the vessel has no opening and no centreline to start on: give feed.point and feed.direction");
     return inlets.front();
 }

@@ -37,7 +37,7 @@ Spread spread_of(const std::vector<Vec3>& vertices, std::size_t left_out)
     const auto away = std::max_element(mesh.vertices.begin(), mesh.vertices.end(), [&](const Vec3& a, const Vec3& b) {
         return (a - middle).squaredNorm() < (b - middle).squaredNorm();
     });
-    throw Error(ExitCode::BadFile,
+    throw Error(ErrorKind::BadFile,
                 fmt::format("the vertex at [{:.6g}, {:.6g}, {:.6g}] m lies {:.3g} m from the middle of the others, "
                             "but {}: take out what lies far away",
                             away->x(), away->y(), away->z(), (*away - middle).norm(), why));

@@ -37,7 +37,7 @@ public:
 private:
     [[noreturn]] void refuse() const
     {
-        throw Error(ExitCode::BadFile, fmt::format("too tangled: {} takes more than {:.0f} million steps; a vessel's wall is "
+        throw Error(ErrorKind::BadFile, fmt::format("too tangled: {} takes more than {:.0f} million steps; a vessel's wall is "
                                                    "expected, without loose pieces, parts that cut through each other and "
                                                    "triangles a thousand times as long as wide",
                                                    task_, 1e-6 * limit_));

@@ -21,7 +21,7 @@ using Matrix2 = Eigen::Matrix2d;
 void check(const ShellSpec& spec)
 {
     const auto demand = [](bool fine, const char* what, double value) {
-        if (!fine) throw Error(ExitCode::BadScene, std::string("elastic wall: ") + what + ", not " + std::to_string(value));
+        if (!fine) throw Error(ErrorKind::BadScene, std::string("elastic wall: ") + what + ", not " + std::to_string(value));
     };
     demand(std::isfinite(spec.youngs) && spec.youngs > 0, "Young's modulus must be above 0", spec.youngs);
     demand(spec.poisson > -1 && spec.poisson <= 0.5, "Poisson's ratio must lie between -1 and 0.5", spec.poisson);

@@ -85,7 +85,7 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
 {
     const std::size_t vertices = surface_.control().vertices.size();
     if (spec_.pressure != 0 && !prestress)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "vessel.pressure_pa: expected 0 where the vessel has no axis (a plane, or no centreline was found); give "
                     "vessel.centreline");
     const BlockPattern pattern = this->pattern();

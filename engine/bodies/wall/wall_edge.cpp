@@ -145,7 +145,7 @@ void check_control_edge(double area, double edge)
     const double most = 0.5 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     if (bytes <= most) return;
     throw Error(
-        ExitCode::BadScene,
+        ErrorKind::BadScene,
         fmt::format("vessel.wall_edge_m: {:.3g} m makes about {:.2g} vertices, whose matrix factor takes {:.3g} GB, more than half "
                     "of this machine's memory; make it longer, or take it out to have it chosen",
                     edge, vertices, 1e-9 * bytes));

@@ -23,7 +23,7 @@ namespace {
 
 [[noreturn]] void fail_centreline(const std::string& name, const std::string& message)
 {
-    throw Error(ExitCode::BadFile, name + ": " + message);
+    throw Error(ErrorKind::BadFile, name + ": " + message);
 }
 
 struct RadiusArray {

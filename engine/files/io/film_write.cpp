@@ -58,7 +58,7 @@ pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::str
 {
     const pid_t process = start_program(words, input, said, output);
     if (process < 0)
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     fmt::format("{}: got no ffmpeg; expected it for a film: {}", film.string(),
                                 why_not_started("ffmpeg", "on Debian, as root: apt-get install ffmpeg")));
     return process;
@@ -76,7 +76,7 @@ const char* container_of(const std::filesystem::path& path)
     if (ending == ".mp4") return "mp4";
     if (ending == ".mov") return "mov";
     if (ending == ".mkv") return "matroska";
-    throw Error(ExitCode::BadFile, fmt::format("{}: got the ending \"{}\"; expected .mp4, .mov or .mkv. Fix: rename the film", path.string(), ending));
+    throw Error(ErrorKind::BadFile, fmt::format("{}: got the ending \"{}\"; expected .mp4, .mov or .mkv. Fix: rename the film", path.string(), ending));
 }
 
 }  // namespace
@@ -92,11 +92,11 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, const std::vector<std:
 {
     const char* container = container_of(path);
     if (std::filesystem::is_directory(path))
-        throw Error(ExitCode::BadFile, path.string() + ": got a folder; expected the name of a film. Fix: name one, for example film.mp4");
+        throw Error(ErrorKind::BadFile, path.string() + ": got a folder; expected the name of a film. Fix: name one, for example film.mp4");
     make_folder_of(path);
     file_.emplace(path);
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::BadFile, path.string() + ": got no pipe to ffmpeg; expected one. Fix: close other programs, or raise the limit of open files (ulimit -n)");
+    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorKind::BadFile, path.string() + ": got no pipe to ffmpeg; expected one. Fix: close other programs, or raise the limit of open files (ulimit -n)");
     pipe_ = ends[1];
     // room for a picture of 1024 x 1024, so that the next one is drawn while ffmpeg encodes; where that is not allowed, it stays small
     (void)fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);
@@ -131,7 +131,7 @@ void FilmWriter::fail(const std::string& why)
 {
     wait_for_end();
     file_.reset();
-    throw Error(ExitCode::BadFile, path_.string() + ": " + why);
+    throw Error(ErrorKind::BadFile, path_.string() + ": " + why);
 }
 
 void FilmWriter::add(const std::vector<std::uint16_t>& grey)

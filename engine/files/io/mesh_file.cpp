@@ -19,7 +19,7 @@ namespace {
 
 [[noreturn]] void bad_file(const std::filesystem::path& path, const std::string& message)
 {
-    throw Error(ExitCode::BadFile, fmt::format("{}: {}", path.string(), message));
+    throw Error(ErrorKind::BadFile, fmt::format("{}: {}", path.string(), message));
 }
 
 /// Cuts a polygon by ears, in order of appearance; fewer than three corners give nothing. Quadratic in the corners of a convex
@@ -178,7 +178,7 @@ double metres_per_unit(const std::string& units)
     if (units == "mm") return 1e-3;
     if (units == "um") return 1e-6;
     if (units == "in") return 0.0254;
-    throw Error(ExitCode::BadScene, fmt::format("units: got \"{}\"; expected m, cm, mm, um or in. Fix: name the unit of the file's numbers", units));
+    throw Error(ErrorKind::BadScene, fmt::format("units: got \"{}\"; expected m, cm, mm, um or in. Fix: name the unit of the file's numbers", units));
 }
 
 WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts)

@@ -68,7 +68,7 @@ public:
 private:
     [[noreturn]] void fail(const std::string& message) const
     {
-        throw Error(ExitCode::BadFile, fmt::format("{}: {}", name_, message));
+        throw Error(ErrorKind::BadFile, fmt::format("{}: {}", name_, message));
     }
     [[noreturn]] void damaged(const std::string& what) const { refuse_damaged(name_, what); }
 

@@ -28,7 +28,7 @@ LabelImage read_label_png(const std::filesystem::path& path)
     image.version = PNG_IMAGE_VERSION;
     const auto fail = [&](const std::string& what) -> void {
         png_image_free(&image);
-        throw Error(ExitCode::BadFile, path.string() + ": got " + what + "; expected a mask of 8-bit grey as `render --labels` writes it. Fix: render it again");
+        throw Error(ErrorKind::BadFile, path.string() + ": got " + what + "; expected a mask of 8-bit grey as `render --labels` writes it. Fix: render it again");
     };
     if (!png_image_begin_read_from_memory(&image, file.data(), file.size())) fail(fmt::format("\"{}\" from libpng", image.message));
     if (!is_grey_8(file)) fail("another kind of PNG");

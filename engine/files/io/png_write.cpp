@@ -56,7 +56,7 @@ void write_grey(const FilePlace& place, const GreyRows& grey)
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     const bool whole = info && encode_grey(png, info, grey, file);
     png_destroy_write_struct(&png, &info);
-    if (!whole) throw Error(ExitCode::BadFile, place.path().string() + ": got a picture that libpng cannot encode; expected a PNG. Fix: give a smaller --size");
+    if (!whole) throw Error(ErrorKind::BadFile, place.path().string() + ": got a picture that libpng cannot encode; expected a PNG. Fix: give a smaller --size");
     write_file(place, file);
 }
 
@@ -74,7 +74,7 @@ void write_png(const std::filesystem::path& path, int width, int height, const s
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
     std::vector<char> bytes(size);
     if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr)) {
-        throw Error(ExitCode::BadFile, path.string() + ": " + image.message);
+        throw Error(ErrorKind::BadFile, path.string() + ": " + image.message);
     }
     write_file(path, {bytes.data(), size});
 }

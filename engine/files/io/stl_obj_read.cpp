@@ -15,7 +15,7 @@ namespace {
 
 [[noreturn]] void fail(const std::string& name, const std::string& message)
 {
-    throw Error(ExitCode::BadFile, fmt::format("{}: {}", name, message));
+    throw Error(ErrorKind::BadFile, fmt::format("{}: {}", name, message));
 }
 
 double number_in(TextWords& words, const std::string& name, const std::string& where)

@@ -41,7 +41,7 @@ public:
 private:
     [[noreturn]] void fail(const std::string& message) const
     {
-        throw Error(ExitCode::BadFile, fmt::format("{}: {}", name_, message));
+        throw Error(ErrorKind::BadFile, fmt::format("{}: {}", name_, message));
     }
     [[noreturn]] void damaged(const std::string& what) const { refuse_damaged(name_, what); }
     [[noreturn]] void cut_off(const char* section, std::size_t announced, const char* what, std::size_t there) const

@@ -35,7 +35,7 @@ struct FileFacts {
 
 [[noreturn]] void fail(const FileFacts& file, const std::string& what)
 {
-    throw Error(ExitCode::BadFile, file.name + ": " + what);
+    throw Error(ErrorKind::BadFile, file.name + ": " + what);
 }
 
 /// Takes `bytes` off what the file may still fill.

@@ -32,7 +32,7 @@ void take_list(const std::uint8_t*& at, const std::uint8_t* end, T& list)
     std::uint64_t count = 0;
     take_bytes(at, end, &count, 1);
     if (count > static_cast<std::uint64_t>(end - at) / sizeof(typename T::value_type))
-        throw Error(ExitCode::BadFile, "a list is longer than the file");
+        throw Error(ErrorKind::BadFile, "a list is longer than the file");
     list.resize(count);
     take_bytes(at, end, list.data(), count);
 }
@@ -42,7 +42,7 @@ void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c
     take_list(at, end, c.version);
     // what follows is laid out as this version's structures are
     if (c.version != version())
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     fmt::format("was written by version {}, this is {}; resume with that one, or run again with --overwrite",
                                 printable(c.version), version()));
     take_list(at, end, c.device);
@@ -54,7 +54,7 @@ void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c
     take_list(at, end, c.wire_frames);
     take_list(at, end, c.contact_frames);
     take_list(at, end, c.state);
-    if (at != end) throw Error(ExitCode::BadFile, "has data after its end; run again with --overwrite");
+    if (at != end) throw Error(ErrorKind::BadFile, "has data after its end; run again with --overwrite");
 }
 
 constexpr std::int64_t most_counted = std::int64_t{1} << 53;
@@ -135,7 +135,7 @@ bool sound(const std::vector<FrameMark>& frames, const RunTally& tally)
 void check_checkpoint(const std::filesystem::path& path, const Checkpoint& c, const Scene& of, const std::string& scene)
 {
     const auto refuse = [&](const std::string& why) {
-        throw Error(ExitCode::BadFile, fmt::format("{}: {}; run again with --overwrite", path.string(), why));
+        throw Error(ErrorKind::BadFile, fmt::format("{}: {}; run again with --overwrite", path.string(), why));
     };
     if (c.scene != scene) refuse("is of another scene, " + first_difference(c.scene, scene));
     if (c.status < RunStatus::Running || c.status > RunStatus::Stopped) refuse("has an unknown status");
@@ -173,7 +173,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path)
     try {
         take_payload(payload.data(), payload.data() + payload.size(), checkpoint);
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", path.string(), error.what()));
+        throw Error(error.kind(), fmt::format("{}: {}", path.string(), error.what()));
     }
     return checkpoint;
 }

@@ -81,7 +81,7 @@ void remove_old_run(const Folder& dir)
     const std::vector<std::string> files = dir.names(), instruments = instruments_in(files);
     for (const std::string& name : files)
         if (const int error = is_own(name, instruments) ? dir.remove(name) : 0; error != 0)
-            throw Error(ExitCode::BadFile, fmt::format("{}: cannot be removed: {}; choose another folder with -o",
+            throw Error(ErrorKind::BadFile, fmt::format("{}: cannot be removed: {}; choose another folder with -o",
                                                        (dir.path() / name).string(), std::strerror(error)));
 }
 
@@ -97,17 +97,17 @@ void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
     const fs::path resolved = dir / "scene.toml";
     if (fs::equivalent(resolved, scene.source, ignored) && !fs::exists(dir / "checkpoint.bin", ignored))
         throw Error(
-            ExitCode::BadScene,
+            ErrorKind::BadScene,
             fmt::format("{}: the scene lies there itself and would be overwritten; choose another folder with -o", dir.string()));
     if (use == FolderUse::Refuse)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("{}: holds a run already; give --resume to continue it, --overwrite to replace it, "
                                 "or another folder with -o",
                                 dir.string()));
     if (use != FolderUse::Resume || !fs::exists(dir / "checkpoint.bin", ignored)) return;
     const std::string difference = first_difference(read_file(resolved), write_scene(scene, dir));
     if (!difference.empty())
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("{}: differs from the scene that is to be resumed: {}; give the same scene and --set, "
                                 "or --overwrite",
                                 resolved.string(), difference));
@@ -150,11 +150,11 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
       contact_frames_(saved.contact_frames)
 {
     if (vessel_hash_ != saved.vessel_hash)
-        throw Error(ExitCode::BadFile, fmt::format("{}: has changed since the run began; run again with --overwrite",
+        throw Error(ErrorKind::BadFile, fmt::format("{}: has changed since the run began; run again with --overwrite",
                                                    scene.vessel.mesh.empty() ? "the vessel" : scene.vessel.mesh.string()));
     for (int k = 0; k < tally_.exits.count; ++k)
         if (tally_.exits.exit[k].opening >= static_cast<int>(vessel_.loops.size()))
-            throw Error(ExitCode::BadFile, fmt::format("{}: is corrupt: an opening is out of range; run again with --overwrite",
+            throw Error(ErrorKind::BadFile, fmt::format("{}: is corrupt: an opening is out of range; run again with --overwrite",
                                                        (dir_ / "checkpoint.bin").string()));
     if (world.device_name() != saved.device)
         warn(fmt::format("resumed on \"{}\" after \"{}\": the bits may differ from a run in one piece", world.device_name(),
@@ -162,7 +162,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
     try {
         world.restore_state(saved.state);
     } catch (const Error& error) {
-        throw Error(error.code(),
+        throw Error(error.kind(),
                     fmt::format("{}: {}; run again with --overwrite", (dir_ / "checkpoint.bin").string(), error.what()));
     }
     resolved_ = saved.scene;

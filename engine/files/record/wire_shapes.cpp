@@ -44,7 +44,7 @@ std::string wire_npz(const std::filesystem::path& dir, const std::vector<FrameMa
             const std::string name = frame_name(series[k], frame.step);
             std::vector<Vec3> line;
             for (const auto& p : parse_poly_data(read_file(folder / name), name).points) line.emplace_back(p[0], p[1], p[2]);
-            if (line.empty()) throw Error(ExitCode::BadFile, name + ": got no points; expected the shape of an instrument. Fix: run again with --overwrite");
+            if (line.empty()) throw Error(ErrorKind::BadFile, name + ": got no points; expected the shape of an instrument. Fix: run again with --overwrite");
             put_stations(line, shape_stations, positions);
         }
         file.add(names[k].empty() ? "position_m" : names[k] + ".position_m", positions, {frames.size(), shape_stations, 3});

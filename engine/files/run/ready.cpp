@@ -22,7 +22,7 @@ WorldSetup ready_setup(std::span<const Scene> scenes, LoadedVessel vessel, int d
     try {
         check_start(setup);
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", scenes.front().source.string(), error.what()));
+        throw Error(error.kind(), fmt::format("{}: {}", scenes.front().source.string(), error.what()));
     }
     const Scene& scene = scenes.front();
     if (scene.task.on) (void)TaskTarget(scene.task, setup.centreline, scene.source.string());

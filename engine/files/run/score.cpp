@@ -92,16 +92,16 @@ void TaskTarget::enter_branch(const TaskSpec& task, const std::string& source)
 {
     const Centreline& line = branches_.line();
     if (task.branch > branches_.count())
-        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.branch: got {}; expected 1 to {}, the branches of the vessel's centreline",
+        throw Error(ErrorKind::BadScene, fmt::format("{}: task.target.branch: got {}; expected 1 to {}, the branches of the vessel's centreline",
                                                     source, task.branch, branches_.count()));
     stretch_ = task.branch > 0 ? branches_.numbered(task.branch) : branches_.find(task.branch_path);
     if (stretch_ < 0)
-        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.branch: got \"{}\"; expected a path of the vessel's centreline{}",
+        throw Error(ErrorKind::BadScene, fmt::format("{}: task.target.branch: got \"{}\"; expected a path of the vessel's centreline{}",
                                                     source, task.branch_path, known_paths(branches_)));
     const std::vector<int>& own = branches_.stretch(stretch_).points;
     const auto first = std::find_if(own.begin(), own.end(), [&](int i) { return branches_.depth(stretch_, i) >= task.beyond; });
     if (first == own.end())
-        throw Error(ExitCode::BadScene, fmt::format("{}: task.target.beyond_m: got {} m; expected at most {:.4g} m, from the mouth of {} to its end",
+        throw Error(ErrorKind::BadScene, fmt::format("{}: task.target.beyond_m: got {} m; expected at most {:.4g} m, from the mouth of {} to its end",
                                                     source, task.beyond, branches_.depth(stretch_, own.back()), branches_.stretch(stretch_).words()));
     const auto at = [&](int i) { return line.points[static_cast<std::size_t>(i)]; };
     const int before = line.parent[static_cast<std::size_t>(*first)];

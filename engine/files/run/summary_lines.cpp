@@ -183,7 +183,7 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
     try {
         return lines_of(json, dir, verbose);
     } catch (const Json::exception&) {  // of a run that was done before, whose file somebody has changed
-        throw Error(ExitCode::BadFile, (dir / "summary.json").string() + ": is damaged; run again with --overwrite");
+        throw Error(ErrorKind::BadFile, (dir / "summary.json").string() + ": is damaged; run again with --overwrite");
     }
 }
 

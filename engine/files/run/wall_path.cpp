@@ -61,7 +61,7 @@ void find_wall_path(std::span<const Scene> scenes, WorldSetup& setup, const std:
     if (asked) trial.stop_when(asked);
     const auto check = [&](const StepReport& report) {
         if (report.flags & StepStopped || (asked && asked()))
-            throw Error(ExitCode::Interrupted, "interrupted in the trial run with a rigid wall, before the first step");
+            throw Error(ErrorKind::Interrupted, "interrupted in the trial run with a rigid wall, before the first step");
         return !report.failed();
     };
     const Scene& scene = scenes.front();

@@ -33,7 +33,7 @@ void refuse_utf16(std::string_view text, const std::string& name)
     const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
     const bool ascii_in_pairs = text.size() > 1 && ((text[0] == '\0') != (text[1] == '\0'));
     if (marked || ascii_in_pairs)
-        throw Error(ExitCode::BadScene, name + ": got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
+        throw Error(ErrorKind::BadScene, name + ": got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 [[noreturn]] void fail_set(const std::string& text, const std::string& message)
 {
-    throw Error(ExitCode::BadScene, one_line(fmt::format("--set {}: {}", text, message)));
+    throw Error(ErrorKind::BadScene, one_line(fmt::format("--set {}: {}", text, message)));
 }
 
 std::vector<std::string> split_path(const std::string& path)

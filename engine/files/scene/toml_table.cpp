@@ -193,7 +193,7 @@ void fail_at(const toml::source_region& where, std::string_view key, std::string
     const std::string place =
         from_command_line ? path
                           : fmt::format("{}:{}:{}", path, std::max(1u, where.begin.line), std::max(1u, where.begin.column));
-    throw Error(ExitCode::BadScene,
+    throw Error(ErrorKind::BadScene,
                 one_line(key.empty() ? fmt::format("{}: {}", place, message) : fmt::format("{}: {}: {}", place, key, message)));
 }
 
@@ -363,7 +363,7 @@ void TableReader::take_file(std::string_view key, std::filesystem::path& value, 
         const char* advice = escaped || written.find('\\') != std::string::npos ? backslash_advice : "check the path (relative to the scene file)";
         fail(key, fmt::format("no file at {}; {}", printable(value.string()), advice));
     } catch (const Error& error) {
-        throw Error(ExitCode::BadFile, error.what());
+        throw Error(ErrorKind::BadFile, error.what());
     }
 }
 

@@ -229,11 +229,11 @@ private:
                 const double off = other.off / std::max(other.in + other.off, 1e-300);
                 if (other.is_good() && off < least) best = cure, least = off;
             }
-        if (best) throw Error(ExitCode::BadScene, fmt::format("{}; {}. {}", got, expected, fix_of(*best, tried, mesh_space_)));
+        if (best) throw Error(ErrorKind::BadScene, fmt::format("{}; {}. {}", got, expected, fix_of(*best, tried, mesh_space_)));
         if (fit.lies_in())
-            throw Error(ExitCode::BadFile, fmt::format("{}; {}. Fix: name an array of diameters \"Diameter\", or leave vessel.centreline out: the axis is found "
+            throw Error(ErrorKind::BadFile, fmt::format("{}; {}. Fix: name an array of diameters \"Diameter\", or leave vessel.centreline out: the axis is found "
                                                        "from the mesh", got, expected));
-        throw Error(ExitCode::BadFile, fmt::format("{}; {}. No usual change of axes or unit makes it fit. Fix: export it from this very mesh, or leave "
+        throw Error(ErrorKind::BadFile, fmt::format("{}; {}. No usual change of axes or unit makes it fit. Fix: export it from this very mesh, or leave "
                                                    "vessel.centreline out: the axis is found from the mesh", got, expected));
     }
 

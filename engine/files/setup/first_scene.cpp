@@ -101,7 +101,7 @@ std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVess
     // the axis takes no unit but for a vessel's usual size: so in the one in which the box is nearest to that
     // (micrometres: a reader refuses positions kilometres away)
     const double box = diagonal_of(read_mesh(mesh, "um")) / metres_per_unit("um");
-    if (!(box > 0)) throw Error(ExitCode::BadFile, mesh.string() + ": all of it is in one place");
+    if (!(box > 0)) throw Error(ErrorKind::BadFile, mesh.string() + ": all of it is in one place");
     VesselSpec spec;
     spec.shape = VesselShape::Mesh;
     spec.mesh = std::filesystem::absolute(mesh);
@@ -233,7 +233,7 @@ WireChoice choose_wire(const WayThrough& way, const std::string& asked)
         if (at == all.end()) {
             std::vector<std::string_view> names;
             for (const Instrument& i : all) names.push_back(i.name);
-            throw Error(ExitCode::BadScene, fmt::format("--instrument {}: no such instrument; the nearest is {} (`seldinger instruments` "
+            throw Error(ErrorKind::BadScene, fmt::format("--instrument {}: no such instrument; the nearest is {} (`seldinger instruments` "
                                                         "lists them)",
                                                         name, nearest_word(name, names)));
         }
@@ -261,7 +261,7 @@ WireChoice choose_wire(const WayThrough& way, const std::string& asked)
     }
     if (choice.reach < 0.9 * way.length) choice.why += fmt::format("; it gets {:.0f} mm far before that is too narrow for it", 1e3 * choice.reach);
     if (choice.reach < 0.002)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("{}: too thick for this vessel, {}; choose a thinner one with --instrument, or the right unit with --units",
                                 size(choice), lumen));
     return choice;

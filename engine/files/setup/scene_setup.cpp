@@ -28,7 +28,7 @@ constexpr double narrowest_ratio = 0.05, widest_ratio = 1000;
 constexpr double widest_lumen = 0.1, largest_vessel = 3.0;
 constexpr double far_apart = std::numeric_limits<double>::infinity();
 
-[[noreturn]] void fail(const Scene& scene, const std::string& key, const std::string& message, ExitCode code = ExitCode::BadScene)
+[[noreturn]] void fail(const Scene& scene, const std::string& key, const std::string& message, ErrorKind code = ErrorKind::BadScene)
 {
     throw Error(code, fmt::format("{}: {}: {}", scene.source.string(), key, message));
 }
@@ -100,7 +100,7 @@ std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, Fe
     try {
         (void)pick_inlet(vessel.report.loops, vessel.centreline);  // refuses a vessel without any
     } catch (const Error& error) {
-        fail(scene, key, error.what(), error.code());
+        fail(scene, key, error.what(), error.kind());
     }
     const std::vector<Inlet> inlets = find_inlets(vessel.report.loops, vessel.centreline);
     const std::size_t number = static_cast<std::size_t>(std::max(1, asked.inlet_number));
@@ -223,7 +223,7 @@ void check_placement(const Scene& scene, int k, const WireSpec& wire)
         RodArrays rods(std::vector<int>{uniform_node_count(wire)});
         place_wire(rods, 0, wire, {});
     } catch (const Error& error) {
-        fail(scene, key_of(scene, k, "place"), error.what(), error.code());
+        fail(scene, key_of(scene, k, "place"), error.what(), error.kind());
     }
 }
 

@@ -272,7 +272,7 @@ std::uint64_t vessel_cache_limit()
     std::uint64_t megabytes = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), megabytes);
     if (error != std::errc() || end != text.data() + text.size() || megabytes > ~std::uint64_t{0} / megabyte)
-        throw Error(ExitCode::BadScene, fmt::format("SELDINGER_VESSEL_CACHE: got \"{}\"; expected \"off\" or a number of megabytes. "
+        throw Error(ErrorKind::BadScene, fmt::format("SELDINGER_VESSEL_CACHE: got \"{}\"; expected \"off\" or a number of megabytes. "
                                                     "Fix: unset it, or give one of these.",
                                                     printable(text)));
     return megabytes * megabyte;

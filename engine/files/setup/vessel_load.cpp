@@ -63,7 +63,7 @@ Centreline found_centreline(LoadedVessel& vessel)
                                           "left out.");
         return line;
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}. Fix: remesh it evenly, or give an axis of your own with vessel.centreline", error.what()));
+        throw Error(error.kind(), fmt::format("{}. Fix: remesh it evenly, or give an axis of your own with vessel.centreline", error.what()));
     }
 }
 
@@ -84,7 +84,7 @@ LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
             note_centreline(vessel);
         }
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
+        throw Error(error.kind(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
     }
     return vessel;
 }
@@ -124,7 +124,7 @@ LoadedVessel load_vessel(const VesselSpec& spec)
         case VesselShape::Arch:
             return generated(make_aortic_arch(spec));
     }
-    throw Error(ExitCode::BadScene, "vessel.shape: unknown value");
+    throw Error(ErrorKind::BadScene, "vessel.shape: unknown value");
 }
 
 std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centreline)

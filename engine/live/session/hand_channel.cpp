@@ -26,7 +26,7 @@ constexpr double largest_force = 20, largest_torque = 0.2;  // sent to a device 
     const int error = errno;
     const char* advice = error == EADDRINUSE ? "another session listens there; choose another with --udp"
                                              : "choose an address of this machine and a port above 1023";
-    throw Error(ExitCode::BadFile, fmt::format("UDP {}:{}: {}: {}; {}", address, port, what, std::strerror(error), advice));
+    throw Error(ErrorKind::BadFile, fmt::format("UDP {}:{}: {}: {}; {}", address, port, what, std::strerror(error), advice));
 }
 
 sockaddr_in address_of(const std::string& text, int port)
@@ -35,7 +35,7 @@ sockaddr_in address_of(const std::string& text, int port)
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     if (inet_pton(AF_INET, text.c_str(), &address.sin_addr) != 1)
-        throw Error(ExitCode::BadScene, fmt::format("--udp-bind: \"{}\": expected an address such as 127.0.0.1", text));
+        throw Error(ErrorKind::BadScene, fmt::format("--udp-bind: \"{}\": expected an address such as 127.0.0.1", text));
     return address;
 }
 

@@ -71,9 +71,9 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
 {
     for (const int w : live_instruments(world_->setup())) instruments_.emplace_back(w, world_->setup().wires[static_cast<std::size_t>(w)], options);
     if (instruments_.empty())
-        throw Error(ExitCode::BadScene, fmt::format("{}: nothing is fed; a live session needs a [feed]", scene.source.string()));
+        throw Error(ErrorKind::BadScene, fmt::format("{}: nothing is fed; a live session needs a [feed]", scene.source.string()));
     if (options.lockstep && hand == nullptr)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "a session in lockstep needs a device that asks for steps; give one, or leave lockstep out");
     total_steps_ = options.duration > 0 ? std::max(1L, std::lround(options.duration * options.rate)) : 0;
     world_->watch_hand_stiffness();
@@ -81,7 +81,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
     if (scene.start_settled) {
         const StepReport report = settle(*world_);
         if (report.failed())
-            throw Error(ExitCode::Stopped,
+            throw Error(ErrorKind::Stopped,
                         fmt::format("{}: no equilibrium was found to start from; try `seldinger run` on the scene",
                                     scene.source.string()));
     }
@@ -424,7 +424,7 @@ void Session::finish()
     if (!writer_) return;
     if (record_lost_) record_error_ = fmt::format("{}: the disk was too slow, and steps are missing", options_.record.string());
     if (record_error_.empty()) writer_->finish(world_->state_hash());
-    else throw Error(ExitCode::BadFile, record_error_);
+    else throw Error(ErrorKind::BadFile, record_error_);
 }
 
 }  // namespace seldinger

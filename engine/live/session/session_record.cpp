@@ -24,7 +24,7 @@ constexpr double most_asked = 1e9;  // [m] or [rad], as of a scene's keys
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what)
 {
-    throw Error(ExitCode::BadFile, fmt::format("{}: {}; expected a record of `seldinger live --record`", path.string(), what));
+    throw Error(ErrorKind::BadFile, fmt::format("{}: {}; expected a record of `seldinger live --record`", path.string(), what));
 }
 
 std::string header_text(const RecordHeader& h)
@@ -142,7 +142,7 @@ RecordWriter::RecordWriter(const std::filesystem::path& path, const RecordHeader
     if (std::filesystem::exists(path, missing)) {
         const bool is_record = std::filesystem::is_regular_file(path, missing) && read_file(path).starts_with(magic);
         if (!is_record)
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("{}: exists, is not a record and would be overwritten; choose another file with --record", path.string()));
     }
     make_folder_of(path);
@@ -207,7 +207,7 @@ SessionRecord read_record(const std::filesystem::path& path)
 void check_record(const SessionRecord& record, const std::filesystem::path& path, const Scene& scene, std::uint64_t vessel_hash)
 {
     const RecordHeader& h = record.header;
-    const auto wrong = [&](const std::string& what) { throw Error(ExitCode::BadScene, fmt::format("{}: {}", path.string(), what)); };
+    const auto wrong = [&](const std::string& what) { throw Error(ErrorKind::BadScene, fmt::format("{}: {}", path.string(), what)); };
     if (h.version != version())
         wrong(fmt::format("was recorded by version {}, this is {}; replay it with that one", h.version, version()));
     if (h.scene_hash != record_hash(scene))

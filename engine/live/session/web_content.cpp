@@ -70,7 +70,7 @@ std::string three_js()
 {
     for (const char* file : {"/usr/share/javascript/three/three.min.js", "/usr/share/nodejs/three/build/three.min.js"})
         if (fs::exists(file)) return read_file(file);
-    throw Error(ExitCode::BadFile, "three.js is not installed; as root: apt-get install libjs-three");
+    throw Error(ErrorKind::BadFile, "three.js is not installed; as root: apt-get install libjs-three");
 }
 
 std::string mesh_bytes(const WallMesh& mesh)

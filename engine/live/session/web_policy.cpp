@@ -64,7 +64,7 @@ std::string make_token()
 {
     std::array<unsigned char, 16> random{};
     if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
-        throw Error(ExitCode::BadFile, "the system gave no random numbers for a token; give one with --token");
+        throw Error(ErrorKind::BadFile, "the system gave no random numbers for a token; give one with --token");
     std::string text;
     for (const unsigned char byte : random) text += fmt::format("{:02x}", byte);
     return text;

@@ -398,11 +398,11 @@ WebServer::WebServer(const WebOptions& given, const Scene& scene, Session& sessi
     error_code error;
     const auto address = asio::ip::make_address(options.address, error);
     if (error)
-        throw Error(ExitCode::BadScene, fmt::format("--bind: \"{}\": expected an address such as 127.0.0.1 or 0.0.0.0", options.address));
+        throw Error(ErrorKind::BadScene, fmt::format("--bind: \"{}\": expected an address such as 127.0.0.1 or 0.0.0.0", options.address));
     if (!address.is_loopback() && options.token.empty())
-        throw Error(ExitCode::BadScene, fmt::format("--bind {}: others can reach this address; give a token with --token", options.address));
+        throw Error(ErrorKind::BadScene, fmt::format("--bind {}: others can reach this address; give a token with --token", options.address));
     if (!options.token.empty() && !is_token(options.token))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("--token: got {} characters; expected at least {} of A-Z a-z 0-9 - . _ ~ and no others. Fix: leave --token "
                                 "out, and one is made where others can reach the page",
                                 options.token.size(), least_token));
@@ -414,7 +414,7 @@ WebServer::WebServer(const WebOptions& given, const Scene& scene, Session& sessi
     if (!error) acceptor.bind(endpoint, error);
     if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
     if (error)
-        throw Error(ExitCode::BadFile, fmt::format("{}:{}: cannot be opened: {}; choose another port with --port", options.address,
+        throw Error(ErrorKind::BadFile, fmt::format("{}:{}: cannot be opened: {}; choose another port with --port", options.address,
                                                    options.port, error.message()));
     impl_->port = acceptor.local_endpoint().port();
 }

@@ -304,7 +304,7 @@ void LayerContact::check_keys(std::span<const Key> keys, int wire) const
         const Key& key = keys[k];
         if ((k > 0 && !(keys[k - 1] < key)) || key.edge < begin ||
             key.edge - begin >= static_cast<std::uint32_t>(rods_.capacity(wire)) || key.triangle >= wall_.original.size())
-            throw Error(ExitCode::BadFile, "the saved state has contacts on edges or triangles that this scene does not have");
+            throw Error(ErrorKind::BadFile, "the saved state has contacts on edges or triangles that this scene does not have");
     }
 }
 

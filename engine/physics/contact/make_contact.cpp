@@ -14,10 +14,10 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Cont
     const WallTree& tree = *shared;
     const ContactSpec& contact = setup.method();
     if (is_nonpenetrating(contact.normal) && contact.detection == Detection::Layer)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "contact.normal: this law needs material samples, which detection = \"layer\" does not have");
     if (context.float32() && (is_nonpenetrating(contact.normal) || contact.detection == Detection::Layer))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "contact.precision: float32 is supported for detection \"swept\", \"capsule\" and \"nodes\" with normal "
                     "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
     switch (contact.detection) {
@@ -28,7 +28,7 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Cont
         case Detection::Layer:
             return std::make_unique<LayerContact>(context, setup, rods, tree);
     }
-    throw Error(ExitCode::BadScene, "contact.detection: unknown method");
+    throw Error(ErrorKind::BadScene, "contact.detection: unknown method");
 }
 
 }  // namespace seldinger

@@ -141,7 +141,7 @@ void check_contact_states(std::span<const ContactState> states, std::size_t tria
         const double* numbers = state.slip;  // the first of them
         const bool sound = std::all_of(numbers, numbers + 18, [](double x) { return std::abs(x) <= most; });
         if (!sound || state.triangle >= triangles)
-            throw Error(ExitCode::BadFile, "the saved state is damaged: a contact is out of bounds");
+            throw Error(ErrorKind::BadFile, "the saved state is damaged: a contact is out of bounds");
     }
 }
 

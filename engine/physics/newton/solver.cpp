@@ -21,7 +21,7 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity,
     : rods_(rods), spec_(spec), gravity_(gravity)
 {
     if (spec.newmark && !(spec.beta > 0))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
                     "method set scheme = \"explicit\"");
     const int wires = rods.wire_count();

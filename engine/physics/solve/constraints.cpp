@@ -54,7 +54,7 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
 {
     if (at.kind != WirePoint::Kind::Distance) return;
     if (at.from_tip >= 0 && at.from_tip <= length * (1 + 1e-9)) return;
-    throw Error(ExitCode::BadScene, fmt::format("{}[{}].at: {:g} m from the tip is not on the wire, which is {:g} m long; "
+    throw Error(ErrorKind::BadScene, fmt::format("{}[{}].at: {:g} m from the tip is not on the wire, which is {:g} m long; "
                                                 "give \"base\", \"tip\" or a distance from 0 to {:g}",
                                                 what, index, at.from_tip, length, length));
 }
@@ -62,7 +62,7 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
 void check_holds_something(std::size_t index, const HoldSpec& spec)
 {
     if (spec.holds(0) || spec.holds(1) || spec.holds(2) || spec.direction || spec.spin) return;
-    throw Error(ExitCode::BadScene, fmt::format("hold[{}] holds nothing: set position, direction or spin to true", index));
+    throw Error(ErrorKind::BadScene, fmt::format("hold[{}] holds nothing: set position, direction or spin to true", index));
 }
 
 /// By how much the director turns about the tangent from the middle of an end edge to its end [rad]: half an edge of the twist
@@ -141,7 +141,7 @@ WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> 
     const auto is_clamp = [](const Hold& h) { return h.spec.direction || h.spec.spin; };
     const auto clamps = std::count_if(holds_.begin(), holds_.end(), is_clamp);
     if (clamps > most_clamps)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("hold: got {} that hold a direction or spin; expected at most {}", clamps, most_clamps));
     refuse_contradictions(rod);
 }
@@ -159,7 +159,7 @@ void WireHolds::refuse_contradictions(const RodView& rod) const
                                : first.spin && second.spin           ? "spin"
                                                                      : nullptr;
             if (what)
-                throw Error(ExitCode::BadScene,
+                throw Error(ErrorKind::BadScene,
                             fmt::format("hold[{}] and hold[{}] both hold the {} of the same node, {:g} m from the tip: "
                                         "keep one of them, or place them farther apart than the node spacing",
                                         a, b, what, holds_[a].material_s));
@@ -224,17 +224,17 @@ void WireHolds::take_line_holds(std::span<const HoldSpec> holds, const RodView& 
     for (std::size_t k = 0; k < holds.size(); ++k) {
         const HoldSpec& spec = holds[k];
         if (spec.at.kind == WirePoint::Kind::Base)
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("hold[{}].at: the base is held by the feed already; hold another point", k));
         const double from_tip = spec.at.kind == WirePoint::Kind::Tip ? 0.0 : spec.at.from_tip;
         if (!(from_tip < inside))  // a hold must find its place now; what is fed in later cannot be held
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("hold[{}].at: {:g} m from the tip is outside: only {:g} m of the instrument are inside; give "
                                     "\"tip\" or a smaller distance, or feed more of it in at the start",
                                     k, from_tip, std::max(inside, 0.0)));
         check_holds_something(k, spec);
         if (spec.position && spec.axes != std::array<bool, 3>{true, true, true})
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("hold[{}].position: got some of x, y and z; expected all of the position in a group with model = "
                                     "\"merged\". Fix: position = true, or model = \"separate\"",
                                     k));

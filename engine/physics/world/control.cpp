@@ -11,7 +11,7 @@ namespace seldinger {
 Control::Hub& Control::hub(int instrument)
 {
     if (instrument < 0)
-        throw Error(ExitCode::BadScene, fmt::format("control: instrument {}: expected an index of WorldSetup::wires", instrument));
+        throw Error(ErrorKind::BadScene, fmt::format("control: instrument {}: expected an index of WorldSetup::wires", instrument));
     if (hubs_.size() <= static_cast<std::size_t>(instrument)) hubs_.resize(static_cast<std::size_t>(instrument) + 1);
     return hubs_[static_cast<std::size_t>(instrument)];
 }
@@ -31,7 +31,7 @@ Control& Control::push(int instrument, double force, double turn, double spring)
 Control& Control::follow(int instrument, std::span<const FeedKey> keys)
 {
     if (keys.empty())
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("control: instrument {}: a path without keys; expected at least one", instrument));
     hub(instrument) = {Hub::Kind::Follow, 0, 0, 0, 0, keys};
     return *this;

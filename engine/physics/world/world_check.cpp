@@ -21,7 +21,7 @@ namespace {
 
 [[noreturn]] void refuse(std::string_view where, std::string_view what)
 {
-    throw Error(ExitCode::BadScene, fmt::format("{}: {}", where, what));
+    throw Error(ErrorKind::BadScene, fmt::format("{}: {}", where, what));
 }
 
 void need_positive(double value, const std::string& where)

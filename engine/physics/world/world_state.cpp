@@ -23,7 +23,7 @@ void walk_layout(StateWalk& walk)
     std::uint64_t written = state_layout;
     walk({"the layout", "", "", 0, INFINITY}, written);
     if (written != state_layout)
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     "the saved state: got one that another version has written; expected one of this version. Fix: resume with that version, or run again");
 }
 
@@ -52,7 +52,7 @@ void walk_node_count(StateWalk& walk, RodArrays& rods, int wire)
     std::int32_t n = rods.node_count(wire);
     walk({"a number of nodes", "", "adapt_nodes"}, n);
     if (n < 2 || n > rods.capacity(wire))
-        throw Error(ExitCode::BadFile, "the saved state has another number of nodes than this scene's wire can have");
+        throw Error(ErrorKind::BadFile, "the saved state has another number of nodes than this scene's wire can have");
     if (walk.reads()) rods.set_node_count(wire, n);
 }
 
@@ -79,7 +79,7 @@ void walk_group(StateWalk& walk, MergedGroup& group)
     std::int32_t leader = group.leader;
     walk({"a leader", "", "feed_hubs"}, leader);
     if (leader < 0 || leader >= group.shared.count())
-        throw Error(ExitCode::BadFile, "the saved state names an instrument that this scene does not have");
+        throw Error(ErrorKind::BadFile, "the saved state names an instrument that this scene does not have");
     if (walk.reads()) group.leader = leader;
     walk_feed(walk, group.feed, true);
     if (walk.checks()) check_saved_feed(group.feed, longest, nullptr);
@@ -160,7 +160,7 @@ void walk_saved(WorldData& world, StateWalk& walk, int system)
     if (system < 0) walk_all(walk, world, true);
     else walk_wires(walk, world, world.systems.wires_of(system), true);
     if (walk.reads() && walk.left() > 0)
-        throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
+        throw Error(ErrorKind::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
 
 std::vector<std::uint8_t> saved_bytes(WorldData& world, int system)

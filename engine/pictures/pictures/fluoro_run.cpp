@@ -43,7 +43,7 @@ public:
         if (options.mask) mask_ = std::make_unique<Fluorography>(*options.mask, options, false);
         for (const fs::path& file : {options.raw, options.dicom})
             if (fs::is_directory(file))
-                throw Error(ExitCode::BadFile, file.string() + ": got a folder; expected the name of a file");
+                throw Error(ErrorKind::BadFile, file.string() + ": got a folder; expected the name of a file");
         if (!options.film.empty())
             gathered_.film = std::make_unique<FilmWriter>(options.film, options.arm.columns, options.arm.rows,
                                                           film_rate(options, main_.run(), range_));

@@ -58,7 +58,7 @@ Scene scene_of_pictures(const std::filesystem::path& dir, std::vector<std::strin
     try {
         return read_run_scene(run, overrides);
     } catch (const Error& error) {
-        if (error.code() != ExitCode::BadFile || !run.has("vessel.vtp")) throw;
+        if (error.kind() != ErrorKind::BadFile || !run.has("vessel.vtp")) throw;
     }
     overrides.insert(overrides.end(), {"vessel.mesh=\"vessel.vtp\"", "vessel.units=\"m\""});
     return read_run_scene(run, overrides);
@@ -69,13 +69,13 @@ namespace {
 double in_range(const char* option, double value, double low, double high, const char* what)
 {
     if (!(value >= low && value <= high))
-        throw Error(ExitCode::BadScene, fmt::format("{}: got {}; expected {} from {} to {}", option, value, what, low, high));
+        throw Error(ErrorKind::BadScene, fmt::format("{}: got {}; expected {} from {} to {}", option, value, what, low, high));
     return value;
 }
 
 void apply(const XrayOptions& asked, FluoroOptions& o)
 {
-    if (asked.kvp && asked.kev) throw Error(ExitCode::BadScene, "--kvp and --kev: a spectrum or one energy; give one of the two");
+    if (asked.kvp && asked.kev) throw Error(ErrorKind::BadScene, "--kvp and --kev: a spectrum or one energy; give one of the two");
     static_cast<FrameChoice&>(o) = asked;
     o.arm.columns = asked.width, o.arm.rows = asked.height;
     if (asked.c_arm) o.turning.clear(), set_angles(o.arm, *asked.c_arm);
@@ -88,7 +88,7 @@ void apply(const XrayOptions& asked, FluoroOptions& o)
     if (asked.blur) o.blur = in_range("--blur", *asked.blur, 0, 0.01, "metres");
     if (asked.body) {
         if (*asked.body != "none" && *asked.body != "ellipsoid")
-            throw Error(ExitCode::BadScene, fmt::format("--body: got \"{}\"; expected ellipsoid or none", *asked.body));
+            throw Error(ErrorKind::BadScene, fmt::format("--body: got \"{}\"; expected ellipsoid or none", *asked.body));
         o.body = *asked.body == "none" ? Vec3(Vec3::Zero()) : o.body.isZero() ? SceneCArm().body_axes : o.body;
     }
     if (asked.seed) o.seed = static_cast<std::uint64_t>(*asked.seed);
@@ -102,12 +102,12 @@ void apply(const XrayOptions& asked, FluoroOptions& o)
 
 PictureFiles render_xray(const std::filesystem::path& dir, const std::vector<XrayOptions>& views, const FrameProgress& progress)
 {
-    if (views.empty()) throw Error(ExitCode::BadScene, "render_xray: got no view; expected one or more");
+    if (views.empty()) throw Error(ErrorKind::BadScene, "render_xray: got no view; expected one or more");
     std::vector<FluoroOptions> all;
     for (const XrayOptions& view : views) {
         for (const std::string& key : view.set)
             if (!key.starts_with("carm.") && !key.starts_with("contrast."))
-                throw Error(ExitCode::BadScene, fmt::format("render_xray: got \"{}\"; expected a key of [carm] or [contrast]", key));
+                throw Error(ErrorKind::BadScene, fmt::format("render_xray: got \"{}\"; expected a key of [carm] or [contrast]", key));
         all.push_back(fluoro_options(scene_of_pictures(dir, view.set), std::filesystem::exists(dir / "scene.toml")));
         apply(view, all.back());
     }

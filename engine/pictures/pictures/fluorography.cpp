@@ -25,7 +25,7 @@ Vec3 middle_of(const RunFolder& run)
 
 Bolus find_bolus(const RunFolder& run, const FluoroOptions::Injection& injection)
 {
-    if (run.wall.triangles.empty()) throw Error(ExitCode::BadScene, "contrast: the run has no vessel for it to flow in");
+    if (run.wall.triangles.empty()) throw Error(ErrorKind::BadScene, "contrast: the run has no vessel for it to flow in");
     const RepairReport report = describe(run.wall);
     const Centreline centreline = extract_centreline(run.wall, report.loops, LumenQuery(run.wall, report.loops));
     return make_bolus(centreline, injection);

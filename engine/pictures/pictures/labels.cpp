@@ -106,7 +106,7 @@ void add_mask(PictureTruth& truth, const std::vector<std::vector<TubeStation>>& 
         Device& device = devices.emplace_back();
         for (const TubeStation& s : line) {
             if (!truth.arm && !(project(truth.view, s.position).depth > 1e-3))
-                throw Error(ExitCode::BadScene,
+                throw Error(ErrorKind::BadScene,
                             "--labels: an instrument passes behind the camera; expected all of it in front. Fix: take another --view or --camera");
             device.push_back({s.position, s.radius});
         }

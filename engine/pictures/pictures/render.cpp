@@ -161,7 +161,7 @@ PictureFiles render_run(const std::filesystem::path& dir, const RenderOptions& a
     RenderOptions options = asked;
     if (!options.patient) options.patient = patient_of(dir);
     if (!options.film.empty() && options.ground == Ground::Transparent)
-        throw Error(ExitCode::BadScene, "--video: a film cannot be transparent; take --background white, or pictures");
+        throw Error(ErrorKind::BadScene, "--video: a film cannot be transparent; take --background white, or pictures");
     const FrameRange range = frames_asked(options, run.frames.size());
     const bool filmed = !options.film.empty(), pictured = !options.output.empty() || !options.labels.empty() || !filmed;
 

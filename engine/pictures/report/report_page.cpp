@@ -135,7 +135,7 @@ Json playback_of(const fs::path& dir)
 #else
 Json playback_of(const fs::path&)
 {
-    throw Error(ExitCode::BadScene, "report: this build cannot read frames; configure with -DSELDINGER_VIEW=ON");
+    throw Error(ErrorKind::BadScene, "report: this build cannot read frames; configure with -DSELDINGER_VIEW=ON");
 }
 #endif
 
@@ -179,10 +179,10 @@ Json summary_in(const Folder& dir)
     };
     Json summary = Json::parse(read_file(dir / "summary.json"), shallow, false);
     if (deep)
-        throw Error(ExitCode::BadFile,
+        throw Error(ErrorKind::BadFile,
                     fmt::format("{}: is nested deeper than {} levels; no run's is", file.string(), deepest_summary));
     if (!summary.is_object())
-        throw Error(ExitCode::BadFile, file.string() + ": is damaged, no JSON object; run again with --overwrite");
+        throw Error(ErrorKind::BadFile, file.string() + ": is damaged, no JSON object; run again with --overwrite");
     return summary;
 }
 
@@ -257,7 +257,7 @@ std::string inside_script(const Json& data)
 void fill_in(std::string& page, const std::string& mark, const std::string& text)
 {
     const std::size_t at = page.find(mark);
-    if (at == std::string::npos) throw Error(ExitCode::BadFile, "assets/web/report.html: " + mark + " is missing");
+    if (at == std::string::npos) throw Error(ErrorKind::BadFile, "assets/web/report.html: " + mark + " is missing");
     page.replace(at, mark.size(), text);
 }
 
@@ -270,7 +270,7 @@ std::string report_page(const fs::path& path)
     if (dir.has("results.csv")) data = batch_data(dir);
     else if (dir.has("trace.csv") && dir.has("summary.json")) data = run_data(dir);
     else
-        throw Error(ExitCode::BadFile, fmt::format("{}: holds neither a run that has ended nor a batch; expected what `seldinger run -o` or "
+        throw Error(ErrorKind::BadFile, fmt::format("{}: holds neither a run that has ended nor a batch; expected what `seldinger run -o` or "
                                                    "`batch -o` wrote", path.string()));
     const fs::path folder = assets_folder() / "web";
     std::string page = read_file(folder / "report.html");

@@ -38,7 +38,7 @@ std::string font_path()
     }
     const std::filesystem::path packaged = assets_folder() / "fonts" / "DejaVuSans.ttf";  // the wheel brings it
     if (std::filesystem::exists(packaged)) return packaged.string();
-    throw Error(ExitCode::BadFile,
+    throw Error(ErrorKind::BadFile,
                 "no font for the legend: install DejaVu Sans (Debian: apt-get install fonts-dejavu-core) or set "
                 "SELDINGER_FONT to a .ttf file");
 }
@@ -82,7 +82,7 @@ Font::Font() : impl_(std::make_unique<Impl>())
 {
     const std::string path = font_path();
     if (FT_Init_FreeType(&impl_->library) || FT_New_Face(impl_->library, path.c_str(), 0, &impl_->face)) {
-        throw Error(ExitCode::BadFile, path + ": not a font that FreeType can read (SELDINGER_FONT names another)");
+        throw Error(ErrorKind::BadFile, path + ": not a font that FreeType can read (SELDINGER_FONT names another)");
     }
 }
 Font::~Font() = default;

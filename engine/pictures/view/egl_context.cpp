@@ -83,7 +83,7 @@ void require_libraries()
                           : !present("libOpenGL.so.0") && !present("libGL.so.1") ? "libOpenGL.so.0"
                                                                                  : nullptr;
     if (missing)
-        throw Error(ExitCode::NoDevice, std::string("no off-screen OpenGL: ") + missing + " is not installed" + how_to_install);
+        throw Error(ErrorKind::NoDevice, std::string("no off-screen OpenGL: ") + missing + " is not installed" + how_to_install);
 }
 
 Display open_display()
@@ -96,7 +96,7 @@ Display open_display()
         const Display d = usable(candidate);
         if (d.display != EGL_NO_DISPLAY) return d;
     }
-    throw Error(ExitCode::NoDevice, "no off-screen OpenGL 4.5 through EGL (tried: " +
+    throw Error(ErrorKind::NoDevice, "no off-screen OpenGL 4.5 through EGL (tried: " +
                                         (tried.empty() ? std::string("nothing is offered") : tried) + ")" + how_to_install);
 }
 
@@ -112,7 +112,7 @@ const Display& shared_display()
 EglContext::EglContext()
 {
     context_ = create_context(shared_display());
-    if (context_ == EGL_NO_CONTEXT) throw Error(ExitCode::NoDevice, "EGL gave no OpenGL 4.5 context; the memory may be exhausted");
+    if (context_ == EGL_NO_CONTEXT) throw Error(ErrorKind::NoDevice, "EGL gave no OpenGL 4.5 context; the memory may be exhausted");
     make_current();
 }
 
@@ -133,7 +133,7 @@ void EglContext::make_current()
     if (eglGetCurrentContext() == context_) return;
     // the API binding is per thread, and this may be a new one
     if (!eglBindAPI(EGL_OPENGL_API) || !eglMakeCurrent(shared_display().display, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
-        throw Error(ExitCode::NoDevice, "EGL cannot make its context current; another thread may use the renderer");
+        throw Error(ErrorKind::NoDevice, "EGL cannot make its context current; another thread may use the renderer");
     }
 }
 

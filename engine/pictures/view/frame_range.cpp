@@ -14,7 +14,7 @@ FrameRange frames_asked(const FrameChoice& choice, std::size_t count)
 {
     if (choice.first < 0 && choice.last < 0) return {count - 1, count - 1};
     if (choice.first < 0 || choice.last < choice.first || static_cast<std::size_t>(choice.last) >= count)
-        throw Error(ExitCode::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}",
+        throw Error(ErrorKind::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}",
                                                     choice.first, choice.last, count - 1, count, count == 1 ? "" : "s"));
     return {static_cast<std::size_t>(choice.first), static_cast<std::size_t>(choice.last)};
 }
@@ -31,7 +31,7 @@ std::filesystem::path picture_path(const std::filesystem::path& dir, const Frame
     }
     const std::filesystem::path whole = choice.output.empty() ? dir / fmt::format("{}.png", alone) : choice.output;
     if (std::filesystem::is_directory(whole))
-        throw Error(ExitCode::BadFile, whole.string() + ": got a folder; expected the name of a picture, e.g. picture.png");
+        throw Error(ErrorKind::BadFile, whole.string() + ": got a folder; expected the name of a picture, e.g. picture.png");
     return whole;
 }
 

@@ -178,7 +178,7 @@ void Renderer::Impl::make_targets()
     glNamedFramebufferTexture(sheet_frame, GL_COLOR_ATTACHMENT0, sheet, 0);
     for (GLuint frame : {GLuint(solid_frame), GLuint(glass_frame), GLuint(sheet_frame)}) {
         if (glCheckNamedFramebufferStatus(frame, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-            throw Error(ExitCode::NoDevice,
+            throw Error(ErrorKind::NoDevice,
                         fmt::format("{} cannot draw a picture of {} x {} with {} samples: try a smaller --size",
                                     context.renderer_name(), width, height, samples));
         }
@@ -501,7 +501,7 @@ void Renderer::Impl::write_legend(const WireFrame& frame, const std::vector<View
 Renderer::Renderer(int width, int height, const Look& look)
 {
     if (std::min(width, height) < smallest_side || std::max(width, height) > largest_side) {
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("--size {}x{}: both must be {} to {} pixels", width, height, smallest_side, largest_side));
     }
     impl_ = std::make_unique<Impl>(width, height, look);

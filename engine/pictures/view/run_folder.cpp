@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what)
 {
-    throw Error(ExitCode::BadFile, path.string() + ": " + what);
+    throw Error(ErrorKind::BadFile, path.string() + ": " + what);
 }
 
 Vec3 point_of(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }

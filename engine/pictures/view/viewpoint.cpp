@@ -19,7 +19,7 @@ constexpr double usual_follow = 0.06;
 [[noreturn]] void refuse(const std::string& text)
 {
     throw Error(
-        ExitCode::BadScene,
+        ErrorKind::BadScene,
         fmt::format("--camera: got \"{}\"; expected orbit [DEGREES], follow [60mm], or keys: time, azimuth, elevation [deg] "
                     "and zoom, e.g. \"0s 0 0; 2s 90 20 1.5\"",
                     text));
@@ -62,7 +62,7 @@ Camera from_direction(const Scenery& s, ViewFrom from, double aspect)
 Camera from_tip(const Scenery& s, const WireFrame& frame)
 {
     if (frame.wires.empty() || frame.wires[0].nodes.size() < 2)
-        throw Error(ExitCode::BadScene, "--view endoscopic: the frame has no wire with a tip to look from; choose another view");
+        throw Error(ErrorKind::BadScene, "--view endoscopic: the frame has no wire with a tip to look from; choose another view");
     const std::vector<Vec3>& nodes = frame.wires[0].nodes;
     std::size_t i = 1;
     while (i + 1 < nodes.size() && (nodes[i] - nodes[0]).norm() < 5e-3) ++i;

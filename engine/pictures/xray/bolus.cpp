@@ -30,7 +30,7 @@ Bolus::Bolus(const Centreline& centreline, const BolusSpec& spec) : centreline_(
 {
     const auto count = static_cast<int>(centreline_.points.size());
     if (count < 2 || spec.keys.empty())
-        throw Error(ExitCode::BadFile, "contrast: no centreline was found in the vessel, so there is no path to flow along");
+        throw Error(ErrorKind::BadFile, "contrast: no centreline was found in the vessel, so there is no path to flow along");
     neighbour_.resize(count);
     for (int i = 0; i < count; ++i)
         if (const int p = centreline_.parent[i]; p >= 0) neighbour_[i].push_back(p), neighbour_[p].push_back(i);

@@ -18,7 +18,7 @@ constexpr double degree = std::numbers::pi / 180;
 [[noreturn]] void refuse(const std::string& text)
 {
     throw Error(
-        ExitCode::BadScene,
+        ErrorKind::BadScene,
         fmt::format(
             "--c-arm: got \"{}\"; expected LAO or RAO (0 to 180) and CRA or CAU (0 to 90) in degrees, e.g. \"LAO 30, CRA 15\"",
             text));
@@ -106,12 +106,12 @@ std::string angle_words(const CArm& arm)
 void check(const CArm& arm)
 {
     if (!(arm.sod > 0 && arm.sid > arm.sod && arm.sid <= 10))
-        throw Error(ExitCode::BadScene, fmt::format("SID {} m, SOD {} m: expected 0 < SOD < SID <= 10 m", arm.sid, arm.sod));
+        throw Error(ErrorKind::BadScene, fmt::format("SID {} m, SOD {} m: expected 0 < SOD < SID <= 10 m", arm.sid, arm.sod));
     if (!(arm.field > 0 && arm.field <= 2))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("--field: got {} m; expected the detector's width above 0, at most 2 m", arm.field));
     if (arm.columns < 1 || arm.rows < 1 || arm.columns > 8192 || arm.rows > 8192)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("--size: got {}x{}; expected 1x1 to 8192x8192 pixels", arm.columns, arm.rows));
 }
 

@@ -58,7 +58,7 @@ void add_pieces(const CArmView& view, const Device& device, std::vector<Piece>& 
         if (std::abs(p.taper) > 0.5) p.radius = 0.5 * (a.radius + b.radius), p.taper = 0;  // a step, not a taper
         for (const CArmPoint& at : p.at)
             if (!(at.depth > 1e-3 && at.depth < view.sid))
-                throw Error(ExitCode::BadScene,
+                throw Error(ErrorKind::BadScene,
                             "the C-arm is inside what it looks at: an instrument is not between source and detector; make --sod "
                             "or --sid larger");
         const double thick = std::max(a.radius, b.radius), thin = std::min(a.radius, b.radius);

@@ -78,7 +78,7 @@ void Fluoroscope::find_body()
         return (axes.transpose() * (p - body_centre_)).cwiseQuotient(body_half_wide_).norm() <= 1;
     };
     if (inside(view_.source) || inside(view_.source + view_.sid * view_.direction))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "the C-arm is inside the patient: source or detector lies in the body; make --sod or --sid larger, or --body none");
     body_path_ = trace_ellipsoid(view_, body_centre_, axes, body_half_wide_);
 }

@@ -19,7 +19,7 @@ double mass_attenuation(int atomic_number, double energy)
     if (problem) {
         const std::string what = problem->message;
         xrl_error_free(problem);
-        throw Error(ExitCode::BadScene, fmt::format("no attenuation of element {} at {} keV: {}", atomic_number, energy, what));
+        throw Error(ErrorKind::BadScene, fmt::format("no attenuation of element {} at {} keV: {}", atomic_number, energy, what));
     }
     return 0.1 * cm2_g;
 }

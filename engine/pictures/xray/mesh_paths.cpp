@@ -65,11 +65,11 @@ Corners project_corners(const CArmView& view, const WallMesh& mesh)
     });
     const int worst = outside.empty() ? 0 : *std::max_element(outside.begin(), outside.end());
     if (worst == 2)
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     "--field: the pixels are too small for what is looked at; expected a wider field or fewer pixels");
     if (worst > 0)
         throw Error(
-            ExitCode::BadScene,
+            ErrorKind::BadScene,
             "the C-arm is inside what it looks at: part of it is not between source and detector; make --sod or --sid larger");
     return corners;
 }

@@ -41,7 +41,7 @@ bool edge_between(double low, double high)
 std::vector<SpectrumLine> tube_spectrum(double kvp, int bins)
 {
     if (!(kvp >= 40 && kvp <= 150))
-        throw Error(ExitCode::BadScene, fmt::format("{} kVp: expected a tube voltage from 40 to 150 kV", kvp));
+        throw Error(ErrorKind::BadScene, fmt::format("{} kVp: expected a tube voltage from 40 to 150 kV", kvp));
     std::vector<Slice> slices;
     double photons = 0, signal = 0;
     for (double e = 12 + step / 2; e < kvp; e += step) {
@@ -67,7 +67,7 @@ std::vector<SpectrumLine> tube_spectrum(double kvp, int bins)
 std::vector<SpectrumLine> single_energy(double energy)
 {
     if (!(energy >= 5 && energy <= 200))
-        throw Error(ExitCode::BadScene, fmt::format("{} keV: expected an energy from 5 to 200 keV", energy));
+        throw Error(ErrorKind::BadScene, fmt::format("{} keV: expected an energy from 5 to 200 keV", energy));
     return {{energy, 1, 1}};
 }
 

@@ -62,9 +62,9 @@ Scene BatchSource::scene(std::size_t item) const
         for (std::size_t a = 0; a < index.size(); ++a)
             for (const std::string& setting : sweep.overrides(sweep.axes[a], index[a]))
                 if (message.starts_with("--set " + setting))
-                    throw Error(error.code(), fmt::format("{}:{}: vary.{}: {}{}", sweep.source.string(), sweep.axes[a].line, sweep.axes[a].key, name,
+                    throw Error(error.kind(), fmt::format("{}:{}: vary.{}: {}{}", sweep.source.string(), sweep.axes[a].line, sweep.axes[a].key, name,
                                                           message.substr(6 + setting.size())));
-        throw Error(error.code(), fmt::format("{}: {}: {}", sweep.source.string(), name, message));
+        throw Error(error.kind(), fmt::format("{}: {}: {}", sweep.source.string(), name, message));
     }
 }
 
@@ -110,7 +110,7 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
     for (std::size_t run = begin; run < std::min(end, source.item_count()); ++run) {
         Scene scene = source.scene(run);
         if (names_of(scene) != names)
-            throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
+            throw Error(ErrorKind::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
                                                         "results.csv; leave `name` out of what is varied",
                                                         source.sweep.source.string(), run));
         for (const std::string& warning : scene.warnings) {
@@ -308,10 +308,10 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
         std::uint8_t finished = 0;
         take_bytes(at, end, &finished, 1);
         if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
-            throw Error(ExitCode::BadFile, "got a saved state with a counter out of range; expected one that this version wrote");
+            throw Error(ErrorKind::BadFile, "got a saved state with a counter out of range; expected one that this version wrote");
         std::uint64_t length = 0;
         take_bytes(at, end, &length, 1);
-        if (length > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "the saved state is longer than the file");
+        if (length > static_cast<std::uint64_t>(end - at)) throw Error(ErrorKind::BadFile, "the saved state is longer than the file");
         run.trace.resize(length);
         take_bytes(at, end, run.trace.data(), run.trace.size());
         if (finished) world_->retire(static_cast<int>(&run - runs_.data()));
@@ -319,7 +319,7 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
     }
     std::uint64_t size = 0;
     take_bytes(at, end, &size, 1);
-    if (size > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "the saved state is longer than the file");
+    if (size > static_cast<std::uint64_t>(end - at)) throw Error(ErrorKind::BadFile, "the saved state is longer than the file");
     std::vector<std::uint8_t> state(size);
     take_bytes(at, end, state.data(), state.size());
     world_->restore_state(state);

@@ -35,9 +35,9 @@ std::vector<std::string> keep_settings(const std::string& words)
     for (std::string word; std::getline(list, word, ',');) {
         if (word == "traces") settings.emplace_back("output.keep_traces=true");
         else if (word == "last-frame") settings.emplace_back("output.keep_last_frame=true");
-        else throw Error(ExitCode::BadScene, fmt::format("--keep: got \"{}\"; expected traces, last-frame or both with a comma between them", word));
+        else throw Error(ErrorKind::BadScene, fmt::format("--keep: got \"{}\"; expected traces, last-frame or both with a comma between them", word));
     }
-    if (settings.empty()) throw Error(ExitCode::BadScene, "--keep: got nothing; expected traces, last-frame or both with a comma between them");
+    if (settings.empty()) throw Error(ErrorKind::BadScene, "--keep: got nothing; expected traces, last-frame or both with a comma between them");
     return settings;
 }
 

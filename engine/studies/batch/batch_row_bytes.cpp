@@ -59,7 +59,7 @@ std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end
     const auto take_count = [&](std::size_t size) {
         std::uint64_t count = 0;
         take_bytes(at, end, &count, 1);
-        if (count > static_cast<std::uint64_t>(end - at) / size) throw Error(ExitCode::BadFile, "a list is longer than the file");
+        if (count > static_cast<std::uint64_t>(end - at) / size) throw Error(ErrorKind::BadFile, "a list is longer than the file");
         return static_cast<std::size_t>(count);
     };
     std::vector<BatchRow> rows(take_count(least_row));

@@ -47,7 +47,7 @@ struct Reader {
     {
         std::uint8_t byte = 0;
         take_bytes(at, end, &byte, 1);
-        if (byte > 1) throw Error(ExitCode::BadFile, "is corrupt: a value is out of range");
+        if (byte > 1) throw Error(ErrorKind::BadFile, "is corrupt: a value is out of range");
         flag = byte == 1;
     }
     void operator()(std::string& text)
@@ -65,7 +65,7 @@ private:
     {
         std::uint64_t n = 0;
         (*this)(n);
-        if (n > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "a list is longer than the file");
+        if (n > static_cast<std::uint64_t>(end - at)) throw Error(ErrorKind::BadFile, "a list is longer than the file");
         return n;
     }
 };
@@ -115,13 +115,13 @@ SavedBatch read_saved(const FilePlace& file, std::vector<std::uint8_t>& world)
         std::string writer;
         reader(writer);
         if (writer != version())
-            throw Error(ExitCode::BadFile, fmt::format("was written by version {}, this is {}; take that one", writer, version()));
+            throw Error(ErrorKind::BadFile, fmt::format("was written by version {}, this is {}; take that one", writer, version()));
         each_field(saved, reader);
         saved.rows = take_rows(reader.at, reader.end);
-        if (!is_sound(saved)) throw Error(ExitCode::BadFile, "is corrupt: a value is out of range");
-        if (!saved.open && reader.at != reader.end) throw Error(ExitCode::BadFile, "has data after its end");
+        if (!is_sound(saved)) throw Error(ErrorKind::BadFile, "is corrupt: a value is out of range");
+        if (!saved.open && reader.at != reader.end) throw Error(ErrorKind::BadFile, "has data after its end");
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}; run again with --overwrite", file.path().string(), error.what()));
+        throw Error(error.kind(), fmt::format("{}: {}; run again with --overwrite", file.path().string(), error.what()));
     }
     world.assign(reader.at, reader.end);
     return saved;

@@ -33,12 +33,12 @@ std::string as_json(const PartPlan& plan)
     return json_text(out, 2) + "\n";
 }
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::BadFile, what + ". Fix: begin again in another folder"); }
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::BadFile, what + ". Fix: begin again in another folder"); }
 
 void refuse_old(const Folder& dir)
 {
     if (dir.has("farm.json"))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     dir.path().string() + ": got a farm of an earlier version (farm.json, todo/, done/); expected parts.json. Fix: end it with "
                                           "that version, or begin again in another folder with -o");
 }
@@ -61,7 +61,7 @@ void write_plan(const Folder& dir, const PartPlan& plan)
     const FileLock one_at_a_time = FileLock::of_file(dir / plan_file, std::chrono::hours(1));
     if (!dir.has(plan_file)) return write_file(dir / plan_file, as_json(plan), Durable::Yes);
     if (read_file(dir / plan_file) != as_json(plan))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("{}: holds {} parts of another scene, sweep, vessel, options, version or number of parts. Fix: give the same "
                                 "again to continue, or another folder with -o",
                                 dir.path().string(), read_plan(dir).parts));
@@ -72,7 +72,7 @@ PartPlan read_plan(const Folder& dir)
     refuse_old(dir);
     const std::string file = (dir.path() / plan_file).string();
     if (!dir.has(plan_file))
-        throw Error(ExitCode::BadFile, file + ": is not there. Fix: give the folder of `seldinger farm -o` or `batch --part -o`");
+        throw Error(ErrorKind::BadFile, file + ": is not there. Fix: give the folder of `seldinger farm -o` or `batch --part -o`");
     try {
         const Json in = Json::parse(read_file(dir / plan_file));
         const auto count = [&](const char* key, std::size_t least, std::size_t most) {
@@ -109,7 +109,7 @@ std::optional<SavedBatch> read_part(const Folder& dir, const PartPlan& plan, std
     SavedBatch saved = read_saved(file, world);
     const auto [begin, end] = plan.range(part);
     if (saved.scene != plan.key || saved.begin != begin || saved.end != end)
-        throw Error(ExitCode::BadFile, file.path().string() + ": is a part of another batch. Fix: move it away, and run that part again");
+        throw Error(ErrorKind::BadFile, file.path().string() + ": is a part of another batch. Fix: move it away, and run that part again");
     return saved;
 }
 
@@ -133,7 +133,7 @@ std::size_t items_there(const Folder& dir, const PartPlan& plan, std::size_t par
         const std::optional<SavedBatch> saved = read_part(dir, plan, part);
         return saved ? saved->rows.size() : 0;
     } catch (const Error& error) {
-        if (error.code() != ExitCode::BadFile) throw;
+        if (error.kind() != ErrorKind::BadFile) throw;
         return 0;
     }
 }

@@ -168,7 +168,7 @@ void check_axes(const toml::table& vary, const Sweep& sweep)
     const SweepAxis* first_drawn = nullptr;
     for (const SweepAxis& axis : sweep.axes) {
         const auto here = [&](const std::string& message) {
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("{}:{}: vary.{}: {}", sweep.source.string(), axis.line, axis.key, message));
         };
         if (!axis.drawn || !first_drawn) runs *= static_cast<double>(axis.values.size());

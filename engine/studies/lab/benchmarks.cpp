@@ -87,7 +87,7 @@ Benchmark find_benchmark(const std::string& wanted, const std::filesystem::path&
     if (found == std::end(entries)) {
         std::vector<std::string_view> names;
         for (const Entry& entry : entries) names.push_back(entry.name);
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("--scenes: no benchmark \"{}\"; the nearest is \"{}\". Fix: give that, or a scene file (*.toml)", wanted,
                                 nearest_word(wanted, names)));
     }

@@ -46,7 +46,7 @@ ChartModel planned_model(const ChartOptions& options, const Scene& scene)
     under.planned = planned.planned;
     const auto folder = scene.source.parent_path();
     if (write_scene(under, folder) != write_scene(planned, folder))
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("--planned {}: is not {} under another model; give what `seldinger plan` wrote for it",
                                 options.planned.string(), scene.source.string()));
     entry.model.name = "planned";
@@ -225,7 +225,7 @@ ChartResult make_chart(const ChartOptions& options)
     ChartResult result;
     const std::vector<std::string> names = options.scenes.empty() ? benchmark_names() : options.scenes;
     if (!options.planned.empty() && names.size() != 1)
-        throw Error(ExitCode::BadScene, "--planned belongs to one scene; give it with --scenes");
+        throw Error(ErrorKind::BadScene, "--planned belongs to one scene; give it with --scenes");
     std::vector<Scene> scenes;
     for (const std::string& name : names) {  // every name and file is checked before the first run
         SceneChart chart;

@@ -25,7 +25,7 @@ struct Fleet {
     void take(const StepReport& report, long k) const
     {
         if (report.failed())
-            throw Error(ExitCode::Stopped, fmt::format("{} with {} wires: step {} failed", scenes[0].source.string(), scenes.size(), k + 1));
+            throw Error(ErrorKind::Stopped, fmt::format("{} with {} wires: step {} failed", scenes[0].source.string(), scenes.size(), k + 1));
     }
     void settle_first()
     {
@@ -39,7 +39,7 @@ struct Fleet {
 void run(Fleet& fleet, FleetTiming& timing, const std::function<bool()>& stop)
 {
     for (long k = 0; k < timing.steps; ++k) {
-        if (stop()) throw Error(ExitCode::Interrupted, "interrupted; nothing was written");
+        if (stop()) throw Error(ErrorKind::Interrupted, "interrupted; nothing was written");
         const StepReport report = step(fleet.world, fleet.key_frames.control(), fleet.scenes[0].step_length(k));
         fleet.take(report, k);
         timing.newton += report.newton_iterations;
@@ -81,7 +81,7 @@ FleetTiming time_fleet(const Scene& scene, int device_index, int wires, long ste
         again.steps = steps;
         run(fleet, again, stop);
         if (fleet.world.state_hash() != timing.state_hash)
-            throw Error(ExitCode::Stopped, fmt::format("{} with {} wires: got two results from two runs; expected the same bits",
+            throw Error(ErrorKind::Stopped, fmt::format("{} with {} wires: got two results from two runs; expected the same bits",
                                                        scene.source.string(), wires));
     } catch (...) {
         (void)device::end_profile();

@@ -40,7 +40,7 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
         const auto begin = Clock::now();
         const auto account = [&](const StepReport& report, long k) {
             if (report.failed())
-                throw Error(ExitCode::Stopped, fmt::format("{}: step {} failed; see `seldinger run {}`", timing.scene, k + 1,
+                throw Error(ErrorKind::Stopped, fmt::format("{}: step {} failed; see `seldinger run {}`", timing.scene, k + 1,
                                                            scene.source.string()));
             newton += report.newton_iterations;
             run.stages += report.times;
@@ -48,7 +48,7 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
         };
         if (scene.start_settled) account(settle(world), -1);
         for (long k = 0; k < timing.steps; ++k) {
-            if (stop && stop()) throw Error(ExitCode::Interrupted, fmt::format("interrupted in {}", timing.scene));
+            if (stop && stop()) throw Error(ErrorKind::Interrupted, fmt::format("interrupted in {}", timing.scene));
             if (k == 100) warm = world.device_counts();
             account(step(world, key_frames.control(), scene.step_length(k)), k);
         }

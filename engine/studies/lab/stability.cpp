@@ -132,13 +132,13 @@ StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& 
         const Scene scene = stability_scene(map, value, slow_step, 1, {});
         map.touches = scene.vessel.shape != VesselShape::None;
         if (scene.integrator.scheme == Scheme::Static || !(scene.duration > 0))
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("{}: a static scene has no steps to sweep; give scene.duration_s and another "
                                     "integrator.scheme",
                                     file.string()));
         const double longest = stability_steps(false).back();
         if (scene.duration < longest)
-            throw Error(ExitCode::BadScene,
+            throw Error(ErrorKind::BadScene,
                         fmt::format("{}: scene.duration_s: got {} s; expected at least the longest step of the sweep, {:.4f} s",
                                     file.string(), scene.duration, longest));
     }

@@ -21,7 +21,7 @@ ResultTable::ResultTable(std::filesystem::path path, std::vector<std::string> co
         for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', whole)) {
             const std::string_view line = std::string_view(text).substr(whole, end + 1 - whole);
             if (whole == 0 && line != header)
-                throw Error(ExitCode::BadFile,
+                throw Error(ErrorKind::BadFile,
                             fmt::format("{}: has other columns; it was written by another version, choose another "
                                         "folder with -o or delete it",
                                         path.string()));

@@ -96,10 +96,10 @@ std::unique_ptr<Simulation> make_simulation(const StudyScene& scene, const Model
     const auto found = std::find_if(baselines.begin(), baselines.end(),
                                     [&](const Baseline& baseline) { return baseline.name == model.baseline; });
     if (found == baselines.end())
-        throw Error(ExitCode::BadScene,
+        throw Error(ErrorKind::BadScene,
                     fmt::format("model \"{}\": no baseline \"{}\" is registered", label(model), model.baseline));
     if (const std::string reason = found->why_not(scene.scene); !reason.empty())
-        throw Error(ExitCode::BadScene, fmt::format("model \"{}\": {}", label(model), reason));
+        throw Error(ErrorKind::BadScene, fmt::format("model \"{}\": {}", label(model), reason));
     return found->make(scene, model);
 }
 

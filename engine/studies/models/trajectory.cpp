@@ -27,7 +27,7 @@ std::vector<Number> take_numbers(const std::uint8_t*& at, const std::uint8_t* en
 {
     std::uint64_t size = 0;
     take_bytes(at, end, &size, 1);
-    if (size > static_cast<std::uint64_t>(end - at) / sizeof(Number)) throw Error(ExitCode::BadFile, "cut short");
+    if (size > static_cast<std::uint64_t>(end - at) / sizeof(Number)) throw Error(ErrorKind::BadFile, "cut short");
     std::vector<Number> numbers(size);
     take_bytes(at, end, numbers.data(), numbers.size());
     return numbers;

@@ -60,7 +60,7 @@ private:
 
     void check_goals() const
     {
-        const auto fail = [&](const std::string& what) { throw Error(ExitCode::BadScene, what); };
+        const auto fail = [&](const std::string& what) { throw Error(ErrorKind::BadScene, what); };
         if (is_static_ && goals_.rate > 0)
             fail(fmt::format("{}: scheme = \"static\" has no steps, so no --rate; take one of the two out",
                              scene_.scene.source.string()));

@@ -1,21 +1,21 @@
 #pragma once
-// Errors of the user and failures of the machine, as one exception with its exit code.
+// Errors of the user and failures of the machine, as one exception that says which kind it is.
 
 #include <stdexcept>
 #include <string>
 
 namespace seldinger {
 
-/// Exit codes of the `seldinger` command (docs/command-line.md).
-enum class ExitCode : int {
-    Done = 0,
-    BadScene = 2,     // the command line or the scene is wrong
-    BadFile = 3,      // a file is missing or unusable
-    Stopped = 4,      // the simulation stopped; the last good state is saved
-    NoDevice = 5,     // no usable OpenCL device
-    NotFeasible = 6,  // plan: nothing meets both tolerance and rate
-    TimeLimit = 75,   // stopped by a time or signal limit; state saved, run again with --resume
-    Interrupted = 130,
+/// What went wrong. The `seldinger` command has an exit code for each (docs/command-line.md).
+enum class ErrorKind {
+    None,         // nothing
+    BadScene,     // the command line or the scene is wrong
+    BadFile,      // a file is missing or unusable
+    Stopped,      // the simulation stopped; the last good state is saved
+    NoDevice,     // no usable OpenCL device
+    NotFeasible,  // plan: nothing meets both tolerance and rate
+    TimeLimit,    // stopped by a time or signal limit; state saved, run again with --resume
+    Interrupted,
 };
 
 /// One line for stderr: place (file, line, key), expected value, fix. Thrown while loading and for what a caller asks; never for
@@ -23,11 +23,11 @@ enum class ExitCode : int {
 class Error : public std::runtime_error {
 public:
     /// @param message  may quote files and names: what a terminal would obey becomes '?' (core/printable.h)
-    Error(ExitCode code, const std::string& message);
-    [[nodiscard]] ExitCode code() const { return code_; }
+    Error(ErrorKind kind, const std::string& message);
+    [[nodiscard]] ErrorKind kind() const { return kind_; }
 
 private:
-    ExitCode code_;
+    ErrorKind kind_;
 };
 
 }  // namespace seldinger
