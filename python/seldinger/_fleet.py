@@ -80,7 +80,10 @@ class Fleet:
     # -- starts -------------------------------------------------------------------------------------------------------
 
     def make_starts(self, feeds: np.ndarray, told: Callable[[float], None]) -> list[tuple[Any, ...]]:
-        """Feeds each system by its advance and turn [systems, 2], as it would go alone. @return (state, hubs, observation, measures) of each"""
+        """Feeds each system by its advance and turn [systems, 2], as it would go alone.
+
+        @return (state, hubs, observation, measures) of each
+        """
         way = np.repeat(feeds, self.wires, axis=0)
         furthest = ((self.home + way) - self.home)[:, 0].reshape(self.count, self.wires).max(axis=1)
         controls = np.ceil(furthest / (self.task.advance_rate * self.control)).astype(int)
@@ -185,10 +188,11 @@ class Fleet:
 
 
 class Fleets:
-    """Environments as systems of worlds, one for each kind of scene: variants of a kind differ in instruments, feed and friction alone."""
+    """Environments as systems of worlds, one for each kind of scene: variants of a kind differ in instruments, feed and friction."""
 
     def __init__(self, task: Navigate, now: list[int], redraws: bool = False, device: int = -1) -> None:
-        """@param now  variant of each environment; follows what begin() says   @param redraws  to any other variant, without new worlds"""
+        """@param now  variant of each environment; follows what begin() says
+        @param redraws  to any other variant, without new worlds"""
         variants = task.variants()
         used = list(range(len(variants))) if redraws else sorted(set(now))
         kinds = _kinds(task, [variants[v] for v in used])
@@ -199,7 +203,8 @@ class Fleets:
         self.fleets: list[Fleet] = []
         self._place: dict[tuple[int, int], tuple[int, int]] = {}  # of an environment with a variant: number of its fleet, system
         with Progress(task.progress_line) as told:
-            told.text = f"seldinger: preparing {len(used)} variant{'s' * (len(used) > 1)}; the first start on a machine compiles kernels, too"
+            told.text = (f"seldinger: preparing {len(used)} variant{'s' * (len(used) > 1)}; the first start on a machine compiles "
+                         "kernels, too")
             self._starts = dict(zip(used, starts_of(task, [variants[v] for v in used], device, told)))
             for own in systems:
                 own.sort()
@@ -208,8 +213,8 @@ class Fleets:
         self.parts, self.wires = self.fleets[0].parts, self.fleets[0].wires
         for fleet in self.fleets:
             if fleet.wires != task.hubs():
-                raise ValueError(f"vary: got variants with {fleet.wires} instruments; expected {task.hubs()}, as the scene has: an action has two numbers "
-                                 "for each. Fix: leave instruments out of vary")
+                raise ValueError(f"vary: got variants with {fleet.wires} instruments; expected {task.hubs()}, as the scene has: an action "
+                                 "has two numbers for each. Fix: leave instruments out of vary")
         for (i, v), (k, s) in self._place.items():
             if now[i] != v:
                 self.fleets[k].world._world.retire(s)
@@ -336,7 +341,9 @@ def starts_of(task: Navigate, variants: Sequence[Sequence[str]], device: int, to
     done, all_starts = 0.0, len(missing) * task.starts
 
     def tell(part: float) -> None:
-        told.text = f"seldinger: {all_starts} start{'s' * (all_starts > 1)} of {len(missing)} variant{'s' * (len(missing) > 1)}: {100 * (done + part) / all_starts:.0f} %"
+        share = 100 * (done + part) / all_starts
+        told.text = (f"seldinger: {all_starts} start{'s' * (all_starts > 1)} of {len(missing)} variant{'s' * (len(missing) > 1)}: "
+                     f"{share:.0f} %")
 
     for kind in range(max(kinds, default=-1) + 1):
         pairs = [(k, feed) for k, of in zip(missing, kinds) if of == kind for feed in feeds]

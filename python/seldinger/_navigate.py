@@ -58,8 +58,8 @@ class Navigate:
     hand_force_stop : float or None
         An episode ends (terminated) at a larger hand force [N].
     vary
-        Domain randomisation in the sweep's syntax (`seldinger.sweep`), of any keys of the scene. Variants that differ in instruments,
-        feed and friction alone share a world; others have worlds of their own.
+        Domain randomisation in the sweep's syntax (`seldinger.sweep`), of any keys of the scene. Variants that differ in
+        instruments, feed and friction alone share a world; others have worlds of their own.
     variant : int, "draw" or None
         The variant of all episodes, or "draw": each episode draws one. None: a single environment draws, and environment i of the
         vector form has variant i modulo their number. `reset(options={"variant": k})` has the last word, until it says None.
@@ -174,8 +174,8 @@ class Navigate:
         scene = Scene(self.scene)
         of = {"scene": f"{scene.file} {scene.overrides} {zlib.crc32(scene.text.encode())}"}
         pictures = ("image_shape", "image_c_arm", "image_stack", "image_channels") if self.image is not None else ()
-        for name in ("target", "target_depth", "rate", "advance_rate", "shape_points", "shape_spacing", "ahead_points", "ahead_spacing", "vary",
-                     *pictures):
+        for name in ("target", "target_depth", "rate", "advance_rate", "shape_points", "shape_spacing", "ahead_points",
+                     "ahead_spacing", "vary", *pictures):
             of[name] = repr(getattr(self, name))
         of["overrides"] = repr(sorted(self.overrides.items()))
         return of

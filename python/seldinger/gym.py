@@ -130,22 +130,26 @@ class _OnAFleet:
             self._now, self._awaited = list(now), None
 
     def _ask(self, which: np.ndarray, options: Optional[dict[str, Any]]) -> list[int]:
-        """Heeds options["variant"], and draws. @param which  environments that begin an episode  @return variant of each environment"""
+        """Heeds options["variant"], and draws.
+
+        @param which  environments that begin an episode. @return variant of each environment
+        """
         asked = list(self._asked)
         if options and "variant" in options:
             given = options["variant"]
             for i in np.flatnonzero(which):
                 one = given[i] if isinstance(given, (list, tuple, np.ndarray)) and len(given) == len(asked) else given
                 if one is not None and not (isinstance(one, (int, np.integer)) and 0 <= one < len(self._variants)):
-                    raise ValueError(f"variant: got {given!r}; expected None, or 0 to {len(self._variants) - 1}, one or one for each environment")
+                    raise ValueError(f"variant: got {given!r}; expected None, or 0 to {len(self._variants) - 1}, one or one for each "
+                                     "environment")
                 asked[i] = None if one is None else int(one)
         now = list(self._now)
         fixed = [i for i in np.flatnonzero(which) if asked[i] is not None or not self._draws]
         for i in fixed:
             now[i] = self._home[i] if asked[i] is None else asked[i]
         if not which.all() and not all(self._fleet.has(i, now[i]) for i in fixed):
-            raise ValueError("variant: got one that needs other worlds, with reset_mask; expected a reset of all environments. Fix: make the "
-                             "environment with variant=\"draw\"")
+            raise ValueError("variant: got one that needs other worlds, with reset_mask; expected a reset of all environments. "
+                             "Fix: make the environment with variant=\"draw\"")
         self._asked = asked
         for i in np.flatnonzero(which):
             if asked[i] is None and self._draws:
@@ -179,8 +183,8 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
 
     info
         way, distance [m], hand_force, wall_force [N], hand_torque [N m], advance [m], turn [rad], time [s], failed, success
-        (is_success is the same), variant (its number; `variants` has the overrides), and the terms of the reward: reward_progress,
-        reward_time, reward_force, reward_success; 0 after a reset.
+        (is_success is the same), variant (its number; `variants` has the overrides), and the terms of the reward:
+        reward_progress, reward_time, reward_force, reward_success; 0 after a reset.
 
     reset(seed=s)
         Only the seeded generator draws the start: the same seed gives the same episode, bit for bit.
@@ -228,8 +232,8 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
         return {**info, **dict(zip(TERMS, self._fleet.terms[0].tolist())), "variant": self.variant}
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode. options: {"start": k} takes that start; {"variant": k} that variant, and in later episodes, too, until it is
-        None."""
+        """Begins an episode. options: {"start": k} takes that start; {"variant": k} that variant, and in later episodes, too,
+        until it is None."""
         super().reset(seed=seed)
         now = self._ask(np.ones(1, bool), options)
         self._take_variants(now)
@@ -279,8 +283,8 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         self._now, self._asked = list(self._home), [None] * num_envs
         self._draws = self._redraws = given == "draw" and several > 1
         if self._redraws and num_envs * several > 4096:
-            raise ValueError(f"variant: got \"draw\" of {several} variants for {num_envs} environments; expected at most 4096 pairs, as each is "
-                             "a system. Fix: vary fewer values, or use several vectors")
+            raise ValueError(f"variant: got \"draw\" of {several} variants for {num_envs} environments; expected at most 4096 pairs, "
+                             "as each is a system. Fix: vary fewer values, or use several vectors")
         self.single_observation_space, self.single_action_space = self.task.spaces()
         self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)
@@ -339,14 +343,15 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         fleet, chosen = self._fleet, (options or {}).get("start")
         for s in np.flatnonzero(which):
             drawn = int(self._random[s].integers(self.task.starts))
-            fleet.begin(int(s), drawn if chosen is None else int(np.broadcast_to(chosen, self.num_envs)[s]) % self.task.starts, now[s])
+            start = drawn if chosen is None else int(np.broadcast_to(chosen, self.num_envs)[s]) % self.task.starts
+            fleet.begin(int(s), start, now[s])
         self._ended[which] = False
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
               options: Optional[dict[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
         """Begins an episode in all environments. seed s: environment i has s + i, as in gymnasium's vector environments. options:
-        {"start": k} takes that start, {"variant": k} that variant (and in later episodes, too, until it is None), [num_envs] one for each;
-        {"reset_mask": [num_envs] bool} begins some only."""
+        {"start": k} takes that start, {"variant": k} that variant (and in later episodes, too, until it is None), [num_envs] one
+        for each; {"reset_mask": [num_envs] bool} begins some only."""
         seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed or [None] * self.num_envs
         if len(seeds) != self.num_envs:
             raise ValueError(f"seed: got {len(seeds)}; expected one or {self.num_envs}")

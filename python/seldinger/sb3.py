@@ -44,10 +44,11 @@ class NavigateVecEnv(VecEnv):
         super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)
 
     def reset(self) -> Any:
-        """First observations of new episodes, with the seeds of `seed` and the starts of `set_options({"start": k})`; "variant" likewise."""
+        """First observations of new episodes, with the seeds of `seed`, starts and variants of `set_options({"start": k})`."""
         names = set(self._options[0])
         if any(set(own) != names for own in self._options) or not names <= {"start", "variant"}:
-            raise ValueError(f"options: got {self._options}; expected {{\"start\": k}}, \"variant\" or both for every environment, or none")
+            raise ValueError(f"options: got {self._options}; expected {{\"start\": k}}, \"variant\" or both for every environment, "
+                             "or none")
         chosen = {name: [own[name] for own in self._options] for name in names}
         seen, info = self.env.reset(seed=self._seeds if any(s is not None for s in self._seeds) else None, options=chosen)
         self.reset_infos = self._each(info)

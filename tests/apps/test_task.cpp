@@ -136,7 +136,9 @@ TEST_SUITE("apps/task")
         CHECK(summary["done"] == 4);
         CHECK(summary["task"]["ranking"][0]["until_patch_force_max_n"] == *std::min_element(peaks.begin(), peaks.end()));
         const std::string answer = summary["answer"];
-        CHECK(answer.starts_with("2 of 4 reached the middle, the others ended in branch 1 (2 runs); least peak on 5 mm of wall: scene.duration_s="));
+        CHECK(answer.starts_with(
+            "2 of 4 reached the middle, the others ended in branch 1 (2 runs); least peak on 5 mm of wall: run "));
+        CHECK(answer.find(" (scene.duration_s=") != std::string::npos);
         CHECK(answer.find(" ± ") != std::string::npos);
         CHECK(batch.out.ends_with(answer + "\n"));
 

@@ -173,7 +173,7 @@ TEST_SUITE("batch/sweep")
             CAPTURE(design);
             CHECK_THROWS_WITH_AS((void)read_sweep_text("[vary]\ndesign = " + design + "\n", folder.path() / "s.toml", 0), doctest::Contains(what.c_str()), Error);
         };
-        says("{soft = \"none.toml\"}", "s.toml:2:19: vary.design.soft: ");
+        says("{soft = \"none.toml\"}", "s.toml:2:18: vary.design.soft: ");
         says("{soft = \"none.toml\"}", "paths start at the sweep file's folder");
         says("{soft = 3}", "vary.design.soft: expected a file with keys of the scene, in quotes");
         says("{}", "vary.design: expected names with files");
