@@ -178,12 +178,13 @@ void Branches::name_paths()
     // how far the farthest end behind each stretch is, and the number of the first end there
     reach_.resize(stretches_.size());
     first_end_.assign(stretches_.size(), std::numeric_limits<int>::max());
+    last_end_.assign(stretches_.size(), 0);
     for (std::size_t s = stretches_.size(); s-- > 0;) {  // the one that a stretch leaves stands before it
         reach_[s] = std::max(reach_[s], from_root(stretches_[s].points.back()));
-        if (stretches_[s].number > 0) first_end_[s] = stretches_[s].number;
+        if (stretches_[s].number > 0) first_end_[s] = last_end_[s] = stretches_[s].number;
         if (stretches_[s].from < 0) continue;
         const auto up = static_cast<std::size_t>(stretches_[s].from);
-        reach_[up] = std::max(reach_[up], reach_[s]), first_end_[up] = std::min(first_end_[up], first_end_[s]);
+        reach_[up] = std::max(reach_[up], reach_[s]), first_end_[up] = std::min(first_end_[up], first_end_[s]), last_end_[up] = std::max(last_end_[up], last_end_[s]);
     }
     // the trunk's piece first; of a centreline in pieces, the others are further branches of it
     int trunk = numbered_.back();
@@ -204,7 +205,10 @@ int Branches::name_vessel(int index, const std::string& path, int level)
     while (!leaving(index).empty()) {
         std::vector<int> next = leaving(index);
         std::stable_sort(next.begin(), next.end(), [&](int a, int b) { return first_end_[static_cast<std::size_t>(a)] < first_end_[static_cast<std::size_t>(b)]; });
-        const auto longest = std::max_element(next.begin(), next.end(), [&](int a, int b) { return reach_[static_cast<std::size_t>(a)] < reach_[static_cast<std::size_t>(b)]; });
+        const auto longest = std::max_element(next.begin(), next.end(), [&](int a, int b) {
+            const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+            return reach_[i] != reach_[j] ? reach_[i] < reach_[j] : last_end_[i] < last_end_[j];
+        });
         std::rotate(longest, longest + 1, next.end());
         const int ahead = next.back();
         bool goes_on = !leaving(ahead).empty();

@@ -75,7 +75,7 @@ private:
     std::vector<std::vector<int>> leaving_;  // [stretches] those that leave each one's end
     std::vector<int> numbered_;
     std::vector<double> reach_;   // [stretches] arc length from the root to the farthest end behind it [m]
-    std::vector<int> first_end_;  // [stretches] lowest number of an end behind it
+    std::vector<int> first_end_, last_end_;  // [stretches] lowest and highest number of an end behind it
     std::vector<double> from_root_;  // [P]
     std::vector<int> stretch_of_;    // [P] that the point belongs to
 };

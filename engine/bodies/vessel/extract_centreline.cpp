@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 namespace seldinger {
@@ -64,10 +65,10 @@ public:
     /// Paths side by side in a flat lumen that are no part of the axis.
     [[nodiscard]] int left_out() const { return left_out_; }
 
-    /// One place in each piece of wall that belongs to a lumen and has no path: branches too fine for their triangles.
+    /// One place in each piece of wall without a path that is a tube: branches too fine for their triangles. A tube of length L and area A has a
+    /// radius of A/(2 pi L) and faces its own middle; creases, folds and flaps do not.
     [[nodiscard]] std::vector<Vec3> unreached() const
     {
-        std::vector<Vec3> places;
         std::vector<std::vector<std::size_t>> near(graph_.wall.size());
         for (std::size_t k = 0; k < edges_.count(); ++k) {
             const std::int32_t h = edges_.uses(k)[0];
@@ -75,25 +76,49 @@ public:
             if (a == b || !is_missed(a) || !is_missed(b)) continue;
             near[a].push_back(b), near[b].push_back(a);
         }
-        std::vector<bool> seen(graph_.wall.size(), false);
-        for (std::size_t seed = 0; seed < seen.size(); ++seed) {
-            if (seen[seed] || !is_missed(seed)) continue;
-            std::vector<std::size_t> piece = {seed};
-            seen[seed] = true;
+        struct Piece {
             Box3 box;
-            double widest = 0;
-            std::size_t farthest = seed;
-            for (std::size_t k = 0; k < piece.size(); ++k) {
-                const std::size_t i = piece[k];
-                box.extend(graph_.wall[i]);
-                widest = std::max(widest, radius_of(i));
-                if (length_to(graph_.ball_of_sample[i]) > length_to(graph_.ball_of_sample[farthest])) farthest = i;
+            std::size_t samples = 0, farthest = 0;
+            double area = 0, moment = 0;              // of the triangles; of their directions about the origin
+            Vec3 first = Vec3::Zero(), facing = Vec3::Zero();  // moment of the area; its direction
+        };
+        std::vector<Piece> pieces;
+        std::vector<int> piece_of(graph_.wall.size(), -1);
+        for (std::size_t seed = 0; seed < piece_of.size(); ++seed) {
+            if (piece_of[seed] >= 0 || !is_missed(seed)) continue;
+            Piece piece;
+            piece.farthest = seed;
+            std::vector<std::size_t> stack = {seed};
+            piece_of[seed] = static_cast<int>(pieces.size());
+            while (!stack.empty()) {
+                const std::size_t i = stack.back();
+                stack.pop_back();
+                ++piece.samples;
+                piece.box.extend(graph_.wall[i]);
+                if (length_to(graph_.ball_of_sample[i]) > length_to(graph_.ball_of_sample[piece.farthest])) piece.farthest = i;
                 for (const std::size_t j : near[i])
-                    if (!seen[j]) seen[j] = true, piece.push_back(j);
+                    if (piece_of[j] < 0) piece_of[j] = static_cast<int>(pieces.size()), stack.push_back(j);
             }
-            // a fold of a rough wall is short for its width
-            if (piece.size() >= kFewest && box.diagonal().norm() > kLong * widest)
-                places.push_back(graph_.centre[static_cast<std::size_t>(graph_.ball_of_sample[farthest])]);
+            pieces.push_back(piece);
+        }
+        for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+            const auto& v = mesh_.triangles[t];
+            const int k = piece_of[sample_at(v[0])];
+            if (k < 0 || piece_of[sample_at(v[1])] != k || piece_of[sample_at(v[2])] != k) continue;
+            const Triangle3 corners = triangle_of(mesh_, t);
+            const Vec3 middle = (corners.a + corners.b + corners.c) / 3, area = 0.5 * double_area(corners);
+            Piece& piece = pieces[static_cast<std::size_t>(k)];
+            piece.area += area.norm(), piece.moment += middle.dot(area);
+            piece.first += area.norm() * middle, piece.facing += area;
+        }
+        std::vector<Vec3> places;
+        for (const Piece& piece : pieces) {
+            if (piece.samples < kFewest || !(piece.area > 0)) continue;
+            const double length = piece.box.diagonal().norm(), radius = piece.area / (2 * std::numbers::pi * length);
+            const double inward = piece.first.dot(piece.facing) / piece.area - piece.moment;
+            const double round = inward / (piece.area * radius);
+            const bool all_round = piece.facing.norm() < kOneSided * piece.area;
+            if (length > kLong * radius && all_round && round > kLeastRound && round < kMostRound) places.push_back(graph_.wall[piece.farthest]);
         }
         return places;
     }
@@ -125,14 +150,12 @@ private:
 
     static constexpr int kComb = 12;  // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
     static constexpr std::size_t kFewest = 8;
-    static constexpr double kLong = 8;  // in radii: a branch of four diameters
+    static constexpr double kLong = 8;     // in radii: a branch of four diameters
+    static constexpr double kLeastRound = 0.3, kMostRound = 3;  // a round tube has 1, a fold 0, a strip round a wide lumen more
+    static constexpr double kOneSided = 0.3;  // mean direction of its triangles: a tube's cancel; those of a corner (the rim of a cap) do not
     [[nodiscard]] std::size_t sample_at(std::int32_t vertex) const { return static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(vertex)]); }
-    [[nodiscard]] double radius_of(std::size_t sample) const { return graph_.radius[static_cast<std::size_t>(graph_.ball_of_sample[sample])]; }
-    /// Without a path, in the part of the surface that has the tree, with a lumen in front of it.
-    [[nodiscard]] bool is_missed(std::size_t sample) const
-    {
-        return !served_[sample] && length_to(graph_.ball_of_sample[sample]) >= 0 && radius_of(sample) > 1e-2 * finest_;
-    }
+    /// Without a path, in the part of the surface that has the tree.
+    [[nodiscard]] bool is_missed(std::size_t sample) const { return !served_[sample] && length_to(graph_.ball_of_sample[sample]) >= 0; }
     [[nodiscard]] double length_to(int ball) const { return paths_.length[static_cast<std::size_t>(ball)]; }
 
     [[nodiscard]] int farthest(const MedialPaths& paths) const
@@ -227,34 +250,31 @@ private:
         constexpr double kNarrow = 0.6;  // of the radius where the path joins the axis
         constexpr double kStep = 0.3;    // of samples, in radii
         constexpr int least = 4;
+        // a mesh made to be slow is not looked at for long
+        if (static_cast<double>(sheet_visits_) > work_limit(4e7, 4e3, mesh_.vertices.size())) return false;
         int flat = 0, all = 0, narrow_flat = 0, narrow = 0;
+        const double least_step = std::max(finest_, length_of(raw.points) / 64);
         for (std::size_t i = 0; i + 1 < raw.points.size(); ++i) {
             const Vec3 way = raw.points[i + 1] - raw.points[i];
             const double length = way.norm();
             for (double at = 0; at < length;) {
                 const Vec3 p = raw.points[i] + (at / length) * way;
                 if ((p - join).norm() <= parent_radius) break;
-                const double radius = radius_at(p);
+                const double radius = std::sqrt(lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_).distance2);
                 const bool here = is_flat(p, way / length) && sees_axis(p, way / length, kSight * radius + 3 * parent_radius);
                 ++all, flat += here;
                 if (radius <= kNarrow * parent_radius) ++narrow, narrow_flat += here;
-                at += std::max(kStep * radius, finest_);
+                at += std::max(kStep * radius, least_step);
             }
         }
         return (all >= least && 2 * flat > all) || (narrow >= least && 2 * narrow_flat > narrow);
     }
 
-    [[nodiscard]] double free_way(const Vec3& p, const Vec3& direction) const
-    {
-        std::uint64_t visits = 0;
-        const double way = first_hit(lumen_.tree(), p, direction, 0, &visits);
-        spend_visits(visits);
-        return way;
-    }
+    [[nodiscard]] double free_way(const Vec3& p, const Vec3& direction) const { return first_hit(lumen_.tree(), p, direction, 0, &sheet_visits_); }
     /// Across the path, the lumen is this many times wider than high.
     [[nodiscard]] bool is_flat(const Vec3& p, const Vec3& along) const
     {
-        const TreeHit hit = nearest(p);
+        const TreeHit hit = lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_);
         const Vec3 across = along.cross(p - hit.point);
         if (!(across.norm() > 0)) return false;
         const Vec3 side = across.normalized();
@@ -262,7 +282,7 @@ private:
     }
     [[nodiscard]] bool sees_axis(const Vec3& p, const Vec3& back, double reach) const
     {
-        work_.spend(static_cast<double>(tree_.points.size()));
+        sheet_visits_ += tree_.points.size() / 16;
         for (const Vec3& q : tree_.points) {
             const Vec3 to = q - p;
             const double away = to.norm();
@@ -504,6 +524,7 @@ private:
     std::vector<std::size_t> first_sample_, samples_;  // of each ball
     int branches_ = 0, in_sheet_ = 0, left_out_ = 0;  // with closed ends; of them in a flat lumen that has an axis
     bool leave_sheets_out_ = false;
+    mutable std::uint64_t sheet_visits_ = 0;
     std::optional<Vec3> start_at_;
     double finest_ = 0;  // least spacing of points [m]
     Box3 box_;

@@ -92,13 +92,13 @@ double patch_band_of(const Json& s)
 /// The branch, or the vessel between branches, that the tip is in.
 std::string place_for_people(const Json& s)
 {
-    const Stretch in{s.at("branch_path").get<std::string>(), s.value("branch_name", Json()).is_string() ? s.at("branch_name").get<std::string>() : "",
-                     s.at("branch").get<int>()};
+    const Stretch in{s.at("branch_path").get<std::string>(), "", s.at("branch").get<int>()};
+    const std::string name = s.at("branch_name").is_string() ? fmt::format(" ({})", s.at("branch_name").get<std::string>()) : "";
     const int count = s.at("branches").get<int>();
     const double depth = 1e3 * s.at("branch_depth_m").get<double>();
-    if (in.path == "0" && in.name.empty()) return fmt::format("tip before any of {} branches", count);
-    if (in.path == "0" || in.path.ends_with('+')) return fmt::format("tip in {}, {:.3g} mm on", in.words(), depth);
-    return fmt::format("tip in {}{}, {:.3g} mm beyond its mouth", in.words(), in.number > 0 ? fmt::format(" of {}", count) : "", depth);
+    if (in.path == "0" && name.empty()) return fmt::format("tip before any of {} branches", count);
+    if (in.path == "0" || in.path.ends_with('+')) return fmt::format("tip in {}{}, {:.3g} mm on", in.words(), name, depth);
+    return fmt::format("tip in {}{}{}, {:.3g} mm beyond its mouth", in.words(), in.number > 0 ? fmt::format(" of {}", count) : "", name, depth);
 }
 
 /// What became of the task, or where the tip is.

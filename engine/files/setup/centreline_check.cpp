@@ -277,7 +277,7 @@ void note_centreline(LoadedVessel& vessel)
     if (fine > 0)
         report.notes.push_back(fmt::format("The centreline does not reach {}, the first near {}: too few triangles for the lumen there. They are no targets, no inlets, and "
                                            "no contrast comes into them. Fix: a finer mesh there (two edges to a lumen radius).",
-                                           count_of(fine, "narrow branch", "narrow branches"), place(report.unreached.front())));
+                                           count_of(fine, "stretch of narrow lumen", "stretches of narrow lumen"), place(report.unreached.front())));
     std::string places;
     std::size_t openings = 0;
     for (const BoundaryLoop& loop : report.loops) {
