@@ -170,6 +170,19 @@ TEST_SUITE("step/driven hub")
         }
     }
 
+    // nothing answers until half an edge is inside: x_n = h^2 F/m n (n + 1)/2
+    TEST_CASE("analytic: from rest outside, a hub is driven as a mass alone until the wire is inside, and on")
+    {
+        TestSetup setup = in_the_open(0.01);
+        setup.wires[0].feed.keys = {{0, 0, 0, 0.02}};
+        FedWorld world(std::move(setup));
+        run(world, 30, 1e-3);
+        CHECK(world.readings(0).inserted == about(1e-6 * 2 * 30 * 31 / 2).epsilon(1e-9));
+        run(world, 70, 1e-3);
+        CHECK(world.readings(0).inserted > 0.009);
+        CHECK(world.readings(0).inserted < 0.0101);
+    }
+
     TEST_CASE("property: dry friction of the hub holds it to the last bit, and the wire at its tip with it")
     {
         TestSetup setup = in_the_open(0.01);

@@ -60,7 +60,8 @@ Balance balance(WorldData& world, int w, double h)
     std::tie(trial.answer.force, trial.answer.stiffness) = hand_answer(world, w);
     if (solved && report.iterations == 0) trial.answer.stiffness = hub.stiffness + hub.mass / (h * h);  // nothing was factorised
     ++trial.trials;
-    const double force = world.setup.wires[w].feed.hub.mass * std::abs(hub.speed) / h + std::abs(trial.answer.force);
+    const double speeds = std::abs(hub.speed) + std::abs(trial.answer.at) / h;
+    const double force = world.setup.wires[w].feed.hub.mass * speeds / h + std::abs(trial.answer.force);
     const double tolerance = (solved ? report.tolerance : 0.0) + rounding_share * force;
     const double rest = trial.equation.rest(trial.answer.at, trial.answer.force);
     if (std::abs(rest) <= tolerance || (solved && report.cut_short)) return Balance::Holds;
