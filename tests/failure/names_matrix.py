@@ -195,7 +195,7 @@ def try_obstacle(bench, command, kind, name):
 
 
 # what differs from one run to the next
-TIMES = re.compile(rb"log/|checkpoint|summary|\.json$|\.html$|trace\.csv$|\.record$|\.lock|job\.sh|merge\.sh|\.glb$|\.dcm$|scene\.toml$|\.usda$|\.png$|\.mp4$|\.pilots|cells\.csv|maps\.json|stability|plan")
+TIMES = re.compile(rb"log/|checkpoint|parts/.*\.bin|summary|\.json$|\.html$|trace\.csv$|\.record$|\.lock|job\.sh|\.glb$|\.dcm$|scene\.toml$|\.usda$|\.png$|\.mp4$|\.pilots|cells\.csv|maps\.json|stability|plan")
 
 
 def try_name(bench, command, name):
