@@ -29,7 +29,8 @@ bool draw_with(const std::string& script, const std::vector<std::string>& paths)
     const pid_t script_run = start_program(words);
     if (script_run > 0 && wait_for_program(script_run) == 0) return true;
     if (script_run < 0) {
-        note(fmt::format("seldinger: no pictures: {}\n", why_not_started(words.front(), "on Debian, as root: apt-get install python3-matplotlib")));
+        note(fmt::format("seldinger: no pictures: {}\n",
+                         why_not_started(words.front(), "on Debian, as root: apt-get install python3-matplotlib")));
         return false;
     }
     note(fmt::format("seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,

@@ -1,4 +1,5 @@
-// seldinger batch SCENE.toml --vary SWEEP.toml [-o DIR] [--set ...] [--bands] [--resume | --overwrite] [--time-limit S] [--device N]
+// seldinger batch SCENE.toml --vary SWEEP.toml [-o DIR] [--set ...] [--bands] [--resume | --overwrite] [--time-limit S] [--device
+// N]
 //                 [--threads N] [--keep traces,last-frame] [--part K/N] [--quiet] [--json]
 // seldinger batch merge DIR...
 
@@ -38,7 +39,8 @@ std::string batch_for_people(const std::string& json, const std::filesystem::pat
         s.at("name").get<std::string>(), s.at("status").get<std::string>(), s.at("runs").get<long>(), s.at("worlds").get<long>(),
         s.at("stopped").get<long>(), s.at("wire_steps").get<long>(), s.at("wall_s").get<double>(),
         s.at("wire_steps_per_s").get<double>(), s.at("device").get<std::string>(), s.at("threads").get<int>(), dir.string());
-    for (const auto& warning : s.value("warnings", nlohmann::json::array())) text += "  note: " + warning.get<std::string>() + "\n";
+    for (const auto& warning : s.value("warnings", nlohmann::json::array()))
+        text += "  note: " + warning.get<std::string>() + "\n";
     if (const std::string answer = s.at("answer").get<std::string>(); !answer.empty()) text += answer + "\n";
     if (s.contains("wall_bands")) text += "bands of the elastic wall: " + s.at("wall_bands").get<std::string>() + "\n";
     return text;
@@ -49,15 +51,18 @@ PartChoice part_of(const BatchArguments& options)
 {
     const auto [part, parts] = two_numbers(options.part, '/', "--part", "PART/PARTS, e.g. 1/40 to 40/40");
     if (part < 1 || part > parts)
-        throw Error(ErrorKind::BadScene, fmt::format("--part: got {}; expected a part from 1/{} to {}/{}", options.part, parts, parts, parts));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("--part: got {}; expected a part from 1/{} to {}/{}", options.part, parts, parts, parts));
     return {static_cast<std::size_t>(part), static_cast<std::size_t>(parts), options.scene_at};
 }
 
 ErrorKind batch(BatchArguments& options)
 {
     RunOptions& what = options.run;
-    if (options.scene.empty()) throw Error(ErrorKind::BadScene, "batch: got no scene; expected one. Fix: give SCENE.toml --vary SWEEP.toml");
-    if (options.sweep.empty()) throw Error(ErrorKind::BadScene, "batch: got no --vary; expected a sweep. Fix: give --vary SWEEP.toml");
+    if (options.scene.empty())
+        throw Error(ErrorKind::BadScene, "batch: got no scene; expected one. Fix: give SCENE.toml --vary SWEEP.toml");
+    if (options.sweep.empty())
+        throw Error(ErrorKind::BadScene, "batch: got no --vary; expected a sweep. Fix: give --vary SWEEP.toml");
     if (options.parent > 0) end_with_parent(options.parent, SIGTERM);
     if (options.resume) what.use = FolderUse::Resume;
     if (options.overwrite) what.use = FolderUse::Overwrite;
@@ -71,7 +76,8 @@ ErrorKind batch(BatchArguments& options)
                                      : run_batch_part(options.scene, options.sweep, part_of(options), what);
     if (options.json) print(outcome.summary);
     else if (!what.quiet && !whole && outcome.message.empty())
-        print(fmt::format("{}: part {} is done; when all are: seldinger batch merge {}\n", what.dir.string(), options.part, what.dir.string()));
+        print(fmt::format("{}: part {} is done; when all are: seldinger batch merge {}\n", what.dir.string(), options.part,
+                          what.dir.string()));
     else if (!what.quiet && whole) print(batch_for_people(outcome.summary, what.dir));
     if (!outcome.message.empty()) throw Error(outcome.code, outcome.message);
     return outcome.code;
@@ -81,7 +87,8 @@ void add_merge(CommandLine& batch_command, Command& chosen)
 {
     auto dirs = std::make_shared<std::vector<std::filesystem::path>>();
     CommandLine* command = batch_command.add_subcommand("merge", "make the table of a batch from its parts");
-    command->add_option("DIR", *dirs, "folder of --part -o; of several, in which parts lie, the first gets the table")->required();
+    command->add_option("DIR", *dirs, "folder of --part -o; of several, in which parts lie, the first gets the table")
+        ->required();
     command->callback([dirs, &chosen] { chosen = [dirs] { return merge_and_tell(*dirs); }; });
 }
 
@@ -92,8 +99,9 @@ ErrorKind merge_and_tell(const std::vector<std::filesystem::path>& dirs)
     const RunOutcome outcome = merge_parts(dirs);
     const nlohmann::json s = nlohmann::json::parse(outcome.summary);
     const std::string answer = s.at("answer").get<std::string>();
-    print(fmt::format("{}: {} runs, {} stopped: results.csv, results-units.csv, results.npz, shapes.csv, summary.json\n{}", dirs.front().string(),
-                      s.at("runs").get<long>(), s.at("stopped").get<long>(), answer.empty() ? "" : answer + "\n"));
+    print(fmt::format("{}: {} runs, {} stopped: results.csv, results-units.csv, results.npz, shapes.csv, summary.json\n{}",
+                      dirs.front().string(), s.at("runs").get<long>(), s.at("stopped").get<long>(),
+                      answer.empty() ? "" : answer + "\n"));
     return outcome.code;
 }
 
@@ -108,10 +116,15 @@ void add_batch(CommandLine& app, Command& chosen)
     command->add_option("--set", options->run.overrides, "change a key of the scene for all runs; repeats")
         ->type_name("table.key=value")
         ->allow_extra_args(false);
-    command->add_flag("--bands", options->bands, "each run a second time with half the step: a band for each force, --set output.bands=true");
-    command->add_option("--keep", options->keep, "files of each run in DIR/runs: traces, last-frame or traces,last-frame (default: none)")->type_name("WHAT");
-    command->add_option("--part", options->part,
-                        "only part K of N of the runs, in DIR/parts, from where it stands; `batch merge DIR` makes the table of all")
+    command->add_flag("--bands", options->bands,
+                      "each run a second time with half the step: a band for each force, --set output.bands=true");
+    command
+        ->add_option("--keep", options->keep,
+                     "files of each run in DIR/runs: traces, last-frame or traces,last-frame (default: none)")
+        ->type_name("WHAT");
+    command
+        ->add_option("--part", options->part,
+                     "only part K of N of the runs, in DIR/parts, from where it stands; `batch merge DIR` makes the table of all")
         ->type_name("K/N");
     command->add_option("--scene-at", options->scene_at)->hidden();  // of a farm, which has a copy of the scene
     command->add_option("--parent", options->parent)->hidden();      // of a farm: ends with it, its state saved

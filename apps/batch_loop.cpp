@@ -108,7 +108,8 @@ public:
                     return stop(RunStatus::TimeLimit);
                 take_step();
                 if (seconds_since(last_save_) >= std::max(save_seconds, save_share * save_cost_)) save(RunStatus::Running);
-                progress.show(now_.rows.size(), now_.at, worlds_.size(), *world_, static_cast<double>(now_.totals.wire_steps) / wall());
+                progress.show(now_.rows.size(), now_.at, worlds_.size(), *world_,
+                              static_cast<double>(now_.totals.wire_steps) / wall());
             }
             now_.device = world_->world().device_name();
             world_.reset();
@@ -131,7 +132,8 @@ private:
         vessel_key_ = std::move(key);
         world_.emplace(source_, worlds_[now_.at], vessel_, options_.device);
         // of run 0: the vessel is seldom varied
-        if (task_.begin == 0 && now_.at == 0 && !vessel_.mesh.triangles.empty()) write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
+        if (task_.begin == 0 && now_.at == 0 && !vessel_.mesh.triangles.empty())
+            write_file(folder_ / "vessel.vtp", wall_vtp(vessel_.mesh));
         now_.device = world_->world().device_name();
     }
 
@@ -173,8 +175,8 @@ private:
             refuse("is of another scene or sweep, " + first_difference(saved.scene + saved.sweep, now_.scene + now_.sweep));
         // the worlds are those that it was begun with, whether or not there is a limit now
         if (now_.ramp != saved.ramp) worlds_ = plan_worlds(source_, task_.begin, task_.end, saved.ramp);
-        if (saved.begin != now_.begin || saved.end != now_.end || saved.instruments != now_.instruments || saved.at > worlds_.size() ||
-            (saved.open && saved.at == worlds_.size()))
+        if (saved.begin != now_.begin || saved.end != now_.end || saved.instruments != now_.instruments ||
+            saved.at > worlds_.size() || (saved.open && saved.at == worlds_.size()))
             refuse("is corrupt: a value is out of range");
         now_ = std::move(saved);
         if (now_.open) restore_world(world);
@@ -230,8 +232,9 @@ private:
         if (status != RunStatus::Done || !saved_as_done_) save(status);
         RunOutcome outcome{ErrorKind::None, summary(status), {}};
         if (task_.whole) write_file(folder_ / "summary.json", outcome.summary);
-        const std::string saved = fmt::format("with {} of {} runs done, state saved in {}; run again{}", now_.rows.size(), task_.end - task_.begin,
-                                              folder_.path().string(), task_.whole ? " with --resume" : "");
+        const std::string saved =
+            fmt::format("with {} of {} runs done, state saved in {}; run again{}", now_.rows.size(), task_.end - task_.begin,
+                        folder_.path().string(), task_.whole ? " with --resume" : "");
         if (status == RunStatus::TimeLimit) outcome.code = ErrorKind::TimeLimit, outcome.message = "stopped by a limit " + saved;
         if (status == RunStatus::Interrupted) outcome.code = ErrorKind::Interrupted, outcome.message = "interrupted " + saved;
         if (status != RunStatus::Done || !task_.whole) return outcome;  // runs that stopped are results of a part like the others
@@ -241,11 +244,11 @@ private:
             if (row.run < runs && row.status == RunStatus::Stopped && (stopped++ == 0 || row.run < first)) first = row.run;
         if (stopped == 0) return outcome;
         outcome.code = ErrorKind::Stopped;
-        outcome.message =
-            fmt::format("{} of {} runs stopped where no step converged, run {} first; see the column status of {}; make scene.dt_s smaller "
-                        "or contact.stiffness lower there",
-                        stopped, std::min<std::size_t>(now_.rows.size(), source_.sweep.run_count()), first,
-                        (folder_.path() / "results.csv").string());
+        outcome.message = fmt::format(
+            "{} of {} runs stopped where no step converged, run {} first; see the column status of {}; make scene.dt_s smaller "
+            "or contact.stiffness lower there",
+            stopped, std::min<std::size_t>(now_.rows.size(), source_.sweep.run_count()), first,
+            (folder_.path() / "results.csv").string());
         return outcome;
     }
 
@@ -301,13 +304,18 @@ void add_answer(Json& summary, const BatchTable& table, const std::vector<BatchR
                                {"label", label_of(sweep, one.run)},
                                {"until_patch_force_max_n", one.value},
                                {"band_n", std::isfinite(one.band) ? Json(one.band) : Json()}});
-        summary["task"] = {{"target", layout.target}, {"reached", answer.reached}, {"passed", answer.passed}, {"force_patch_m", layout.patch}, {"ranking", std::move(ranking)}};
+        summary["task"] = {{"target", layout.target},
+                           {"reached", answer.reached},
+                           {"passed", answer.passed},
+                           {"force_patch_m", layout.patch},
+                           {"ranking", std::move(ranking)}};
     }
     summary["answer"] = answer_line(sweep, layout, answer);
     constexpr std::size_t wall_band = column_index("wall_move_max_band_m");
     if (std::any_of(rows.begin(), rows.end(), [](const BatchRow& row) { return row.numbers[wall_band] > 0; }))
-        summary["wall_bands"] = layout.bands ? "of control mesh, linear theory, nodes and step"
-                                             : "of control mesh, linear theory and nodes; with --bands, and of `seldinger run`, of the step too";
+        summary["wall_bands"] =
+            layout.bands ? "of control mesh, linear theory, nodes and step"
+                         : "of control mesh, linear theory and nodes; with --bands, and of `seldinger run`, of the step too";
 }
 
 std::string resolved_scene(const BatchSource& source, const fs::path& dir)

@@ -21,11 +21,12 @@ struct PartChoice {
     std::filesystem::path scene_at;   // paths in the scene are as if it lay here; empty: where it is
 };
 /// One part of a batch in options.dir (batch/parts.h), from where it stands; its tables are left to merge_parts(). @throws Error
-[[nodiscard]] RunOutcome run_batch_part(const std::filesystem::path& scene, const std::filesystem::path& sweep, const PartChoice& which,
-                                        RunOptions options);
+[[nodiscard]] RunOutcome run_batch_part(const std::filesystem::path& scene, const std::filesystem::path& sweep,
+                                        const PartChoice& which, RunOptions options);
 
 /// Prepares a folder for a batch in parts, or finds it prepared. @throws Error
-PartPlan begin_parts(const BatchSource& source, const std::string& sweep_text, std::size_t parts, const std::filesystem::path& dir);
+PartPlan begin_parts(const BatchSource& source, const std::string& sweep_text, std::size_t parts,
+                     const std::filesystem::path& dir);
 
 /// Tables of a batch whose parts lie in these folders, in the first of them. @return as of run_batch()
 /// @throws Error BadFile: parts are missing

@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 /// All that a part's result depends on besides its number.
 std::string batch_key(const BatchSource& source, const std::string& sweep_text)
 {
-    std::vector<std::string> texts = {version(), resolved_scene(source, fs::absolute(source.scene_file).parent_path()), sweep_text};
+    std::vector<std::string> texts = {version(), resolved_scene(source, fs::absolute(source.scene_file).parent_path()),
+                                      sweep_text};
     if (const Scene scene = source.scene(0); !scene.vessel.mesh.empty()) texts.push_back(read_file(scene.vessel.mesh));
     return plan_key(texts);
 }
@@ -22,7 +23,8 @@ std::string batch_key(const BatchSource& source, const std::string& sweep_text)
 std::optional<SavedBatch> find_part(const std::vector<Folder>& folders, const PartPlan& plan, std::size_t part)
 {
     for (const Folder& folder : folders)
-        if (std::optional<SavedBatch> saved = read_part(folder, plan, part); saved && saved->rows.size() == plan.size(part)) return saved;
+        if (std::optional<SavedBatch> saved = read_part(folder, plan, part); saved && saved->rows.size() == plan.size(part))
+            return saved;
     return std::nullopt;
 }
 
@@ -40,7 +42,8 @@ PartPlan begin_parts(const BatchSource& source, const std::string& sweep_text, s
     PartPlan plan;
     plan.items = source.item_count(), plan.parts = parts;
     if (parts > plan.items)
-        throw Error(ErrorKind::BadScene, fmt::format("got {} parts, where there are only {} runs. Fix: take that many or fewer", parts, plan.items));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("got {} parts, where there are only {} runs. Fix: take that many or fewer", parts, plan.items));
     plan.key = batch_key(source, sweep_text);
     make_folder(dir);
     const Folder folder(dir);
@@ -56,9 +59,10 @@ void say_missing(const Folder& dir, const PartPlan& plan, const std::vector<std:
     std::vector<std::size_t> items;
     for (const std::size_t part : parts)
         for (std::size_t i = plan.range(part).begin; i < plan.range(part).end; ++i) items.push_back(plan.first + i);
-    throw Error(ErrorKind::BadFile, fmt::format("{}: {} of {} parts are missing: {} ({}s {}). Fix: run the same command again, and merge then",
-                                               dir.path().string(), parts.size(), plan.parts, list_ranges(parts), plan.item_word(),
-                                               list_ranges(items)));
+    throw Error(
+        ErrorKind::BadFile,
+        fmt::format("{}: {} of {} parts are missing: {} ({}s {}). Fix: run the same command again, and merge then",
+                    dir.path().string(), parts.size(), plan.parts, list_ranges(parts), plan.item_word(), list_ranges(items)));
 }
 
 RunOutcome merge_parts(const std::vector<fs::path>& dirs)
@@ -84,8 +88,10 @@ RunOutcome merge_parts(const std::vector<fs::path>& dirs)
     }
     if (!missing.empty()) say_missing(folder, plan, missing);
     const Sweep sweep = read_sweep_text(all.sweep, folder.path() / "sweep.toml", all.seed);
-    if (all.rows.size() != plan.items || all.layout.runs != sweep.run_count() || plan.items != (all.layout.bands ? 2 : 1) * sweep.run_count())
-        throw Error(ErrorKind::BadFile, (folder.path() / "parts").string() + ": the parts do not fit together. Fix: begin again in another folder");
+    if (all.rows.size() != plan.items || all.layout.runs != sweep.run_count() ||
+        plan.items != (all.layout.bands ? 2 : 1) * sweep.run_count())
+        throw Error(ErrorKind::BadFile,
+                    (folder.path() / "parts").string() + ": the parts do not fit together. Fix: begin again in another folder");
     for (const Folder& other : folders)
         if (&other != &folder) copy_files(other, folder);
     const BatchTable table{sweep, all.layout};

@@ -30,11 +30,14 @@ std::string describe_entry(const Scene& scene, const RepairReport& vessel, const
         const FeedSpec& feed = setup.wires[static_cast<std::size_t>(k)].feed;
         if (!feed.on || scene.instrument(k).feed.inlet_auto) continue;
         const auto distance = [&](const Inlet& i) { return (i.point - feed.point).norm(); };
-        const auto nearest = std::min_element(inlets.begin(), inlets.end(), [&](const Inlet& a, const Inlet& b) { return distance(a) < distance(b); });
+        const auto nearest = std::min_element(inlets.begin(), inlets.end(),
+                                              [&](const Inlet& a, const Inlet& b) { return distance(a) < distance(b); });
         if (distance(*nearest) <= 3 * nearest->radius) continue;
-        text += fmt::format("  note: feed.point lies {:.3g} mm from the nearest inlet, number {}; a wire enters a vessel at an opening or an end. Fix: "
-                            "inlet = {}, unless it is meant to start there\n",
-                            1e3 * distance(*nearest), nearest - inlets.begin() + 1, nearest - inlets.begin() + 1);
+        text += fmt::format(
+            "  note: feed.point lies {:.3g} mm from the nearest inlet, number {}; a wire enters a vessel at an opening or an "
+            "end. Fix: "
+            "inlet = {}, unless it is meant to start there\n",
+            1e3 * distance(*nearest), nearest - inlets.begin() + 1, nearest - inlets.begin() + 1);
         break;  // instruments inside each other enter at one place
     }
     return text;
@@ -47,10 +50,14 @@ std::string describe_wall_mesh(const WorldSetup& setup, const WallMechanics& mad
     const bool chosen = setup.vessel.wall_edge == 0;
     const double edge = chosen ? std::min(made.edge, 0.5 * made.decay) : made.edge;
     const WallMeshBand band = wall_mesh_band(edge, made.decay, setup.vessel.shape == VesselShape::Plane);
-    return fmt::format("  elastic wall: a dent decays over {:.3g} mm; control edges of {:.3g} mm{} leave up to {:.1g} % in displacement and {:.2g} % in "
-                       "stress{}\n",
-                       1e3 * made.decay, 1e3 * edge, chosen ? " where a trial run with a rigid wall touches (longer if they were more than 3,000)" : "",
-                       1e2 * band.move, 1e2 * std::min(1.0, 0.5 * band.stress), chosen ? "" : "; leave vessel.wall_edge_m out for short ones where instruments touch");
+    return fmt::format(
+        "  elastic wall: a dent decays over {:.3g} mm; control edges of {:.3g} mm{} leave up to {:.1g} % in displacement and "
+        "{:.2g} % in "
+        "stress{}\n",
+        1e3 * made.decay, 1e3 * edge,
+        chosen ? " where a trial run with a rigid wall touches (longer if they were more than 3,000)" : "", 1e2 * band.move,
+        1e2 * std::min(1.0, 0.5 * band.stress),
+        chosen ? "" : "; leave vessel.wall_edge_m out for short ones where instruments touch");
 }
 
 std::string describe(const Scene& scene, const RepairReport& vessel, const WorldSetup& setup)
@@ -62,7 +69,8 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
     if (vessel.triangles > 0) text += fmt::format("; vessel of {} triangles, {} openings", vessel.triangles, vessel.loops.size());
     text += "\n";
     for (const std::string& note : vessel.notes) text += "  vessel: " + note + "\n";
-    if (const std::string thick = describe_thick_wall(setup.vessel, setup.centreline); !thick.empty()) text += "  note: " + thick + "\n";
+    if (const std::string thick = describe_thick_wall(setup.vessel, setup.centreline); !thick.empty())
+        text += "  note: " + thick + "\n";
     const WallMechanics made = expected_mechanics(setup.vessel, setup.mesh, setup.centreline);
     if (const std::string coarse = describe_coarse_wall(made, setup.vessel); !coarse.empty() && setup.vessel.wall_edge > 0)
         text += "  note: " + coarse + "\n";
@@ -74,7 +82,8 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
         for (const WireSetup& wire : setup.wires)
             if (wire.feed.on) {
                 const VesselParts parts(setup.mesh, vessel.loops);
-                for (const std::string& line : parts.describe_choice(parts.part_at(wire.feed.point))) text += "  note: " + line + "\n";
+                for (const std::string& line : parts.describe_choice(parts.part_at(wire.feed.point)))
+                    text += "  note: " + line + "\n";
                 break;
             }
     if (setup.vessel.shape == VesselShape::Mesh) text += describe_entry(scene, vessel, setup);

@@ -26,7 +26,8 @@ class Pipe {
 public:
     Pipe()
     {
-        if (::pipe2(ends_.data(), O_CLOEXEC) != 0) throw Error(ErrorKind::Stopped, fmt::format("no pipe could be made: {}", std::strerror(errno)));
+        if (::pipe2(ends_.data(), O_CLOEXEC) != 0)
+            throw Error(ErrorKind::Stopped, fmt::format("no pipe could be made: {}", std::strerror(errno)));
     }
     ~Pipe() { shut(0), shut(1); }
     Pipe(const Pipe&) = delete;

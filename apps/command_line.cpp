@@ -11,7 +11,10 @@
 
 namespace seldinger::apps {
 
-ArgumentCheck in_range(int least, int most) { return [check = CLI::Range(least, most)](const std::string& word) { return check(word); }; }
+ArgumentCheck in_range(int least, int most)
+{
+    return [check = CLI::Range(least, most)](const std::string& word) { return check(word); };
+}
 ArgumentCheck in_range(double least, double most)
 {
     return [check = CLI::Range(least, most)](const std::string& word) { return check(word); };
@@ -118,7 +121,8 @@ CommandLine* CommandLine::hidden()
 
 CommandLine* CommandLine::subcommand(const std::string& name) const
 {
-    const auto it = std::find_if(below_.begin(), below_.end(), [&](const auto& command) { return command->app_.get_name() == name; });
+    const auto it =
+        std::find_if(below_.begin(), below_.end(), [&](const auto& command) { return command->app_.get_name() == name; });
     return it == below_.end() ? nullptr : it->get();
 }
 bool CommandLine::below_was_given(const std::string& name) const

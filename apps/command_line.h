@@ -1,6 +1,6 @@
 #pragma once
-// What a command takes from the command line: options by name and type, written like CLI11's own, which command_line.cpp alone includes
-// (it costs every file that does three seconds of compiling).
+// What a command takes from the command line: options by name and type, written like CLI11's own, which command_line.cpp alone
+// includes (it costs every file that does three seconds of compiling).
 
 #include <cstdint>
 #include <functional>

@@ -48,8 +48,9 @@ ErrorKind list()
         throw Error(ErrorKind::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor");
     std::string text;
     for (const DeviceInfo& d : devices)
-        text += fmt::format("{}: {} ({}), {}, {}, {} compute units, {:.1f} GiB, {}\n", d.index, d.name, d.type, d.platform, d.version,
-                            d.compute_units, static_cast<double>(d.memory_bytes) / (1u << 30), d.fp64 ? "fp64" : "no fp64");
+        text +=
+            fmt::format("{}: {} ({}), {}, {}, {} compute units, {:.1f} GiB, {}\n", d.index, d.name, d.type, d.platform, d.version,
+                        d.compute_units, static_cast<double>(d.memory_bytes) / (1u << 30), d.fp64 ? "fp64" : "no fp64");
     print(text);
     return ErrorKind::None;
 }
@@ -58,12 +59,14 @@ int kept_kernels()
 {
     int count = 0;
     std::error_code error;
-    for (std::filesystem::recursive_directory_iterator at(device::kernel_cache_folder(), error), end; !error && at != end; at.increment(error))
+    for (std::filesystem::recursive_directory_iterator at(device::kernel_cache_folder(), error), end; !error && at != end;
+         at.increment(error))
         count += at->path().extension() == ".so";
     return count;
 }
 
-/// What a run launches with the default detection: each law of the wall by a world that has it, in both precisions, and instruments.
+/// What a run launches with the default detection: each law of the wall by a world that has it, in both precisions, and
+/// instruments.
 ErrorKind warm(int device)
 {
     (void)list_devices();  // which settles where kernels are kept
@@ -89,7 +92,8 @@ struct DevicesOptions {
 ErrorKind run(const DevicesOptions& options)
 {
     if (options.warm) return warm(options.device);
-    if (options.device >= 0) throw Error(ErrorKind::BadScene, "--device: got no --warm; expected both. Fix: add --warm, or take --device out");
+    if (options.device >= 0)
+        throw Error(ErrorKind::BadScene, "--device: got no --warm; expected both. Fix: add --warm, or take --device out");
     return list();
 }
 
@@ -99,8 +103,9 @@ void add_devices(CommandLine& app, Command& chosen)
 {
     const auto options = std::make_shared<DevicesOptions>();
     CommandLine* devices = app.add_subcommand("devices", "list the OpenCL devices");
-    devices->add_flag("--warm", options->warm,
-                      "compile the kernels that runs need, and keep them: for an image of a container or a node, before its first run");
+    devices->add_flag(
+        "--warm", options->warm,
+        "compile the kernels that runs need, and keep them: for an image of a container or a node, before its first run");
     devices->add_option("--device", options->device, "with --warm: for this device instead of the default")->type_name("N");
     devices->callback([&chosen, options] { chosen = [options] { return run(*options); }; });
 }

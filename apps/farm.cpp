@@ -47,7 +47,8 @@ struct ViewOptions {
 std::size_t part_count(const FarmArguments& options, std::size_t items, const char* word)
 {
     if (options.tasks && static_cast<std::size_t>(*options.tasks) > items)
-        throw Error(ErrorKind::BadScene, fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks, items, word));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks, items, word));
     if (options.tasks) return static_cast<std::size_t>(*options.tasks);
     if (fs::exists(options.dir / "parts.json")) return std::min(items, read_plan(Folder(options.dir)).parts);
     return std::min(items, options.backend == "slurm" ? slurm_tasks : local_tasks * static_cast<std::size_t>(options.local.jobs));
@@ -128,8 +129,9 @@ PartPlan plan_frames(const FarmArguments& options, const std::vector<std::string
 
 PartCommand render_command(const FarmArguments& options, const std::vector<std::string>& words)
 {
-    PartCommand command{{"render", options.source.string(), "-o", (options.dir / "frame.png").string(), "--farm", options.dir.string(),
-                         "--resume", "--numbered", "--quiet"}, "--frames"};
+    PartCommand command{{"render", options.source.string(), "-o", (options.dir / "frame.png").string(), "--farm",
+                         options.dir.string(), "--resume", "--numbered", "--quiet"},
+                        "--frames"};
     command.words.insert(command.words.end(), words.begin(), words.end());
     return command;
 }
@@ -139,7 +141,8 @@ void check_words(const FarmArguments& options)
 {
     if (options.source.empty())
         throw Error(ErrorKind::BadScene,
-                    "farm: got no work; expected a sweep or frames. Fix: give SCENE.toml --vary SWEEP.toml, or the folder of a run with --frames 0:499");
+                    "farm: got no work; expected a sweep or frames. Fix: give SCENE.toml --vary SWEEP.toml, or the folder of a "
+                    "run with --frames 0:499");
     if (options.dir.empty()) throw Error(ErrorKind::BadScene, "farm: give a folder that all machines share with -o DIR");
     if (options.submit && options.backend != "slurm")
         throw Error(ErrorKind::BadScene, "--submit: got no --backend slurm; expected it. Fix: give both");
@@ -181,11 +184,13 @@ ErrorKind show_status(const ViewOptions& options)
     const Status status = status_of(dir, plan);
     const std::size_t done = plan.parts - status.missing.size();
     const std::string items = fmt::format("{}s", plan.item_word()), missing = list_ranges(status.missing);
-    const Json out = {{items, plan.items}, {items + "_done", status.items}, {"tasks", plan.parts}, {"done", done}, {"missing", missing}};
+    const Json out = {
+        {items, plan.items}, {items + "_done", status.items}, {"tasks", plan.parts}, {"done", done}, {"missing", missing}};
     if (options.json) print(json_text(out, 2) + "\n");
     else
         print(head_of(dir, plan) + fmt::format("  {} tasks done, {} {}; {}\n", done, status.items, items,
-                                               missing.empty() ? "all done: seldinger farm merge " + dir.path().string() : "missing: tasks " + missing));
+                                               missing.empty() ? "all done: seldinger farm merge " + dir.path().string()
+                                                               : "missing: tasks " + missing));
     return ErrorKind::None;
 }
 
@@ -193,14 +198,15 @@ ErrorKind merge_frames(const Folder& dir, const PartPlan& plan, const ViewOption
 {
     if (const Status status = status_of(dir, plan); !status.missing.empty()) say_missing(dir, plan, status.missing);
     const std::size_t end = plan.first + plan.items;
-    std::string text = fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items, frame_file(plan.files.front(), plan.first),
-                                   frame_file(plan.files.front(), end - 1));
+    std::string text = fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items,
+                                   frame_file(plan.files.front(), plan.first), frame_file(plan.files.front(), end - 1));
     std::vector<std::string> pictures;  // of each view
     for (const std::string& file : plan.files)
         if (file.starts_with("frame_") && file.ends_with(".png") && file.find('/') == std::string::npos) pictures.push_back(file);
     for (std::size_t k = 0; k < pictures.size() && !options.video.empty(); ++k) {
         fs::path name = options.video;
-        if (pictures.size() > 1) name = name.parent_path() / fmt::format("{}_v{}{}", name.stem().string(), k + 1, name.extension().string());
+        if (pictures.size() > 1)
+            name = name.parent_path() / fmt::format("{}_v{}{}", name.stem().string(), k + 1, name.extension().string());
         FilmWriter film(name, options.fps.value_or(plan.rate));
         for (std::size_t i = plan.first; i < end; ++i) film.add_png(read_file(dir / frame_file(pictures[k], i)));
         film.finish();
@@ -215,7 +221,8 @@ ErrorKind merge(const ViewOptions& options)
     const Folder dir(options.dir);
     const PartPlan plan = read_plan(dir);
     if (plan.frames) return merge_frames(dir, plan, options);
-    if (!options.video.empty()) throw Error(ErrorKind::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
+    if (!options.video.empty())
+        throw Error(ErrorKind::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
     return merge_and_tell({options.dir});
 }
 
@@ -225,9 +232,10 @@ ErrorKind give_to_slurm(const Folder& dir, const PartPlan& plan, const PartComma
 {
     const Status status = status_of(dir, plan);
     const auto array = write_slurm_job(dir, plan, command, options.sbatch, status.missing);
-    print(head_of(dir, plan) + (status.missing.empty() ? fmt::format("  all done: seldinger farm merge {}\n", options.dir.string())
-                                : options.submit       ? submit(dir, array)
-                                                       : "  " + shell_text(array) + "\n"));
+    print(head_of(dir, plan) + (status.missing.empty()
+                                    ? fmt::format("  all done: seldinger farm merge {}\n", options.dir.string())
+                                : options.submit ? submit(dir, array)
+                                                 : "  " + shell_text(array) + "\n"));
     return ErrorKind::None;
 }
 
@@ -239,8 +247,8 @@ ErrorKind run_and_merge(const Folder& dir, const PartPlan& plan, const PartComma
         throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
                                       plan.parts - status.missing.size(), plan.parts));
     if (!status.missing.empty())
-        throw Error(ErrorKind::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them", options.dir.string(),
-                                                   list_ranges(status.missing)));
+        throw Error(ErrorKind::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them",
+                                                    options.dir.string(), list_ranges(status.missing)));
     if (!plan.frames && options.local.quiet) return merge_parts({options.dir}).code;
     return options.local.quiet ? ErrorKind::None : merge({options.dir, {}, {}, false});
 }
@@ -298,16 +306,18 @@ std::vector<std::string> PartCommand::of(const PartPlan& plan, std::size_t part)
     const auto [begin, end] = plan.range(part);
     std::vector<std::string> all = words;
     all.push_back(option);
-    all.push_back(plan.frames ? fmt::format("{}:{}", plan.first + begin, plan.first + end - 1) : fmt::format("{}/{}", part, plan.parts));
+    all.push_back(plan.frames ? fmt::format("{}:{}", plan.first + begin, plan.first + end - 1)
+                              : fmt::format("{}/{}", part, plan.parts));
     return all;
 }
 
 void check_farm_of(const fs::path& farm, const fs::path& run)
 {
     if (const PartPlan plan = read_plan(Folder(farm)); !plan.key.starts_with(run_key(run)))
-        throw Error(ErrorKind::BadScene, fmt::format("{}: the run {} has changed since the farm was made, or this is another version ({}); "
-                                                    "make a new farm",
-                                                    farm.string(), run.string(), version()));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("{}: the run {} has changed since the farm was made, or this is another version ({}); "
+                                "make a new farm",
+                                farm.string(), run.string(), version()));
 }
 
 void add_farm(CommandLine& app, Command& chosen)
@@ -334,7 +344,8 @@ void add_farm(CommandLine& app, Command& chosen)
     command->add_option("--jobs", options->local.jobs, "local: tasks at a time (default 1)")
         ->type_name("N")
         ->check(in_range(1, 1024));
-    command->add_option("--threads", options->local.threads, "local: threads of each task (default: all cores, divided by --jobs)")
+    command
+        ->add_option("--threads", options->local.threads, "local: threads of each task (default: all cores, divided by --jobs)")
         ->type_name("N")
         ->check(in_range(1, 1024));
     command->add_option("--device", options->local.device, "local: OpenCL device, as `seldinger devices` lists them")
@@ -343,7 +354,8 @@ void add_farm(CommandLine& app, Command& chosen)
         ->type_name("OPTION")
         ->allow_extra_args(false);
     auto* submit_flag = command->add_flag("--submit", options->submit, "slurm: submit the jobs (default: print the commands)");
-    command->add_flag("--dry-run", options->dry_run, "prepare the folder and print a command for each task that is not done")->excludes(submit_flag);
+    command->add_flag("--dry-run", options->dry_run, "prepare the folder and print a command for each task that is not done")
+        ->excludes(submit_flag);
     command->add_flag("--quiet", options->local.quiet, "no progress, no status at the end");
     add_status(*command, chosen);
     add_merge(*command, chosen);

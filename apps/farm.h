@@ -29,7 +29,8 @@ ErrorKind run_here(const Folder& dir, const PartPlan& plan, const PartCommand& c
 void check_job_script(const std::filesystem::path& dir, const std::vector<std::string>& options);
 /// Writes DIR/job.sh. @param options  of sbatch. @return the command that submits these parts, as words
 [[nodiscard]] std::vector<std::string> write_slurm_job(const Folder& dir, const PartPlan& plan, const PartCommand& command,
-                                                       const std::vector<std::string>& options, const std::vector<std::size_t>& parts);
+                                                       const std::vector<std::string>& options,
+                                                       const std::vector<std::size_t>& parts);
 /// Submits it and the merge behind it. @return what to tell. @throws Error BadFile: Slurm refuses
 [[nodiscard]] std::string submit(const Folder& dir, const std::vector<std::string>& array);
 /// @throws Error BadFile: there is no sbatch

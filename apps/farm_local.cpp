@@ -28,8 +28,11 @@ public:
           shows_(!backend.quiet && isatty(STDERR_FILENO))
     {
         // parts that run at a time share the cores: threads of one would wait for those of another
-        const int shared = backend.jobs > 1 ? std::max(1, thread_count() / backend.jobs) : 0, threads = backend.threads > 0 ? backend.threads : shared;
-        const auto add = [&](const char* option, int value) { command_.words.insert(command_.words.end(), {option, std::to_string(value)}); };
+        const int shared = backend.jobs > 1 ? std::max(1, thread_count() / backend.jobs) : 0,
+                  threads = backend.threads > 0 ? backend.threads : shared;
+        const auto add = [&](const char* option, int value) {
+            command_.words.insert(command_.words.end(), {option, std::to_string(value)});
+        };
         add("--parent", getpid());
         if (threads > 0) add("--threads", threads);
         if (backend.device >= 0 && !plan.frames) add("--device", backend.device);
@@ -49,7 +52,9 @@ public:
             reap();
             if (asked_ == 0 && (asked_ = stop_asked_for()) != 0)
                 for (const Child& child : children_) kill(child.process, asked_);
-            if (shows_) note(fmt::format("\r\033[Ktask {} of {}{}", plan_.parts - open_.size(), plan_.parts, open_.empty() ? "\r\033[K" : ""));
+            if (shows_)
+                note(fmt::format("\r\033[Ktask {} of {}{}", plan_.parts - open_.size(), plan_.parts,
+                                 open_.empty() ? "\r\033[K" : ""));
             const bool waits = children_.empty() && left;
             if (waits && !quiet_ && ++waits_ == 20)
                 note(fmt::format("{}: waiting for {} tasks that other processes have\n", dir_.path().string(), open_.size()));
@@ -88,7 +93,8 @@ private:
         const std::vector<std::string> words = command_.of(plan_, part);
         // of a group of its own: Ctrl-C reaches it by us alone, so once
         const pid_t process = start_program(words, no_descriptor, no_descriptor, no_descriptor, ProcessGroup::Own);
-        if (process < 0) throw Error(ErrorKind::BadFile, "a part: " + why_not_started(words.front(), "install the program again"));
+        if (process < 0)
+            throw Error(ErrorKind::BadFile, "a part: " + why_not_started(words.front(), "install the program again"));
         children_.push_back({process, part, std::move(lock)});
     }
 

@@ -35,20 +35,25 @@ std::string submitted(const std::vector<std::string>& words)
     const Said said = ask(shell_text(words));
     const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
     if (said.code != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
-        throw Error(ErrorKind::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch, or take fewer --tasks",
-                                                   shell_text(words), one_line(said.text)));
+        throw Error(ErrorKind::BadFile,
+                    fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch, or take fewer --tasks",
+                                shell_text(words), one_line(said.text)));
     return job;
 }
 
-/// A folder as a line #SBATCH carries it: in quotes for blanks and #, each % twice since Slurm puts the job's number in the place of %j.
-/// Quotes and backslashes would end that, and a line break would make the rest of the name a command of the script.
+/// A folder as a line #SBATCH carries it: in quotes for blanks and #, each % twice since Slurm puts the job's number in the place
+/// of %j. Quotes and backslashes would end that, and a line break would make the rest of the name a command of the script.
 std::string slurm_text(const fs::path& dir)
 {
     std::string text;
     for (const char c : dir.string()) {
         if (c == '"' || c == '\\' || (c >= 0 && c < ' '))
-            throw Error(ErrorKind::BadScene, fmt::format("{}: a job's script cannot name a folder with {} in its name. Fix: choose another with -o",
-                                                        dir.string(), c == '"' ? "a quotation mark" : c == '\\' ? "a backslash" : "a line break or tab"));
+            throw Error(ErrorKind::BadScene,
+                        fmt::format("{}: a job's script cannot name a folder with {} in its name. Fix: choose another with -o",
+                                    dir.string(),
+                                    c == '"'    ? "a quotation mark"
+                                    : c == '\\' ? "a backslash"
+                                                : "a line break or tab"));
         text += c == '%' ? std::string("%%") : std::string(1, c);
     }
     return text;
@@ -99,22 +104,24 @@ void check_job_script(const fs::path& dir, const std::vector<std::string>& optio
     (void)slurm_text(dir);
     for (const std::string& option : options)
         if (option.find_first_of("\r\n") != std::string::npos)
-            throw Error(ErrorKind::BadScene, "--sbatch: got a line break, which would make the rest a command of the job's script. Fix: give one "
-                                            "option, in one line, each time");
+            throw Error(ErrorKind::BadScene,
+                        "--sbatch: got a line break, which would make the rest a command of the job's script. Fix: give one "
+                        "option, in one line, each time");
 }
 
 std::vector<std::string> write_slurm_job(const Folder& dir, const PartPlan& plan, const PartCommand& command,
                                          const std::vector<std::string>& options, const std::vector<std::size_t>& parts)
 {
-    const std::string which =
-        !plan.frames ? fmt::format("--part \"$task/{}\"", plan.parts)
-                     : fmt::format("--frames \"$(({0} + (task - 1) * {1} / {2})):$(({0} + task * {1} / {2} - 1))\"", plan.first, plan.items, plan.parts);
+    const std::string which = !plan.frames
+                                  ? fmt::format("--part \"$task/{}\"", plan.parts)
+                                  : fmt::format("--frames \"$(({0} + (task - 1) * {1} / {2})):$(({0} + task * {1} / {2} - 1))\"",
+                                                plan.first, plan.items, plan.parts);
     std::string lines;
     for (const std::string& option : options) lines += "#SBATCH " + option + "\n";
     using fmt::arg;
-    const std::string text =
-        fmt::format(script, arg("log", slurm_text(dir.make("log").path())), arg("options", lines), arg("part", shell_text(command.words)),
-                    arg("which", which), arg("merge", shell_text({command.words.front(), "farm", "merge", dir.path().string()})));
+    const std::string text = fmt::format(script, arg("log", slurm_text(dir.make("log").path())), arg("options", lines),
+                                         arg("part", shell_text(command.words)), arg("which", which),
+                                         arg("merge", shell_text({command.words.front(), "farm", "merge", dir.path().string()})));
     write_file(dir / "job.sh", text);
     return {"sbatch", "--parsable", "--array=" + list_ranges(parts, ","), (dir.path() / "job.sh").string()};
 }
@@ -130,8 +137,9 @@ void need_slurm()
 std::string submit(const Folder& dir, const std::vector<std::string>& array)
 {
     const std::string job = submitted(array);
-    const std::string merge = submitted({"sbatch", "--parsable", "--dependency=afterany:" + job,
-                                         "--output=" + slurm_text(dir.path() / "log") + "/slurm-merge-%j.txt", array.back(), "merge"});
+    const std::string merge =
+        submitted({"sbatch", "--parsable", "--dependency=afterany:" + job,
+                   "--output=" + slurm_text(dir.path() / "log") + "/slurm-merge-%j.txt", array.back(), "merge"});
     return fmt::format("  job {}: {}\n  job {}: merge, when they have ended\n", job, array[2], merge);
 }
 

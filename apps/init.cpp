@@ -1,5 +1,5 @@
-// seldinger init MESH [-o scene.toml] [--units mm] [--inlet N] [--instrument NAME] [--overwrite]: a first scene for the user's own
-// mesh, and a picture of its inlets.
+// seldinger init MESH [-o scene.toml] [--units mm] [--inlet N] [--instrument NAME] [--overwrite]: a first scene for the user's
+// own mesh, and a picture of its inlets.
 
 #include "command_line.h"
 #include "commands.h"
@@ -40,8 +40,9 @@ void refuse_to_overwrite(const InitArguments& options, const fs::path& picture)
     if (options.overwrite) return;
     for (const fs::path& file : {options.scene, picture})
         if (fs::exists(file))
-            throw Error(ErrorKind::BadScene, fmt::format("{}: is there already; give --overwrite to replace it, or another name with -o",
-                                                        file.string()));
+            throw Error(
+                ErrorKind::BadScene,
+                fmt::format("{}: is there already; give --overwrite to replace it, or another name with -o", file.string()));
 }
 
 /// @return a line about the picture
@@ -51,7 +52,8 @@ std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline
     try {
         const Branches numbered(line, end_at(line, first.inlets[static_cast<std::size_t>(first.inlet) - 1].point));
         std::vector<Vec3> branches;
-        for (int k = 1; k <= numbered.count(); ++k) branches.push_back(line.points[static_cast<std::size_t>(numbered.points(k).back())]);
+        for (int k = 1; k <= numbered.count(); ++k)
+            branches.push_back(line.points[static_cast<std::size_t>(numbered.points(k).back())]);
         draw_inlets(picture, mesh, first.inlets, branches, first.inlet);
         return fmt::format("  {}: the inlets and the branches, numbered\n", picture.string());
     } catch (const Error& error) {  // a scene is what was asked for: no display is no failure
@@ -79,15 +81,22 @@ LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
         vessel = load_vessel(spec);
     }
     first.unit = unit.unit;
-    first.unit_why = describe_unit(guesses, unit, !options.units.empty() ? "given" : !said.empty() ? "said by the file's header" : "guessed from its size");
+    first.unit_why = describe_unit(guesses, unit,
+                                   !options.units.empty() ? "given"
+                                   : !said.empty()        ? "said by the file's header"
+                                                          : "guessed from its size");
     if (options.units.empty() && !unit.plausible)
-        throw Error(ErrorKind::BadScene, fmt::format("{}: got units \"{}\", {}; expected a lumen of 0.3 to 20 mm radius along most of its axis. Fix: say "
-                                                    "with --units which unit it has",
-                                                    options.mesh.string(), unit.unit, first.unit_why));
+        throw Error(
+            ErrorKind::BadScene,
+            fmt::format("{}: got units \"{}\", {}; expected a lumen of 0.3 to 20 mm radius along most of its axis. Fix: say "
+                        "with --units which unit it has",
+                        options.mesh.string(), unit.unit, first.unit_why));
     if (const std::string why = describe_no_vessel(vessel); !why.empty() && options.units.empty())
-        throw Error(ErrorKind::BadFile, fmt::format("{}: is no vessel: {}. Fix: give the surface of a lumen, cut where the vessel ends; --units takes "
-                                                   "it as it is",
-                                                   options.mesh.string(), why));
+        throw Error(
+            ErrorKind::BadFile,
+            fmt::format("{}: is no vessel: {}. Fix: give the surface of a lumen, cut where the vessel ends; --units takes "
+                        "it as it is",
+                        options.mesh.string(), why));
     return vessel;
 }
 
@@ -96,9 +105,11 @@ void find_axes(const InitArguments& options, FirstScene& first)
 {
     const FileAxes axes = remarks_of_file(options.mesh).axes;
     if (axes == FileAxes::Ras) first.back = -Vec3::UnitY();
-    first.axes_why = axes == FileAxes::Ras   ? "The file says SPACE=RAS: x to the right, y to the front, z to the head"
-                     : axes == FileAxes::Lps ? "The file says SPACE=LPS: x to the left, y to the back, z to the head"
-                                                : "The file says nothing of its axes; LPS is taken, as in DICOM: x to the left, y to the back, z to the head";
+    first.axes_why =
+        axes == FileAxes::Ras ? "The file says SPACE=RAS: x to the right, y to the front, z to the head"
+        : axes == FileAxes::Lps
+            ? "The file says SPACE=LPS: x to the left, y to the back, z to the head"
+            : "The file says nothing of its axes; LPS is taken, as in DICOM: x to the left, y to the back, z to the head";
 }
 
 /// @return why each inlet was taken or left, and what part of the surface it leads into
@@ -106,7 +117,10 @@ std::vector<std::string> choose_inlet(const InitArguments& options, const Loaded
 {
     first.inlets = find_inlets(vessel.report.loops, vessel.centreline);
     if (first.inlets.empty())
-        throw Error(ErrorKind::BadFile, fmt::format("{}: got a surface without an opening and without a lumen that has an axis; expected the wall of a vessel. Fix: cut the vessel's ends, or give the surface of its lumen", options.mesh.string()));
+        throw Error(ErrorKind::BadFile,
+                    fmt::format("{}: got a surface without an opening and without a lumen that has an axis; expected the wall of "
+                                "a vessel. Fix: cut the vessel's ends, or give the surface of its lumen",
+                                options.mesh.string()));
     if (static_cast<std::size_t>(std::max(0, options.inlet)) > first.inlets.size())
         throw Error(ErrorKind::BadScene, fmt::format("--inlet {}: the vessel has {} inlet{}", options.inlet, first.inlets.size(),
                                                     first.inlets.size() == 1 ? "" : "s"));
@@ -126,7 +140,8 @@ std::vector<std::string> choose_inlet(const InitArguments& options, const Loaded
                                     taken ? first.inlet_why : access.reason[k]));
     }
     if (parts)
-        for (const std::string& line : parts->describe_choice(part[static_cast<std::size_t>(first.inlet) - 1])) lines.push_back(line);
+        for (const std::string& line : parts->describe_choice(part[static_cast<std::size_t>(first.inlet) - 1]))
+            lines.push_back(line);
     return lines;
 }
 
@@ -147,7 +162,9 @@ void require_runnable(const InitArguments& options, const std::string& text, con
 ErrorKind init(InitArguments& options)
 {
     if (options.mesh.extension() == ".toml")
-        throw Error(ErrorKind::BadScene, fmt::format("{}: got a scene; expected a mesh. Fix: give the file of the vessel's surface, or run the scene", options.mesh.string()));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("{}: got a scene; expected a mesh. Fix: give the file of the vessel's surface, or run the scene",
+                                options.mesh.string()));
     if (options.scene.empty()) options.scene = options.mesh.stem().string() + ".toml";
     const fs::path picture = options.scene.parent_path() / (options.scene.stem().string() + "-ways-in.png");
     refuse_to_overwrite(options, picture);
@@ -167,7 +184,8 @@ ErrorKind init(InitArguments& options)
     std::string out = fmt::format("{}: units \"{}\", {}\n", printable(options.mesh.string()), first.unit, first.unit_why);
     out += fmt::format("  axes: {}\n", first.axes_why);
     for (const std::string& line : ways) out += fmt::format("  {}\n", line);
-    out += fmt::format("  wire: {}\n  {}: the scene; next: seldinger run {}\n", first.wire.why, options.scene.string(), options.scene.string());
+    out += fmt::format("  wire: {}\n  {}: the scene; next: seldinger run {}\n", first.wire.why, options.scene.string(),
+                       options.scene.string());
     print(out + draw(picture, vessel.mesh, vessel.centreline, first));
     return ErrorKind::None;
 }
@@ -185,7 +203,8 @@ void add_init(CommandLine& app, Command& chosen)
     command->add_option("--inlet", options->inlet, "number of an inlet of the list (default: chosen, with the reason)")
         ->type_name("N")
         ->check(in_range(1, 1000));
-    command->add_option("--instrument", options->instrument, "of the catalogue (default: a guidewire that fits)")->type_name("NAME");
+    command->add_option("--instrument", options->instrument, "of the catalogue (default: a guidewire that fits)")
+        ->type_name("NAME");
     command->add_flag("--overwrite", options->overwrite, "replace a scene and a picture that are there");
     command->callback([options, &chosen] { chosen = [options] { return init(*options); }; });
 }

@@ -31,12 +31,14 @@ fs::path mask_of(const fs::path& json) { return json.parent_path() / (json.stem(
 std::vector<fs::path> label_files_in(const fs::path& dir)
 {
     if (!fs::is_directory(dir))
-        throw Error(ErrorKind::BadFile, dir.string() + ": got no such folder; expected the one that `seldinger render --labels` wrote");
+        throw Error(ErrorKind::BadFile,
+                    dir.string() + ": got no such folder; expected the one that `seldinger render --labels` wrote");
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(dir))
         if (entry.path().extension() == ".json" && fs::exists(mask_of(entry.path()))) files.push_back(entry.path());
     if (files.empty())
-        throw Error(ErrorKind::BadFile, dir.string() + ": no labels in it (NAME.json beside NAME_mask.png). Fix: seldinger render RUN --labels DIR");
+        throw Error(ErrorKind::BadFile,
+                    dir.string() + ": no labels in it (NAME.json beside NAME_mask.png). Fix: seldinger render RUN --labels DIR");
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -78,15 +80,20 @@ void add_picture(const fs::path& file, CocoWriter& coco, std::vector<CutOff>& cu
         const nlohmann::json labels = nlohmann::json::parse(read_file(file));
         const nlohmann::json& image = labels.at("image");
         if (image.at("width") != mask.width || image.at("height") != mask.height)
-            throw Error(ErrorKind::BadFile, fmt::format("{}: got a mask of {} x {} pixels beside it; expected image.width x image.height. Fix: render it again",
-                                                       file.string(), mask.width, mask.height));
+            throw Error(
+                ErrorKind::BadFile,
+                fmt::format(
+                    "{}: got a mask of {} x {} pixels beside it; expected image.width x image.height. Fix: render it again",
+                    file.string(), mask.width, mask.height));
         coco.add_image(image.at("file").get<std::string>(), mask.width, mask.height);
         std::uint8_t label = 0;
         for (const nlohmann::json& instrument : labels.at("instruments")) {
             const std::size_t stations = instrument.at("centreline_px").size();
             const auto name = instrument.at("name").get<std::string>();
             const int category = coco.category(name);
-            if (++label == 0) throw Error(ErrorKind::BadFile, file.string() + ": got more than 255 instruments; expected 255 at most. Fix: render it again");
+            if (++label == 0)
+                throw Error(ErrorKind::BadFile,
+                            file.string() + ": got more than 255 instruments; expected 255 at most. Fix: render it again");
             if (stations == 0) continue;
             coco.add(category, mask.labels, label, point_of(instrument, 0), point_of(instrument, stations - 1));
             cut_off.resize(std::max(cut_off.size(), static_cast<std::size_t>(category)));
@@ -94,8 +101,10 @@ void add_picture(const fs::path& file, CocoWriter& coco, std::vector<CutOff>& cu
             cut_off[static_cast<std::size_t>(category) - 1].take_in(instrument.at("in_field"));
         }
     } catch (const nlohmann::json::exception& error) {
-        throw Error(ErrorKind::BadFile, fmt::format("{}: got damaged labels ({}); expected what `seldinger render --labels` writes. Fix: render it again",
-                                                   file.string(), error.what()));
+        throw Error(
+            ErrorKind::BadFile,
+            fmt::format("{}: got damaged labels ({}); expected what `seldinger render --labels` writes. Fix: render it again",
+                        file.string(), error.what()));
     }
 }
 

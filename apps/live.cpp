@@ -1,4 +1,5 @@
-// seldinger live SCENE.toml [--port 8080] [--udp 9090] [--bind 127.0.0.1] [--token T] [--rate 1000] [--record FILE] [--duration S] [--set ...]
+// seldinger live SCENE.toml [--port 8080] [--udp 9090] [--bind 127.0.0.1] [--token T] [--rate 1000] [--record FILE] [--duration
+// S] [--set ...]
 
 #include "command_line.h"
 #include "commands.h"
@@ -60,12 +61,13 @@ std::string end_for_people(const Session& session, const std::filesystem::path& 
 {
     const ScoreNumbers& score = session.score();
     const auto steps = std::max<std::uint64_t>(1, session.steps_so_far());
-    return fmt::format("{} steps, {:.3g} % late, {} cut short; step p50 {:.2f} p99 {:.2f} p99.9 {:.2f} ms\n"
-                       "task: {}\nrecord {}, score {}\nstate_hash {}\n",
-                       session.steps_so_far(), 100.0 * static_cast<double>(session.late_so_far()) / static_cast<double>(steps), session.cut_short_so_far(),
-                       1e3 * session.step_times.quantile(0.5), 1e3 * session.step_times.quantile(0.99),
-                       1e3 * session.step_times.quantile(0.999), verdict_of(session.scene().task, score), record.string(),
-                       beside(record, ".score.json").string(), session.world().state_hash());
+    return fmt::format(
+        "{} steps, {:.3g} % late, {} cut short; step p50 {:.2f} p99 {:.2f} p99.9 {:.2f} ms\n"
+        "task: {}\nrecord {}, score {}\nstate_hash {}\n",
+        session.steps_so_far(), 100.0 * static_cast<double>(session.late_so_far()) / static_cast<double>(steps),
+        session.cut_short_so_far(), 1e3 * session.step_times.quantile(0.5), 1e3 * session.step_times.quantile(0.99),
+        1e3 * session.step_times.quantile(0.999), verdict_of(session.scene().task, score), record.string(),
+        beside(record, ".score.json").string(), session.world().state_hash());
 }
 
 ErrorKind live(LiveArguments& options)
@@ -91,14 +93,16 @@ ErrorKind live(LiveArguments& options)
     Session session(scene, std::move(setup), what, &hand);
     // the one that was played: with --set, and the model that was chosen
     write_file(beside(what.record, ".scene.toml"), write_scene(scene, std::filesystem::absolute(what.record).parent_path()));
-    if (options.web.token.empty() && !is_loopback(options.web.address) && !options.quiet && !options.json) options.web.token = make_token();
+    if (options.web.token.empty() && !is_loopback(options.web.address) && !options.quiet && !options.json)
+        options.web.token = make_token();
     WebServer web(options.web, scene, session);
     hand.start([&session] { return session.clock(); }, what.lockstep);
     web.start();
     session.start();
     if (!options.quiet && !options.json)
         print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", in_url(options.web.address), web.port(),
-                          options.web.token.empty() ? "" : "?token=" + options.web.token, options.udp_address, hand.port(), what.rate));
+                          options.web.token.empty() ? "" : "?token=" + options.web.token, options.udp_address, hand.port(),
+                          what.rate));
     wait_for_end(session, what.rate);
     session.finish();
     web.stop();
@@ -109,7 +113,8 @@ ErrorKind live(LiveArguments& options)
     write_file(beside(what.record, ".score.html"), score_page(scene, session.score()));
     if (options.json) print(summary);
     else if (!options.quiet) print(end_for_people(session, what.record));
-    if (!session.failure().empty()) throw Error(ErrorKind::Stopped, fmt::format("{}; record in {}", session.failure(), what.record.string()));
+    if (!session.failure().empty())
+        throw Error(ErrorKind::Stopped, fmt::format("{}; record in {}", session.failure(), what.record.string()));
     const int signal = stop_asked_for();
     return signal == 0 ? ErrorKind::None : signal == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted;
 }
@@ -121,9 +126,13 @@ void add_what(CommandLine& command, LiveArguments& options)
                     "scene file (TOML), or the name of a scene of the program; the device replaces its key frames")
         ->scene()
         ->required();
-    command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
+    command.add_option("--set", options.overrides, "change a key of the scene; repeats")
+        ->type_name("table.key=value")
+        ->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
-    command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");
+    command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")
+        ->check(in_range(1.0, 10000.0))
+        ->type_name("N");
     command
         .add_option("--deadline", options.session.deadline,
                     "share of the period after which a step ends before its equations hold, e.g. 0.9 (default: never)")
@@ -132,15 +141,20 @@ void add_what(CommandLine& command, LiveArguments& options)
     command
         .add_option("--tolerance", options.model.tolerance, "choose the model by `plan` for this error of the shape, e.g. 0.5mm")
         ->type_name("LENGTH");
-    command.add_option("--budget", options.model.budget, "with --tolerance: seconds by the clock to choose the model (default: 300)")
+    command
+        .add_option("--budget", options.model.budget, "with --tolerance: seconds by the clock to choose the model (default: 300)")
         ->check(positive())
         ->type_name("S");
-    command.add_flag("--lockstep", options.session.lockstep, "one step for each request of the device, independent of the clock: the same on any machine");
-    command.add_option("--record", options.session.record, "record of the session (default: <scene>-live.record)")->type_name("FILE");
+    command.add_flag("--lockstep", options.session.lockstep,
+                     "one step for each request of the device, independent of the clock: the same on any machine");
+    command.add_option("--record", options.session.record, "record of the session (default: <scene>-live.record)")
+        ->type_name("FILE");
     command.add_option("--duration", options.session.duration, "end after this session time (default: never)")
         ->check(positive())
         ->type_name("S");
-    command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")->check(not_negative())->type_name("N");
+    command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")
+        ->check(not_negative())
+        ->type_name("N");
     command.add_flag("--quiet", options.quiet, "print no address and no summary");
     command.add_flag("--json", options.json, "print the summary as one JSON object");
 }
@@ -153,12 +167,24 @@ void add_live(CommandLine& app, Command& chosen)
     CommandLine* command = app.add_subcommand("live", "run a live session: force feedback by UDP, picture in the browser");
     add_what(*command, *options);
     const ArgumentCheck port = in_range(0, 65535);
-    command->add_option("--port", options->web.port, "port of the page; 0: any free one (default: 8080)")->check(port)->type_name("N");
+    command->add_option("--port", options->web.port, "port of the page; 0: any free one (default: 8080)")
+        ->check(port)
+        ->type_name("N");
     command->add_option("--bind", options->web.address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
-    command->add_option("--token", options->web.token, "secret that the page's address must carry, 16 characters or more (default: made where --bind is not loopback)")->type_name("T");
-    command->add_option("--udp", options->udp, "UDP port of the device; 0: any free one (default: 9090)")->check(port)->type_name("N");
-    command->add_option("--udp-bind", options->udp_address, "address of the UDP port (default: 127.0.0.1); not protected by --token")->type_name("ADDRESS");
-    command->add_option("--coupling-stiffness", options->session.advance.stiffness, "stiffness between hand and instrument (default: 500)")
+    command
+        ->add_option(
+            "--token", options->web.token,
+            "secret that the page's address must carry, 16 characters or more (default: made where --bind is not loopback)")
+        ->type_name("T");
+    command->add_option("--udp", options->udp, "UDP port of the device; 0: any free one (default: 9090)")
+        ->check(port)
+        ->type_name("N");
+    command
+        ->add_option("--udp-bind", options->udp_address, "address of the UDP port (default: 127.0.0.1); not protected by --token")
+        ->type_name("ADDRESS");
+    command
+        ->add_option("--coupling-stiffness", options->session.advance.stiffness,
+                     "stiffness between hand and instrument (default: 500)")
         ->check(positive())
         ->type_name("N/m");
     command

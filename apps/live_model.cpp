@@ -59,7 +59,8 @@ ErrorKind choose(const LiveModelArguments& options)
     nlohmann::json said;
     try {
         const Plan plan = planned(read_scene_text(text, options.source), options.wish);
-        if (plan.status == PlanStatus::Interrupted) throw Error(ErrorKind::Interrupted, "interrupted while the model was being chosen");
+        if (plan.status == PlanStatus::Interrupted)
+            throw Error(ErrorKind::Interrupted, "interrupted while the model was being chosen");
         if (!plan.chosen) throw Error(ErrorKind::NotFeasible, plan.message);
         said = {{"scene", write_scene(plan.chosen->scene, options.source.parent_path())}, {"label", label(plan.chosen->model)},
                 {"error", plan.chosen->error}, {"slowest", plan.chosen->slowest}};
@@ -83,9 +84,12 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
     if (wish.quiet) arguments.emplace_back("--quiet");
     const ChildEnd end = run_self(arguments, write_scene(scene, source.parent_path()));
     const nlohmann::json said = nlohmann::json::parse(end.out, nullptr, false);
-    if (stop_asked_for() != 0) throw Error(stop_asked_for() == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted, "interrupted while the model was being chosen");
+    if (stop_asked_for() != 0)
+        throw Error(stop_asked_for() == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted,
+                    "interrupted while the model was being chosen");
     if (!said.is_object())
-        throw Error(ErrorKind::Stopped, fmt::format("choosing the model ended with code {}; try `seldinger plan` on the scene", end.code));
+        throw Error(ErrorKind::Stopped,
+                    fmt::format("choosing the model ended with code {}; try `seldinger plan` on the scene", end.code));
     if (said.contains("code")) throw Error(kind_of_exit_code(said["code"].get<int>()), said["message"].get<std::string>());
     if (!wish.quiet)
         note(fmt::format("model: {}; within {:.2g} mm, {:.2g} s of computation per second in its slowest part\n",

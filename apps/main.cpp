@@ -42,8 +42,8 @@ int complain(std::string message, ErrorKind code)
     return exit_code(code);
 }
 
-/// A mesh of millions of triangles passes through a dozen large arrays. To return each to the system and be given cleared memory for the
-/// next takes a fifth of the time.
+/// A mesh of millions of triangles passes through a dozen large arrays. To return each to the system and be given cleared memory
+/// for the next takes a fifth of the time.
 void keep_freed_memory()
 {
 #if defined(__GLIBC__)

@@ -1,5 +1,5 @@
-// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--peak-force-tolerance 10%] [--rate 60] [--enough 0.5] [--budget 120]
-// [-o planned.toml] [--device N] [--json] [--quiet]
+// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--peak-force-tolerance 10%] [--rate 60] [--enough 0.5]
+// [--budget 120] [-o planned.toml] [--device N] [--json] [--quiet]
 
 #include "command_line.h"
 #include "commands.h"

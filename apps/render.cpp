@@ -39,7 +39,8 @@ struct RenderArguments {
 void set_wall(const RenderArguments& options, RenderOptions& what)
 {
     if (options.wall.empty() && !options.wall_max.empty())
-        throw Error(ErrorKind::BadScene, "--wall-max: got no --wall; expected displacement or stress. Fix: give --wall displacement or --wall stress");
+        throw Error(ErrorKind::BadScene,
+                    "--wall-max: got no --wall; expected displacement or stress. Fix: give --wall displacement or --wall stress");
     if (options.wall.empty()) return;
     const bool stress = options.wall == "stress";
     what.wall = stress ? WallQuantity::Stress : WallQuantity::Displacement;
@@ -55,7 +56,8 @@ void set_look(const RenderArguments& options, RenderOptions& what)
         {"top", ViewFrom::Top},     {"bottom", ViewFrom::Bottom}, {"endoscopic", ViewFrom::Endoscopic}};
     what.from = views.at(options.view);
     if (!options.camera.empty() && what.from == ViewFrom::Endoscopic)
-        throw Error(ErrorKind::BadScene, "--camera: the endoscopic view already moves with the tip. Fix: leave one of the two out");
+        throw Error(ErrorKind::BadScene,
+                    "--camera: the endoscopic view already moves with the tip. Fix: leave one of the two out");
     const bool labelled = !what.labels.empty() || !what.preview.empty();
     if (labelled && what.from == ViewFrom::Endoscopic)
         throw Error(ErrorKind::BadScene, "--labels: the endoscopic view looks out of an instrument. Fix: take another --view");
@@ -151,7 +153,8 @@ std::shared_ptr<RenderArguments> declare_render(CommandLine& app, CommandLine*& 
     command->add_flag("--no-legend", options->no_legend, "leave out legend and scales");
     command->add_option("--gltf", options->gltf, "the frames as one animated model, in place of pictures: binary glTF")
         ->type_name("FILE.glb");
-    command->add_option("--usd", options->usd, "the frames as one animated model, in place of pictures: USD")->type_name("FILE.usda");
+    command->add_option("--usd", options->usd, "the frames as one animated model, in place of pictures: USD")
+        ->type_name("FILE.usda");
     options->frames.declare(*command);
     command->add_option("--wall", options->wall, "draw the deformed elastic wall in colours: displacement or stress")
         ->check(one_of({"displacement", "stress"}))
@@ -187,13 +190,21 @@ std::vector<std::string> files_of_frame(const std::vector<std::string>& words)
     if (const CommandLine::Parsed parsed = app.parse(std::move(all)); !parsed.error.empty())
         throw Error(ErrorKind::BadScene, parsed.error + "; see `seldinger render --help`");
     FrameArguments& frames = options->frames;
-    for (const auto& [option, given] : std::initializer_list<std::pair<const char*, const std::string&>>{
-             {"--gltf", options->gltf}, {"--usd", options->usd}, {"--frames", frames.frames}, {"-o", frames.output}, {"--video", frames.video},
-             {"--preview", frames.preview}, {"--farm", frames.farm}, {"--raw", options->fluoro.raw}, {"--dicom", options->fluoro.dicom}})
+    for (const auto& [option, given] :
+         std::initializer_list<std::pair<const char*, const std::string&>>{{"--gltf", options->gltf},
+                                                                           {"--usd", options->usd},
+                                                                           {"--frames", frames.frames},
+                                                                           {"-o", frames.output},
+                                                                           {"--video", frames.video},
+                                                                           {"--preview", frames.preview},
+                                                                           {"--farm", frames.farm},
+                                                                           {"--raw", options->fluoro.raw},
+                                                                           {"--dicom", options->fluoro.dicom}})
         if (!given.empty())
-            throw Error(ErrorKind::BadScene, fmt::format("{}: a farm makes only numbered pictures and their labels. Fix: leave it out (a film: "
-                                                        "farm merge DIR --video FILE.mp4)",
-                                                        option));
+            throw Error(ErrorKind::BadScene,
+                        fmt::format("{}: a farm makes only numbered pictures and their labels. Fix: leave it out (a film: "
+                                    "farm merge DIR --video FILE.mp4)",
+                                    option));
 #ifdef SEL_WITH_VIEW
     frames.farm = ".";
     (void)frames.choice();
@@ -205,7 +216,8 @@ std::vector<std::string> files_of_frame(const std::vector<std::string>& words)
         const std::string stem = views > 1 ? fmt::format("frame_v{}_######", k) : "frame_######";
         files.push_back(stem + ".png");
         if (labels.empty()) continue;
-        for (const char* ending : {".json", "_mask.png"}) files.push_back((std::filesystem::path(labels) / (stem + ending)).string());
+        for (const char* ending : {".json", "_mask.png"})
+            files.push_back((std::filesystem::path(labels) / (stem + ending)).string());
         if (options->frames.label_vessel) files.push_back((std::filesystem::path(labels) / (stem + "_lumen.png")).string());
         if (options->view != "fluoro") files.push_back((std::filesystem::path(labels) / (stem + "_depth.npy")).string());
     }

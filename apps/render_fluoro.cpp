@@ -19,10 +19,15 @@ namespace seldinger::apps {
 
 void FluoroArguments::declare(CommandLine& command)
 {
-    command.add_option("--c-arm", arms, "fluoro: position of the detector, e.g. \"LAO 30, CRA 15\"; repeat it for several views of each frame")
+    command
+        .add_option("--c-arm", arms,
+                    "fluoro: position of the detector, e.g. \"LAO 30, CRA 15\"; repeat it for several views of each frame")
         ->type_name("ANGLES")
         ->allow_extra_args(false);
-    command.add_option("--views", views, "fluoro: a view for each run of this sweep of carm.lao_deg, carm.cra_deg and other [carm] and [contrast] keys")
+    command
+        .add_option(
+            "--views", views,
+            "fluoro: a view for each run of this sweep of carm.lao_deg, carm.cra_deg and other [carm] and [contrast] keys")
         ->type_name("VIEWS.toml");
     command.add_option("--sid", sid, "fluoro: source to detector [m] (default 1.2)")->type_name("M");
     command.add_option("--sod", sod, "fluoro: source to isocentre [m] (default 0.8)")->type_name("M");
@@ -90,9 +95,10 @@ XrayOptions swept_view(XrayOptions view, const fs::path& sweep, const std::vecto
         else if (key == "carm.cra_deg") cra = std::strtod(setting.c_str() + key.size() + 1, nullptr);
         else if (key.starts_with("carm.") || key.starts_with("contrast.")) view.set.push_back(setting);
         else
-            throw Error(ErrorKind::BadScene, fmt::format("{}: \"{}\" is not of the picture; expected carm.lao_deg, carm.cra_deg or another "
-                                                        "key of [carm] or [contrast]. Fix: vary other keys in a sweep of runs",
-                                                        sweep.string(), key));
+            throw Error(ErrorKind::BadScene,
+                        fmt::format("{}: \"{}\" is not of the picture; expected carm.lao_deg, carm.cra_deg or another "
+                                    "key of [carm] or [contrast]. Fix: vary other keys in a sweep of runs",
+                                    sweep.string(), key));
     }
     if (lao || cra) view.c_arm = fmt::format("{}, {}", lao.value_or(0), cra.value_or(0));
     return view;
@@ -107,7 +113,8 @@ std::vector<XrayOptions> views_of(const fs::path& dir, const FluoroArguments& ar
     }
     if (!arguments.views.empty()) {
         const Sweep sweep = read_sweep(arguments.views, scene_of_pictures(dir).seed);
-        for (std::size_t k = 0; k < sweep.run_count(); ++k) views.push_back(swept_view(plain, arguments.views, sweep.overrides(k)));
+        for (std::size_t k = 0; k < sweep.run_count(); ++k)
+            views.push_back(swept_view(plain, arguments.views, sweep.overrides(k)));
     }
     if (views.empty()) views.push_back(plain);
     return views;

@@ -22,14 +22,16 @@ void FrameArguments::declare(CommandLine& command)
     command.add_option("--fps", fps, "frames per second of the film (default: real time, at least 15)")->type_name("N");
     command.add_option("--labels", labels, "folder for the ground truth of every picture: NAME.json and NAME_mask.png")
         ->type_name("DIR");
-    command.add_option("--farm", farm)->hidden();      // of these pictures: others write in its folder, and --labels lies below it
+    command.add_option("--farm", farm)->hidden();  // of these pictures: others write in its folder, and --labels lies below it
     command.add_option("--parent", parent)->hidden();  // a farm's process: ends with it
     command.add_flag("--label-vessel", label_vessel, "with --labels: also the lumen's thickness along each ray, NAME_lumen.png");
     command.add_option("--preview", preview, "one sheet of 16 pictures with their labels drawn in; nothing else is written")
         ->type_name("FILE.png");
     command.add_flag("--resume", resume, "skip pictures that exist already");
     command.add_flag("--numbered", numbered, "number the picture (NAME_######.png) even if it is the only one");
-    command.add_option("--threads", threads, "threads of the host (default: all cores)")->type_name("N")->check(in_range(1, 1024));
+    command.add_option("--threads", threads, "threads of the host (default: all cores)")
+        ->type_name("N")
+        ->check(in_range(1, 1024));
     command.add_flag("--quiet", quiet, "print no file names");
 }
 
@@ -53,20 +55,25 @@ FrameChoice FrameArguments::choice() const
         const auto [first, last] = two_numbers(frames, ':', "--frames", "FIRST:LAST, e.g. 0:99,");
         choice.first = first, choice.last = last;
     }
-    if (fps && video.empty()) throw Error(ErrorKind::BadScene, "--fps: got no --video; expected a film. Fix: give --video FILE.mp4");
+    if (fps && video.empty())
+        throw Error(ErrorKind::BadScene, "--fps: got no --video; expected a film. Fix: give --video FILE.mp4");
     if (fps && !(*fps >= 0.1 && *fps <= 240))
         throw Error(ErrorKind::BadScene, fmt::format("--fps: got {}; expected frames per second from 0.1 to 240", *fps));
-    if (label_vessel && labels.empty()) throw Error(ErrorKind::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
+    if (label_vessel && labels.empty())
+        throw Error(ErrorKind::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
     if (!preview.empty() && !video.empty())
         throw Error(ErrorKind::BadScene, "--preview: only the sheet is written. Fix: leave out --video");
     if (!preview.empty() && !labels.empty())
-        throw Error(ErrorKind::BadScene, "--preview: only the sheet is written. Fix: leave out --labels, or run render once for each");
+        throw Error(ErrorKind::BadScene,
+                    "--preview: only the sheet is written. Fix: leave out --labels, or run render once for each");
     if (!farm.empty() && !labels.empty() && !leads_below(labels))
-        throw Error(ErrorKind::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
+        throw Error(
+            ErrorKind::BadScene,
+            fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
     for (const std::string& file : {preview, farm.empty() ? labels : std::string()})
         if (!file.empty() && std::filesystem::is_directory(file) != (file == labels) && std::filesystem::exists(file))
-            throw Error(ErrorKind::BadFile, fmt::format("{}: got a {}; expected the name of a {}", file, file == labels ? "file" : "folder",
-                                                       file == labels ? "folder" : "file"));
+            throw Error(ErrorKind::BadFile, fmt::format("{}: got a {}; expected the name of a {}", file,
+                                                        file == labels ? "file" : "folder", file == labels ? "folder" : "file"));
     choice.labels = labels, choice.labels_in = farm, choice.label_vessel = label_vessel, choice.preview = preview;
     choice.output = output, choice.film = video;
     choice.rate = fps.value_or(0);

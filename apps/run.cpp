@@ -1,4 +1,5 @@
-// seldinger run SCENE.toml [-o DIR] [--set ...] [--wire NAME] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet] [--verbose] [--json]
+// seldinger run SCENE.toml [-o DIR] [--set ...] [--wire NAME] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet]
+// [--verbose] [--json]
 
 #include "command_line.h"
 #include "commands.h"
@@ -13,7 +14,9 @@ namespace seldinger::apps {
 
 void add_limits(CommandLine& command, double& time_limit, int& device)
 {
-    command.add_option("--time-limit", time_limit, "stop this number of seconds after the start of the command with the state saved, exit 75")
+    command
+        .add_option("--time-limit", time_limit,
+                    "stop this number of seconds after the start of the command with the state saved, exit 75")
         ->type_name("S")
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) > 0 ? "" : "got " + text + "; expected seconds above 0";
@@ -34,7 +37,9 @@ void add_run(CommandLine& app, Command& chosen)
     };
     auto options = std::make_shared<Options>();
     CommandLine* run = app.add_subcommand("run", "run a scene and record it");
-    run->add_option("SCENE", options->scene, "scene file (TOML), or the name of a scene of the program; with --resume that of DIR, if not given")->scene();
+    run->add_option("SCENE", options->scene,
+                    "scene file (TOML), or the name of a scene of the program; with --resume that of DIR, if not given")
+        ->scene();
     run->add_option("-o", options->run.dir, "folder for the results (default: <scene>-run here)")->type_name("DIR");
     run->add_option("--set", options->run.overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")
@@ -47,7 +52,8 @@ void add_run(CommandLine& app, Command& chosen)
         ->type_name("FILE");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     run->add_option("--error-estimate", options->estimate,
-                    "estimate the time-step error of forces and tip: auto (10 to 20 % of the run's time, 20 to 30 % with an elastic wall), "
+                    "estimate the time-step error of forces and tip: auto (10 to 20 % of the run's time, 20 to 30 % with an "
+                    "elastic wall), "
                     "on or off")
         ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
@@ -58,7 +64,9 @@ void add_run(CommandLine& app, Command& chosen)
         chosen = [options] {
             RunOptions& what = options->run;
             if (options->scene.empty()) {
-                if (!options->resume || what.dir.empty()) throw Error(ErrorKind::BadScene, "SCENE is required; see `seldinger run --help`. Only --resume -o DIR takes that of DIR");
+                if (!options->resume || what.dir.empty())
+                    throw Error(ErrorKind::BadScene,
+                                "SCENE is required; see `seldinger run --help`. Only --resume -o DIR takes that of DIR");
                 options->scene = what.dir / "scene.toml";
             }
             if (options->wire) what.overrides.push_back("wire.preset=" + *options->wire);

@@ -47,7 +47,8 @@ std::string advice(const StepReport& report, bool settling, const IntegratorSpec
     if (report.flags & StepNonFinite)
         return "a value is not finite; check the wire's stiffness and density, make scene.dt_s smaller";
     if (report.flags & StepWallBuckles)
-        return "the elastic wall has no stable state: its pressure buckles it, or nothing holds it in place; bring vessel.pressure_pa "
+        return "the elastic wall has no stable state: its pressure buckles it, or nothing holds it in place; bring "
+               "vessel.pressure_pa "
                "nearer to 0, make vessel.support_pa_m larger, or hold its rims (vessel.rims)";
     if (settling)
         return "no equilibrium was found; raise integrator.tolerance, or run it in time with integrator.damping_mass_1_s";
@@ -55,8 +56,9 @@ std::string advice(const StepReport& report, bool settling, const IntegratorSpec
 }
 
 /// Where a wall was beyond its theory no setting of the step is to blame.
-constexpr const char* wall_advice = "the wall moved by more than 20 % of the lumen's radius, where contact with it is inexact: give it its true "
-                                    "vessel.youngs_pa and vessel.thickness_m, a wire that bends more easily, or wall = \"rigid\"";
+constexpr const char* wall_advice =
+    "the wall moved by more than 20 % of the lumen's radius, where contact with it is inexact: give it its true "
+    "vessel.youngs_pa and vessel.thickness_m, a wire that bends more easily, or wall = \"rigid\"";
 
 class Run : RunHooks {
 public:
@@ -128,9 +130,10 @@ private:
 
     void placed() override
     {
-        recorder_.warn(fmt::format("scene.start: got \"settled\", but {}. The run starts from the wire as it was placed. Fix: let the wire move "
-                                   "for a while before what is measured, or place it nearer to rest",
-                                   "no equilibrium was found"));
+        recorder_.warn(fmt::format(
+            "scene.start: got \"settled\", but {}. The run starts from the wire as it was placed. Fix: let the wire move "
+            "for a while before what is measured, or place it nearer to rest",
+            "no equilibrium was found"));
         world_.read(output_);
         recorder_.placed(output_);
     }
@@ -173,7 +176,8 @@ private:
     {
         if (status != RunStatus::Done) return StepTwin::Finer::Never;  // who interrupts is not kept waiting
         if (options_.asked_estimate) return StepTwin::Finer::Always;
-        return scene_.vessel.elastic ? StepTwin::Finer::Never : StepTwin::Finer::WhereCheap;  // each length of step has columns of its own
+        return scene_.vessel.elastic ? StepTwin::Finer::Never
+                                     : StepTwin::Finer::WhereCheap;  // each length of step has columns of its own
     }
     double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
     bool is_late() const { return options_.time_limit > 0 && seconds_since(called_) >= options_.time_limit; }

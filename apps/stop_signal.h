@@ -1,11 +1,11 @@
 #pragma once
 // SIGINT and SIGTERM: a flag that a loop looks at between steps, and the end of the process where nobody looks.
 //
-// Both are blocked in every thread and taken by a separate one, which waits for them. So handlers that a compiler inside an OpenCL
-// driver sets never run, and nothing has to be safe inside a handler. While a StopSignal lives, the first signal is a request. The
-// process ends at once in four cases. First, at a second signal. Second, while a kernel is built or a NoPolling lives: vessel
-// repair and batch planning take seconds without a check, and write nothing. Third, if no loop has polled for eight seconds, as
-// when a driver compiles while a kernel first runs. Fourth, if no StopSignal lives and none has answered.
+// Both are blocked in every thread and taken by a separate one, which waits for them. So handlers that a compiler inside an
+// OpenCL driver sets never run, and nothing has to be safe inside a handler. While a StopSignal lives, the first signal is a
+// request. The process ends at once in four cases. First, at a second signal. Second, while a kernel is built or a NoPolling
+// lives: vessel repair and batch planning take seconds without a check, and write nothing. Third, if no loop has polled for eight
+// seconds, as when a driver compiles while a kernel first runs. Fourth, if no StopSignal lives and none has answered.
 
 #include <csignal>
 #include <string_view>

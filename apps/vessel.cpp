@@ -126,7 +126,8 @@ std::string for_people(const Json& report, const std::string& name)
     const Json& line = report["centreline"];
     if (line["points"].get<long>() > 0)
         text += fmt::format(
-            "  centreline {:.4f} m long in all, lumen radius {:.5f} m (5 %), {:.5f} m (median of its points, more in narrow branches), {:.5f} m (widest)\n",
+            "  centreline {:.4f} m long in all, lumen radius {:.5f} m (5 %), {:.5f} m (median of its points, more in narrow "
+            "branches), {:.5f} m (widest)\n",
             line["length_m"].get<double>(), line["radius"]["p5"].get<double>(), line["radius"]["p50"].get<double>(),
             line["radius"]["max"].get<double>());
     int number = 0;
@@ -180,7 +181,8 @@ void add_vessel(CommandLine& app, Command& chosen)
     vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP, VTK) or scene file (TOML)")
         ->type_name("MESH|SCENE.toml")
         ->required();
-    vessel->add_option("--units", options->units, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)")
+    vessel
+        ->add_option("--units", options->units, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
     vessel->add_flag("--json", options->json, "print one JSON object");
     vessel->add_option("-o", options->dir, "folder for the cleaned mesh and the centreline")->type_name("DIR");

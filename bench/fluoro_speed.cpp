@@ -2,9 +2,9 @@
 //
 //   fluoro_speed DIR ANGLES SIZE FIRST LAST [turn]        e.g. fluoro_speed out/fluoro/demo "LAO 30" 1024 300 399
 //
-// Wire, body and contrast of the run's scene, noise and blur. `turn`: the arm turns by half a degree a frame, so that nothing stays.
-// Prints size, frames, seconds until the first picture, of the others the median and the slowest wall time and the mean processor
-// time [ms], and a hash of all grey levels.
+// Wire, body and contrast of the run's scene, noise and blur. `turn`: the arm turns by half a degree a frame, so that nothing
+// stays. Prints size, frames, seconds until the first picture, of the others the median and the slowest wall time and the mean
+// processor time [ms], and a hash of all grey levels.
 #include "core/error.h"
 #include "pictures/fluoro_scene.h"
 #include "pictures/fluorography.h"
@@ -63,7 +63,8 @@ int measure(const std::vector<std::string>& words)
     const double count = static_cast<double>(std::max<std::size_t>(wall.size(), 1));
     std::sort(wall.begin(), wall.end());
     fmt::print("{},{},{:.2f},{:.2f},{:.2f},{:.2f},{:016x}\n", size, wall.size() + 1, ready,
-               wall.empty() ? 0 : 1e3 * wall[wall.size() / 2], wall.empty() ? 0 : 1e3 * wall.back(), 1e3 * processor / count, hash);
+               wall.empty() ? 0 : 1e3 * wall[wall.size() / 2], wall.empty() ? 0 : 1e3 * wall.back(), 1e3 * processor / count,
+               hash);
     return 0;
 }
 

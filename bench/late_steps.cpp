@@ -10,7 +10,8 @@
 //
 // A run prints the distributions of Newton iterations, trials and processor time per step, and keeps the steps of most iterations
 // with the state before each. A replay takes the same steps by another program or another law (--set contact.friction=none): what
-// falls away with a law is its share. Causes are told by what changed most in newtons from the last trial that was taken to the next (see Change).
+// falls away with a law is its share. Causes are told by what changed most in newtons from the last trial that was taken to the
+// next (see Change).
 
 #include "contact/capsule.h"
 #include "core/error.h"

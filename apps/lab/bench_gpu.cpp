@@ -92,7 +92,8 @@ std::optional<int> other_cpu(int device)
 
 }  // namespace
 
-std::string measure_gpu(const GpuBench& how, const std::function<void(const std::string&)>& show, const std::function<bool()>& stop)
+std::string measure_gpu(const GpuBench& how, const std::function<void(const std::string&)>& show,
+                        const std::function<bool()>& stop)
 {
     const int device = how.device < 0 ? device::default_device() : how.device;
     const std::optional<int> reference = other_cpu(device);
@@ -125,12 +126,12 @@ std::string gpu_summary(const std::string& text)
     const Json json = Json::parse(text);
     std::string out = fmt::format("{} ({}), driver {}\n", json["device"]["name"].get<std::string>(),
                                   json["device"]["platform"].get<std::string>(), json["device"]["driver"].get<std::string>());
-    out += fmt::format("{:>10} {:>6} {:>12} {:>12} {:>9} {:>10} {:>10} {:>12}\n", "precision", "wires", "us per step", "on the CPU",
-                       "launches", "kB up", "kB down", "apart [m]");
+    out += fmt::format("{:>10} {:>6} {:>12} {:>12} {:>9} {:>10} {:>10} {:>12}\n", "precision", "wires", "us per step",
+                       "on the CPU", "launches", "kB up", "kB down", "apart [m]");
     for (const Json& row : json["rows"]) {
         const bool compared = row.contains("reference_step_us");
-        out += fmt::format("{:>10} {:>6} {:>12.0f} {:>12} {:>9.1f} {:>10.1f} {:>10.1f} {:>12}\n", row["precision"].get<std::string>(),
-                           row["wires"].get<int>(), row["step_us"].get<double>(),
+        out += fmt::format("{:>10} {:>6} {:>12.0f} {:>12} {:>9.1f} {:>10.1f} {:>10.1f} {:>12}\n",
+                           row["precision"].get<std::string>(), row["wires"].get<int>(), row["step_us"].get<double>(),
                            compared ? fmt::format("{:.0f}", row["reference_step_us"].get<double>()) : "-",
                            row["launches_per_step"].get<double>(), row["bytes_to_device_per_step"].get<double>() / 1e3,
                            row["bytes_from_device_per_step"].get<double>() / 1e3,

@@ -15,8 +15,10 @@ void add_lab(CommandLine& app, Command& chosen)
         command->allow_extras();
         command->callback([&chosen, name] {
             chosen = [name]() -> ErrorKind {
-                throw Error(ErrorKind::BadScene, fmt::format("{}: got a build without charts, maps and benchmarks (SELDINGER_LAB=OFF, as "
-                                                            "./dev demo makes it); expected one with them. Fix: ./dev build", name));
+                throw Error(ErrorKind::BadScene,
+                            fmt::format("{}: got a build without charts, maps and benchmarks (SELDINGER_LAB=OFF, as "
+                                        "./dev demo makes it); expected one with them. Fix: ./dev build",
+                                        name));
             };
         });
     }

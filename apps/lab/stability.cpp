@@ -64,11 +64,10 @@ void add_stability(CommandLine& app, Command& chosen)
             if (drawn && !options->quiet && !options->json)
                 print(fmt::format("{}: stability.csv, maps.json, stability.png\n", options->dir.string()));
             if (!done.interrupted) return ErrorKind::None;
-            throw Error(
-                stop_asked_for() == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted,
-                fmt::format(
-                    "interrupted with {} cells of this selection still to run; finished cells are in {}, and the same command continues",
-                    done.left, (options->dir / stability_table_file).string()));
+            throw Error(stop_asked_for() == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted,
+                        fmt::format("interrupted with {} cells of this selection still to run; finished cells are in {}, and the "
+                                    "same command continues",
+                                    done.left, (options->dir / stability_table_file).string()));
         };
     });
 }

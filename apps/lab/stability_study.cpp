@@ -273,9 +273,9 @@ std::vector<std::string> doubts(const StabilityWork& work, const ResultTable& ta
     if (!map.touches && !map.source.empty())
         lines.push_back(fmt::format("{}: the scene has no vessel, so methods differ by their integrator alone", map.name));
     if (all.far > 0)
-        lines.push_back(
-            fmt::format("{}: in {} cells the wall moved by more than 20 % of the lumen's radius, where contact with it is inexact (~)",
-                        map.name, all.far));
+        lines.push_back(fmt::format(
+            "{}: in {} cells the wall moved by more than 20 % of the lumen's radius, where contact with it is inexact (~)",
+            map.name, all.far));
     if (all.unfinished > 0)
         lines.push_back(
             fmt::format("{}: {} cells were not finished within their budget and count as not held; run again with a larger "

@@ -47,8 +47,8 @@ struct StabilityProgress {
 /// @throws Error BadFile: the folder cannot be written
 [[nodiscard]] StabilityProgress run_stability(const StabilityWork& work, const StabilityOptions& options);
 
-/// Per map and method "hold of all". Then the limits of a map (nothing touched, nothing held, unfinished cells), and every cell of
-/// the default method that does not hold with the command that repeats it.
+/// Per map and method "hold of all". Then the limits of a map (nothing touched, nothing held, unfinished cells), and every cell
+/// of the default method that does not hold with the command that repeats it.
 [[nodiscard]] std::string stability_summary(const StabilityWork& work, const ResultTable& table,
                                             const std::filesystem::path& dir);
 [[nodiscard]] std::string stability_json(const StabilityWork& work, const ResultTable& table, const std::filesystem::path& dir);

@@ -85,7 +85,8 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
             const real radius = s.models[k].radius;
             counts[k] = std::min(slots, find_near_cells(at, radius + s.models[k].reach + real(slack), SEL_NEAR_CELL_SIZE * radius,
                                                         view, slots, &near_cells[k * slots]));
-            known[k] = found_clearance(at.origin + at.offset, radius + s.models[k].reach + real(slack), real(slack), radius, counts[k]);
+            known[k] =
+                found_clearance(at.origin + at.offset, radius + s.models[k].reach + real(slack), real(slack), radius, counts[k]);
             near_pairs += counts[k];
         }
         return near_pairs;
@@ -103,8 +104,9 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     std::vector<ContactState> states = s.states_t0;
     const auto evaluate = [&] {
         for (const uint k : s.list)
-            forces[k] = evaluate_point(point(k), s.par, s.now(), s.before(),
-                                       state_view(s.states_t0.data(), states.data(), s.multipliers.data()), &memories[k], &known[k]);
+            forces[k] =
+                evaluate_point(point(k), s.par, s.now(), s.before(),
+                               state_view(s.states_t0.data(), states.data(), s.multipliers.data()), &memories[k], &known[k]);
         return near_pairs;
     };
     (void)evaluate();  // launches are timed with the wall in mind

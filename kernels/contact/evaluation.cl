@@ -143,7 +143,8 @@ SEL_STAGE(contact_roll)
     stage_roll(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
 }
 
-// Gaps at the start of a step with the barrier law (barrier_path.cl): contact_all; nearest, behind, join, share and oppose; contact_gap.
+// Gaps at the start of a step with the barrier law (barrier_path.cl): contact_all; nearest, behind, join, share and oppose;
+// contact_gap.
 //   writes  todo: all; in place of barys: gaps [item_count] [m]
 SEL_STAGE(contact_all)
 {

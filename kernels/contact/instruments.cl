@@ -5,8 +5,8 @@
 #include "shared/instrument_stages.h"
 #include "shared/kernel.h"
 
-// Forces of listed slots: with other instruments, SEL_BLOCK of them an item; with the same one, each an item. The other kernel's are
-// passed over.
+// Forces of listed slots: with other instruments, SEL_BLOCK of them an item; with the same one, each an item. The other kernel's
+// are passed over.
 //   item    entries of `list`: slots that something is near in
 //   reads   list [item_count]; bodies; slots; nodes at the trial and at the start of the step, as instrument_nodes() has them;
 //           states_t0 [cells][slots]

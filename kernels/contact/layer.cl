@@ -35,7 +35,8 @@ SEL_WALK_KERNEL void layer_evaluate(const ContactParams par, __global const Laye
     const LayerEdge edge = edges[pair.edge];
     const ContactState old = pair.last != SEL_NO_EDGE ? states_t0[pair.last] : empty_pair(pair.triangle, edge.reach);
 #if SEL_SUMS_IN_MEMORY
-    evaluate_pair(pair, edge, par, SEL_NODES(node), SEL_NODES(node_t0), wall_vertices, old, states + item, forces + item, barys + item);
+    evaluate_pair(pair, edge, par, SEL_NODES(node), SEL_NODES(node_t0), wall_vertices, old, states + item, forces + item,
+                  barys + item);
 #else
     ContactState now;
     ContactForce force;

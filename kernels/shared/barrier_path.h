@@ -26,8 +26,8 @@ SEL_PART real gap_of_point(PointView point, ContactParams par, NodeView nodes, S
 #endif
 
 // A barrier has no force to push out what overlaps, and a wire may be placed, fed or remeshed into the wall. Such a quadrature
-// point is made thinner until its gap is 0.1 % of the activation distance. Half of the gap made in each step is then taken off this
-// `radius_reduction`, which never grows while the law holds: overlaps are pushed out and do not deepen.
+// point is made thinner until its gap is 0.1 % of the activation distance. Half of the gap made in each step is then taken off
+// this `radius_reduction`, which never grows while the law holds: overlaps are pushed out and do not deepen.
 SEL_FN real barrier_start(real gap, real radius_reduction_t0, QuadratureModel m)
 {
     const real left = gap + radius_reduction_t0;

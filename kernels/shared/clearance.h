@@ -38,10 +38,12 @@ SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, ui
     return known;
 }
 
-// The part of the room that a clearance sphere takes at least. A whole one would need boxes and triangles that shorten it by a little.
+// The part of the room that a clearance sphere takes at least. A whole one would need boxes and triangles that shorten it by a
+// little.
 #define SEL_CLEARANCE_PART ((real)0.8)
 
-// How far the triangles below the listed nodes are beyond `touching`, at least SEL_CLEARANCE_PART of it and of `most`; 0: one is not.
+// How far the triangles below the listed nodes are beyond `touching`, at least SEL_CLEARANCE_PART of it and of `most`; 0: one is
+// not.
 SEL_FN real near_room(AxisPoint at, real touching, real most, NearWallView near)
 {
     real room = most, closed = SEL_CLEARANCE_PART * room;

@@ -72,7 +72,8 @@ SEL_FN void note_near(SEL_OUT NearList* list, uint count, uint t, real d2)
     }
 }
 
-// Distance within which triangles are joined with a nearest one at the distance d: they turn by |n_i - n_j| <= 2 (smooth_maximum.h).
+// Distance within which triangles are joined with a nearest one at the distance d: they turn by |n_i - n_j| <= 2
+// (smooth_maximum.h).
 SEL_FN real shell_distance(real d, ContactBall ball)
 {
     return d + (2 * (1 + SEL_WALK_MARGIN) * ball.smoothing + SEL_WALK_MARGIN) * ball.radius;

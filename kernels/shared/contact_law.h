@@ -132,8 +132,8 @@ SEL_FN Footprint footprint(real depth, real per_metre, real slope, const LawCont
 
 #define SEL_FACING ((real)0.7)  // |g| below which facets face each other: a square corner's is 0.707 between its two walls
 
-// Unit normal of the wall at a contact point: that of g, the gradient of the gap. In a lumen as narrow as the wire the facets of one
-// side face each other, and g is their common part: it may point along the wire, away from all of them. Then the axis of the
+// Unit normal of the wall at a contact point: that of g, the gradient of the gap. In a lumen as narrow as the wire the facets of
+// one side face each other, and g is their common part: it may point along the wire, away from all of them. Then the axis of the
 // side takes the place of the parts that have cancelled (opposite_wall.h).
 SEL_FN vec3 wall_normal(ContactPoint contact, vec3 tangent)
 {
@@ -214,8 +214,8 @@ SEL_FN SlipTangent add_rubbing(vec3 n, Pressure pressure, ContactState old, Mult
     return add_friction_force(n, load, held_from, &holding, now, out);
 }
 
-// Friction turns with the normal n, over a ridge of the wall and in a valley between its facets. With the normal's change by a move of
-// the axis point, dn = -(1 - n n^T) hessian dx / |g|,
+// Friction turns with the normal n, over a ridge of the wall and in a valley between its facets. With the normal's change by a
+// move of the axis point, dn = -(1 - n n^T) hessian dx / |g|,
 //   d(slip) = -((move + anchor).dn) n - (move.n) dn - r spin t x dn + r ((dn.turn) t - (t.dn) turn)
 // (friction_law.h), d(f) = -across d(slip) - (along - across) d (d.d(slip)), and torque and couple change with f and with n.
 SEL_FN void add_friction_turn(ContactPoint contact, vec3 n, SlipTangent tangent, const LawContext* c, SEL_OUT ContactForce* out)
@@ -230,7 +230,9 @@ SEL_FN void add_friction_turn(ContactPoint contact, vec3 n, SlipTangent tangent,
     const vec3 t = mv.tangent, d = tangent.along_slip, slip = tangent.size * d, f = -tangent.across * slip;
     const vec3 carried = mv.move + (slip - surface_move(n, c));
     for (int j = 0; j < 3; ++j) {
-        const vec3 column = j == 0 ? make_vec3(h[0], h[1], h[2]) : j == 1 ? make_vec3(h[1], h[3], h[4]) : make_vec3(h[2], h[4], h[5]);
+        const vec3 column = j == 0   ? make_vec3(h[0], h[1], h[2])
+                            : j == 1 ? make_vec3(h[1], h[3], h[4])
+                                     : make_vec3(h[2], h[4], h[5]);
         const vec3 dn = -shrink * (column - dot3(column, n) * n);
         const vec3 du = -dot3(carried, dn) * n - dot3(mv.move, n) * dn - (r * mv.spin) * cross3(t, dn) +
                         r * (dot3(dn, mv.turn) * t - dot3(t, dn) * mv.turn);
@@ -255,8 +257,8 @@ SEL_FN void add_resistance(ContactPoint contact, Pressure pressure, ContactState
 }
 
 // One contact point of one quadrature point: normal law, friction, rolling. `old` is its state at the start of the step.
-SEL_PART void add_contact_point(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier, const LawContext* c,
-                              SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
+SEL_PART void add_contact_point(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier,
+                                const LawContext* c, SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
 {
     const Pressure pressure = add_pressure(contact, axis, old, multiplier, c, now, out);
     if (!pressure.acts) return;

@@ -12,8 +12,8 @@
 
 SEL_BEGIN
 
-// The two records of a quadrature point at the start of the step, and which of them belong to the last one. They are read where they
-// are used: both of them for the whole evaluation are 40 registers.
+// The two records of a quadrature point at the start of the step, and which of them belong to the last one. They are read where
+// they are used: both of them for the whole evaluation are 40 registers.
 typedef struct LastTouch {
     SEL_GLOBAL const ContactState* states;  // [2]
     int a_lives, b_lives;
@@ -195,7 +195,8 @@ SEL_PART ContactForce evaluate_point(PointView point, ContactParams par, NodeVie
     uint written = 0;  // bit b: the record b
     const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
     ContactPointPair touching = contact_points_of(ball, point.near, was, recall_wall(memory, clearance, ball, par.returns));
-    if (touching.behind && !par.known && gone_through(at.offset, c.mv.move, at.origin, point.near)) out.flags |= SEL_FORCE_BLOCKED;
+    if (touching.behind && !par.known && gone_through(at.offset, c.mv.move, at.origin, point.near))
+        out.flags |= SEL_FORCE_BLOCKED;
     if (touching.first.found) {
         const uint first = record_of(touching.first.normal, was, s, par, view);
         const vec3 axis = at.origin + at.offset;

@@ -1,5 +1,6 @@
-// contact_force (contact_point.h) in stages, one kernel each, for devices that run many items at once on few registers. Between two stages a
-// quadrature point's record lies in memory. The functions are those of contact_force, in its order, so the results have the same bits.
+// contact_force (contact_point.h) in stages, one kernel each, for devices that run many items at once on few registers. Between
+// two stages a quadrature point's record lies in memory. The functions are those of contact_force, in its order, so the results
+// have the same bits.
 //
 //   clear     is_clear; the others go on a list, so that the later stages run over those alone
 //   nearest   the nearest facet; behind: once more without walls seen from behind, and whether the point has gone through one

@@ -97,8 +97,8 @@ typedef struct MultiplierState {
 } MultiplierState;
 
 // Forces of one quadrature point, to be reduced to its edge. F, and -dF/dq split so that the host may leave out the unsymmetric
-// part of sliding friction. q = (x, y, z, theta), and the edge's vector w = x_b - x_a, which the section turns with. Seen from the
-// nodes, friction at the surface is a force on the axis point, a torque, and a couple. `contacts` 0: only depth and flags are
+// part of sliding friction. q = (x, y, z, theta), and the edge's vector w = x_b - x_a, which the section turns with. Seen from
+// the nodes, friction at the surface is a force on the axis point, a torque, and a couple. `contacts` 0: only depth and flags are
 // written; without SEL_FORCE_COUPLE what stands in the second block is 0.
 typedef struct ContactForce {
     real force[4];  // on the axis point [N], about the tangent [N m]

@@ -1,5 +1,6 @@
-// Walk down and up the wall's tree without a stack, in the tree's own order. A stack would lie in a graphics card's memory, 192 bytes of
-// each work-item. Children stand in pairs, the left one at an odd index, and inner nodes know their parents (tree_types.h).
+// Walk down and up the wall's tree without a stack, in the tree's own order. A stack would lie in a graphics card's memory, 192
+// bytes of each work-item. Children stand in pairs, the left one at an odd index, and inner nodes know their parents
+// (tree_types.h).
 #ifndef SEL_SHARED_DESCENT_H
 #define SEL_SHARED_DESCENT_H
 #include "shared/tree_types.h"

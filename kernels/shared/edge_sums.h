@@ -5,8 +5,8 @@
 
 SEL_BEGIN
 
-// Before the rounds of a loop over the entries of matrices in memory: one round after another there, since all at once would be as
-// many registers.
+// Before the rounds of a loop over the entries of matrices in memory: one round after another there, since all at once would be
+// as many registers.
 #if SEL_SUMS_IN_MEMORY
     #define SEL_IN_TURN SEL_ROLLED
 #else

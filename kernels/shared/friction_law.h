@@ -8,11 +8,11 @@
 //      = dx - r dtheta (t x n) + (r / l) (t (n . dw) - (t . n) dw)
 //
 // of which only the part in the wall's plane counts: the slip. By virtual work f . du, friction f on the surface is a force f on
-// the axis point and a torque -r f . (t x n) about the tangent. There is also a couple: C = (r / l) ((f . t) n - (t . n) f) on node
-// b, -C on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of bending:
-// Kirchhoff's M' + t x N = r n x f_t t. So a rope slides round a drum with the exponent mu (1 - r/R) (1 - mu^2 r/R ...) of the
-// axis' radius R instead of mu. The work is the same on both sides: friction takes -f . slip, no more and no less. The normal force
-// points at the axis and has no moment.
+// the axis point and a torque -r f . (t x n) about the tangent. There is also a couple: C = (r / l) ((f . t) n - (t . n) f) on
+// node b, -C on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
+// bending: Kirchhoff's M' + t x N = r n x f_t t. So a rope slides round a drum with the exponent mu (1 - r/R) (1 - mu^2 r/R ...)
+// of the axis' radius R instead of mu. The work is the same on both sides: friction takes -f . slip, no more and no less. The
+// normal force points at the axis and has no moment.
 //
 // A linearised step (D5) takes the law at the start, x_0, with the velocity v_0 known there, and must get it as a linear function
 // of the move D = x+ - x_0: with f(x, v) the law and v+ = D/h,

@@ -1,8 +1,8 @@
 // Evaluation of slots in kernels and their twin: with other instruments SEL_BLOCK at a time, with the same one each alone.
 //
 // Most neighbours do not touch, and in a lumen the gaps at both ends of a cell show it (least_room()). On a processor these ends,
-// two of each of four cells, go in eight SIMD lanes, and so do the clearances of cells that touch nothing, at the trial and at the
-// start of the step. On a graphics card an item has one cell, and one end after the other, in stages (instrument_stages.h).
+// two of each of four cells, go in eight SIMD lanes, and so do the clearances of cells that touch nothing, at the trial and at
+// the start of the step. On a graphics card an item has one cell, and one end after the other, in stages (instrument_stages.h).
 #ifndef SEL_SHARED_INSTRUMENT_BLOCK_H
 #define SEL_SHARED_INSTRUMENT_BLOCK_H
 #include "shared/instrument_near.h"
@@ -115,8 +115,8 @@ SEL_LANES_FN real8 gap_in_lanes(const SlotCell* cells, uint first, LaneNearest n
 // Both ends of SEL_BLOCK cells. @param known  [SEL_BLOCK] is written: whether both are known
 SEL_FN void ends_in_lanes(const SlotCell* cells, CellEnds* ends, int* known)
 {
-    real s[2 * SEL_BLOCK], start[2 * SEL_BLOCK], low[2 * SEL_BLOCK], high[2 * SEL_BLOCK], gap[2 * SEL_BLOCK], slope[2 * SEL_BLOCK],
-        of_a[2 * SEL_BLOCK], at[2 * SEL_BLOCK], missed[2 * SEL_BLOCK];
+    real s[2 * SEL_BLOCK], start[2 * SEL_BLOCK], low[2 * SEL_BLOCK], high[2 * SEL_BLOCK], gap[2 * SEL_BLOCK],
+        slope[2 * SEL_BLOCK], of_a[2 * SEL_BLOCK], at[2 * SEL_BLOCK], missed[2 * SEL_BLOCK];
     for (uint k = 0; k < 2 * SEL_BLOCK; ++k) {
         const SlotCell* its = cells + k % SEL_BLOCK;
         const real end = k < SEL_BLOCK ? (real)-0.5 : (real)0.5;
@@ -171,8 +171,8 @@ SEL_FN void ends_in_lanes(const SlotCell* cells, CellEnds* ends, int* known)
     }
 }
 
-// Clearances of cells that touch nothing, at their nearest end: as follow_cell(). @param due  [SEL_BLOCK] which; 0 is written where it
-// is done
+// Clearances of cells that touch nothing, at their nearest end: as follow_cell(). @param due  [SEL_BLOCK] which; 0 is written
+// where it is done
 SEL_FN void follow_in_lanes(const SlotCell* cells, const CellEnds* ends, real inv_dt, int* due, SEL_OUT InstrumentState* now)
 {
     real s[2 * SEL_BLOCK], at[2 * SEL_BLOCK], low[2 * SEL_BLOCK], high[2 * SEL_BLOCK], gap[2 * SEL_BLOCK], missed[2 * SEL_BLOCK],
@@ -234,7 +234,8 @@ SEL_FN int is_followed(const SlotCell* its, InstrumentParams par, real depth)
 
 #if !SEL_SUMS_IN_MEMORY
 // What a cell exerts that is not known to be clear.
-// @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell     points  [SEL_INSTRUMENT_POINTS] of the slot: those that push are written
+// @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell     points  [SEL_INSTRUMENT_POINTS] of the slot: those that push are
+// written
 SEL_FN void cell_force(const SlotCell* its, CellEnds ends, int ends_known, InstrumentPair pair,
                        SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par, SEL_OUT InstrumentState* now,
                        SEL_OUT InstrumentForce* force, SEL_GLOBAL InstrumentPoint* points)
@@ -266,7 +267,8 @@ SEL_FN void cell_force(const SlotCell* its, CellEnds ends, int ends_known, Instr
 }
 
 // Contact of `count` slots, SEL_BLOCK at most, with other instruments; of a slot with the same one nothing is done.
-// @param list  [count]     states_t0, states  [cells][SEL_INSTRUMENT_SLOTS]     forces  [count]     points  [count][SEL_INSTRUMENT_POINTS]
+// @param list  [count]     states_t0, states  [cells][SEL_INSTRUMENT_SLOTS]     forces  [count]     points 
+// [count][SEL_INSTRUMENT_POINTS]
 SEL_PART void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBAL const InstrumentSlot* slots,
                               InstrumentBodies bodies, InstrumentNodes nodes, InstrumentNodes nodes_t0,
                               SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par,
@@ -327,8 +329,8 @@ typedef struct SelfCell {
     uint old;  // its state at the start of the step; SEL_INSTRUMENT_SLOTS: none
 } SelfCell;
 
-SEL_FN SelfCell self_cell(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes, InstrumentNodes nodes_t0,
-                          SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par)
+SEL_FN SelfCell self_cell(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
+                          InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par)
 {
     SelfCell its;
     its.pair = bodies.pairs[slot.pair];
@@ -393,8 +395,8 @@ SEL_PART void instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBo
     }
     const int fresh = its.old == SEL_INSTRUMENT_SLOTS;
     LawContext c = self_law(&its, par);
-    self_force(&its.self, &touch, its.pair.spread, self_line_mass(&its), states_t0[fresh ? 0 : its.old].contact, fresh, &c, now, force,
-               points);
+    self_force(&its.self, &touch, its.pair.spread, self_line_mass(&its), states_t0[fresh ? 0 : its.old].contact, fresh, &c, now,
+               force, points);
 }
 #endif
 

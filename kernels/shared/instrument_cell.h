@@ -1,14 +1,14 @@
-// Contact of one cell of rod a with a stretch of rod b: force along the part that touches (instrument_pieces.h), friction in the middle
-// of it.
+// Contact of one cell of rod a with a stretch of rod b: force along the part that touches (instrument_pieces.h), friction in the
+// middle of it.
 //
 // Over each piece the force per metre is integrated by Gauss between the zeros of the gap. So a line contact has its force per
 // metre, a crossing one its lens, wherever they lie on the cells: one piece gains exactly the force that its neighbour loses, and
 // nothing jumps. The integrand vanishes at zeros, so their motion does not count in the tangent. The motion of the Gauss points
 // with them is neglected (in full contact they stay on material).
 //
-// Three cells in four that touch do so all along, and did in the last step: such a cell is not cut, and no zeros are looked for. Its
-// force is taken by Gauss at four points fixed in its material, which is smooth in the nodes whatever lies between. The rule does
-// not change within a step. This one is used only if the cell was everywhere at least 1/4 as deep as at its deepest point
+// Three cells in four that touch do so all along, and did in the last step: such a cell is not cut, and no zeros are looked for.
+// Its force is taken by Gauss at four points fixed in its material, which is smooth in the nodes whatever lies between. The rule
+// does not change within a step. This one is used only if the cell was everywhere at least 1/4 as deep as at its deepest point
 // (SEL_WHOLE). A force of depth^(3/2) is then right to 5e-7 if the depth is linear in s, and to 2e-4 if it is a parabola of that
 // height. If curvatures jump by [kappa] at a knot in it, it is right to a depth of [kappa] l^2/2700 in the mean.
 #ifndef SEL_SHARED_INSTRUMENT_CELL_H
@@ -46,7 +46,8 @@ SEL_FN real gauss_weight(uint k) { return k == 1 || k == 2 ? (real)0.65214515486
 
 // Adds a point whose gap's gradient is that of `point->g`.
 // @param force, slope  [N], and its growth with depth [N/m]
-SEL_FN void put_point(const CellPoint* point, real force, real slope, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void put_point(const CellPoint* point, real force, real slope, SEL_OUT InstrumentForce* out,
+                      SEL_GLOBAL InstrumentPoint* points)
 {
     InstrumentPoint p;
     for (int k = 0; k < 3; ++k) {
@@ -207,7 +208,8 @@ SEL_FN Closing following(real gap, real gap_t0, real inv_dt)
     return closing;
 }
 
-SEL_STAGE_FN void follow_cell(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
+SEL_STAGE_FN void follow_cell(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, real inv_dt, uint epoch,
+                              SEL_OUT InstrumentState* now)
 {
     const CellMark least = cell->least[cell->deepest];
     const DeepPoint bottom = cell_bottom(scene, least);
@@ -258,7 +260,8 @@ SEL_STAGE_FN void push_pieces(const InstrumentScene* scene, SEL_OUT const CellPi
     }
 }
 
-// What the cubic through the values at four Gauss points is at an end of the cell. @param k0, k1, k2, k3  the points, from that end on
+// What the cubic through the values at four Gauss points is at an end of the cell. @param k0, k1, k2, k3  the points, from that
+// end on
 SEL_FN real at_end(SEL_OUT const real* of, uint k0, uint k1, uint k2, uint k3)
 {
     return (real)1.5267881254572662 * of[k0] - (real)0.813632449486927 * of[k1] + (real)0.40076152031165035 * of[k2] -

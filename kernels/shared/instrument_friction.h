@@ -63,8 +63,8 @@ SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, SE
 }
 
 // Friction under the cell's normal force at the point `point` of a; c->m.weight: metres that touch.
-SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c, SEL_OUT InstrumentState* now,
-                   SEL_OUT InstrumentForce* out)
+SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c,
+                   SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
 {
     const vec3 n = point.g.n, x = spline_sum(scene->a, point.a.node, point.a.w);
     const vec3 lever = -(c->m.radius) * n;

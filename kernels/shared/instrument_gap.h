@@ -12,9 +12,9 @@
 //   d2 D = delta P delta / D - (c' . delta / D + n . dc')^2 / D_uu,     delta = dx_a - dc,  P = 1 - n n^T,  D_uu = |c'|^2/D - n .
 //   c''
 //
-// and without the last term at the ends of b. The plane of the mouth turns with the first edge and its tangent t. This changes the
-// gap by -(z r/|x_a - y|) e . dt, with z the distance of x_a beyond the plane, r = R + rho, and e radial. The Hessian leaves out
-// the second derivative of this term.
+// and without the last term at the ends of b. The plane of the mouth turns with the first edge and its tangent t. This changes
+// the gap by -(z r/|x_a - y|) e . dt, with z the distance of x_a beyond the plane, r = R + rho, and e radial. The Hessian leaves
+// out the second derivative of this term.
 #ifndef SEL_SHARED_INSTRUMENT_GAP_H
 #define SEL_SHARED_INSTRUMENT_GAP_H
 #include "shared/instrument_types.h"

@@ -1,9 +1,9 @@
-// The nearest places of eight points side by side: four of a cell, at the trial and at the start of the step; or both ends of four cells
-// (instrument_block.h). What most of an evaluation is.
+// The nearest places of eight points side by side: four of a cell, at the trial and at the start of the step; or both ends of
+// four cells (instrument_block.h). What most of an evaluation is.
 //
 // Between knots a curve is c_0 + c_1 t + c_2 t^2, and the nearest place on b is a root of a cubic (spline.h, SeenPiece). Newton's
-// method runs for all eight at once, each on its piece of a's curve and beside one of b's. If a lane leaves its piece, comes to the
-// mouth or to an end, or does not converge, its result is unknown, and the caller searches for it alone.
+// method runs for all eight at once, each on its piece of a's curve and beside one of b's. If a lane leaves its piece, comes to
+// the mouth or to an end, or does not converge, its result is unknown, and the caller searches for it alone.
 #ifndef SEL_SHARED_INSTRUMENT_LANES_H
 #define SEL_SHARED_INSTRUMENT_LANES_H
 #include "shared/instrument_pieces.h"
@@ -218,7 +218,8 @@ SEL_LANES_FN void places_on(const InstrumentScene* scene, const real* s, const r
 
 // Positions of four points on one piece of a, beside one of b.
 // @param s, start  [4] material coordinates on a, where on b to look     of_a  where on a, near
-SEL_FN void places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, real of_a, SEL_OUT LanePlaces* out)
+SEL_FN void places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, real of_a,
+                            SEL_OUT LanePlaces* out)
 {
     if (scene->part.touch == SEL_TOUCH_SELF) {
         no_places(out);
@@ -256,7 +257,8 @@ SEL_FN void own_places_in_lanes(const InstrumentScene* scene, const real* s, con
 }
 
 #else
-// One of four points at one of two times. @param k  4 and beyond: at the start of the step     of_a, beside  where on the curves, near
+// One of four points at one of two times. @param k  4 and beyond: at the start of the step     of_a, beside  where on the curves,
+// near
 SEL_FN void place_of(const InstrumentScene* scene, uint k, real s, real start, real of_a, real beside, SEL_OUT LanePlaces* out)
 {
     const int then = k >= 4;
@@ -267,14 +269,15 @@ SEL_FN void place_of(const InstrumentScene* scene, uint k, real s, real start, r
     const LaneNearest near = nearest_in_lanes(s, start, &on_a, &on_b, part.low, high);
     out->of_a[k] = near.u + on_a.origin;
     out->at[k] = near.t + on_b.origin;
-    out->gap[k] =
-        part.touch == SEL_TOUCH_INSIDE ? part.reach_b - part.reach_a - near.distance : near.distance - part.reach_a - part.reach_b;
+    out->gap[k] = part.touch == SEL_TOUCH_INSIDE ? part.reach_b - part.reach_a - near.distance
+                                                 : near.distance - part.reach_a - part.reach_b;
     if (near.missed && then) out->known_t0 = 0;
     if (near.missed && !then) out->known = 0;
 }
 
 // The same, one after another.
-SEL_FN void places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, real of_a, SEL_OUT LanePlaces* out)
+SEL_FN void places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, real of_a,
+                            SEL_OUT LanePlaces* out)
 {
     const real middle = (real)0.5 * (start[0] + start[3]);
     const real then = spline_at_near(scene->a_t0, (real)0.5 * (s[0] + s[3]), scene->edge);
@@ -283,7 +286,8 @@ SEL_FN void places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s,
     SEL_ROLLED for (uint k = 0; k < 8; ++k) place_of(scene, k, s[k % 4], start[k % 4], k < 4 ? of_a : then, middle, out);
 }
 
-SEL_FN void own_places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start, SEL_OUT LanePlaces* out)
+SEL_FN void own_places_in_lanes(const InstrumentScene* scene, SEL_OUT const real* s, SEL_OUT const real* start,
+                                SEL_OUT LanePlaces* out)
 {
     out->known = out->known_t0 = scene->part.touch != SEL_TOUCH_SELF;
     if (!out->known) return;

@@ -1,7 +1,7 @@
 // The stretches of another rod, or of the same one, near a cell; and the cell's evaluation in kernels and their twin.
 //
-// A cell's middle is compared with the middles of the edges of b. If the slope of the distance along b changes sign from one to the
-// next, there is one nearest point between them, and a slot if it is within reach. Far stretches are passed over in leaps
+// A cell's middle is compared with the middles of the edges of b. If the slope of the distance along b changes sign from one to
+// the next, there is one nearest point between them, and a slot if it is within reach. Far stretches are passed over in leaps
 // that their distance allows.
 #ifndef SEL_SHARED_INSTRUMENT_NEAR_H
 #define SEL_SHARED_INSTRUMENT_NEAR_H
@@ -139,9 +139,9 @@ SEL_FN real cells_apart(CellAxes axes, uint a, uint b)
     return sqrt(least);
 }
 
-// Whether the axis advances along the chord of a stretch everywhere by `share` of its material at least. A point of the curve moves by a
-// mean of two neighbouring edges, and its material coordinate by the same mean of their lengths. So every edge that acts on the
-// stretch is checked.
+// Whether the axis advances along the chord of a stretch everywhere by `share` of its material at least. A point of the curve
+// moves by a mean of two neighbouring edges, and its material coordinate by the same mean of their lengths. So every edge that
+// acts on the stretch is checked.
 SEL_FN int is_straight(SplineView rod, real from, real until, real share)
 {
     uint first = edge_of_material(rod, from), end = first;
@@ -155,20 +155,22 @@ SEL_FN int is_straight(SplineView rod, real from, real until, real share)
     return least > 0;
 }
 
-// Cells that a rod may touch itself with: the live ones, and the one that is on its way through the inlet, as far as it is inside. If that
-// were left out until all of it is inside, a strand that lies across the inlet would be found in it, as deep as it happens to be.
+// Cells that a rod may touch itself with: the live ones, and the one that is on its way through the inlet, as far as it is
+// inside. If that were left out until all of it is inside, a strand that lies across the inlet would be found in it, as deep as
+// it happens to be.
 SEL_FN uint cells_inside(InstrumentRod rod)
 {
     const real over = rod.inside - rod.spacing * (real)rod.live;
     return rod.live > 0 && over > (real)1e-9 * rod.spacing ? rod.live + 1 : rod.live;
 }
 
-// Stretches of cells of the same rod, hubwards of a cell's points by more than `apart`, whose axes come nearer than `limit` to it.
-// Three points of each are compared. Their nearest pair is farther apart than the axes by 1/4 of a cell's length along both. That is
-// (l/4)^2 / (2 D) each if they run across their distance D, and l/16 is taken for both. The cells that come next along the rod are
-// always that near. Where the rod is nearly straight, points of them that are `apart` along it are farther away than `limit`, and
-// these cells are passed over.
-SEL_FN void search_cells(InstrumentRod a, SplineView view, CellAxes axes, uint cell, real apart, real limit, uint pair, SlotList* list)
+// Stretches of cells of the same rod, hubwards of a cell's points by more than `apart`, whose axes come nearer than `limit` to
+// it. Three points of each are compared. Their nearest pair is farther apart than the axes by 1/4 of a cell's length along both.
+// That is (l/4)^2 / (2 D) each if they run across their distance D, and l/16 is taken for both. The cells that come next along
+// the rod are always that near. Where the rod is nearly straight, points of them that are `apart` along it are farther away than
+// `limit`, and these cells are passed over.
+SEL_FN void search_cells(InstrumentRod a, SplineView view, CellAxes axes, uint cell, real apart, real limit, uint pair,
+                         SlotList* list)
 {
     const real near = limit + a.spacing / 16, s0 = a.spacing * (real)(cell - a.cell);
     const vec3 own = cell_axis_point(axes, cell, 1);
@@ -197,7 +199,8 @@ SEL_FN void search_cells(InstrumentRod a, SplineView view, CellAxes axes, uint c
 
 // Slots of one cell, unused ones with touch 0.
 // @param straight  the rod touches itself nowhere, as is_straight() has told of all of it
-SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, CellAxes axes, int straight, InstrumentParams par)
+SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, CellAxes axes, int straight,
+                           InstrumentParams par)
 {
     SlotList list;
     list.count = 0;

@@ -1,10 +1,10 @@
 // The part of a cell of rod a that touches a stretch of rod b.
 //
 // The gap is taken as a function of the material coordinate s along the cell. Its second derivative jumps where the cell passes a
-// knot of either spline or the plane of the mouth. Between these it may change its sign once, as nodes are not evenly spaced. There
-// the cell is cut into pieces, so that a piece has at most one minimum. A search over the whole cell would see an overlap between
-// two maxima of the gap only when an end of the cell touches too. Its force would jump, and there would be no equilibrium. The
-// search finds the minimum, and the zeros on both sides of it or the ends of the piece.
+// knot of either spline or the plane of the mouth. Between these it may change its sign once, as nodes are not evenly spaced.
+// There the cell is cut into pieces, so that a piece has at most one minimum. A search over the whole cell would see an overlap
+// between two maxima of the gap only when an end of the cell touches too. Its force would jump, and there would be no
+// equilibrium. The search finds the minimum, and the zeros on both sides of it or the ends of the piece.
 #ifndef SEL_SHARED_INSTRUMENT_PIECES_H
 #define SEL_SHARED_INSTRUMENT_PIECES_H
 #include "shared/contact_records.h"
@@ -12,8 +12,8 @@
 
 SEL_BEGIN
 
-// SEL_STAGE_FN: what a processor's one kernel has in a place of its own, and stages (instrument_stages.h) in line: arguments by address
-// would lie in a card's scratch memory. SEL_ONCE: SEL_ROLLED in stages alone.
+// SEL_STAGE_FN: what a processor's one kernel has in a place of its own, and stages (instrument_stages.h) in line: arguments by
+// address would lie in a card's scratch memory. SEL_ONCE: SEL_ROLLED in stages alone.
 #if SEL_SUMS_IN_MEMORY
     #define SEL_STAGE_FN SEL_FN
     #define SEL_ONCE SEL_ROLLED
@@ -192,8 +192,8 @@ SEL_FN DeepPoint called_deep(const InstrumentScene* scene, real s, CalledPoint g
     return deep;
 }
 
-// A point of the rods a and b as they are at one time. On a card it is called with values alone: a scene whose address is handed over
-// lies in scratch memory, and in line it would be 13 kB each time.
+// A point of the rods a and b as they are at one time. On a card it is called with values alone: a scene whose address is handed
+// over lies in scratch memory, and in line it would be 13 kB each time.
 SEL_FN CalledPoint point_between_rods(const InstrumentScene* scene, SplineView a, SplineView b, real s, real start)
 {
     const GapPart part = scene->part;
@@ -285,8 +285,8 @@ SEL_FN real next_knot(SplineView rod, real from, real until)
     return knot;
 }
 
-// Intersection of a with the plane across b at `knot`, as a fraction of the path between two points of a on one piece of its curve.
-// It solves a quadratic equation of the coordinate along the piece. < 0: there is no single place.
+// Intersection of a with the plane across b at `knot`, as a fraction of the path between two points of a on one piece of its
+// curve. It solves a quadratic equation of the coordinate along the piece. < 0: there is no single place.
 SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
 {
     const SplinePlace b = spline_place(knot, scene->b.count);
@@ -299,7 +299,8 @@ SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark
         beyond[k] = dot3(spline_sum(scene->a, a.node, a.w) - centre, normal);
     }
     if (!(beyond[0] * beyond[2] < 0)) return -1;
-    const real u = root_between(2 * (beyond[0] - 2 * beyond[1] + beyond[2]), 4 * beyond[1] - 3 * beyond[0] - beyond[2], beyond[0]);
+    const real u =
+        root_between(2 * (beyond[0] - 2 * beyond[1] + beyond[2]), 4 * beyond[1] - 3 * beyond[0] - beyond[2], beyond[0]);
     return (spline_material(scene->a, from + u * (until - from)) - left.s) / (right.s - left.s);
 }
 
@@ -329,8 +330,8 @@ SEL_FN void add_cut(CellMark cut, real until, SEL_OUT CellCuts* cuts)
         cuts->at[++cuts->pieces] = cut;
 }
 
-// Between the last cut and `right` nothing jumps: cut where the second derivative of the cubic that has both ends' gaps and slopes
-// is none.
+// Between the last cut and `right` nothing jumps: cut where the second derivative of the cubic that has both ends' gaps and
+// slopes is none.
 SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until, SEL_OUT CellCuts* cuts)
 {
     const CellMark left = cuts->at[cuts->pieces];
@@ -380,8 +381,8 @@ SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right
     cuts->at[++cuts->pieces] = right;
 }
 
-// The largest curvature of a rod's curve between two places [1/m]. c' x c'' of a piece is e x f of its two edges. |c'| is not less
-// than cos(30 degrees) of the shorter edge if they turn by 60 degrees at most.
+// The largest curvature of a rod's curve between two places [1/m]. c' x c'' of a piece is e x f of its two edges. |c'| is not
+// less than cos(30 degrees) of the shorter edge if they turn by 60 degrees at most.
 SEL_FN real most_curved(SplineView rod, real from, real until)
 {
     real most = 0;
@@ -415,8 +416,8 @@ SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark rig
     return gap - (real)0.125 * (real)1.1 * k * length * length;  // 1.1: of a wire that is stretched
 }
 
-// How far both rods together move at least before a cell whose gaps are `room` and more touches: no distance between curves changes by
-// more than they move. Known in a lumen only, as far from its mouth and its end as the place along b may have moved.
+// How far both rods together move at least before a cell whose gaps are `room` and more touches: no distance between curves
+// changes by more than they move. Known in a lumen only, as far from its mouth and its end as the place along b may have moved.
 SEL_FN real clear_move(const InstrumentScene* scene, CellMark left, CellMark right, real room)
 {
     const GapPart part = scene->part;
@@ -450,8 +451,8 @@ SEL_FN GapCubic cubic_between(CellMark left, CellMark right)
     return cubic;
 }
 
-// The least gap between two points: where its slope changes sign, by that of the cubic between them, and by halving where that leads
-// nowhere.
+// The least gap between two points: where its slope changes sign, by that of the cubic between them, and by halving where that
+// leads nowhere.
 SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark right)
 {
     if (left.slope >= 0 && right.slope <= 0) return left.gap < right.gap ? left : right;
@@ -472,7 +473,8 @@ SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark 
     return best;
 }
 
-// Where the cubic between a point that overlaps and one that does not is none: three steps of Newton's method from the chord's zero.
+// Where the cubic between a point that overlaps and one that does not is none: three steps of Newton's method from the chord's
+// zero.
 SEL_FN real zero_between(CellMark in, CellMark out)
 {
     const GapCubic cubic = cubic_between(in, out);
@@ -535,7 +537,8 @@ SEL_FN void write_room(const InstrumentScene* scene, CellEnds ends, real gap, re
 }
 
 // @param out  depth and `clear` are written
-SEL_STAGE_FN void look_through(const InstrumentScene* scene, CellEnds ends, SEL_OUT CellPieces* cell, SEL_OUT InstrumentForce* out)
+SEL_STAGE_FN void look_through(const InstrumentScene* scene, CellEnds ends, SEL_OUT CellPieces* cell,
+                               SEL_OUT InstrumentForce* out)
 {
     const CellMark first = ends.first, last = ends.last;
     cell->deepest = cell->cuts.pieces = 0;

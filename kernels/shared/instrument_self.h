@@ -6,17 +6,19 @@
 //
 //     E = int int psi(delta) ds dt,     delta = r_a + r_b - |x(s) - x(t)|,     q = psi' = C delta^(n - 1/2) h(delta),
 //
-// which is smooth however the strands are bent. Between straight strands side by side delta is d - t^2/(2 D) across from a point, and
+// which is smooth however the strands are bent. Between straight strands side by side delta is d - t^2/(2 D) across from a point,
+// and
 //
 //     int q dt = C sqrt(2 D) B(1/2, n + 1/2) d^n = k d^n,     C = k / (sqrt(2 (r_a + r_b)) B(1/2, n + 1/2)),
 //
-// the line law of instrument_law.h; strands that cross at an angle a have its force there, which grows as 1/sin a. The hardening h
-// acts on delta as it does on the depth. The pole lies at the same depth, and the force short of it is less by up to the loss of a
-// lens at its rims.
+// the line law of instrument_law.h; strands that cross at an angle a have its force there, which grows as 1/sin a. The hardening
+// h acts on delta as it does on the depth. The pole lies at the same depth, and the force short of it is less by up to the loss
+// of a lens at its rims.
 //
-// s and t are material coordinates; t > s + pi r. Over s the force is integrated between the zeros of the least gap, a quarter of a cell at a
-// time, over t between those of the distance, whose square is a quartic on each piece of the curve. Damping goes by how fast the least gap at s closes, not by
-// how fast two points of the material come nearer, which they do too when they slide past each other.
+// s and t are material coordinates; t > s + pi r. Over s the force is integrated between the zeros of the least gap, a quarter of
+// a cell at a time, over t between those of the distance, whose square is a quartic on each piece of the curve. Damping goes by
+// how fast the least gap at s closes, not by how fast two points of the material come nearer, which they do too when they slide
+// past each other.
 #ifndef SEL_SHARED_INSTRUMENT_SELF_H
 #define SEL_SHARED_INSTRUMENT_SELF_H
 #include "shared/instrument_cell.h"
@@ -253,10 +255,10 @@ SEL_FN real self_zero(const SelfScene* self, CellMark in, CellMark out)
 
 // Ends of the stretches of a cell that touch, and the deepest place.
 //
-// Two stretches may grow together within a step, or come apart. One rule over both gives another force than a rule over each: by 2 % if a deep place
-// and a shallow one share a cell. Newton's method cannot solve across such a jump, however short the step. So no rule takes more than a
-// quarter of a cell: what grows together within one is shallow, and the jump is below 1e-3 of the force, which Newton's method lets pass where
-// positions are known to 1e-6 radii (newton/kinks.cpp).
+// Two stretches may grow together within a step, or come apart. One rule over both gives another force than a rule over each: by
+// 2 % if a deep place and a shallow one share a cell. Newton's method cannot solve across such a jump, however short the step. So
+// no rule takes more than a quarter of a cell: what grows together within one is shallow, and the jump is below 1e-3 of the
+// force, which Newton's method lets pass where positions are known to 1e-6 radii (newton/kinks.cpp).
 typedef struct SelfTouch {
     real from[SEL_SELF_PARTS + 1], until[SEL_SELF_PARTS + 1];
     uint count;
@@ -282,9 +284,10 @@ SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int 
 
 #define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/bodies/rod/no_state.h)
 
-// How far the gap may lie below both of two marks between them, `apart` along the material. The gap is the least of smooth functions of s, one for
-// each near place of the stretch. None curves by more than 1/D + kappa_a + kappa_b, which is 2/r with axes 1.5 radii apart and strands bent
-// about as sharply as they are thick. Such a function dips by h^2/(4 r) at most below its values at the ends of a length h.
+// How far the gap may lie below both of two marks between them, `apart` along the material. The gap is the least of smooth
+// functions of s, one for each near place of the stretch. None curves by more than 1/D + kappa_a + kappa_b, which is 2/r with
+// axes 1.5 radii apart and strands bent about as sharply as they are thick. Such a function dips by h^2/(4 r) at most below its
+// values at the ends of a length h.
 SEL_FN real dip_between(const SelfScene* self, real apart)
 {
     const real h = SEL_LONGER * apart;
@@ -355,7 +358,8 @@ SEL_FN real closing_rate(const InstrumentScene* scene, CellMark point, real inv_
     return point.gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - point.gap) * inv_dt : (real)0;
 }
 
-// The factor that damping puts on the elastic force at one point of a, and how it grows with the depth: damped_force() of contact_law.h.
+// The factor that damping puts on the elastic force at one point of a, and how it grows with the depth: damped_force() of
+// contact_law.h.
 typedef struct SelfDamping {
     real factor, growth;  // [-], [1/m]
 } SelfDamping;
@@ -384,8 +388,9 @@ SEL_FN real critical_speed(real depth, real line_mass, QuadratureModel m)
 }
 
 // One pair of points: `weight` metres of a times metres of b.
-SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, real weight, SelfDamping damping, const LawContext* law,
-                      SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, real weight, SelfDamping damping,
+                      const LawContext* law, SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out,
+                      SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &self->scene;
     point.g = no_gap(at);
@@ -409,13 +414,14 @@ SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, r
 
 // ---- quadrature ------------------------------------------------------------------------------------------------------------------
 //
-// A quarter of a cell that touches all along has three points of Gauss-Legendre, fixed in the material: their forces are smooth in the nodes, with an
-// exact tangent. Where the gap is none at an end of it they take depth^(3/2) to 5e-4 of the little that such a quarter bears.
+// A quarter of a cell that touches all along has three points of Gauss-Legendre, fixed in the material: their forces are smooth
+// in the nodes, with an exact tangent. Where the gap is none at an end of it they take depth^(3/2) to 5e-4 of the little that
+// such a quarter bears.
 //
-// Elsewhere the slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. If that is whole,
-// four points of Gauss-Legendre take it exactly. A half power is smoothed by u = (3 v - v^3)/2: over v six points take its second
-// moment to 6e-5, four over u to 3 %. All that keeps two strands from sliding along each other is about 1 % of the slope. The
-// tangent misses the rule's error there, so Newton's method would take tens of iterations.
+// Elsewhere the slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. If that
+// is whole, four points of Gauss-Legendre take it exactly. A half power is smoothed by u = (3 v - v^3)/2: over v six points take
+// its second moment to 6e-5, four over u to 3 %. All that keeps two strands from sliding along each other is about 1 % of the
+// slope. The tangent misses the rule's error there, so Newton's method would take tens of iterations.
 
 typedef struct RulePoint {
     real u, weight;  // in [-1, 1]
@@ -434,9 +440,13 @@ SEL_FN RulePoint rule_point(uint k, real power)
         return point;
     }
     const uint from_middle = k < 3 ? 2 - k : k - 3;
-    const real u = from_middle == 0 ? (real)0.35113539637062335 : from_middle == 1 ? (real)0.8472744177084373 : (real)0.9933134321150445;
+    const real u = from_middle == 0   ? (real)0.35113539637062335
+                   : from_middle == 1 ? (real)0.8472744177084373
+                                      : (real)0.9933134321150445;
     point.u = k < 3 ? -u : u;
-    point.weight = from_middle == 0 ? (real)0.6619069931842173 : from_middle == 1 ? (real)0.30455608193457856 : (real)0.033536924881204806;
+    point.weight = from_middle == 0   ? (real)0.6619069931842173
+                   : from_middle == 1 ? (real)0.30455608193457856
+                                      : (real)0.033536924881204806;
     return point;
 }
 
@@ -452,8 +462,9 @@ SEL_FN RulePoint inner_point(uint k)
 // ---- all of a cell ----------------------------------------------------------------------------------------------------------------
 
 // All that one point of a pushes; `weight` metres of it.
-SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closing, const LawContext* law, SEL_OUT SelfLobes* lobes,
-                       SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closing, const LawContext* law,
+                       SEL_OUT SelfLobes* lobes, SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out,
+                       SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentScene* scene = &self->scene;
     const CellMark mark = self_mark(self, s);
@@ -508,7 +519,8 @@ SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, r
 }
 
 // The state of a cell that touches nothing: how it closes.
-SEL_FN void follow_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
+SEL_FN void follow_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, real inv_dt, uint epoch,
+                        SEL_OUT InstrumentState* now)
 {
     const DeepPoint bottom = self_bottom(self, touch->deepest.s);
     Closing closing;
@@ -539,7 +551,8 @@ SEL_FN void push_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, rea
     sums->along_a = sums->along_b = sums->metres = sums->n[0] = sums->n[1] = sums->n[2] = 0;
     SEL_ONCE for (uint k = 0; k < touch->count; ++k)
     {
-        const real middle = (real)0.5 * (touch->from[k] + touch->until[k]), half_length = (real)0.5 * (touch->until[k] - touch->from[k]);
+        const real middle = (real)0.5 * (touch->from[k] + touch->until[k]),
+                   half_length = (real)0.5 * (touch->until[k] - touch->from[k]);
         const int inner = half_length >= whole;
         SEL_ONCE for (uint q = 0; q < (inner ? SEL_INNER_POINTS : rule_points(c->m.exponent - 1)); ++q)
         {
@@ -557,7 +570,8 @@ SEL_FN void rub_self(const SelfScene* self, SelfSums sums, real gap, ContactStat
     now->length = out->length = sums.metres;
     now->contact.flags |= SEL_CONTACT_ACTIVE;
     now->contact.normal_force = out->normal_sum;
-    if (c->par.friction == SEL_FRICTION_NONE || sums.n[0] * sums.n[0] + sums.n[1] * sums.n[1] + sums.n[2] * sums.n[2] <= 0) return;
+    if (c->par.friction == SEL_FRICTION_NONE || sums.n[0] * sums.n[0] + sums.n[1] * sums.n[1] + sums.n[2] * sums.n[2] <= 0)
+        return;
     CarriedState carried;
     carried.old = old;
     carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);

@@ -1,5 +1,5 @@
-// instrument_forces (instrument_block.h) in stages, one kernel each, for devices that run many items at once on few registers: see
-// contact_stages.h. The functions are those of instrument_forces, so the results have the same bits.
+// instrument_forces (instrument_block.h) in stages, one kernel each, for devices that run many items at once on few registers:
+// see contact_stages.h. The functions are those of instrument_forces, so the results have the same bits.
 //
 //   ends      gaps at both ends of a cell, which show of most that they are clear; the others go on a list
 //   follow    how those that are clear but near close
@@ -110,7 +110,8 @@ SEL_FN StagedLaw staged_law(uint old, InstrumentSurface a, InstrumentSurface b, 
     return law;
 }
 
-SEL_FN StagedLaw cell_law(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL const InstrumentState* states_t0, InstrumentParams par)
+SEL_FN StagedLaw cell_law(const SlotCell* its, InstrumentPair pair, SEL_GLOBAL const InstrumentState* states_t0,
+                          InstrumentParams par)
 {
     return staged_law(its->old, its->surface_a, its->surface_b, pair, its->epoch, states_t0, par);
 }
@@ -151,7 +152,8 @@ SEL_FN StagedLaw staged_self_law(const SelfCell* its, SEL_GLOBAL const Instrumen
 }
 
 // @return it has to be looked at more closely
-SEL_FN int stage_self_mark(const SelfCell* its, SEL_OUT SelfStage* stage, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* force)
+SEL_FN int stage_self_mark(const SelfCell* its, SEL_OUT SelfStage* stage, SEL_OUT InstrumentState* now,
+                           SEL_OUT InstrumentForce* force)
 {
     start_self(its, now, force);
     if (mark_self(&its->self, its->follows, &stage->marks, &stage->touch)) return 1;

@@ -1,8 +1,8 @@
 // Layouts of contact between instruments (D13), shared by kernels, their host twin and the code that fills the buffers.
 //
 // A rod is divided into cells of about two radii, fixed in its material, so that what a contact carries from step to step
-// (elastic slip, approach speed) lives on material. Contact is searched for from the cells of one rod, a, to the curve of another,
-// b, or to a distant part of the same rod. One cell may touch several stretches of b, each in a slot.
+// (elastic slip, approach speed) lives on material. Contact is searched for from the cells of one rod, a, to the curve of
+// another, b, or to a distant part of the same rod. One cell may touch several stretches of b, each in a slot.
 #ifndef SEL_SHARED_INSTRUMENT_TYPES_H
 #define SEL_SHARED_INSTRUMENT_TYPES_H
 #include "shared/contact_types.h"

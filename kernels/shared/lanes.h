@@ -1,7 +1,7 @@
 // Eight numbers side by side, for loops that a device does not vectorise: OpenCL's vector types on one side, the compiler's on
 // the other. The same operators do the same operations on both, and a comparison gives a mask for `m ? a : b`.
-// Eight lanes suit processors of 256 and 512 bits. A graphics card has its lanes in its work-items: there SEL_LANES is 1, and what takes
-// eight numbers takes them in a loop, with the same bits.
+// Eight lanes suit processors of 256 and 512 bits. A graphics card has its lanes in its work-items: there SEL_LANES is 1, and
+// what takes eight numbers takes them in a loop, with the same bits.
 #ifndef SEL_SHARED_LANES_H
 #define SEL_SHARED_LANES_H
 #include "shared/portable.h"

@@ -207,7 +207,8 @@ SEL_FN ContactState empty_pair(uint triangle, real reach)
 
 // Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`, and L' [m] to
 // *touching. @return how many
-SEL_PART uint find_pairs(LayerEdge e, NodeView nodes, WallView wall, uint slots, SEL_GLOBAL uint* found, SEL_GLOBAL real* touching)
+SEL_PART uint find_pairs(LayerEdge e, NodeView nodes, WallView wall, uint slots, SEL_GLOBAL uint* found,
+                         SEL_GLOBAL real* touching)
 {
     *touching = 0;
     const AxisPoint at = axis_point(e.node, 0, nodes);

@@ -10,11 +10,11 @@
 //          step then shrinks by ten; with k h^2 / (rho A) < 1 a lambda carried from step to step would feed the bounce,
 //     k >= 2 lambda / reach: the force has faded before the wall is out of sight.
 // A contact point whose miss has not shrunk to 1/4 in a round gets four times its k. lambda starts at the force of the last step:
-// it lives on the wire's material quadrature point. Neither lambda nor f exceeds f_most, the force of the wall's law at 0.95 of its
-// pole, plus the wall's own stiffness times the depth, which keeps a wire in the middle. Without a solution free of overlap (a
-// lumen narrower than the wire) the force stays bounded, and the overlap remains. The force of an impact does not start the next
-// step. A miss of m leaves a free wire a speed of m / h, so misses are also limited to 1 mm/s times h. Otherwise the wire would
-// bounce off a lambda that has outlived its impact.
+// it lives on the wire's material quadrature point. Neither lambda nor f exceeds f_most, the force of the wall's law at 0.95 of
+// its pole, plus the wall's own stiffness times the depth, which keeps a wire in the middle. Without a solution free of overlap
+// (a lumen narrower than the wire) the force stays bounded, and the overlap remains. The force of an impact does not start the
+// next step. A miss of m leaves a free wire a speed of m / h, so misses are also limited to 1 mm/s times h. Otherwise the wire
+// would bounce off a lambda that has outlived its impact.
 //
 // `constraint` adds the tangential multiplier of sticking friction, -(2/3) k times the slip of this step, returned to the cone:
 // stuck is no slip at all, and no elastic slip is carried.

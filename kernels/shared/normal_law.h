@@ -6,8 +6,8 @@
 //     h = 1                                                      to depth_exact: a law from the user holds exactly,
 //       = 1 + depth_max/(depth_max - depth_exact) x^2/(1 - x),   x = (depth - depth_exact)/(depth_max - depth_exact), beyond
 // makes the law a barrier: whatever pushes, there is an equilibrium short of depth_max. Both have the same pole,
-// depth_max/(depth_max - depth) to first order; f and its slope are continuous. From 0.999 depth_max f continues as its tangent, so
-// that a start in overlap can be solved; `BLOCKED` marks a trial that went beyond that and deeper than before. With moves
+// depth_max/(depth_max - depth) to first order; f and its slope are continuous. From 0.999 depth_max f continues as its tangent,
+// so that a start in overlap can be solved; `BLOCKED` marks a trial that went beyond that and deeper than before. With moves
 // shorter than the lumen's width no wall is ever passed.
 #ifndef SEL_SHARED_NORMAL_LAW_H
 #define SEL_SHARED_NORMAL_LAW_H

@@ -1,9 +1,9 @@
 // The opposite wall of a narrow lumen, and the planes that the nearest facet of the own side is joined with (smooth_maximum.h).
 //
 // An axis distinguishes the facets of both sides: a facet whose normal points against it, by more than 0.2, is of the other side.
-// The axis is the normal of contact point 0 when contact begins, and its last normal from then on. It is constant during a step, so
-// that the forces of both sides are continuous even in a lumen as narrow as the wire, where walls all round push at once. A fifth:
-// the walls of a box, at right angles, are of one side whatever rounding says.
+// The axis is the normal of contact point 0 when contact begins, and its last normal from then on. It is constant during a step,
+// so that the forces of both sides are continuous even in a lumen as narrow as the wire, where walls all round push at once. A
+// fifth: the walls of a box, at right angles, are of one side whatever rounding says.
 #ifndef SEL_SHARED_OPPOSITE_WALL_H
 #define SEL_SHARED_OPPOSITE_WALL_H
 #include "shared/smooth_maximum.h"
@@ -165,8 +165,8 @@ SEL_FN void take_opposite(SEL_OUT ContactPoint* second, SEL_OUT const ContactPoi
     second->limit = -first->limit;
 }
 
-// Walks to the triangles that may be of the other side: everything beyond `surely_own` along `side`. A triangle so far on the own side,
-// all of it, is within the limit as far as it is reached.
+// Walks to the triangles that may be of the other side: everything beyond `surely_own` along `side`. A triangle so far on the own
+// side, all of it, is within the limit as far as it is reached.
 // @param room  the reach is longer by that
 SEL_FN WallQuery opposite_query(SEL_OUT const ContactPoint* first, ContactBall ball, real surely_own, real room)
 {

@@ -19,8 +19,8 @@ SEL_FN PointMotion motion_of(QuadraturePlace place, AxisPoint at, NodeView nodes
     if (!mv.fresh) {
         const AxisPoint was = axis_point(place.edge_t0, place.bary_t0, nodes_t0);
         mv.move = (at.origin - was.origin) + (at.offset - was.offset);
-        // the turn of the edge on which the point lies now. Material that slides along a polygon passes its corners without a turn,
-        // since the pushing hand feels none (EdgeSums::along). theta of two edges has two references
+        // the turn of the edge on which the point lies now. Material that slides along a polygon passes its corners without a
+        // turn, since the pushing hand feels none (EdgeSums::along). theta of two edges has two references
         const vec3 edge_t0 = axis_point(place.edge, place.bary, nodes_t0).edge;
         mv.turn = mv.tangent - (1 / sqrt(dot3(edge_t0, edge_t0))) * edge_t0;
         mv.spin = nodes.theta[place.edge] - nodes_t0.theta[place.edge];

@@ -42,7 +42,7 @@ inline vec3 operator*(real s, vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
 #else
     #pragma OPENCL FP_CONTRACT OFF                               // default is ON; OFF lets host and device be compared
     #define SEL_FN static inline __attribute__((always_inline))  // calls copy their records: a fifth of an evaluation
-    #define SEL_CALL static __attribute__((noinline))            // of what is long, and called from many places: code ten times as long
+    #define SEL_CALL static __attribute__((noinline))  // of what is long, and called from many places: code ten times as long
     #define SEL_GLOBAL __global
     #define SEL_ROLLED \
         _Pragma("unroll 1")  // before a loop of few rounds whose body is long: once in the program, not once a round
@@ -89,8 +89,8 @@ SEL_FN real clamp_r(real a, real lo, real hi) { return a < lo ? lo : (a > hi ? h
 
 SEL_END
 
-// A part of what an item does. PoCL compiles a kernel three times (for launches of any size, of a known and of a small one), and what
-// it calls once: as parts, contact_evaluate takes a quarter of the time to compile.
+// A part of what an item does. PoCL compiles a kernel three times (for launches of any size, of a known and of a small one), and
+// what it calls once: as parts, contact_evaluate takes a quarter of the time to compile.
 #if SEL_SUMS_IN_MEMORY
     #define SEL_PART SEL_FN
 #else

@@ -3,20 +3,21 @@
 //     depth = max over lambda of  sum_i lambda_i depth_i + sum_{i<j} eps_ij lambda_i lambda_j,
 //     eps_ij = smoothing r (sqrt(|n_i - n_j|^2 + 4 smoothing^2) - 2 smoothing),
 // with shares lambda >= 0 of sum 1. Its gradient is sum_i lambda_i n_i. The maximum is unique, because the eps are negative
-// definite for shares of sum 0 (a Bernstein function of squared distances), so the force turns without a jump at corners of three facets too. For two planes it is
+// definite for shares of sum 0 (a Bernstein function of squared distances), so the force turns without a jump at corners of three
+// facets too. For two planes it is
 //     depth_0 + max(0, eps - (depth_0 - depth_1))^2 / (4 eps),
 // whose width vanishes with the angle between them, with a bias of at most eps/4. Shares of other planes k draw a plane j in by
-// sum_k lambda_k (eps_jk - eps_0k) <= smoothing r |n_j - n_0|, since eps grows with |n_i - n_j| by at most smoothing r. So a plane with
-// depth_j <= depth_0 - smoothing r |n_j - n_0| has no share, and the list of planes may begin and end there. With eps_0j as the limit
-// the normal would jump by 1e-3 rad where plane j comes to two planes that are nearly as deep.
+// sum_k lambda_k (eps_jk - eps_0k) <= smoothing r |n_j - n_0|, since eps grows with |n_i - n_j| by at most smoothing r. So a
+// plane with depth_j <= depth_0 - smoothing r |n_j - n_0| has no share, and the list of planes may begin and end there. With
+// eps_0j as the limit the normal would jump by 1e-3 rad where plane j comes to two planes that are nearly as deep.
 //
-// Flat valleys, of an angle phi below 4 smoothing: the nearest point of the neighbour is the edge, which does not count, until its
-// plane is less deep by d phi^2/2 only, d the axis' distance. There its share must begin with 0: eps <= r phi^2/4, for any d >= r/2.
-// With eps = smoothing r phi the normal would jump by up to 5e-4 rad.
+// Flat valleys, of an angle phi below 4 smoothing: the nearest point of the neighbour is the edge, which does not count, until
+// its plane is less deep by d phi^2/2 only, d the axis' distance. There its share must begin with 0: eps <= r phi^2/4, for any d
+// >= r/2. With eps = smoothing r phi the normal would jump by up to 5e-4 rad.
 //
-// What counts is local: a plane counts once, with the nearest of its triangles (else a valley would push as often as it is cut into
-// triangles); a point counts once, whichever of its triangles has it; and a point on an edge does not count where the wall goes on
-// from it towards the ball (opposite_wall.h). Else a ridge would be joined with its own edge.
+// What counts is local: a plane counts once, with the nearest of its triangles (else a valley would push as often as it is cut
+// into triangles); a point counts once, whichever of its triangles has it; and a point on an edge does not count where the wall
+// goes on from it towards the ball (opposite_wall.h). Else a ridge would be joined with its own edge.
 #ifndef SEL_SHARED_SMOOTH_MAXIMUM_H
 #define SEL_SHARED_SMOOTH_MAXIMUM_H
 #include "shared/contact_gap.h"
@@ -108,8 +109,8 @@ SEL_FN int is_joined(SEL_OUT const NeighbourPlanes* planes, SEL_OUT const Contac
     return ball.smoothing * ball.radius * sqrt(dot3(out->turn, out->turn)) + out->depth > 0;
 }
 
-// Which plane is missed least when `found` comes to a full list: the shallower of the two whose directions differ least. The first
-// plane stays. @return the number of planes for `found` itself
+// Which plane is missed least when `found` comes to a full list: the shallower of the two whose directions differ least. The
+// first plane stays. @return the number of planes for `found` itself
 SEL_FN uint least_missed(SEL_OUT const NeighbourPlanes* planes, WallPlane found)
 {
     uint at = planes->count;
@@ -127,8 +128,8 @@ SEL_FN uint least_missed(SEL_OUT const NeighbourPlanes* planes, WallPlane found)
     return at;
 }
 
-// Takes the plane into the list: in the place of the same plane or point when it is nearer, else at the end, else for the one that
-// is missed least.
+// Takes the plane into the list: in the place of the same plane or point when it is nearer, else at the end, else for the one
+// that is missed least.
 SEL_FN void keep_plane(SEL_OUT NeighbourPlanes* planes, WallPlane found)
 {
     const uint count = planes->count;
@@ -198,8 +199,8 @@ SEL_FN void add_square(SEL_OUT real* to, vec3 a)
     to[5] += a.z * a.z;
 }
 
-// Second derivatives of the depth: how shares move between the planes that have any. With the turns u_i from one of these planes, 0,
-// to the others they are
+// Second derivatives of the depth: how shares move between the planes that have any. With the turns u_i from one of these planes,
+// 0, to the others they are
 //     sum_ij u_i (M^-1)_ij u_j^T,   M_ij = eps_i0 + eps_j0 - eps_ij,
 // the maximum's own equations. M = L L^T is positive definite, so they are the sum of squares of the rows of L^-1 u.
 // The planes are used up: plane j keeps u_j as its turn and row j of L^-1 u as its facet. An array of its own, which a variable

@@ -166,7 +166,7 @@ typedef struct Closest {
 
 #define SEL_CLOSEST_STEPS 40
 #define SEL_CLOSEST_ENOUGH ((real)1e-12)  // of an edge
-#define SEL_CLOSEST_NEAR ((real)1e-7)     // of an edge: its square, which a Newton step within a piece leaves, is less than enough
+#define SEL_CLOSEST_NEAR ((real)1e-7)  // of an edge: its square, which a Newton step within a piece leaves, is less than enough
 
 // One piece of the curve seen from a point x: with c = c_0 + c_1 t + c_2 t^2 and r = x - c_0
 //     slope   -(x - c) . c'  = -r.c_1 + (c_1.c_1 - 2 r.c_2) t + 3 c_1.c_2 t^2 + 2 c_2.c_2 t^3,    t = at - origin,
@@ -231,8 +231,8 @@ SEL_FN int closest_on_piece(SeenPiece piece, real low, real high, real* place)
     return 0;
 }
 
-// Newton's method on -(x - c) . c' = 0, downhill from `start`, by at most an edge at once. Known signs bracket the solution, so it
-// cannot run in circles where the curvature jumps. @param low, high  of the permitted range
+// Newton's method on -(x - c) . c' = 0, downhill from `start`, by at most an edge at once. Known signs bracket the solution, so
+// it cannot run in circles where the curvature jumps. @param low, high  of the permitted range
 SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real high)
 {
     Closest found;

@@ -1,5 +1,5 @@
-// Continuous detection: the free path of a ball along a straight line before it meets a triangle. Closed forms for face, edges and
-// vertices [Ericson05, sec. 5.5.6]; a ball that moves away from a feature in contact is free.
+// Continuous detection: the free path of a ball along a straight line before it meets a triangle. Closed forms for face, edges
+// and vertices [Ericson05, sec. 5.5.6]; a ball that moves away from a feature in contact is free.
 #ifndef SEL_SHARED_SWEEP_H
 #define SEL_SHARED_SWEEP_H
 #include "shared/contact_gap.h"
@@ -16,8 +16,8 @@ SEL_FN real first_root(real A, real B, real C, real most)
     return min_r(C / (sqrt(root) - B), most);
 }
 
-// p: the ball's centre, move: its path; relative to the same origin as tri. boundary features: see contact_gap.h. A facet does not
-// stop a point behind it; its boundary feature does.
+// p: the ball's centre, move: its path; relative to the same origin as tri. boundary features: see contact_gap.h. A facet does
+// not stop a point behind it; its boundary feature does.
 SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint boundary)
 {
     real most = 1;

@@ -9,8 +9,8 @@
 
 SEL_BEGIN
 
-// Levels that a traversal on the host may have to remember; kernels climb (descent.h). Each level of the tree pushes at most one sibling, and the builder keeps
-// leaves at depth < SEL_TREE_STACK (root: depth 0) whatever the mesh.
+// Levels that a traversal on the host may have to remember; kernels climb (descent.h). Each level of the tree pushes at most one
+// sibling, and the builder keeps leaves at depth < SEL_TREE_STACK (root: depth 0) whatever the mesh.
 #define SEL_TREE_STACK 48
 #define SEL_TREE_LEAF 4  // most triangles in a leaf
 #define SEL_LEAF_TRIANGLES(count) ((count)&7u)
@@ -19,8 +19,8 @@ SEL_BEGIN
 #define SEL_IS_RIGHT(index) (((index)&1u) == 0)  // child; the root counts as one
 #define SEL_SLAB_STEPS 510
 
-// Inner node: three bits of `count` are 0, the others are the index of its parent (0 at the root). Children at left_or_first, which
-// is odd, and left_or_first + 1, always behind their parent.
+// Inner node: three bits of `count` are 0, the others are the index of its parent (0 at the root). Children at left_or_first,
+// which is odd, and left_or_first + 1, always behind their parent.
 // Leaf: SEL_LEAF_TRIANGLES(count) > 0 triangles from left_or_first on, in leaf order. The other 29 bits are the leaf's
 // slab: between which two planes its triangles lie. A box round a slanting piece of wall is as thick as it is wide. The slab is
 // as thin as the wall is flat, so that a point near the wall sees which of many small leaves can be nearest. Slabs of inner

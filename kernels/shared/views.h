@@ -66,7 +66,8 @@ SEL_FN AxisPoint axis_point(uint node, real bary, NodeView nodes)
     return point;
 }
 
-// Arguments of a kernel that make a view, and the view: DeviceWall and DeviceNodes in engine/physics/contact set them in this order.
+// Arguments of a kernel that make a view, and the view: DeviceWall and DeviceNodes in engine/physics/contact set them in this
+// order.
 #ifndef __cplusplus
     #define SEL_WALL_ARGUMENTS                                                                      \
         __global const TreeNode *restrict wall_nodes, __global const float *restrict wall_vertices, \

@@ -1,6 +1,6 @@
-// Memory of the wall that a quadrature point keeps from one evaluation to the next, on devices that evaluate a point in one item. Between
-// two trials, and from step to step, a point moves by a small part of the radius. Meanwhile the same few triangles can be the nearest,
-// and there is the same room beyond the axis. A walk through the tree notes them, with their distances:
+// Memory of the wall that a quadrature point keeps from one evaluation to the next, on devices that evaluate a point in one item.
+// Between two trials, and from step to step, a point moves by a small part of the radius. Meanwhile the same few triangles can be
+// the nearest, and there is the same room beyond the axis. A walk through the tree notes them, with their distances:
 //   * every triangle within `range` of `at`. At p, moved by m, a triangle at the distance d is between d - m and d + m away, and
 //     what was not noted is beyond range - m. The search looks at those alone that can count. If the shell in which
 //     triangles count ends before range - m, its result is that of a walk; else it walks.
@@ -10,8 +10,8 @@
 //   * `touch`: the contact point at one place, where there was no opposite wall. A linearised step (D5) begins where the last one has
 //     ended, and finds the same point there (par.returns). Its side is another one by then. If the room is known for that side too, all
 //     facets within reach have (p - x) . side >= 0 with both, and are of the own side.
-// Triangles are noted in the tree's order, and tested again in that order. Holds knowledge of the wall only: results have the same
-// bits with it and without (tests/contact/test_wall_memory.cpp).
+// Triangles are noted in the tree's order, and tested again in that order. Holds knowledge of the wall only: results have the
+// same bits with it and without (tests/contact/test_wall_memory.cpp).
 #ifndef SEL_SHARED_WALL_MEMORY_H
 #define SEL_SHARED_WALL_MEMORY_H
 #include "shared/clearance.h"
@@ -20,7 +20,8 @@
 SEL_BEGIN
 
 #define SEL_KEPT_MOST 12
-// How far beyond what counts triangles are noted, in radii: 1/10 lasts for some steps of 20 um; less where they are small, and many.
+// How far beyond what counts triangles are noted, in radii: 1/10 lasts for some steps of 20 um; less where they are small, and
+// many.
 #define SEL_KEPT_BEYOND ((real)0.1)
 #define SEL_KEPT_BEYOND_CROWDED ((real)0.01)
 #define SEL_KEPT_CLEAR ((real)0.3)
@@ -91,7 +92,8 @@ SEL_FN Recall recall_wall(SEL_GLOBAL WallMemory* memory, SEL_GLOBAL const Cleara
     return recall;
 }
 
-// Squared distance that the nearest triangle is not beyond, by the kept ones; they do not serve where none of them can be the nearest.
+// Squared distance that the nearest triangle is not beyond, by the kept ones; they do not serve where none of them can be the
+// nearest.
 SEL_FN real kept_distance2(Recall* recall)
 {
     real least = (real)1e15;
@@ -101,7 +103,8 @@ SEL_FN real kept_distance2(Recall* recall)
 }
 
 // The nearest of the kept triangles. @return it is the nearest of all
-SEL_PART int find_kept(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list, const Recall* recall)
+SEL_PART int find_kept(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list,
+                       const Recall* recall)
 {
     NearSearch search = start_search(contact, ball, 0, near2);
     SEL_GLOBAL const WallMemory* memory = recall->memory;
@@ -113,11 +116,15 @@ SEL_PART int find_kept(ContactPoint* contact, ContactBall ball, NearWallView nea
 }
 
 // find_nearest of both sides of the wall, noting triangles.
-SEL_PART void find_and_keep(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list, const Recall* recall)
+SEL_PART void find_and_keep(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list,
+                            const Recall* recall)
 {
     SEL_GLOBAL WallMemory* memory = recall->memory;
     if (recall->moved > ball.radius) memory->crowded = 0;
-    const real beyond = (memory->crowded == 0 ? SEL_KEPT_BEYOND : memory->crowded == 1 ? SEL_KEPT_BEYOND_CROWDED : (real)0) * ball.radius;
+    const real beyond = (memory->crowded == 0   ? SEL_KEPT_BEYOND
+                         : memory->crowded == 1 ? SEL_KEPT_BEYOND_CROWDED
+                                                : (real)0) *
+                        ball.radius;
     const vec3 p = ball.origin + ball.p;
     NearSearch search = start_search(contact, ball, 0, near2);
     Walk walk;
@@ -156,7 +163,8 @@ SEL_FN int is_known_clear(const ContactPoint* first, ContactBall ball, SEL_GLOBA
 }
 
 // walk_opposite, unless it is known to find nothing.
-SEL_PART void find_opposite(const ContactPoint* first, ContactPoint* second, ContactBall ball, NearWallView near, const Recall* recall)
+SEL_PART void find_opposite(const ContactPoint* first, ContactPoint* second, ContactBall ball, NearWallView near,
+                            const Recall* recall)
 {
     SEL_GLOBAL WallMemory* memory = recall->memory;
     const vec3 p = ball.origin + ball.p;

@@ -54,14 +54,16 @@ WireFrame frame_of(const Output& output, const Shot& shot, std::size_t each, con
     const auto of = static_cast<std::size_t>(shot.system);
     const WireOutput* wires = &output.wires[of * each];
     for (std::size_t k = 0; k < each; ++k) {
-        WireLine line{wires[k].position, wires[k].radius, matter[k].name, {}, wires[k].readings.hand_force, wires[k].readings.hand_torque};
+        WireLine line{
+            wires[k].position, wires[k].radius, matter[k].name, {}, wires[k].readings.hand_force, wires[k].readings.hand_torque};
         frame.wires.push_back(std::move(line));
     }
     const int first = static_cast<int>(of * each), end = first + static_cast<int>(each);
     for (const ContactRow& row : output.contacts) {
         if (row.a.body < first || row.a.body >= end) continue;
         const int other = row.b.kind == BodyKind::Wall ? -1 : row.b.body - first;
-        frame.contacts.push_back({row.point, row.normal, row.normal_force, row.per_length, row.region, row.friction, row.a.body - first, other});
+        frame.contacts.push_back(
+            {row.point, row.normal, row.normal_force, row.per_length, row.region, row.friction, row.a.body - first, other});
     }
     frame.time = wires->time, frame.step = static_cast<std::int64_t>(output.step);
     return frame;
@@ -157,7 +159,8 @@ private:
 
 using Lanes = std::vector<std::unique_ptr<Fluoroscopy>>;
 
-/// The fluoroscopes of the last few views, the newest first: whoever looks from two sides by turns has wall and body traced once for each.
+/// The fluoroscopes of the last few views, the newest first: whoever looks from two sides by turns has wall and body traced once
+/// for each.
 using Views = std::vector<Lanes>;
 constexpr std::size_t most_views = 4;
 
@@ -218,7 +221,8 @@ py::dict instrument_labels(const InstrumentTruth& of)
     std::ranges::transform(of.pixels, in_field.mutable_data(), [](const PixelPoint& p) { return p.in_field; });
     std::vector<Vec3> positions, forces;
     std::vector<PixelPoint> pixels;
-    for (const ContactTruth& c : of.contacts) positions.push_back(c.position), pixels.push_back(c.pixel), forces.push_back(c.force);
+    for (const ContactTruth& c : of.contacts)
+        positions.push_back(c.position), pixels.push_back(c.pixel), forces.push_back(c.force);
     py::dict out;
     out["name"] = of.name, out["radius_m"] = of.radius;
     const Reals line = rows_of(of.centreline), line_px = rows_of(of.pixels);
@@ -244,8 +248,9 @@ py::dict labels_of(const PictureTruth& truth)
     py::dict out;
     out["time_s"] = truth.time, out["step"] = truth.step;
     out["image"] = py::dict(py::arg("width") = view.columns, py::arg("height") = view.rows, py::arg("pixel_m") = view.pixel);
-    out["camera"] = py::dict(py::arg("projection") = projection, py::arg("source_m") = vector(view.source), py::arg("right") = vector(view.right),
-                             py::arg("up") = vector(view.up), py::arg("towards_detector") = vector(view.direction), py::arg("sid_m") = view.sid,
+    out["camera"] = py::dict(py::arg("projection") = projection, py::arg("source_m") = vector(view.source),
+                             py::arg("right") = vector(view.right), py::arg("up") = vector(view.up),
+                             py::arg("towards_detector") = vector(view.direction), py::arg("sid_m") = view.sid,
                              py::arg("sod_m") = view.sod, py::arg("primary_deg") = truth.arm->primary * degrees,
                              py::arg("secondary_deg") = truth.arm->secondary * degrees);
     py::list instruments;
@@ -277,34 +282,37 @@ std::vector<Taken> take(Handle&, const Ask&, const std::vector<Shot>&)
 
 void bind_fluoroscopy(py::module_& module)
 {
-    module.def("fluoroscopy", [](Handle& handle, const std::vector<int>& systems, int width, int height, const std::optional<std::string>& angles,
-                                 std::optional<double> field, bool noise, const std::vector<std::uint64_t>& frames, bool labels,
-                                 bool lumen) -> py::object {
-        const Ask ask{width, height, angles, field, noise, labels, lumen};
-        check_process();
-        std::vector<Shot> shots;
-        for (std::size_t k = 0; k < systems.size(); ++k) {
-            if (systems[k] < 0)
-                throw Error(ErrorKind::BadScene, "fluoroscopy: got system " + std::to_string(systems[k]) + "; expected 0 or more");
-            shots.push_back({systems[k], frames.at(k)});
-        }
-        std::vector<Taken> taken;
-        {
-            const py::gil_scoped_release others;
-            const std::lock_guard hold(handle.lock());
-            for (const Shot& shot : shots) handle.check_system(shot.system);
-            taken = take(handle, ask, shots);
-        }
-        py::array_t<std::uint16_t> made({static_cast<py::ssize_t>(shots.size()), py::ssize_t{height}, py::ssize_t{width}});
-        std::uint16_t* out = made.mutable_data();
-        py::list truths;
-        for (const Taken& one : taken) {
-            out = std::ranges::copy(one.grey, out).out;
-            if (one.truth) truths.append(labels_of(*one.truth));
-        }
-        if (!labels) return made;
-        return py::make_tuple(made, truths);
-    });
+    module.def(
+        "fluoroscopy",
+        [](Handle& handle, const std::vector<int>& systems, int width, int height, const std::optional<std::string>& angles,
+           std::optional<double> field, bool noise, const std::vector<std::uint64_t>& frames, bool labels,
+           bool lumen) -> py::object {
+            const Ask ask{width, height, angles, field, noise, labels, lumen};
+            check_process();
+            std::vector<Shot> shots;
+            for (std::size_t k = 0; k < systems.size(); ++k) {
+                if (systems[k] < 0)
+                    throw Error(ErrorKind::BadScene,
+                                "fluoroscopy: got system " + std::to_string(systems[k]) + "; expected 0 or more");
+                shots.push_back({systems[k], frames.at(k)});
+            }
+            std::vector<Taken> taken;
+            {
+                const py::gil_scoped_release others;
+                const std::lock_guard hold(handle.lock());
+                for (const Shot& shot : shots) handle.check_system(shot.system);
+                taken = take(handle, ask, shots);
+            }
+            py::array_t<std::uint16_t> made({static_cast<py::ssize_t>(shots.size()), py::ssize_t{height}, py::ssize_t{width}});
+            std::uint16_t* out = made.mutable_data();
+            py::list truths;
+            for (const Taken& one : taken) {
+                out = std::ranges::copy(one.grey, out).out;
+                if (one.truth) truths.append(labels_of(*one.truth));
+            }
+            if (!labels) return made;
+            return py::make_tuple(made, truths);
+        });
 }
 
 }  // namespace seldinger::python

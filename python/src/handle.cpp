@@ -30,8 +30,10 @@ void check_process()
 {
     if (forked())
         throw Error(ErrorKind::NoDevice,
-                    "OpenCL: got a process that was forked after OpenCL had been started, without its threads; expected a fork before the first world. "
-                    "Fix: start it with multiprocessing's \"spawn\" or \"forkserver\" (AsyncVectorEnv: context=\"spawn\"), or make the first "
+                    "OpenCL: got a process that was forked after OpenCL had been started, without its threads; expected a fork "
+                    "before the first world. "
+                    "Fix: start it with multiprocessing's \"spawn\" or \"forkserver\" (AsyncVectorEnv: context=\"spawn\"), or "
+                    "make the first "
                     "World after the fork.");
 }
 
@@ -43,8 +45,9 @@ std::string vessel_key(const VesselSpec& vessel)
     Scene scene;
     scene.vessel = vessel;
     const VesselSpec usual;
-    for (double VesselSpec::*member : {&VesselSpec::youngs, &VesselSpec::poisson, &VesselSpec::thickness, &VesselSpec::support,
-                                       &VesselSpec::support_damping, &VesselSpec::relaxation, &VesselSpec::pressure, &VesselSpec::wall_edge})
+    for (double VesselSpec::*member :
+         {&VesselSpec::youngs, &VesselSpec::poisson, &VesselSpec::thickness, &VesselSpec::support, &VesselSpec::support_damping,
+          &VesselSpec::relaxation, &VesselSpec::pressure, &VesselSpec::wall_edge})
         scene.vessel.*member = usual.*member;
     scene.vessel.elastic = false;
     std::string key = write_scene(scene, "/");
@@ -73,7 +76,8 @@ LoadedVessel loaded_vessel(const VesselSpec& vessel)
     const std::lock_guard hold(mutex);
     kept.emplace_back(key, loaded);
     const auto triangles = [] {
-        return std::accumulate(kept.begin(), kept.end(), std::size_t{0}, [](std::size_t sum, const auto& one) { return sum + one.second.mesh.triangles.size(); });
+        return std::accumulate(kept.begin(), kept.end(), std::size_t{0},
+                               [](std::size_t sum, const auto& one) { return sum + one.second.mesh.triangles.size(); });
     };
     while (!kept.empty() && triangles() > most_triangles) kept.pop_front();
     return loaded;
@@ -89,9 +93,10 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
     const std::string shared = shared_part(scenes_.front(), scenes_.front());
     for (std::size_t k = 1; k < scenes_.size(); ++k)
         if (const std::string apart = first_difference(shared, shared_part(scenes_[k], scenes_.front())); !apart.empty())
-            throw Error(ErrorKind::BadScene, "copies: systems of one world share all but their instruments, feeds and coefficients of "
-                                            "contact, and of the first (there) and number " +
-                                                std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
+            throw Error(ErrorKind::BadScene,
+                        "copies: systems of one world share all but their instruments, feeds and coefficients of "
+                        "contact, and of the first (there) and number " +
+                            std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
     WorldSetup setup = ready_setup(scenes_, loaded_vessel(scenes_.front().vessel), device);
     find_wall_path(scenes_, setup);
     world_ = std::make_unique<World>(std::move(setup));

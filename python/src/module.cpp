@@ -84,7 +84,8 @@ void bind_state(py::module_& module)
         .def(py::pickle(
             [](py::handle object) {
                 const SavedState& s = contents(object);
-                return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes(), as_bytes(pack(s.scores)));
+                return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes(),
+                                      as_bytes(pack(s.scores)));
             },
             [](const py::tuple& t) {
                 if (t.size() != 4) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
@@ -170,7 +171,8 @@ void bind_world(py::module_& module)
         return alone(h, [&] { return h.state_hash(system); });
     });
     c.def("time", [](Handle& h) { return alone(h, [&] { return h.world().time(); }); });
-    c.def("task", [](Handle& h, int system) { return alone(h, [&] { return task_json(h.world(), h.scene(), h.score(system)); }); });
+    c.def("task",
+          [](Handle& h, int system) { return alone(h, [&] { return task_json(h.world(), h.scene(), h.score(system)); }); });
     c.def("task_table", [](Handle& h) { return task_table(h.scene().task); });
     c.def("branch", [](Handle& h, int system) {
         return alone(h, [&] {
@@ -184,7 +186,8 @@ void bind_world(py::module_& module)
             std::vector<std::tuple<std::string, std::string, int, std::vector<int>>> list;
             for (const Stretch& s : all.stretches()) {
                 std::vector<int> points = s.points;
-                if (const int fork = all.line().parent[static_cast<std::size_t>(points.front())]; fork >= 0) points.insert(points.begin(), fork);
+                if (const int fork = all.line().parent[static_cast<std::size_t>(points.front())]; fork >= 0)
+                    points.insert(points.begin(), fork);
                 list.emplace_back(s.path, s.name, s.number, std::move(points));
             }
             return list;
@@ -229,7 +232,8 @@ void bind_world(py::module_& module)
     c.def("begin_run", [](Handle& h, bool settles) { alone(h, [&] { h.begin_run(settles); }); });
     c.def("run", [](Handle& h, long to, long most) {
         const Handle::RunPart part = alone(h, [&] { return h.run(to, most); });
-        return py::make_tuple(part.over, part.as_placed, part.failed ? py::object(summary(*part.failed, 0)) : py::none(), part.settling);
+        return py::make_tuple(part.over, part.as_placed, part.failed ? py::object(summary(*part.failed, 0)) : py::none(),
+                              part.settling);
     });
 }
 
@@ -260,9 +264,10 @@ void check_numpy()
 #if PYBIND11_VERSION_HEX < 0x020C0000
     const auto found = py::module_::import("numpy").attr("__version__").cast<std::string>();
     if (std::stoi(found) >= 2)
-        throw py::import_error("seldinger was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
-                                   PYBIND11_VERSION_MINOR) ", which knows NumPy 1 alone, and this is NumPy " + found +
-                               "; install it here with `pip install .`, which brings a newer one, or numpy<2");
+        throw py::import_error(
+            "seldinger was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
+                PYBIND11_VERSION_MINOR) ", which knows NumPy 1 alone, and this is NumPy " +
+            found + "; install it here with `pip install .`, which brings a newer one, or numpy<2");
 #endif
 }
 

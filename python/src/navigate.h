@@ -3,8 +3,8 @@
 // target. It concerns every system's first instrument.
 //
 // Every point i of the centreline knows its path D_i [m] along the tree to the target and the next point on it. A place p whose
-// nearest point is i has the path D_i - (p - c_i).u_i left, u_i the direction of the path there. It is off the centreline by ((p -
-// c_i).n_i, (p - c_i).b_i) / r_i. The frames (u, n, b) are carried along the tree from the target without twist.
+// nearest point is i has the path D_i - (p - c_i).u_i left, u_i the direction of the path there. It is off the centreline by ((p
+// - c_i).n_i, (p - c_i).b_i) / r_i. The frames (u, n, b) are carried along the tree from the target without twist.
 
 #include "engine.h"
 

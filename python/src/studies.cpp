@@ -172,12 +172,15 @@ WireFrame frame_of(const Output& output, const std::vector<std::string>& names, 
         frame.wires.push_back(std::move(line));
     }
     for (const ContactRow& row : output.contacts)
-        if (row.b.kind == BodyKind::Wall && row.a.body >= static_cast<int>(first) && row.a.body < static_cast<int>(end)) frame.contacts.push_back({row.point, row.normal, row.normal_force, row.per_length, row.region + 1'000'000 * row.a.body});
+        if (row.b.kind == BodyKind::Wall && row.a.body >= static_cast<int>(first) && row.a.body < static_cast<int>(end))
+            frame.contacts.push_back(
+                {row.point, row.normal, row.normal_force, row.per_length, row.region + 1'000'000 * row.a.body});
     frame.time = end - first == output.wires.size() ? output.time : output.wires[first].time;
     frame.inserted = output.wires[first].readings.inserted;
     frame.hand_force = output.wires[first].readings.hand_force;
     frame.per_length = 0;
-    for (std::size_t k = first; k < end; ++k) frame.per_length = std::max(frame.per_length, output.wires[k].on_wall.per_length_max);
+    for (std::size_t k = first; k < end; ++k)
+        frame.per_length = std::max(frame.per_length, output.wires[k].on_wall.per_length_max);
     return frame;
 }
 
@@ -234,7 +237,8 @@ void bind_studies(py::module_& module)
     module.def("sweep", &sweep);
     module.def("world_kinds", &world_kinds);
     module.def("plan", [](const std::string& text, const std::string& file, const Texts& overrides, double tolerance,
-                          double force, bool relative, double peak, bool peak_relative, double rate, double budget, const std::string& out, int device) {
+                          double force, bool relative, double peak, bool peak_relative, double rate, double budget,
+                          const std::string& out, int device) {
         PlanGoals goals;
         goals.tolerance = tolerance, goals.force_tolerance = force, goals.force_is_relative = relative, goals.rate = rate;
         goals.peaks.tolerance = peak, goals.peaks.is_relative = peak_relative;

@@ -108,7 +108,8 @@ void add_wire(py::class_<View>& c, Get get)
     array("radius", &WireOutput::radius, "[n] float64, m: of the edge that begins at the node.");
     array("curvature", &WireOutput::curvature, "[n] float64, 1/m; 0 at the ends.");
     array("spin", &WireOutput::spin, "[n] float64, rad: of the material, right-handed about the direction of insertion.");
-    array("director", &WireOutput::director, "[n, 3] float64: the first director of the material, a unit vector. A read-only view.");
+    array("director", &WireOutput::director,
+          "[n, 3] float64: the first director of the material, a unit vector. A read-only view.");
     c.def_property_readonly(
         "tip", [get](const View& v) { return vector(get(v).tip); }, "[3] float64, m.");
     c.def_property_readonly(
@@ -136,7 +137,8 @@ void add_wire(py::class_<View>& c, Get get)
     along("force_window", &ContactAlong::window, "float, m: window of force_per_length.");
     along("patch_force", &ContactAlong::patch_force, "float, N: largest load of the wall on one patch of `force_patch`.");
     along("force_patch", &ContactAlong::patch, "float, m: length of the patch.");
-    along("contact_extent", &ContactAlong::extent, "float, m: total length of the regions in contact, gaps up to one window closed.");
+    along("contact_extent", &ContactAlong::extent,
+          "float, m: total length of the regions in contact, gaps up to one window closed.");
     c.def_property_readonly(
         "contact_regions", [get](const View& v) { return get(v).on_wall.regions; },
         "int: regions in contact with the wall, more than one window apart.");

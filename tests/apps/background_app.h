@@ -10,8 +10,11 @@ namespace seldinger::test {
 class BackgroundApp {
 public:
     /// @param settings  of the environment, NAME=value
-    BackgroundApp(const fs::path& folder, const std::vector<std::string>& arguments, const std::vector<std::string>& settings = {})
-        : out_(folder / ".out-background"), err_(folder / ".err-background"), child_((std::fflush(nullptr), fork()))  // what waits to be printed is printed once
+    BackgroundApp(const fs::path& folder, const std::vector<std::string>& arguments,
+                  const std::vector<std::string>& settings = {})
+        : out_(folder / ".out-background"),
+          err_(folder / ".err-background"),
+          child_((std::fflush(nullptr), fork()))  // what waits to be printed is printed once
     {
         REQUIRE(child_ >= 0);
         if (child_ != 0) return;

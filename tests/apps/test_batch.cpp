@@ -78,7 +78,9 @@ TEST_SUITE("apps/batch")
         CHECK(contacts > 8);
     }
 
-    TEST_CASE("property: bands of an elastic wall are those of `run` without the step, and with --bands half the step's, and the summary says so")
+    TEST_CASE(
+        "property: bands of an elastic wall are those of `run` without the step, and with --bands half the step's, and the "
+        "summary says so")
     {
         const ScratchFolder folder;
         folder.write("t.toml", tube_scene(0.1));
@@ -96,15 +98,17 @@ TEST_SUITE("apps/batch")
             CAPTURE(name);
             const auto& band = alone.at(name);
             const std::string unit = name == "wall_move_max_band" ? "_m" : "_pa";
-            const double without = std::hypot(band.at("mesh").get<double>(), band.at("geometry").get<double>(), band.at("nodes").get<double>());
+            const double without =
+                std::hypot(band.at("mesh").get<double>(), band.at("geometry").get<double>(), band.at("nodes").get<double>());
             CHECK(band.at("nodes").get<double>() > 0.01 * without);
             if (unit == "_m") REQUIRE(alone.at(name + unit).get<double>() > 1.02 * without);
-            // a run reads the whole wall with each row of its trace, a batch does not: 0.2 % here; it has the share of nodes for each per cent of the
-            // largest reading, which is 0.6 % of the band here
+            // a run reads the whole wall with each row of its trace, a batch does not: 0.2 % here; it has the share of nodes for
+            // each per cent of the largest reading, which is 0.6 % of the band here
             CHECK(std::stod(row.at(name + unit)) == about(without).epsilon(0.01));
             const std::string reading = name.substr(0, name.size() - 5) + unit;
             const double by_step = 3 * std::abs(std::stod(row.at(reading)) - std::stod(half.at(reading)));
-            // the whole wall is read with each row, at other moments in the batch of half the step: 3e-4 of this band, and the step adds 2e-3 to that of the displacement
+            // the whole wall is read with each row, at other moments in the batch of half the step: 3e-4 of this band, and the
+            // step adds 2e-3 to that of the displacement
             CHECK(std::stod(banded.at(name + unit)) == about(std::hypot(std::stod(row.at(name + unit)), by_step)).epsilon(5e-4));
         }
     }
@@ -117,8 +121,10 @@ TEST_SUITE("apps/batch")
         REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B --keep traces,last-frame --bands --quiet").code == 0);
         for (const Row& row : results(folder.path / "B")) {
             const std::string stem = fmt::format("B/runs/{:06}", std::stoi(row.at("run")));
-            REQUIRE(run_app(folder, fmt::format("run t.toml -o R --overwrite --quiet --set scene.duration_s={} --set wire.bend_nm2={}",
-                                                row.at("scene.duration_s"), row.at("wire.bend_nm2"))).code == 0);
+            REQUIRE(run_app(folder,
+                            fmt::format("run t.toml -o R --overwrite --quiet --set scene.duration_s={} --set wire.bend_nm2={}",
+                                        row.at("scene.duration_s"), row.at("wire.bend_nm2")))
+                        .code == 0);
             const auto kept = csv_rows(folder.path / (stem + ".csv")), alone = csv_rows(folder.path / "R/trace.csv");
             REQUIRE(kept.size() == alone.size());
             for (std::size_t c = 0; c < kept[0].size(); ++c) {
@@ -189,11 +195,13 @@ TEST_SUITE("apps/batch")
         CHECK(nlohmann::json::parse(again.out)["wire_steps"] == 20 + 20 * 300);
     }
 
-    TEST_CASE("property: of several instruments a row has what each run alone says of each, in one piece, taken up again, by a farm")
+    TEST_CASE(
+        "property: of several instruments a row has what each run alone says of each, in one piece, taken up again, by a farm")
     {
         const ScratchFolder folder;
         folder.write("two.toml", two_instruments("merged"));
-        folder.write("s.toml", "[vary]\n\"coaxial.model\" = [\"merged\", \"separate\"]\n\"instrument.1.bend_nm2\" = [1e-5, 3e-5]\n");
+        folder.write("s.toml",
+                     "[vary]\n\"coaxial.model\" = [\"merged\", \"separate\"]\n\"instrument.1.bend_nm2\" = [1e-5, 3e-5]\n");
         REQUIRE(run_app(folder, "batch two.toml --vary s.toml -o B --quiet").code == 0);
         const auto rows = results(folder.path / "B");
         REQUIRE(rows.size() == 4);
@@ -211,12 +219,14 @@ TEST_SUITE("apps/batch")
                 for (const char* key : {"inserted_m", "turned_rad", "nodes", "hand_force_n", "hand_torque_nm"})
                     CHECK(std::stod(row.at(name + key)) == of[key].get<double>());
                 for (const int c : {0, 1, 2})
-                    CHECK(std::stod(row.at(name + std::array{"tip_x_m", "tip_y_m", "tip_z_m"}[c])) == of["tip_m"][c].get<double>());
+                    CHECK(std::stod(row.at(name + std::array{"tip_x_m", "tip_y_m", "tip_z_m"}[c])) ==
+                          of["tip_m"][c].get<double>());
             }
             CHECK(row.at("wire.inserted_m") != row.at("catheter.inserted_m"));
         }
         const std::string csv = slurp(folder.path / "B/results.csv"), npz = slurp(folder.path / "B/results.npz");
-        for (const char* name : {"catheter.hand_force_n", "wire.tip_z_m", "wire.nodes"}) CHECK(npz.find(std::string(name) + ".npy") != std::string::npos);
+        for (const char* name : {"catheter.hand_force_n", "wire.tip_z_m", "wire.nodes"})
+            CHECK(npz.find(std::string(name) + ".npy") != std::string::npos);
         AppResult part = run_app(folder, "batch two.toml --vary s.toml -o P --quiet --time-limit 1e-6");
         for (int call = 0; part.code == 75 && call < 100; ++call)
             part = run_app(folder, "batch two.toml --vary s.toml -o P --quiet --resume --time-limit 0.01");
@@ -319,13 +329,18 @@ print("same")
         folder.write("soft.toml", "[wire]\nbend_nm2 = 1.0e-5\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-6\n");
         folder.write("stiff.toml", "[wire]\nbend_nm2 = 3.0e-5\n");
         folder.write("s.toml", "[vary.design]\nsoft = \"soft.toml\"\nstiff = \"stiff.toml\"\n");
-        folder.write("lost.toml", "[wire]\npreset = \"terumo-angled-035\"\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-6\n");
+        folder.write("lost.toml",
+                     "[wire]\npreset = \"terumo-angled-035\"\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-6\n");
         folder.write("l.toml", "[vary.design]\nkept = \"stiff.toml\"\nlost = \"lost.toml\"\n");
-        const AppResult lost = run_app(folder, "batch t.toml --vary l.toml -o L");  // what a scene warns of, a batch says, with the run
-        CHECK(lost.out.find("  note: run 1 (lost): wire.section: replaces all sections of \"terumo-angled-035\"") != std::string::npos);
+        const AppResult lost =
+            run_app(folder, "batch t.toml --vary l.toml -o L");  // what a scene warns of, a batch says, with the run
+        CHECK(lost.out.find("  note: run 1 (lost): wire.section: replaces all sections of \"terumo-angled-035\"") !=
+              std::string::npos);
         CHECK(lost.out.find("run 0 (kept): wire.section") == std::string::npos);
-        CHECK(run_app(folder, "check t.toml --set wire.preset=terumo-angled-035 --set 'wire.section=[{from_tip_m=[0.0,0.02],bend_nm2=1e-6}]'").out.find(
-                  "  note: wire.section: replaces all sections") != std::string::npos);
+        CHECK(run_app(
+                  folder,
+                  "check t.toml --set wire.preset=terumo-angled-035 --set 'wire.section=[{from_tip_m=[0.0,0.02],bend_nm2=1e-6}]'")
+                  .out.find("  note: wire.section: replaces all sections") != std::string::npos);
         REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B").code == 0);
         const auto rows = results(folder.path / "B");
         REQUIRE(rows.size() == 2);
@@ -367,7 +382,9 @@ print("same")
         says("f.toml --vary none.toml -o B", 3, "none.toml");
         says("none.toml --vary s.toml -o B", 3, "none.toml");
         folder.write("bad.toml", "[vary]\n\"wire.nodes\" = [21]\n\"wire.density\" = [6450.0, -1.0]\n");
-        says("f.toml --vary bad.toml -o B", 2, "bad.toml:3: vary.wire.density: run 1 (wire.nodes=21, wire.density=-1.0): wire.density: got -1.0; expected a number above 0");
+        says("f.toml --vary bad.toml -o B", 2,
+             "bad.toml:3: vary.wire.density: run 1 (wire.nodes=21, wire.density=-1.0): wire.density: got -1.0; expected a number "
+             "above 0");
         folder.write("typo.toml", "[vary]\n\"wire.densty\" = [6450.0]\n");
         says("f.toml --vary typo.toml -o B", 2, "nearest known one is wire.density");
         says("f.toml --vary s.toml -o B --threads 0", 2, "threads");

@@ -92,8 +92,8 @@ TEST_SUITE("apps/bench")
             // the second run, which is timed by events, launches what the first one did
             CHECK(launches == about(row["launches_per_step"].get<double>()));
         }
-        // three times as many wires: the same launches, and three times as many bytes but for those of the launch itself; a device that reads
-        // the host's own memory is written nothing
+        // three times as many wires: the same launches, and three times as many bytes but for those of the launch itself; a
+        // device that reads the host's own memory is written nothing
         const auto &one = json["rows"][0], &three = json["rows"][1];
         for (const char* bytes : {"bytes_to_device_per_step", "bytes_from_device_per_step"}) {
             CAPTURE(bytes);

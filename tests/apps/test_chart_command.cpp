@@ -58,7 +58,8 @@ TEST_SUITE("apps/chart")
         const double of_plan = plan["reference"]["uncertainty_m"].get<double>();
         CHECK(std::abs(std::stod(rows[1][column("shape_rms_m")]) - plan["chosen"]["error_m"].get<double>()) <=
               of_plan + 2 * of_chart);
-        if (std::system("/usr/bin/python3 -c 'import matplotlib' 2> /dev/null") == 0) CHECK(std::filesystem::exists(folder.path / "D" / "chart.png"));
+        if (std::system("/usr/bin/python3 -c 'import matplotlib' 2> /dev/null") == 0)
+            CHECK(std::filesystem::exists(folder.path / "D" / "chart.png"));
         // only for the scene that it was planned for
         folder.write("other.toml", free_scene(0.2));
         const AppResult other = run_app(folder, "chart --scenes other.toml --planned p.toml");

@@ -1,5 +1,5 @@
-// seldinger batch --part and merge, seldinger farm: any cut gives the batch's bits, finished parts are not run again, killed ones are; the
-// Slurm backend against a stand-in for sbatch that runs array jobs here.
+// seldinger batch --part and merge, seldinger farm: any cut gives the batch's bits, finished parts are not run again, killed ones
+// are; the Slurm backend against a stand-in for sbatch that runs array jobs here.
 #include "background_app.h"
 #include "core/file_lock.h"
 #include "support/skip.h"
@@ -36,10 +36,14 @@ struct FarmFolder : ScratchFolder {
         return nlohmann::json::parse(run_app(*this, "farm status " + dir + " --json").out);
     }
     /// Whether the program in the background has said so.
-    [[nodiscard]] bool waits_for_one_task() const { return slurp(path / ".err-background").find("waiting for 1 tasks") != std::string::npos; }
+    [[nodiscard]] bool waits_for_one_task() const
+    {
+        return slurp(path / ".err-background").find("waiting for 1 tasks") != std::string::npos;
+    }
     void check_table(const std::string& dir) const
     {
-        for (const char* table : {"results.csv", "results.npz", "results-units.csv", "shapes.csv", "scene.toml", "sweep.toml", "vessel.vtp"}) {
+        for (const char* table :
+             {"results.csv", "results.npz", "results-units.csv", "shapes.csv", "scene.toml", "sweep.toml", "vessel.vtp"}) {
             CAPTURE(table);
             CHECK(slurp(path / dir / table) == slurp(path / "ref" / table));
         }
@@ -119,13 +123,15 @@ TEST_SUITE("apps/farm")
         CHECK(summary_of(folder.path / "f").at("answer") == summary_of(folder.path / "ref").at("answer"));
     }
 
-    TEST_CASE("property: parts by batch --part, in two folders and in any order, merge to the batch: vessel, bands and kept files too")
+    TEST_CASE(
+        "property: parts by batch --part, in two folders and in any order, merge to the batch: vessel, bands and kept files too")
     {
         const std::string how = " --bands --keep traces,last-frame";
         const FarmFolder folder(tube_scene(0.03), how);
         REQUIRE(fs::exists(folder.path / "ref/vessel.vtp"));
         const std::string batch = "batch s.toml --vary v.toml" + how;
-        for (const char* part : {" --part 5/5 -o far", " --part 2/5 -o far --threads 1", " --part 4/5 -o far", " --part 1/5 -o far"})
+        for (const char* part :
+             {" --part 5/5 -o far", " --part 2/5 -o far --threads 1", " --part 4/5 -o far", " --part 1/5 -o far"})
             CHECK(run_app(folder, batch + part).code == 0);
         check_refused(folder, "batch merge far", 3, "far: 1 of 5 parts are missing: 3 (runs 9-13)");
         CHECK_FALSE(fs::exists(folder.path / "far/results.csv"));
@@ -193,7 +199,8 @@ TEST_SUITE("apps/farm")
             (void)killed.result();
         };
         kill_once([&] { return fs::exists(folder.path / "f/parts.json"); });
-        for (const char* name : {"f/parts/1-of-3.bin.lock", "f/parts/1-of-3.bin", "f/parts/2-of-3.bin.lock", "f/parts/3-of-3.bin"})
+        for (const char* name :
+             {"f/parts/1-of-3.bin.lock", "f/parts/1-of-3.bin", "f/parts/2-of-3.bin.lock", "f/parts/3-of-3.bin"})
             kill_once([&] { return fs::exists(folder.path / name); });
         const AppResult result = run_app(folder, farm + "--tasks 3 --quiet");
         CHECK(result.err == "");
@@ -266,7 +273,8 @@ TEST_SUITE("apps/farm")
             for (const char* own : {"a", "b", "c"}) {
                 fs::create_directories(folder.path / own);
                 farms.push_back(std::make_unique<BackgroundApp>(
-                    folder.path / own, std::vector<std::string>{"farm", "../s.toml", "--vary", "../v.toml", "-o", "../f", "--tasks", "6", "--quiet"}));
+                    folder.path / own, std::vector<std::string>{"farm", "../s.toml", "--vary", "../v.toml", "-o", "../f",
+                                                                "--tasks", "6", "--quiet"}));
             }
             for (auto& one : farms) {
                 const AppResult result = one->result();
@@ -339,7 +347,8 @@ TEST_SUITE("apps/farm")
         folder.check_table("f");
     }
 
-    TEST_CASE("property: a run's frames in any cut, here and by Slurm, are the bytes that render alone draws, and none is drawn twice")
+    TEST_CASE(
+        "property: a run's frames in any cut, here and by Slurm, are the bytes that render alone draws, and none is drawn twice")
     {
         const ScratchFolder folder;
         folder.write("s.toml", free_scene(0.02) + "[output]\nwire_every = 2\n");
@@ -360,7 +369,9 @@ TEST_SUITE("apps/farm")
         CHECK_FALSE(fs::exists(folder.path / "f/frame_000000.png"));
         CHECK_FALSE(fs::exists(folder.path / "f/frame_000008.png"));
         REQUIRE(run_app(folder, words + " -o g --backend slurm --submit", with_fake_slurm(folder)).code == 0);
-        for (int k = 1; k <= 7; ++k) CHECK(slurp(folder.path / fmt::format("g/frame_00000{}.png", k)) == slurp(folder.path / fmt::format("f/frame_00000{}.png", k)));
+        for (int k = 1; k <= 7; ++k)
+            CHECK(slurp(folder.path / fmt::format("g/frame_00000{}.png", k)) ==
+                  slurp(folder.path / fmt::format("f/frame_00000{}.png", k)));
         check_refused(folder, "farm run --frames 5:99 -o h", 2, "the run has 11 frames");
         check_refused(folder, "farm run --frames all -o h --video x.mp4", 2, "farm merge DIR --video");
         check_refused(folder, "farm run --frames all -o h --sise 10x10", 2, "--sise");
@@ -368,7 +379,8 @@ TEST_SUITE("apps/farm")
         CHECK_FALSE(fs::exists(folder.path / "f.mp4"));
         check_refused(folder, words + "0 -o f", 2, "f: holds 3 parts of another");  // 160x1200
         folder.write("run/wire.pvd", slurp(folder.path / "run/wire.pvd") + "\n");
-        CHECK(std::system((first.substr(0, first.find('\n')) + fmt::format(" 2>'{}'", (folder.path / "said").string())).c_str()) != 0);
+        CHECK(std::system(
+                  (first.substr(0, first.find('\n')) + fmt::format(" 2>'{}'", (folder.path / "said").string())).c_str()) != 0);
         CHECK(slurp(folder.path / "said").find("has changed since the farm was made") != std::string::npos);
     }
 
@@ -406,8 +418,8 @@ TEST_SUITE("apps/farm")
         const FarmFolder folder;
         for (const char* name : {"f/todo", "f/running", "f/done"}) fs::create_directories(folder.path / name);
         folder.write("f/farm.json", "{\"kind\": \"sweep\", \"runs\": 12, \"tasks\": 3, \"key\": \"0123456789abcdef\"}\n");
-        for (const std::string words : {farm, std::string("farm status f"), std::string("farm merge f"), std::string("batch merge f"),
-                                        std::string("batch s.toml --vary v.toml -o f --part 1/3")})
+        for (const std::string words : {farm, std::string("farm status f"), std::string("farm merge f"),
+                                        std::string("batch merge f"), std::string("batch s.toml --vary v.toml -o f --part 1/3")})
             check_refused(folder, words, 2, "f: got a farm of an earlier version");
         CHECK(std::distance(fs::directory_iterator(folder.path / "f"), fs::directory_iterator()) == 4);
     }

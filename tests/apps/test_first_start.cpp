@@ -45,7 +45,8 @@ TEST_SUITE("apps/first_start")
             std::size_t kernels = 0, left = 0;
             for (const auto& at : fs::recursive_directory_iterator(folder.path / cache)) {
                 if (!at.is_regular_file()) continue;
-                kernels += at.path().extension() == ".so" && at.path().parent_path() != folder.path / cache && !at.path().filename().string().starts_with("temp");
+                kernels += at.path().extension() == ".so" && at.path().parent_path() != folder.path / cache &&
+                           !at.path().filename().string().starts_with("temp");
                 left += at.path().filename().string().find("temp") != std::string::npos;
             }
             return std::pair{kernels, left};
@@ -75,7 +76,8 @@ TEST_SUITE("apps/first_start")
         if (!fs::exists(folder.path / "kernels")) return;  // another OpenCL
         CHECK(warmed.out.find(" kernels compiled, 0 were there; kept in ") != std::string::npos);
         CHECK(run_app(folder, "devices --warm", cache).out.find("0 kernels compiled, ") == 0);
-        for (const char* how : {"", "--set contact.precision=float32", "--set contact.normal=constraint", "--set contact.normal=barrier"})
+        for (const char* how :
+             {"", "--set contact.precision=float32", "--set contact.normal=constraint", "--set contact.normal=barrier"})
             CHECK_FALSE(run_app(folder, fmt::format("run t.toml -o A --overwrite {}", how), cache).compiled);
         const AppResult alone = run_app(folder, "devices --device 0");
         CHECK(alone.code == 3);

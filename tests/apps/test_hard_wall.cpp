@@ -12,26 +12,32 @@ using namespace seldinger::test;
 
 namespace {
 
-/// A stiff 0.035 inch wire that is pushed round a bend of 40 mm. @param wall  further keys of [vessel]   @param stiffer  factor on its stiffness
+/// A stiff 0.035 inch wire that is pushed round a bend of 40 mm. @param wall  further keys of [vessel]   @param stiffer  factor
+/// on its stiffness
 std::string bend_scene(const std::string& wall, double stiffer = 1, double angle = 90, double lumen = 0.005)
 {
-    return fmt::format("[scene]\nduration_s = 1.0\ndt_s = 0.001\ngravity = [0.0, 0.0, 0.0]\n[wire]\nlength_m = 0.2\nradius_m = 0.0004445\ndensity = 7900.0\n"
-                       "bend_nm2 = {}\ntwist_nm2 = 3.8e-4\nstretch_n = 1.0e4\nnodes = 81\n[vessel]\nshape = \"arc\"\nradius_m = {}\n"
-                       "bend_radius_m = 0.04\nangle_deg = {}\nlead_in_m = 0.03\nlead_out_m = 0.05\n{}[feed]\ninlet = 1\n"
-                       "keys = [ {{t_s = 0.0, advance_m = 0.0}}, {{t_s = 1.0, advance_m = 0.09}} ]\n",
-                       5.0e-4 * stiffer, lumen, angle, wall);
+    return fmt::format(
+        "[scene]\nduration_s = 1.0\ndt_s = 0.001\ngravity = [0.0, 0.0, 0.0]\n[wire]\nlength_m = 0.2\nradius_m = "
+        "0.0004445\ndensity = 7900.0\n"
+        "bend_nm2 = {}\ntwist_nm2 = 3.8e-4\nstretch_n = 1.0e4\nnodes = 81\n[vessel]\nshape = \"arc\"\nradius_m = {}\n"
+        "bend_radius_m = 0.04\nangle_deg = {}\nlead_in_m = 0.03\nlead_out_m = 0.05\n{}[feed]\ninlet = 1\n"
+        "keys = [ {{t_s = 0.0, advance_m = 0.0}}, {{t_s = 1.0, advance_m = 0.09}} ]\n",
+        5.0e-4 * stiffer, lumen, angle, wall);
 }
 
 }  // namespace
 
 TEST_SUITE("apps/hard_wall")
 {
-    // The depth under a given load goes with the stiffness to the power -2/3: from 1 MPa to 1 GPa a hundredth, of which the wire keeps more where
-    // it bears on less length. What that does to forces depends on how far the wall deflects the wire: dN/N = o/d.
+    // The depth under a given load goes with the stiffness to the power -2/3: from 1 MPa to 1 GPa a hundredth, of which the wire
+    // keeps more where it bears on less length. What that does to forces depends on how far the wall deflects the wire: dN/N =
+    // o/d.
     //     bend of 90 degrees in a lumen of 5 mm        d = 10 mm: an overlap of a tenth of the radius is half a per cent
     //     bend of 10 degrees in a lumen of 0.55 mm     d = 0.05 mm: the same overlap is a fifth
     // Each is held against a wall that is a hundred times as hard.
-    TEST_CASE("property: the default is hard; where its softness is felt in the forces, and only there, it is said; who gives the stiffness has asked for it")
+    TEST_CASE(
+        "property: the default is hard; where its softness is felt in the forces, and only there, it is said; who gives the "
+        "stiffness has asked for it")
     {
         const ScratchFolder folder;
         folder.write("plain.toml", bend_scene(""));
@@ -47,7 +53,9 @@ TEST_SUITE("apps/hard_wall")
             return nlohmann::json::parse(result.out);
         };
         const auto share = [](const nlohmann::json& summary) { return summary["overlap_share_max"].get<double>(); };
-        const auto says = [](const nlohmann::json& summary) { return summary["warnings"].dump().find("sinks into the rigid wall") != std::string::npos; };
+        const auto says = [](const nlohmann::json& summary) {
+            return summary["warnings"].dump().find("sinks into the rigid wall") != std::string::npos;
+        };
         const auto lost = [](const nlohmann::json& soft, const nlohmann::json& hard) {
             return 1 - soft["hand_force_max_n"].get<double>() / hard["hand_force_max_n"].get<double>();
         };

@@ -135,11 +135,13 @@ TEST_SUITE("apps/hostile input")
         for (const char* limit : {"", " --time-limit 1e-6"}) {
             (void)run_app(folder, std::string("run t.toml -o A --overwrite --quiet") + limit);
             (void)run_app(folder, "run t.toml -o B --overwrite --quiet --time-limit 1e-6 --set scene.seed=5");
-            fs::copy_file(folder.path / "A/checkpoint.bin", folder.path / "B/checkpoint.bin", fs::copy_options::overwrite_existing);
+            fs::copy_file(folder.path / "A/checkpoint.bin", folder.path / "B/checkpoint.bin",
+                          fs::copy_options::overwrite_existing);
             is_refused(folder, "run t.toml -o B --resume --set scene.seed=5", "seed");
         }
         if (const auto shared = seldinger::test::shared_folder()) {
-            fs::copy_file(*shared / "hostile/ckpt-31-000106.bin", folder.path / "B/checkpoint.bin", fs::copy_options::overwrite_existing);
+            fs::copy_file(*shared / "hostile/ckpt-31-000106.bin", folder.path / "B/checkpoint.bin",
+                          fs::copy_options::overwrite_existing);
             is_refused(folder, "run t.toml -o B --resume --set scene.seed=5", "checkpoint.bin");
             is_refused(folder, fmt::format("check '{}'", (*shared / "hostile/deepkey-scene.toml").string()), "nested");
         }
@@ -170,8 +172,9 @@ TEST_SUITE("apps/hostile input")
                             bad.insert(at, "99999999999999999999");
                 }
                 folder.write(std::string("D/") + name, bad);
-                for (const char* command : {"report D -o r.html", "render D", "run t.toml -o D --resume --quiet --set "
-                                                                               "output.wire_every=10 --set output.contacts_every=10"}) {
+                for (const char* command : {"report D -o r.html", "render D",
+                                            "run t.toml -o D --resume --quiet --set "
+                                            "output.wire_every=10 --set output.contacts_every=10"}) {
                     CAPTURE(name);
                     CAPTURE(command);
                     CAPTURE(k);

@@ -67,7 +67,8 @@ TEST_SUITE("apps/init_command")
             CHECK(checked.code == 0);
             CHECK(has(checked.out, "inlet 1 of 2: "));
             CHECK(has(checked.out, "] m = ["));
-            const AppResult ran = run_app(folder, fmt::format("run s-{}.toml -o r-{} --verbose --set scene.duration_s=0.3", unit, unit));
+            const AppResult ran =
+                run_app(folder, fmt::format("run s-{}.toml -o r-{} --verbose --set scene.duration_s=0.3", unit, unit));
             CAPTURE(ran.err);
             CHECK(ran.code == 0);
             CHECK(has(ran.out, "entered at 1 of 2"));
@@ -129,8 +130,10 @@ TEST_SUITE("apps/init_command")
         CHECK(has(scene, "back = [0, -1, 0]"));
         CHECK(run_app(folder, "check ras.toml").code == 0);
         // a scene of one's own, without [carm]: the run folder has it
-        folder.write("own.toml", "[scene]\nduration_s = 0.002\ndt_s = 0.001\n[vessel]\nmesh = \"ras.stl\"\n[wire]\npreset = \"terumo-angled-035\"\n"
-                                 "length_m = 0.1\n[feed]\ninlet = 1\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n");
+        folder.write(
+            "own.toml",
+            "[scene]\nduration_s = 0.002\ndt_s = 0.001\n[vessel]\nmesh = \"ras.stl\"\n[wire]\npreset = \"terumo-angled-035\"\n"
+            "length_m = 0.1\n[feed]\ninlet = 1\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n");
         const AppResult checked = run_app(folder, "check own.toml");
         CHECK(has(checked.out, "axes: the mesh's header says SPACE=RAS"));
         CHECK(has(checked.out, "vessel: The file says SPACE=RAS"));
@@ -196,7 +199,8 @@ TEST_SUITE("apps/init_command")
         const std::string command = fmt::format("cd '{}' && {{ sleep 0.5; '{}' instruments; echo $? >code; }} 2>err | true",
                                                 folder.path.string(), app_path());
         CHECK(std::system(command.c_str()) == 0);
-        for (int k = 0; k < 200 && slurp(folder.path / "code").empty(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        for (int k = 0; k < 200 && slurp(folder.path / "code").empty(); ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
         CHECK(slurp(folder.path / "code") == "0\n");
         CHECK(slurp(folder.path / "err").empty());
     }

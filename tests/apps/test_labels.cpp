@@ -68,7 +68,8 @@ double projection_error(const json& labels)
     };
     for (const json& instrument : labels["instruments"]) {
         check(instrument["tip_m"], instrument["tip_px"]);
-        for (std::size_t i = 0; i < instrument["centreline_m"].size(); ++i) check(instrument["centreline_m"][i], instrument["centreline_px"][i]);
+        for (std::size_t i = 0; i < instrument["centreline_m"].size(); ++i)
+            check(instrument["centreline_m"][i], instrument["centreline_px"][i]);
         for (const json& c : instrument["contacts"]) check(c["position_m"], c["position_px"]);
     }
     return worst;
@@ -98,7 +99,8 @@ std::vector<std::uint32_t> runs_of_text(const std::string& text)
 
 TEST_SUITE("apps/labels")
 {
-    TEST_CASE("property: a picture's labels hold what the contract names, project to a millionth of a pixel, and repeat to the byte")
+    TEST_CASE(
+        "property: a picture's labels hold what the contract names, project to a millionth of a pixel, and repeat to the byte")
     {
         const LabelRun folder;
         const std::string words = "render run --view fluoro --size 96x80 --field 0.2 --frames 3:5 --labels truth --label-vessel ";
@@ -106,7 +108,8 @@ TEST_SUITE("apps/labels")
         REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
         CHECK(fs::exists(folder.path / "a_000003.png"));
         const json labels = folder.read("truth/a_000004.json");
-        CHECK(labels["image"] == json::parse(R"({"file":"a_000004.png","width":96,"height":80,"pixel_m":)" + labels["image"]["pixel_m"].dump() + "}"));
+        CHECK(labels["image"] == json::parse(R"({"file":"a_000004.png","width":96,"height":80,"pixel_m":)" +
+                                             labels["image"]["pixel_m"].dump() + "}"));
         CHECK(labels["image"]["pixel_m"].get<double>() == about(0.2 / 96));
         CHECK(labels["step"] == 8);
         CHECK(labels["time_s"].get<double>() == about(0.016));
@@ -139,7 +142,8 @@ TEST_SUITE("apps/labels")
         CHECK(fs::exists(folder.path / "a_000003.png"));
     }
 
-    TEST_CASE("property: labels do not change the picture; each of several views is the picture that it is alone but for its noise")
+    TEST_CASE(
+        "property: labels do not change the picture; each of several views is the picture that it is alone but for its noise")
     {
         const LabelRun folder;
         const std::string words = "render run --view fluoro --size 64x64 --frames 4:4 --no-noise ";
@@ -149,7 +153,8 @@ TEST_SUITE("apps/labels")
         CHECK(slurp(folder.path / "two_v2.png") != slurp(folder.path / "made/here/plain.png"));
         CHECK(folder.read("truth/two_v1.json")["camera"]["primary_deg"].get<double>() == about(30));
         CHECK(folder.read("truth/two_v2.json")["camera"]["primary_deg"].get<double>() == about(-60));
-        CHECK(folder.read("truth/two_v2.json")["instruments"][1]["tip_m"] == folder.read("truth/two_v1.json")["instruments"][1]["tip_m"]);
+        CHECK(folder.read("truth/two_v2.json")["instruments"][1]["tip_m"] ==
+              folder.read("truth/two_v1.json")["instruments"][1]["tip_m"]);
         CHECK(projection_error(folder.read("truth/two_v2.json")) < 1e-6);
         const std::string noisy = "render run --view fluoro --size 64x64 --frames 4:4 -o n.png --c-arm 0,0 --c-arm 0,0";
         REQUIRE(run_app(folder, noisy).code == 0);
@@ -159,8 +164,10 @@ TEST_SUITE("apps/labels")
     TEST_CASE("property: views from a sweep after the run")
     {
         const LabelRun folder;
-        folder.write("views.toml", "[vary]\n\"carm.lao_deg\" = [-20.0, 40.0]\n\"carm.cra_deg\" = {min = -10.0, max = 10.0, n = 2}\n");
-        const AppResult drawn = run_app(folder, "render run --view fluoro --size 48x48 --frames 5:5 --labels truth --views views.toml");
+        folder.write("views.toml",
+                     "[vary]\n\"carm.lao_deg\" = [-20.0, 40.0]\n\"carm.cra_deg\" = {min = -10.0, max = 10.0, n = 2}\n");
+        const AppResult drawn =
+            run_app(folder, "render run --view fluoro --size 48x48 --frames 5:5 --labels truth --views views.toml");
         REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
         std::vector<double> primary, secondary;
         for (int k = 1; k <= 4; ++k) {
@@ -236,11 +243,15 @@ TEST_SUITE("apps/labels")
     TEST_CASE("property: a preview is one sheet and nothing else, of any view")
     {
         const LabelRun folder;
-        REQUIRE(run_app(folder, "render run --view fluoro --size 200x100 --frames 0:10 --c-arm 0,0 --c-arm 90,0 --preview sheet.png").code == 0);
+        REQUIRE(
+            run_app(folder, "render run --view fluoro --size 200x100 --frames 0:10 --c-arm 0,0 --c-arm 90,0 --preview sheet.png")
+                .code == 0);
         CHECK_FALSE(fs::exists(folder.path / "truth"));
         CHECK_FALSE(fs::exists(folder.path / "run/fluoro_v1_000000.png"));
         const std::string png = slurp(folder.path / "sheet.png");
-        const auto side = [&](std::size_t at) { return (static_cast<unsigned char>(png[at + 2]) << 8) + static_cast<unsigned char>(png[at + 3]); };
+        const auto side = [&](std::size_t at) {
+            return (static_cast<unsigned char>(png[at + 2]) << 8) + static_cast<unsigned char>(png[at + 3]);
+        };
         CHECK(side(16) == 4 * 404 + 4);  // 16 of 22 pictures in four columns
         CHECK(side(20) == 4 * (200 + 22 + 4) + 4);
         check_refused(folder, "render run --view fluoro --preview s.png --video f.mp4", 2, "only the sheet");
@@ -254,7 +265,8 @@ TEST_SUITE("apps/labels")
     TEST_CASE("property: a farm's frames carry their labels, the same bytes in any cut, and after a kill")
     {
         const LabelRun folder;
-        const std::string words = " --view fluoro --size 64x64 --frames 2:9 --c-arm \"LAO 30\" --c-arm \"RAO 30\" --label-vessel --labels truth";
+        const std::string words =
+            " --view fluoro --size 64x64 --frames 2:9 --c-arm \"LAO 30\" --c-arm \"RAO 30\" --label-vessel --labels truth";
         REQUIRE(run_app(folder, "farm run -o one --tasks 1 --quiet" + words).code == 0);
         const auto one = pictures_of(folder.path / "one");
         CHECK(one.size() == 8 * 2 * 4);  // two pictures of each frame, each with three files of labels
@@ -271,7 +283,8 @@ TEST_SUITE("apps/labels")
         if (child == 0) {
             if (!std::freopen("/dev/null", "w", stderr)) _exit(126);
             if (chdir(folder.path.c_str()) != 0) _exit(126);
-            execl("/bin/sh", "sh", "-c", ("exec \"$0\" farm run -o killed --tasks 2 --quiet" + words).c_str(), app_path(), nullptr);
+            execl("/bin/sh", "sh", "-c", ("exec \"$0\" farm run -o killed --tasks 2 --quiet" + words).c_str(), app_path(),
+                  nullptr);
             _exit(127);
         }
         while (waitpid(child, nullptr, WNOHANG) != child) {
@@ -298,7 +311,8 @@ TEST_SUITE("apps/labels")
     TEST_CASE("property: COCO annotations hold the masks, their boxes, tips and bases")
     {
         const LabelRun folder;
-        REQUIRE(run_app(folder, "render run --view fluoro --size 96x80 --field 0.2 --frames 4:6 --labels truth -o a.png").code == 0);
+        REQUIRE(run_app(folder, "render run --view fluoro --size 96x80 --field 0.2 --frames 4:6 --labels truth -o a.png").code ==
+                0);
         const AppResult made = run_app(folder, "labels truth --coco truth/coco.json");
         REQUIRE_MESSAGE(made.code == 0, made.err);
         const std::string first = slurp(folder.path / "truth/coco.json");
@@ -327,7 +341,8 @@ TEST_SUITE("apps/labels")
                     const std::size_t k = static_cast<std::size_t>(r * 96 + c);
                     REQUIRE(static_cast<bool>(painted[k]) == (mask.labels[k] == a["category_id"].get<int>()));
                     if (!painted[k]) continue;
-                    ++area, low[0] = std::min(low[0], c), high[0] = std::max(high[0], c), low[1] = std::min(low[1], r), high[1] = std::max(high[1], r);
+                    ++area, low[0] = std::min(low[0], c), high[0] = std::max(high[0], c), low[1] = std::min(low[1], r),
+                            high[1] = std::max(high[1], r);
                 }
             CHECK(a["area"] == area);
             CHECK(a["bbox"] == json({low[0], low[1], high[0] - low[0] + 1, high[1] - low[1] + 1}));
@@ -348,7 +363,8 @@ for a in coco.anns.values():
     rows, columns = mask.nonzero()
     assert a["bbox"] == [columns.min(), rows.min(), columns.max() - columns.min() + 1, rows.max() - rows.min() + 1]
 )");
-        CHECK(std::system(fmt::format("cd '{}' && python3 open.py truth/coco.json >/dev/null", folder.path.string()).c_str()) == 0);
+        CHECK(std::system(fmt::format("cd '{}' && python3 open.py truth/coco.json >/dev/null", folder.path.string()).c_str()) ==
+              0);
     }
 
     TEST_CASE("regression: labels that are damaged or not there are one line")

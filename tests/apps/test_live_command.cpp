@@ -40,7 +40,8 @@ TEST_SUITE("apps/live")
         const auto summary = nlohmann::json::parse(result.out);
         CHECK(summary["steps"] == 500);
         CHECK(summary["session_s"].get<double>() == about(0.5));
-        for (const char* key : {"late", "woken_late", "late_share", "stretched_s", "step", "input_to_force", "packets", "coupling", "score", "state_hash"})
+        for (const char* key : {"late", "woken_late", "late_share", "stretched_s", "step", "input_to_force", "packets",
+                                "coupling", "score", "state_hash"})
             CHECK(summary.contains(key));
         CHECK(nlohmann::json::parse(slurp(folder.path / "s.record.score.json"))["verdict"] == "open");
         CHECK(slurp(folder.path / "s.record.score.html").find("Three centimetres in.") != std::string::npos);
@@ -70,10 +71,12 @@ TEST_SUITE("apps/live")
         folder.write("t.toml", live_scene);
         const auto replays = [&](const std::string& options, const std::string& where) {
             CAPTURE(options);
-            const AppResult live = run_app(folder, "live t.toml --port 0 --udp 0 --duration 0.3 --record " + where + "/s.record --json " + options);
+            const AppResult live =
+                run_app(folder, "live t.toml --port 0 --udp 0 --duration 0.3 --record " + where + "/s.record --json " + options);
             CAPTURE(live.err);
             REQUIRE(live.code == 0);
-            const AppResult replay = run_app(folder, "run " + where + "/s.record.scene.toml --replay " + where + "/s.record -o " + where + "/D --json");
+            const AppResult replay = run_app(
+                folder, "run " + where + "/s.record.scene.toml --replay " + where + "/s.record -o " + where + "/D --json");
             CAPTURE(replay.err);
             REQUIRE(replay.code == 0);
             CHECK(nlohmann::json::parse(replay.out)["state_hash"] == nlohmann::json::parse(live.out)["state_hash"]);
@@ -139,7 +142,8 @@ TEST_SUITE("apps/live")
         CHECK(score["wall_force_max_n"].get<double>() > score["limits"]["wall_force_n"].get<double>());
         CHECK(score["time_s"].get<double>() < score["limits"]["time_s"].get<double>());
         CHECK(score["fluoroscopy_s"].get<double>() == about(0.199));
-        const AppResult replay = run_app(folder, "run '" + file.string() + "' --replay s.record -o D --json --set scene.record_every=100");
+        const AppResult replay =
+            run_app(folder, "run '" + file.string() + "' --replay s.record -o D --json --set scene.record_every=100");
         CAPTURE(replay.err);
         REQUIRE(replay.code == 0);
         CHECK(nlohmann::json::parse(replay.out)["state_hash"] == session.world().state_hash());
@@ -177,7 +181,8 @@ TEST_SUITE("apps/live")
         const auto summary = nlohmann::json::parse(result.out);
         CHECK(summary["late_share"].get<double>() > 0.5);
         CHECK(summary["wall_s"].get<double>() > 1.1 * summary["session_s"].get<double>());
-        CHECK(summary["stretched_s"].get<double>() == about(summary["wall_s"].get<double>() - summary["session_s"].get<double>()).epsilon(0.1));
+        CHECK(summary["stretched_s"].get<double>() ==
+              about(summary["wall_s"].get<double>() - summary["session_s"].get<double>()).epsilon(0.1));
     }
 
     TEST_CASE("property: the client of the documents pushes and feels, as it stands there")
@@ -201,7 +206,8 @@ TEST_SUITE("apps/live")
         REQUIRE(client.find("5001") != std::string::npos);
         client.replace(client.find("5001"), 4, "2001");  // 4 cm of the tube
         folder.write("client.py", client);
-        CHECK(std::system(fmt::format("cd '{}' && timeout 60 /usr/bin/python3 client.py >said.txt", folder.path.string()).c_str()) == 0);
+        CHECK(std::system(
+                  fmt::format("cd '{}' && timeout 60 /usr/bin/python3 client.py >said.txt", folder.path.string()).c_str()) == 0);
         const std::string felt = slurp(folder.path / "said.txt");
         CHECK(std::count(felt.begin(), felt.end(), '\n') == 2000);
         live.send(SIGTERM);
@@ -244,7 +250,8 @@ TEST_SUITE("apps/live")
         refuses(folder, "live t.toml --udp-bind nowhere --port 0 --udp 0 --duration 0.1", 2, "--udp-bind");
         refuses(folder, "live free.toml --port 0 --udp 0 --duration 0.1", 2, "[feed]");
         refuses(folder, "live t.toml --rate 0 --duration 0.1", 2, "--rate");
-        refuses(folder, "live t.toml --set task.target.branch=7 --set task.target.point=[0.0,0.0,0.0] --duration 0.1", 2, "task.target");
+        refuses(folder, "live t.toml --set task.target.branch=7 --set task.target.point=[0.0,0.0,0.0] --duration 0.1", 2,
+                "task.target");
         refuses(folder, "live none.toml", 3, "none.toml");
         refuses(folder, "report .", 3, "neither a run");
         const int taken = ::socket(AF_INET, SOCK_DGRAM, 0);

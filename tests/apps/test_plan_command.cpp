@@ -93,7 +93,8 @@ TEST_SUITE("apps/plan")
         one_line(run_plan(folder, "t.toml --tolerance 1mm --enough 0.5"), 2, "--rate");
     }
 
-    TEST_CASE("property: peaks that are asked for are within, their uncertainty included, and are told; what is not known is refused")
+    TEST_CASE(
+        "property: peaks that are asked for are within, their uncertainty included, and are told; what is not known is refused")
     {
         const ScratchFolder folder;
         folder.write("t.toml", touching_scene());

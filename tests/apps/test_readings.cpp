@@ -13,7 +13,8 @@ namespace {
 /// A wire fed through a tube of 4 cm that is open at both ends.
 const std::string through =
     "[scene]\nduration_s = 0.5\ndt_s = 0.003\nrecord_every = 5\ngravity = [0.0, 0.0, -9.81]\n"
-    "[wire]\nlength_m = 0.12\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = 1e4\nnodes = 41\n"
+    "[wire]\nlength_m = 0.12\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = 1e4\nnodes = "
+    "41\n"
     "[vessel]\nshape = \"tube\"\naxis = [1.0, 0.0, 0.0]\nradius_m = 0.004\nlength_m = 0.04\ntriangles = 2000\n"
     "[feed]\npoint = [0.002, 0.0, -0.003]\ndirection = [1.0, 0.0, -0.04]\n"
     "keys = [{ t_s = 0.0, advance_m = 0.005 }, { t_s = 0.5, advance_m = 0.055 }]\n";
@@ -36,10 +37,12 @@ TEST_SUITE("apps/readings")
         CHECK(a["error_estimate"]["windows"].get<int>() >= 1);
         CHECK(with.out.find("± mostly by the ") != std::string::npos);
         // a band is the root of the sum of squares of its shares, and names the largest
-        for (const char* reading : {"hand_force_n", "hand_force_peak_n", "friction_n", "friction_peak_n", "patch_force_max_n", "hand_work_j"}) {
+        for (const char* reading :
+             {"hand_force_n", "hand_force_peak_n", "friction_n", "friction_peak_n", "patch_force_max_n", "hand_work_j"}) {
             CAPTURE(reading);
             const auto& band = a["error_estimate"][reading];
-            const double step = band["step"].get<double>(), nodes = band["nodes"].get<double>(), facets = band["facets"].get<double>();
+            const double step = band["step"].get<double>(), nodes = band["nodes"].get<double>(),
+                         facets = band["facets"].get<double>();
             REQUIRE(band["band"].get<double>() > 0);
             CHECK(band["band"].get<double>() == about(1.1 * std::hypot(step, 1.5 * nodes, facets)).epsilon(1e-9));
             CHECK(nodes > 0);
@@ -52,8 +55,10 @@ TEST_SUITE("apps/readings")
         // means over 20 ms in both runs, with and without bands
         CHECK(a["end_mean_s"].get<double>() == about(0.02).epsilon(1e-9));
         CHECK(a["error_estimate"]["end_mean_s"] == a["end_mean_s"]);
-        CHECK(a["error_estimate"]["hand_force_n"]["value"].get<double>() == about(a["hand_force_mean_n"].get<double>()).epsilon(1e-12));
-        CHECK(a["error_estimate"]["friction_n"]["value"].get<double>() == about(a["friction_mean_n"].get<double>()).epsilon(1e-12));
+        CHECK(a["error_estimate"]["hand_force_n"]["value"].get<double>() ==
+              about(a["hand_force_mean_n"].get<double>()).epsilon(1e-12));
+        CHECK(a["error_estimate"]["friction_n"]["value"].get<double>() ==
+              about(a["friction_mean_n"].get<double>()).epsilon(1e-12));
         CHECK(b["hand_force_mean_n"] == a["hand_force_mean_n"]);
         // 500 ms in steps of 3 ms: 166 of them, and one of 2 ms
         CHECK(a["steps"].get<int>() == 167);
@@ -92,21 +97,25 @@ TEST_SUITE("apps/readings")
         std::string obj;
         for (int i = 0; i <= along; ++i)
             for (int k = 0; k < around; ++k)
-                obj += fmt::format("v {} {} {}\n", 40.0 * i / along, 4 * std::cos(2 * M_PI * k / around), 4 * std::sin(2 * M_PI * k / around));
+                obj += fmt::format("v {} {} {}\n", 40.0 * i / along, 4 * std::cos(2 * M_PI * k / around),
+                                   4 * std::sin(2 * M_PI * k / around));
         obj += "v 40 0 0\n";
         for (int k = 0; k < around; ++k) {
             const int next = (k + 1) % around;
             for (int i = 0; i < along; ++i)
-                obj += fmt::format("f {} {} {} {}\n", 1 + i * around + k, 1 + (i + 1) * around + k, 1 + (i + 1) * around + next, 1 + i * around + next);
+                obj += fmt::format("f {} {} {} {}\n", 1 + i * around + k, 1 + (i + 1) * around + k, 1 + (i + 1) * around + next,
+                                   1 + i * around + next);
             obj += fmt::format("f {} {} {}\n", 1 + along * around + k, 1 + (along + 1) * around, 1 + along * around + next);
         }
         folder.write("capped.obj", obj);
         const auto scene = [](double depth) {
-            return fmt::format("[scene]\nduration_s = 0.4\ndt_s = 0.002\nrecord_every = 5\n"
-                               "[wire]\nlength_m = 0.08\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = 1e4\nnodes = 41\n"
-                               "[vessel]\nmesh = \"capped.obj\"\nunits = \"mm\"\n[feed]\ninlet = \"auto\"\n"
-                               "keys = [{{ t_s = 0.0, advance_m = 0.02 }}, {{ t_s = 0.4, advance_m = {} }}]\n",
-                               depth);
+            return fmt::format(
+                "[scene]\nduration_s = 0.4\ndt_s = 0.002\nrecord_every = 5\n"
+                "[wire]\nlength_m = 0.08\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = "
+                "1e4\nnodes = 41\n"
+                "[vessel]\nmesh = \"capped.obj\"\nunits = \"mm\"\n[feed]\ninlet = \"auto\"\n"
+                "keys = [{{ t_s = 0.0, advance_m = 0.02 }}, {{ t_s = 0.4, advance_m = {} }}]\n",
+                depth);
         };
         folder.write("into.toml", scene(0.042));
         folder.write("before.toml", scene(0.036));

@@ -98,7 +98,8 @@ TEST_SUITE("apps/recording")
         Control control;
         control.follow(0, scene.keys[0]);
         while (world.time() < scene.duration - 0.5 * scene.dt) recording.stepped(world, step(world, control, scene.dt));
-        const nlohmann::json mine = nlohmann::json::parse(recording.finish(world)), run = nlohmann::json::parse(slurp(theirs / "summary.json"));
+        const nlohmann::json mine = nlohmann::json::parse(recording.finish(world)),
+                             run = nlohmann::json::parse(slurp(theirs / "summary.json"));
 
         CHECK(mine["state_hash"] == run["state_hash"]);
         CHECK(mine["task"] == run["task"]);
@@ -135,8 +136,9 @@ TEST_SUITE("apps/recording")
         Recording recording(scene, world, dir);
         CHECK(refused([&] { Recording(scene, world, dir); }).find("holds a run already") != std::string::npos);
         CHECK_NOTHROW(Recording(scene, world, dir, true));
-        CHECK(refused([&] { Recording(LoadedScene{scene.setup, scene.keys, scene.dt, scene.duration, {}, {}}, world, dir, true); }) ==
-              "Recording: got a scene that was not read; expected what load_scene() returned");
+        CHECK(refused([&] {
+                  Recording(LoadedScene{scene.setup, scene.keys, scene.dt, scene.duration, {}, {}}, world, dir, true);
+              }) == "Recording: got a scene that was not read; expected what load_scene() returned");
 
         (void)step(world, scene.dt);  // not recorded
         StepReport report = step(world, scene.dt);

@@ -98,7 +98,8 @@ TEST_SUITE("apps/render_command")
         if (!folder.draws) return;
         if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0) return skip("no ffmpeg: apt-get install ffmpeg");
         // files of half a kilobyte at most: the film's header alone is larger
-        check_refused(folder, "render run --frames 0:10 --size 320x240 --video f.mp4", 3, "from ffmpeg; expected a", "ulimit -f 1;");
+        check_refused(folder, "render run --frames 0:10 --size 320x240 --video f.mp4", 3, "from ffmpeg; expected a",
+                      "ulimit -f 1;");
         CHECK_FALSE(fs::exists(folder.path / "f.mp4"));
         CHECK_FALSE(fs::exists(folder.path / "f.mp4.part"));
         REQUIRE(run_app(folder, "render run --frames 0:10 --size 320x240 --video f.mp4").code == 0);

@@ -128,7 +128,8 @@ TEST_SUITE("apps/report")
         const std::string policy = page.substr(at + meta.size(), page.find('"', at + meta.size()) - at - meta.size());
         CAPTURE(policy);
         CHECK(policy.starts_with("default-src 'none'; script-src 'sha256-"));
-        const std::string scripts = policy.substr(policy.find("script-src"), policy.find(';', policy.find("script-src")) - policy.find("script-src"));
+        const std::string scripts =
+            policy.substr(policy.find("script-src"), policy.find(';', policy.find("script-src")) - policy.find("script-src"));
         CHECK(scripts.find("unsafe") == std::string::npos);
         int count = 0;
         for (std::size_t from = 0; (from = page.find("<script>", from)) != std::string::npos; ++count) {
@@ -136,22 +137,26 @@ TEST_SUITE("apps/report")
             const std::string script = page.substr(from, page.find("</script>", from) - from);
             CHECK(script.find('\r') == std::string::npos);  // a browser reads line ends as \n before it takes the hash
             folder.write("script", script);
-            CHECK(std::system(fmt::format("cd '{}' && python3 -c \"import base64, hashlib; print(base64.b64encode(hashlib.sha256(open("
-                                          "'script', 'rb').read()).digest()).decode(), end='')\" >hash",
-                                          folder.path.string())
-                                  .c_str()) == 0);
+            CHECK(std::system(
+                      fmt::format("cd '{}' && python3 -c \"import base64, hashlib; print(base64.b64encode(hashlib.sha256(open("
+                                  "'script', 'rb').read()).digest()).decode(), end='')\" >hash",
+                                  folder.path.string())
+                          .c_str()) == 0);
             CHECK(scripts.find("'sha256-" + slurp(folder.path / "hash") + "'") != std::string::npos);
         }
         CHECK(count == 5);
     }
 
-    TEST_CASE("property: a batch's columns, units, shapes and answer are in its page, in the files' order, and a value that holds commas stays one")
+    TEST_CASE(
+        "property: a batch's columns, units, shapes and answer are in its page, in the files' order, and a value that holds "
+        "commas stays one")
     {
         if (!has_three()) return skip("libjs-three is not installed");
         const ScratchFolder folder;
         folder.write("two.toml", two_instruments("merged"));
-        folder.write("sweep.toml", "[vary]\n\"instrument.1.feed.keys\" = [[{t_s = 0.0, advance_m = 0.02}, {t_s = 0.1, advance_m = 0.06}]]\n"
-                                   "\"instrument.1.bend_nm2\" = [1e-5, 2e-5]\n");
+        folder.write("sweep.toml",
+                     "[vary]\n\"instrument.1.feed.keys\" = [[{t_s = 0.0, advance_m = 0.02}, {t_s = 0.1, advance_m = 0.06}]]\n"
+                     "\"instrument.1.bend_nm2\" = [1e-5, 2e-5]\n");
         const AppResult batch = run_app(folder, "batch two.toml --vary sweep.toml -o B --quiet --bands");
         CAPTURE(batch.err);
         REQUIRE(batch.code == 0);

@@ -57,7 +57,8 @@ TEST_SUITE("apps/resume")
         CAPTURE(end.err);
         REQUIRE(end.code == 0);
         CHECK(summary_of(stopped)["resumes"] == 2);
-        CHECK_MESSAGE(end.out.find("on, where the run was resumed") != std::string::npos, end.out);  // which steps the bands are of
+        CHECK_MESSAGE(end.out.find("on, where the run was resumed") != std::string::npos,
+                      end.out);  // which steps the bands are of
         same_run(stopped, folder.path / "whole");
 
         const fs::path killed = folder.path / "killed";

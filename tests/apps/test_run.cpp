@@ -280,11 +280,13 @@ wall_edge_m = 0.005
         // the decay length is 2.67 mm, so edges are nearly two of them
         for (const bool touches : {true, false}) {
             CAPTURE(touches);
-            const std::string away = touches ? "" : " --set 'wire.place.base=[-0.01, 0.0, 0.01]' --set 'load.0.force_n=[0.0, 0.0, 0.0]'";
+            const std::string away =
+                touches ? "" : " --set 'wire.place.base=[-0.01, 0.0, 0.01]' --set 'load.0.force_n=[0.0, 0.0, 0.0]'";
             REQUIRE(run_app(folder, "run w.toml -o D --overwrite" + away).code == 0);
             const auto summary = summary_of(folder.path / "D");
             CHECK((summary["wall_move_max_m"].get<double>() > 1e-6) == touches);
-            CHECK((summary["warnings"].dump().find("vessel.wall_edge_m: got control edges of 5") != std::string::npos) == touches);
+            CHECK((summary["warnings"].dump().find("vessel.wall_edge_m: got control edges of 5") != std::string::npos) ==
+                  touches);
         }
     }
 

@@ -12,7 +12,8 @@ TEST_SUITE("apps/settled_start")
     {
         const ScratchFolder folder;
         const std::string wire = "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nyoungs_pa = 1e9\nnodes = 11\n";
-        folder.write("free.toml", "[scene]\nduration_s = 0.02\ndt_s = 0.001\nstart = \"settled\"\n" + wire);  // nothing holds it: it falls
+        folder.write("free.toml",
+                     "[scene]\nduration_s = 0.02\ndt_s = 0.001\nstart = \"settled\"\n" + wire);  // nothing holds it: it falls
         const AppResult ran = run_app(folder, "run free.toml -o settled");
         CAPTURE(ran.err);
         REQUIRE(ran.code == 0);
@@ -20,7 +21,8 @@ TEST_SUITE("apps/settled_start")
         REQUIRE(settled.at("warnings").size() == 1);
         CHECK(settled.at("warnings")[0].get<std::string>().find("no equilibrium was found") != std::string::npos);
         REQUIRE(run_app(folder, "run free.toml -o placed --set scene.start=placed").code == 0);
-        CHECK(settled.at("state_hash") == summary_of(folder.path / "placed").at("state_hash"));  // what settling tried leaves no trace
+        CHECK(settled.at("state_hash") ==
+              summary_of(folder.path / "placed").at("state_hash"));  // what settling tried leaves no trace
         folder.write("static.toml", "[integrator]\nscheme = \"static\"\n" + wire);
         CHECK(run_app(folder, "run static.toml -o static").code == 4);
     }

@@ -40,7 +40,8 @@ TEST_SUITE("apps/signals")
         for (const int signal : {SIGINT, SIGTERM}) {
             // a surface of two million triangles is seconds of work
             const std::string dir = signal == SIGINT ? "D" : "E";
-            BackgroundApp app(folder.path, {"run", "t.toml", "--set", "vessel.triangles=2000000", "-o", dir, "--quiet", "--resume"});
+            BackgroundApp app(folder.path,
+                              {"run", "t.toml", "--set", "vessel.triangles=2000000", "-o", dir, "--quiet", "--resume"});
             REQUIRE(app.wait_until([&] { return fs::exists(folder.path / dir / ".lock"); }));
             ended(app, signal, folder.path / dir);
         }

@@ -46,8 +46,9 @@ TEST_SUITE("apps/soft_wall")
             const AppResult done = drawn(folder, keys, duration);
             CAPTURE(done.err);
             CHECK(done.code == 0);
-            // The check looks up anew where the wall is beside the wire; contact has it from the start of the step. At 0.5 m/s a step of
-            // 1 ms goes 0.5 mm along a dent of slope 0.6 (1.5 mm within the decay length of 2.3 mm): the two differ by up to 0.3 mm.
+            // The check looks up anew where the wall is beside the wire; contact has it from the start of the step. At 0.5 m/s a
+            // step of 1 ms goes 0.5 mm along a dent of slope 0.6 (1.5 mm within the decay length of 2.3 mm): the two differ by up
+            // to 0.3 mm.
             CHECK(summary_of(folder.path / "D").at("outside_max_m").get<double>() < 0.3e-3);
         }
     }

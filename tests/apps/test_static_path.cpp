@@ -16,7 +16,8 @@ TEST_SUITE("apps/static_path")
         const ScratchFolder folder;
         folder.write("s.toml",
                      "[scene]\nrecord_every = 1\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\n"
-                     "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 1.0e-4\ntwist_nm2 = 8.0e-5\nstretch_n = 1.0e4\nnodes = 41\n"
+                     "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 1.0e-4\ntwist_nm2 = "
+                     "8.0e-5\nstretch_n = 1.0e4\nnodes = 41\n"
                      "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
                      "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n"
                      "[[hold]]\nat = \"tip\"\nposition = [\"y\", \"z\"]\n"
@@ -42,30 +43,37 @@ TEST_SUITE("apps/static_path")
         CHECK(most == about(force).epsilon(0.003));
         // the tip goes out and comes back: work F d/2, and none
         const auto worked = [&](std::size_t row) { return std::stod(rows[row][column("outside_work_j")]); };
-        const auto turned_back = std::find_if(rows.begin() + 1, rows.end(), [&](const auto& row) { return std::stod(row[column("time_s")]) == 1; });
+        const auto turned_back =
+            std::find_if(rows.begin() + 1, rows.end(), [&](const auto& row) { return std::stod(row[column("time_s")]) == 1; });
         REQUIRE(turned_back != rows.end());
         CHECK(worked(static_cast<std::size_t>(turned_back - rows.begin())) == about(force * 0.002 / 2).epsilon(0.003));
         CHECK(std::abs(worked(rows.size() - 1)) < 1e-6 * force * 0.002);
     }
 
-    // A wire is wound by 3 rad at the hub and pulled by 10 um at the tip, and goes back. Torque and tension are in proportion to these, and so trapezoids are exact; with
-    // C a^2/(2 L) from the hand and EA d^2/(2 L) from the tip's hold. Newton's tolerance leaves 1e-6, the strain of 1e-4 as much of the tension.
-    TEST_CASE("analytic: work along a path of equilibria is the energy that is there, and the largest force is that of the whole path")
+    // A wire is wound by 3 rad at the hub and pulled by 10 um at the tip, and goes back. Torque and tension are in proportion to
+    // these, and so trapezoids are exact; with C a^2/(2 L) from the hand and EA d^2/(2 L) from the tip's hold. Newton's tolerance
+    // leaves 1e-6, the strain of 1e-4 as much of the tension.
+    TEST_CASE(
+        "analytic: work along a path of equilibria is the energy that is there, and the largest force is that of the whole path")
     {
         const ScratchFolder folder;
         folder.write("t.toml",
                      "[scene]\nrecord_every = 1\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\n"
-                     "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 1.0e-4\ntwist_nm2 = 8.0e-5\nstretch_n = 1.0e4\nnodes = 21\n"
+                     "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 1.0e-4\ntwist_nm2 = "
+                     "8.0e-5\nstretch_n = 1.0e4\nnodes = 21\n"
                      "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
-                     "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nturn = [[0.0, 0.0], [1.0, 3.0], [2.0, 0.0]]\n"
-                     "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0], [1.0, 1e-5, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]\n");
+                     "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nturn = [[0.0, 0.0], [1.0, 3.0], "
+                     "[2.0, 0.0]]\n"
+                     "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0], "
+                     "[1.0, 1e-5, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]\n");
         const AppResult result = run_app(folder, "run t.toml -o A --quiet");
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
         const auto summary = summary_of(folder.path / "A");
         const auto rows = csv_rows(folder.path / "A/trace.csv");
         const auto at = [&](std::size_t row, const char* name) {
-            return std::stod(rows[row][static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin())]);
+            return std::stod(
+                rows[row][static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin())]);
         };
         std::size_t far = 1;
         while (far + 1 < rows.size() && at(far, "time_s") < 1) ++far;

@@ -26,17 +26,20 @@ std::vector<Row> table(const fs::path& file)
     return rows;
 }
 
-// the tip slides along the floor of the tube: 30 mm from the inlet it is at the target, which the slower one does not reach in time
+// the tip slides along the floor of the tube: 30 mm from the inlet it is at the target, which the slower one does not reach in
+// time
 const std::string task = "[task]\ntarget = { name = \"the middle\", point = [0.03, 0.0, -0.005], radius_m = 0.002 }\n";
 const std::string sweep = "[vary]\n\"scene.duration_s\" = [0.35, 0.2]\n\"wire.bend_nm2\" = [1e-5, 4e-5]\n";
 
-/// Goes on with what `command` began, each time a little longer, whatever the machine has to do beside. @return calls that it took
+/// Goes on with what `command` began, each time a little longer, whatever the machine has to do beside. @return calls that it
+/// took
 int taken_up_again(const ScratchFolder& folder, const std::string& command)
 {
     AppResult part = run_app(folder, command + " --time-limit 1e-6");
     double limit = 0.05;
     int calls = 1;
-    for (; part.code == 75 && calls < 60; ++calls, limit *= 1.3) part = run_app(folder, fmt::format("{} --resume --time-limit {}", command, limit));
+    for (; part.code == 75 && calls < 60; ++calls, limit *= 1.3)
+        part = run_app(folder, fmt::format("{} --resume --time-limit {}", command, limit));
     CAPTURE(part.err);
     CHECK(part.code == 0);
     return calls;
@@ -65,7 +68,8 @@ TEST_SUITE("apps/task")
         for (const Row& row : table(folder.path / "R/trace.csv")) {
             patch = std::max(patch, std::stod(row.at("patch_force_max_n")));
             hand = std::max(hand, std::abs(std::stod(row.at("hand_force_n"))));
-            const double off = std::hypot(std::stod(row.at("tip_x_m")) - 0.03, std::stod(row.at("tip_y_m")), std::stod(row.at("tip_z_m")) + 0.005);
+            const double off = std::hypot(std::stod(row.at("tip_x_m")) - 0.03, std::stod(row.at("tip_y_m")),
+                                          std::stod(row.at("tip_z_m")) + 0.005);
             if (off > 0.002) continue;
             at_s = std::stod(row.at("time_s")), at_m = std::stod(row.at("inserted_m"));
             break;
@@ -77,8 +81,9 @@ TEST_SUITE("apps/task")
         CHECK(said["until_patch_force_max_n"] == patch);
         CHECK(said["until_hand_force_max_n"] == hand);
         CHECK(summary["simulated_s"].get<double>() > at_s + 0.05);
-        CHECK(result.out.ends_with(fmt::format("reached the middle at {:.4g} mm, {:.4g} s; until then at most {} on 5 mm of wall\n", 1e3 * at_m, at_s,
-                                               patch < 0.02 ? fmt::format("{:.3g} mN", 1e3 * patch) : fmt::format("{:.3g} N", patch))));
+        CHECK(result.out.ends_with(
+            fmt::format("reached the middle at {:.4g} mm, {:.4g} s; until then at most {} on 5 mm of wall\n", 1e3 * at_m, at_s,
+                        patch < 0.02 ? fmt::format("{:.3g} mN", 1e3 * patch) : fmt::format("{:.3g} N", patch))));
 
         // the same run, ended there
         REQUIRE(run_app(folder, "run t.toml -o E --quiet --set scene.until=reached").code == 0);
@@ -101,7 +106,8 @@ TEST_SUITE("apps/task")
         CHECK(plain.out.find("tip in branch 1 of 1") != std::string::npos);
     }
 
-    TEST_CASE("property: a batch's rows, bands and answer are those of the runs alone; stops and farms leave the bytes as they are")
+    TEST_CASE(
+        "property: a batch's rows, bands and answer are those of the runs alone; stops and farms leave the bytes as they are")
     {
         const ScratchFolder folder;
         folder.write("t.toml", tube_scene(0.3) + task);
@@ -113,10 +119,13 @@ TEST_SUITE("apps/task")
         REQUIRE(rows.size() == 4);
         std::vector<double> peaks;
         for (const Row& row : rows) {
-            const std::string set = fmt::format("--set scene.duration_s={} --set wire.bend_nm2={} ", row.at("scene.duration_s"), row.at("wire.bend_nm2"));
+            const std::string set = fmt::format("--set scene.duration_s={} --set wire.bend_nm2={} ", row.at("scene.duration_s"),
+                                                row.at("wire.bend_nm2"));
             CAPTURE(set);
             REQUIRE(run_app(folder, "run t.toml -o R --overwrite --quiet " + set).code == 0);
-            REQUIRE(run_app(folder, "run t.toml -o H --overwrite --quiet --set scene.dt_s=0.0005 --set scene.record_every=10 " + set).code == 0);
+            REQUIRE(
+                run_app(folder, "run t.toml -o H --overwrite --quiet --set scene.dt_s=0.0005 --set scene.record_every=10 " + set)
+                    .code == 0);
             const auto alone = summary_of(folder.path / "R"), half = summary_of(folder.path / "H");
             CHECK(row.at("state_hash") == alone["state_hash"]);
             CHECK((row.at("reached") == "1") == alone["task"]["reached"].get<bool>());
@@ -146,9 +155,11 @@ TEST_SUITE("apps/task")
         REQUIRE(shapes.size() == 4 * 64);
         for (std::size_t k = 0; k < 4; ++k)  // the first station is the tip
             for (const char* c : {"x", "y", "z"})
-                CHECK(std::stod(shapes[64 * k].at(fmt::format("{}_m", c))) == about(std::stod(rows[k].at(fmt::format("tip_{}_m", c)))).epsilon(1e-6));
+                CHECK(std::stod(shapes[64 * k].at(fmt::format("{}_m", c))) ==
+                      about(std::stod(rows[k].at(fmt::format("tip_{}_m", c)))).epsilon(1e-6));
 
-        const std::string csv = slurp(folder.path / "B/results.csv"), npz = slurp(folder.path / "B/results.npz"), units = slurp(folder.path / "B/results-units.csv");
+        const std::string csv = slurp(folder.path / "B/results.csv"), npz = slurp(folder.path / "B/results.npz"),
+                          units = slurp(folder.path / "B/results-units.csv");
         CHECK(taken_up_again(folder, "batch t.toml --vary v.toml -o P --quiet --bands") > 2);
         CHECK(slurp(folder.path / "P/results.csv") == csv);
         CHECK(slurp(folder.path / "P/shapes.csv") == slurp(folder.path / "B/shapes.csv"));
@@ -182,8 +193,10 @@ TEST_SUITE("apps/task")
         for (const std::string name : {"which-wire", "which-angle", "catheter-or-none"}) {
             CAPTURE(name);
             // half a second of each run: every value of the sweep makes a world that steps
-            const AppResult asked = run_app(folder, fmt::format("batch '{}.toml' --vary '{}-sweep.toml' -o {} --set scene.duration_s=0.5 --set scene.until=time",
-                                                                (examples / name).string(), (examples / name).string(), name));
+            const AppResult asked = run_app(
+                folder,
+                fmt::format("batch '{}.toml' --vary '{}-sweep.toml' -o {} --set scene.duration_s=0.5 --set scene.until=time",
+                            (examples / name).string(), (examples / name).string(), name));
             CAPTURE(asked.err);
             CHECK(asked.code == 0);
             CHECK(asked.out.find("reached left subclavian") != std::string::npos);
@@ -191,7 +204,9 @@ TEST_SUITE("apps/task")
         }
     }
 
-    TEST_CASE("property: a branch is reached in the first step whose tip is in it, so far behind its mouth; a force that still rises is said to")
+    TEST_CASE(
+        "property: a branch is reached in the first step whose tip is in it, so far behind its mouth; a force that still rises "
+        "is said to")
     {
         const ScratchFolder folder;
         const std::string target = "[task]\ntarget = { branch = 1, beyond_m = 0.03 }\n";  // a tube's branch is all of it
@@ -200,14 +215,16 @@ TEST_SUITE("apps/task")
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
         const auto summary = summary_of(folder.path / "R");
-        const double step = 0.001, speed = 0.08;  // of the hub [m/s]; the tip goes as fast but for the slack that the tube takes up
+        const double step = 0.001,
+                     speed = 0.08;  // of the hub [m/s]; the tip goes as fast but for the slack that the tube takes up
         CHECK(summary["branch"] == 1);
         CHECK(summary["branch_depth_m"].get<double>() >= 0.03);
         CHECK(summary["branch_depth_m"].get<double>() < 0.03 + 3 * speed * step);
         CHECK(summary["task"]["distance_m"] == 0);
         double patch = 0, at_s = 0;
         for (const Row& row : table(folder.path / "R/trace.csv"))
-            if (std::stod(row.at("patch_force_max_n")) > patch) patch = std::stod(row.at("patch_force_max_n")), at_s = std::stod(row.at("time_s"));
+            if (std::stod(row.at("patch_force_max_n")) > patch)
+                patch = std::stod(row.at("patch_force_max_n")), at_s = std::stod(row.at("time_s"));
         CHECK(summary["task"]["until_patch_force_max_s"] == at_s);
         const bool rising = at_s > summary["task"]["reached_at_s"].get<double>() - 0.02;
         CHECK((result.out.find(", still rising") != std::string::npos) == rising);

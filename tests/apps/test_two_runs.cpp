@@ -69,7 +69,8 @@ TEST_SUITE("apps/two runs in one folder")
         for (int k = 0; k < 6; ++k) {
             const fs::path own = folder.path / fmt::format("from-{}", k);
             fs::create_directory(own);
-            all.push_back(std::make_unique<BackgroundApp>(own, std::vector<std::string>{"run", "../s.toml", "-o", "../D", "--quiet"}));
+            all.push_back(
+                std::make_unique<BackgroundApp>(own, std::vector<std::string>{"run", "../s.toml", "-o", "../D", "--quiet"}));
         }
         int done = 0;
         for (auto& one : all) {
@@ -87,7 +88,8 @@ TEST_SUITE("apps/two runs in one folder")
         folder.write("t.toml", tube_scene(1.0));
         BackgroundApp first(folder.path, {"live", "t.toml", "--port", "0", "--udp", "0", "--record", "r.record", "--quiet"});
         REQUIRE(first.wait_until([&] { return fs::exists(folder.path / "r.record"); }));
-        is_refused(run_app(folder, "live t.toml --port 0 --udp 0 --record r.record --duration 0.1 --quiet"), "r.record", first.pid());
+        is_refused(run_app(folder, "live t.toml --port 0 --udp 0 --record r.record --duration 0.1 --quiet"), "r.record",
+                   first.pid());
         first.send(SIGINT);
         CHECK(first.result().code == 130);
         CHECK_FALSE(fs::exists(folder.path / "r.record.lock"));
@@ -97,7 +99,8 @@ TEST_SUITE("apps/two runs in one folder")
     {
         const ScratchFolder folder;
         folder.write("s.toml", tube_scene(0.02));
-        CHECK(run_app(folder, "run s.toml -o a/b/c --set vessel.shape=\"\" --set vessel.mesh=none.stl --set vessel.units=mm").code != 0);
+        CHECK(run_app(folder, "run s.toml -o a/b/c --set vessel.shape=\"\" --set vessel.mesh=none.stl --set vessel.units=mm")
+                  .code != 0);
         CHECK_FALSE(fs::exists(folder.path / "a"));
         fs::create_directory(folder.path / "D");
         folder.write("D/checkpoint.bin.999999999.tmp", "half");

@@ -157,8 +157,8 @@ TEST_SUITE("apps/vessel_cache")
         const AppResult full = run_app(folder, "vessel tube.stl --json", "ulimit -f 16; " + with_cache);
         CHECK(full.code == 0);
         CHECK(entries(folder).empty());  // nothing half written either
-        const std::string together =
-            fmt::format("for i in 1 2 3 4; do {} '{}' vessel tube.stl --json >out$i 2>err$i & done; wait; true", with_cache, app_path());
+        const std::string together = fmt::format(
+            "for i in 1 2 3 4; do {} '{}' vessel tube.stl --json >out$i 2>err$i & done; wait; true", with_cache, app_path());
         REQUIRE(std::system(fmt::format("cd '{}' && {}", folder.path.string(), together).c_str()) == 0);
         for (int i = 1; i <= 4; ++i) {
             CHECK(slurp(folder.path / fmt::format("out{}", i)) == plain);
@@ -175,7 +175,8 @@ TEST_SUITE("apps/vessel_cache")
         REQUIRE(entries(folder).size() == 1);
         const auto old = fs::file_time_type::clock::now() - std::chrono::hours(2);
         const fs::path first = entries(folder)[0], other = folder.path / "cache/seldinger/other.vessel",
-                       killed = folder.path / "cache/seldinger/x.vessel.1.tmp", running = folder.path / "cache/seldinger/y.vessel.1.tmp";
+                       killed = folder.path / "cache/seldinger/x.vessel.1.tmp",
+                       running = folder.path / "cache/seldinger/y.vessel.1.tmp";
         for (const fs::path& file : {other, killed, running}) std::ofstream(file) << "x";
         fs::resize_file(other, 950000);  // with `first` more than a megabyte
         fs::last_write_time(other, old - std::chrono::hours(1));

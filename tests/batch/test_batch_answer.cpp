@@ -15,7 +15,8 @@ using namespace seldinger;
 
 namespace {
 
-const Sweep sweep = read_sweep_text("[vary]\n\"wire.preset\" = [\"bentson-035\", \"terumo-angled-035\", \"amplatz\"]\n", "v.toml", 0);
+const Sweep sweep =
+    read_sweep_text("[vary]\n\"wire.preset\" = [\"bentson-035\", \"terumo-angled-035\", \"amplatz\"]\n", "v.toml", 0);
 
 BatchRow row(std::int64_t run, bool reached, bool passed, double peak, int branch = 1)
 {
@@ -45,7 +46,9 @@ TEST_SUITE("batch/batch_answer")
     TEST_CASE("property: the least peak of those that reached the target, whatever the order of the rows")
     {
         const std::vector<BatchRow> rows = {row(2, true, true, 0.20), row(0, true, true, 0.10), row(1, false, false, 0.01, 3)};
-        CHECK(line(layout(false), rows) == "2 of 3 reached left subclavian, the others ended in branch 3 (1 run); least peak on 5 mm of wall: run 0 (bentson-035), 0.1 N (--bands computes its band)");
+        CHECK(line(layout(false), rows) ==
+              "2 of 3 reached left subclavian, the others ended in branch 3 (1 run); least peak on 5 mm of wall: run 0 "
+              "(bentson-035), 0.1 N (--bands computes its band)");
         const BatchAnswer answer = answer_of(layout(false), rows);
         CHECK(answer.ends.branches.at(1) == 2);
         CHECK(answer.ends.branches.at(3) == 1);
@@ -58,10 +61,13 @@ TEST_SUITE("batch/batch_answer")
         // items 3 to 5 are the runs with half the step
         std::vector<BatchRow> rows = {row(0, true, true, 0.10),  row(1, true, true, 0.13),  row(2, true, true, 0.30),
                                       row(3, true, true, 0.096), row(4, true, true, 0.122), row(5, true, true, 0.299)};
-        CHECK(line(layout(true), rows) == "3 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.100 ± 0.012 N; not told apart from "
-                                          "run 1 (terumo-angled-035), 0.13 ± 0.02 N");
+        CHECK(line(layout(true), rows) ==
+              "3 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.100 ± 0.012 N; not told apart "
+              "from "
+              "run 1 (terumo-angled-035), 0.13 ± 0.02 N");
         rows[4].numbers[column_index("until_patch_force_max_n")] = 0.1295;
-        CHECK(line(layout(true), rows) == "3 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.100 ± 0.012 N");
+        CHECK(line(layout(true), rows) ==
+              "3 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.100 ± 0.012 N");
         CHECK(answer_of(layout(true), rows).ranking[0].band == test::about(0.012));
         // with half the step it misses: its readings until then are not comparable
         rows[3] = row(3, false, false, 0.05);
@@ -77,7 +83,8 @@ TEST_SUITE("batch/batch_answer")
         rises(1);
         CHECK(line(layout(false), rows) == best + "; still rising at the target: run 1 (terumo-angled-035)" + end);
         rises(0);
-        CHECK(line(layout(false), rows) == best + "; still rising at the target: run 0 (bentson-035), run 1 (terumo-angled-035)" + end);
+        CHECK(line(layout(false), rows) ==
+              best + "; still rising at the target: run 0 (bentson-035), run 1 (terumo-angled-035)" + end);
         rises(2);
         CHECK(line(layout(false), rows) == best + "; still rising at the target: all of them" + end);
     }
@@ -87,12 +94,14 @@ TEST_SUITE("batch/batch_answer")
         std::vector<BatchRow> rows = {row(0, true, false, 0.10), row(1, true, true, 0.15), row(2, true, true, 0.01)};
         rows[2].status = RunStatus::Stopped;
         CHECK(line(layout(false, true), rows) ==
-              "2 of 3 reached left subclavian, 1 within the limits; least peak on 5 mm of wall: run 1 (terumo-angled-035), 0.15 N (--bands computes its band)");
+              "2 of 3 reached left subclavian, 1 within the limits; least peak on 5 mm of wall: run 1 (terumo-angled-035), 0.15 "
+              "N (--bands computes its band)");
         rows[0] = rows[1] = row(0, false, false, 0.1);
         rows[1].run = 1;
         rows[0].numbers[column_index("distance_m")] = 0.031, rows[1].numbers[column_index("distance_m")] = 0.0124;
         CHECK(line(layout(false), rows) ==
-              "0 of 3 reached left subclavian; they ended in branch 1 (2 runs); nearest at the end: run 1 (terumo-angled-035), 12.4 mm from it");
+              "0 of 3 reached left subclavian; they ended in branch 1 (2 runs); nearest at the end: run 1 (terumo-angled-035), "
+              "12.4 mm from it");
     }
 
     TEST_CASE("property: without a task the line says where the tips ended, and nothing where there is no centreline")
@@ -128,14 +137,22 @@ TEST_SUITE("batch/batch_answer")
     TEST_CASE("property: the table has bands beside their columns, the task's columns where there is one, and a unit for each")
     {
         const std::vector<BatchRow> rows = {row(0, true, true, 0.10), row(3, true, true, 0.096)};
-        const std::string csv = batch_csv(sweep, layout(true), rows), plain = batch_csv(sweep, [] { BatchLayout l = layout(false); l.task = false; return l; }(), rows);
+        const std::string csv = batch_csv(sweep, layout(true), rows), plain = batch_csv(
+                                                                          sweep,
+                                                                          [] {
+                                                                              BatchLayout l = layout(false);
+                                                                              l.task = false;
+                                                                              return l;
+                                                                          }(),
+                                                                          rows);
         CHECK(csv.starts_with("run,wire.preset,status,branch,branch_depth_m,branch_depth_m_band,left_through,reached,passed,"));
         CHECK(csv.find(",until_patch_force_max_n,until_patch_force_max_n_band,") != std::string::npos);
         CHECK(plain.starts_with("run,wire.preset,status,branch,branch_depth_m,left_through,patch_force_max_n,"));
         CHECK(std::count(csv.begin(), csv.end(), '\n') == 2);  // the half step's row is no row
         const std::string units = batch_units_csv(sweep, layout(true));
-        for (const char* said : {"wire.preset,,varied\n", "until_patch_force_max_n,N,outcome\n", "until_patch_force_max_n_band,N,outcome\n",
-                                 "force_per_length_max_n_per_m,N/m,largest\n", "hand_torque_nm,N m,last\n", "newton_max,,effort\n"})
+        for (const char* said :
+             {"wire.preset,,varied\n", "until_patch_force_max_n,N,outcome\n", "until_patch_force_max_n_band,N,outcome\n",
+              "force_per_length_max_n_per_m,N/m,largest\n", "hand_torque_nm,N m,last\n", "newton_max,,effort\n"})
             CHECK_MESSAGE(units.find(said) != std::string::npos, said);
         // as many rows as columns, in their order
         const std::string head = csv.substr(0, csv.find('\n'));
@@ -146,7 +163,8 @@ TEST_SUITE("batch/batch_answer")
     {
         std::string list = "[";
         for (int k = 0; k < 40; ++k) list += std::string(k ? ", " : "") + "{from_tip_m = [0.0, 0.01], bend_nm2 = 1e-5}";
-        const Sweep sections = read_sweep_text("[vary]\n\"wire.section\" = [" + list + "], " + list + "]]\n\"wire.mu_sliding\" = [0.1]\n", "v.toml", 0);
+        const Sweep sections = read_sweep_text(
+            "[vary]\n\"wire.section\" = [" + list + "], " + list + "]]\n\"wire.mu_sliding\" = [0.1]\n", "v.toml", 0);
         std::vector<BatchRow> rows = {row(0, true, true, 0.10), row(1, true, true, 0.13)};
         rows[0].numbers[column_index("until_patch_force_max_s")] = rows[1].numbers[column_index("until_patch_force_max_s")] = 2.0;
         BatchLayout of = layout(false);
@@ -154,7 +172,8 @@ TEST_SUITE("batch/batch_answer")
         const std::string answer = answer_line(sections, of, answer_of(of, rows));
         CHECK(answer.size() < 500);
         CHECK(answer.find("least peak on 5 mm of wall: run 0 (wire.section=[{") != std::string::npos);
-        CHECK(answer.find(" ..., wire.mu_sliding=0.1), 0.1 N; still rising at the target: run 0 (wire.section=") != std::string::npos);
+        CHECK(answer.find(" ..., wire.mu_sliding=0.1), 0.1 N; still rising at the target: run 0 (wire.section=") !=
+              std::string::npos);
     }
 }
 

@@ -54,7 +54,8 @@ keys = [{t_s = 0.0, advance_m = 5000.0}]
 )",
                            "fast.toml", {}, {}};
         source.sweep = read_sweep_text(
-            "[vary]\n\"feed.keys\" = [[{t_s = 0.0, advance_m = 5000.0}], [{t_s = 0.0, advance_m = 5000.0}, {t_s = 1e-151, advance_m = "
+            "[vary]\n\"feed.keys\" = [[{t_s = 0.0, advance_m = 5000.0}], [{t_s = 0.0, advance_m = 5000.0}, {t_s = 1e-151, "
+            "advance_m = "
             "9000.0}]]\n",
             "sweep.toml", 0);
         const auto worlds = plan_worlds(source);
@@ -73,7 +74,8 @@ keys = [{t_s = 0.0, advance_m = 5000.0}]
         CHECK((said & (StepNonFinite | StepEnergy)) != 0);
         CHECK(rows[1].status == RunStatus::Done);
         // a target that was not reached has no place and no time: empty in the table
-        for (std::size_t c = 0; c < std::size(batch_columns); ++c) CHECK((batch_columns[c].of_task || std::isfinite(rows[1].numbers[c])));
+        for (std::size_t c = 0; c < std::size(batch_columns); ++c)
+            CHECK((batch_columns[c].of_task || std::isfinite(rows[1].numbers[c])));
         const std::string table = batch_csv(source.sweep, source.layout(), rows);
         for (const char* odd : {"inf", "nan"}) CHECK(table.find(odd) == std::string::npos);
     }
@@ -88,7 +90,8 @@ keys = [{t_s = 0.0, advance_m = 5000.0}]
         int calls = 0;
         const auto done = [&] { return csv_rows(folder.path / "part" / "results.csv").size() - 1; };
         for (double limit = 0.02; calls < 200; ++calls, limit *= 1.2) {
-            const AppResult part = run_app(folder, fmt::format("batch f.toml --vary v.toml -o part --quiet --resume --time-limit {}", limit));
+            const AppResult part =
+                run_app(folder, fmt::format("batch f.toml --vary v.toml -o part --quiet --resume --time-limit {}", limit));
             CAPTURE(part.err);
             REQUIRE((part.code == 75 || part.code == 0));
             if (done() > 0) break;

@@ -80,7 +80,8 @@ TEST_SUITE("batch/parts")
                 CAPTURE(value);
                 CHECK(said_of(small_plan(), key, value).find("Fix: begin again") != std::string::npos);
             }
-        for (const char* value : {"1e-9", "-3", "1e300", "\"15\""}) CHECK(said_of(small_plan(true), "rate", value).find("Fix: ") != std::string::npos);
+        for (const char* value : {"1e-9", "-3", "1e300", "\"15\""})
+            CHECK(said_of(small_plan(true), "rate", value).find("Fix: ") != std::string::npos);
         for (const char* value : {"[\"../written\"]", "[\"/written\"]", "[]", "[3]", "[\"a\", \"b/../../c\"]"})
             CHECK(said_of(small_plan(true), "files", value).find("Fix: ") != std::string::npos);
         CHECK(said_of(small_plan(true), "first", "4000000000").find("first is out of range") != std::string::npos);
@@ -102,7 +103,9 @@ TEST_SUITE("batch/parts")
         CHECK(said([](auto&) {}).empty());
         CHECK(read_part(folder.path(), plan, 2)->layout.instruments == std::vector<std::string>{"catheter", "wire"});
         CHECK_FALSE(read_part(folder.path(), plan, 1));
-        CHECK(said([](auto& saved) { saved.rows[0].numbers[1] = std::numeric_limits<double>::quiet_NaN(); }).empty());  // an empty field
+        CHECK(said([](auto& saved) {
+                  saved.rows[0].numbers[1] = std::numeric_limits<double>::quiet_NaN();
+              }).empty());  // an empty field
         const std::function<void(SavedBatch&)> wrong[] = {
             [](auto& saved) { saved.rows[0].run = 1; },
             [](auto& saved) { saved.rows[0].run = -2; },
@@ -127,9 +130,11 @@ TEST_SUITE("batch/parts")
         };
         for (const auto& change : wrong) CHECK(said(change).find("a value is out of range") != std::string::npos);
         for (const std::function<void(SavedBatch&)>& change : std::initializer_list<std::function<void(SavedBatch&)>>{
-                 [](auto& saved) { saved.scene = std::string(100'000, 'a'); }, [](auto& saved) { saved.begin = 1; }, [](auto& saved) { saved.end = 6; }})
-            CHECK(said([&](auto& saved) { saved.status = RunStatus::Running, change(saved); }).find("2-of-2.bin: is a part of another batch") !=
-                  std::string::npos);
+                 [](auto& saved) { saved.scene = std::string(100'000, 'a'); }, [](auto& saved) { saved.begin = 1; },
+                 [](auto& saved) { saved.end = 6; }})
+            CHECK(said([&](auto& saved) {
+                      saved.status = RunStatus::Running, change(saved);
+                  }).find("2-of-2.bin: is a part of another batch") != std::string::npos);
     }
 }
 

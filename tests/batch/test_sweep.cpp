@@ -143,17 +143,21 @@ TEST_SUITE("batch/sweep")
     {
         const TemporaryFolder folder;
         const std::filesystem::path file = folder.path() / "s.toml";
-        write_file(folder.path() / "soft.toml", "[wire]\npreset = \"bentson-035\"\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-5\n"
-                                                "[[instrument]]\nlength_m = 0.5\n[[instrument]]\nfeed = {inlet = 2}\n");
+        write_file(folder.path() / "soft.toml",
+                   "[wire]\npreset = \"bentson-035\"\n[[wire.section]]\nfrom_tip_m = [0.0, 0.02]\nbend_nm2 = 1e-5\n"
+                   "[[instrument]]\nlength_m = 0.5\n[[instrument]]\nfeed = {inlet = 2}\n");
         write_file(folder.path() / "stiff.toml", "wire.bend_nm2 = 2\n");
-        const std::string text = "[vary]\n\"wire.nodes\" = [11, 21]\n[vary.design]\nstiff = \"stiff.toml\"\nsoft = \"soft.toml\"\n";
+        const std::string text =
+            "[vary]\n\"wire.nodes\" = [11, 21]\n[vary.design]\nstiff = \"stiff.toml\"\nsoft = \"soft.toml\"\n";
         const Sweep sweep = read_sweep_text(text, file, 0);
         REQUIRE(sweep.axes.size() == 2);
         CHECK(sweep.run_count() == 4);
         CHECK(sweep.axes[1].values == std::vector<std::string>{"\"stiff\"", "\"soft\""});  // in the file's order
         CHECK(sweep.overrides(2) == std::vector<std::string>{"wire.nodes=21", "wire.bend_nm2=2"});
-        CHECK(sweep.overrides(1) == std::vector<std::string>{"wire.nodes=11", "instrument.0.length_m=0.5", "instrument.1.feed.inlet=2", "wire.preset=\"bentson-035\"",
-                                                             "wire.section=[{\"bend_nm2\" = 1e-05, \"from_tip_m\" = [0.0, 0.02]}]"});
+        CHECK(sweep.overrides(1) ==
+              std::vector<std::string>{"wire.nodes=11", "instrument.0.length_m=0.5", "instrument.1.feed.inlet=2",
+                                       "wire.preset=\"bentson-035\"",
+                                       "wire.section=[{\"bend_nm2\" = 1e-05, \"from_tip_m\" = [0.0, 0.02]}]"});
         CHECK(run_name(sweep, 3) == "run 3 (wire.nodes=21, design=soft)");
         // with the files behind it, it needs no file any more
         const std::string whole = with_designs(text, file);
@@ -171,7 +175,8 @@ TEST_SUITE("batch/sweep")
         write_file(folder.path() / "empty.toml", "\n");
         const auto says = [&](const std::string& design, const std::string& what) {
             CAPTURE(design);
-            CHECK_THROWS_WITH_AS((void)read_sweep_text("[vary]\ndesign = " + design + "\n", folder.path() / "s.toml", 0), doctest::Contains(what.c_str()), Error);
+            CHECK_THROWS_WITH_AS((void)read_sweep_text("[vary]\ndesign = " + design + "\n", folder.path() / "s.toml", 0),
+                                 doctest::Contains(what.c_str()), Error);
         };
         says("{soft = \"none.toml\"}", "s.toml:2:18: vary.design.soft: ");
         says("{soft = \"none.toml\"}", "paths start at the sweep file's folder");

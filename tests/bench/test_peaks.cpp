@@ -63,8 +63,8 @@ TEST_SUITE("device/peaks")
         const auto of = [&](const char* kernel) {
             return *std::find_if(work.begin(), work.end(), [&](const auto& w) { return w.kernel == kernel; });
         };
-        // every quadrature point has cells, here leaves. One that remembers the wall near it reads none of their boxes: kept triangles (nine
-        // floats each), the nearest and at least one that may be
+        // every quadrature point has cells, here leaves. One that remembers the wall near it reads none of their boxes: kept
+        // triangles (nine floats each), the nearest and at least one that may be
         CHECK(of("contact_evaluate").pairs > 1);
         CHECK(of("contact_evaluate").pairs < 24);
         CHECK(of("contact_evaluate").pairs == of("contact_find").pairs);

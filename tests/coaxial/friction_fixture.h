@@ -13,8 +13,8 @@ inline constexpr double radius = 0.5e-3;            // of the fixture's instrume
 inline WorldSetup straight_pair(double outer, double inner, double drag, double viscous, Scheme scheme = Scheme::Newton)
 {
     WorldSetup setup =
-        merged_setup({instrument_of({{0.4, bend, 0}}, 10 * twist / bend), instrument_of({{0.6, bend, 0}}, twist / bend)}, {outer, inner},
-                     2e-3, scheme);
+        merged_setup({instrument_of({{0.4, bend, 0}}, 10 * twist / bend), instrument_of({{0.6, bend, 0}}, twist / bend)},
+                     {outer, inner}, 2e-3, scheme);
     setup.integrator.tolerance = 1e-9;
     setup.coaxial[0].drag = drag;
     setup.coaxial[0].viscous = viscous;

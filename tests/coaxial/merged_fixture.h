@@ -81,8 +81,8 @@ inline WorldSetup merged_setup(const std::vector<WireSpec>& specs, const std::ve
     return setup;
 }
 
-/// One setup stepped by on(world, from, to): in one piece; until `middle`; and on from what that had saved then, which must make no
-/// difference to any bit.
+/// One setup stepped by on(world, from, to): in one piece; until `middle`; and on from what that had saved then, which must make
+/// no difference to any bit.
 struct TakenUp {
     template <class On>
     TakenUp(const WorldSetup& setup, const On& on, int middle, int end) : whole(setup), first(setup), second(setup)

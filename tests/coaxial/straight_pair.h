@@ -1,5 +1,6 @@
 #pragma once
-// Two straight instruments that share one centreline, what tests of loads, holds and schemes do with them, and where their material is.
+// Two straight instruments that share one centreline, what tests of loads, holds and schemes do with them, and where their
+// material is.
 
 #include "coaxial/merged_fixture.h"
 
@@ -9,8 +10,8 @@ namespace seldinger::test {
 inline WorldSetup straight_pair(double outer, double inner, Scheme scheme = Scheme::Static, double edge = 2e-3)
 {
     WorldSetup setup =
-        merged_setup({instrument_of({{0.4, bend, 0}}, twist / bend), instrument_of({{0.6, 0.5 * bend, 0}}, twist / bend)}, {outer, inner},
-                     edge, scheme);
+        merged_setup({instrument_of({{0.4, bend, 0}}, twist / bend), instrument_of({{0.6, 0.5 * bend, 0}}, twist / bend)},
+                     {outer, inner}, edge, scheme);
     setup.integrator.tolerance = 1e-9;
     return setup;
 }

@@ -31,9 +31,10 @@ Held held(double lever, double edge, double natural = 0)
     setup.wires[1].loads.push_back(load);
     World world(setup);
     for (int k = 0; k < 3; ++k) advance(world, outer, outer + lever);
-    // natural curvature of both together is natural/1.5, and the inner one's 0 beyond; what both store by that is natural^2 B_1 B_2/(2 (B_1 + B_2))
-    const double moment = force * lever, exact = 0.5 * moment * moment * (1 / (0.5 * bend) - 1 / (1.5 * bend)) - moment * natural / 1.5 +
-                                                 natural * natural * bend * 0.5 / (2 * 1.5);
+    // natural curvature of both together is natural/1.5, and the inner one's 0 beyond; what both store by that is natural^2 B_1
+    // B_2/(2 (B_1 + B_2))
+    const double moment = force * lever, exact = 0.5 * moment * moment * (1 / (0.5 * bend) - 1 / (1.5 * bend)) -
+                                                 moment * natural / 1.5 + natural * natural * bend * 0.5 / (2 * 1.5);
     return {std::abs(world.readings(0).hand_force / exact - 1), hand_error(world, 0) / exact};
 }
 
@@ -41,10 +42,12 @@ Held held(double lever, double edge, double natural = 0)
 
 TEST_SUITE("coaxial/hand_error")
 {
-    // A push of the outer one stiffens the line where its end is: F = M^2/2 (1/B_inner - 1/(B_inner + B_outer)), M the load times its lever. The
-    // deflection of 0.04 rad turns the load by that, so that M differs by 0.1 %. Where the end lies in its cell decides on the error: of
-    // eleven places in two edges the worst is compared. The estimate is the bound of that, so the worst of finely spaced ends comes near to it.
-    TEST_CASE("analytic: the hand of an instrument that ends in another's bend is off by at most the estimate, which is of first order")
+    // A push of the outer one stiffens the line where its end is: F = M^2/2 (1/B_inner - 1/(B_inner + B_outer)), M the load times
+    // its lever. The deflection of 0.04 rad turns the load by that, so that M differs by 0.1 %. Where the end lies in its cell
+    // decides on the error: of eleven places in two edges the worst is compared. The estimate is the bound of that, so the worst
+    // of finely spaced ends comes near to it.
+    TEST_CASE(
+        "analytic: the hand of an instrument that ends in another's bend is off by at most the estimate, which is of first order")
     {
         double estimates[2] = {};
         for (int half = 0; half < 2; ++half) {

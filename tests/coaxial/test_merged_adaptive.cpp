@@ -225,7 +225,8 @@ TEST_SUITE("coaxial/merged adaptive")
             const RodView line = data.rod(group.line());
             const double from = line.material_s[edge], h = line.rest_length[edge], stretch = line.stretch_stiffness[edge];
             CoaxialGroup& shared = group.shared;
-            const SplitResult split = split_edge(CoaxialNodes(data.state.rods, group.wires(), shared.rod, shared.base, group.frames), edge, 0.4);
+            const SplitResult split =
+                split_edge(CoaxialNodes(data.state.rods, group.wires(), shared.rod, shared.base, group.frames), edge, 0.4);
             const Carried now = carried(edge), other = carried(edge + 1);
             CHECK((now.momentum - old.momentum).norm() < 1e-12 * mass * speed);
             // the catheter, which ends within the line, is short of the added length until its offset is set anew
@@ -243,7 +244,8 @@ TEST_SUITE("coaxial/merged adaptive")
             for (const auto& [s, bend, jump] : {std::tuple(0.02, 1e-4, 25.0), {0.03, 2e-4, 15.0}, {0.06, 2e-4, 15.0}})
                 if (s > from - h && s < from + 2 * h) born += 0.5 * bend * jump * jump / 4 * h;
             CHECK(std::abs(elastic_now(data.state.rods, group) - energy) < 0.01 * energy + born);
-            const SplitResult merge = merge_edges(CoaxialNodes(data.state.rods, group.wires(), shared.rod, shared.base, group.frames), edge + 1);
+            const SplitResult merge =
+                merge_edges(CoaxialNodes(data.state.rods, group.wires(), shared.rod, shared.base, group.frames), edge + 1);
             refresh_group(data, group);
             // (what an end is moved by, 1e-12 m at most, takes its mass along)
             CHECK((carried(edge).momentum - old.momentum).norm() < (1e-12 + 1e-12 / 0.09) * mass * speed);

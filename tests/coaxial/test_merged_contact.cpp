@@ -90,7 +90,8 @@ TEST_SUITE("coaxial/merged contact")
 
     // Forces on the wire's surface act on the line, whose residual cannot be smaller than their rounding. Where that is not known
     // 20 of these 800 steps are divided, and they take 6,390 iterations in all. With it the tolerance is the wider one.
-    TEST_CASE("property: contact in float32 costs no iterations and divides no step, and the line is within 0.1 um of that in double")
+    TEST_CASE(
+        "property: contact in float32 costs no iterations and divides no step, and the line is within 0.1 um of that in double")
     {
         const Place start{0.01, 0.02}, wire_out{0.01, 0.1};
         long iterations[2] = {0, 0};
@@ -111,7 +112,8 @@ TEST_SUITE("coaxial/merged contact")
             REQUIRE(world.readings(1).normal > 0);
             tip[single] = world.rod(1).pos(0);
         }
-        MESSAGE("iterations " << iterations[0] << ", in float32 " << iterations[1] << "; tips " << (tip[0] - tip[1]).norm() << " m apart");
+        MESSAGE("iterations " << iterations[0] << ", in float32 " << iterations[1] << "; tips " << (tip[0] - tip[1]).norm()
+                              << " m apart");
         CHECK(iterations[1] <= iterations[0]);
         CHECK((tip[0] - tip[1]).norm() < 1e-7);  // a hundred times what a gap is off by, as the wire is softer than its contacts
     }
@@ -143,7 +145,8 @@ TEST_SUITE("coaxial/merged contact")
         CHECK(none == 0);
         const auto [soft, soft_work] = end_of(0.4e6);
         const auto [hard, hard_work] = end_of(40e6);
-        // what the wall takes and how far the tip is from the rigid run's go like 1/E; k_s, which stays, and the way there bend that
+        // what the wall takes and how far the tip is from the rigid run's go like 1/E; k_s, which stays, and the way there bend
+        // that
         CHECK(hard_work < 0.1 * soft_work);
         CHECK((hard - rigid).norm() < 0.3 * (soft - rigid).norm());
     }
@@ -158,9 +161,9 @@ TEST_SUITE("coaxial/merged contact")
         CHECK(second.readings(0).energy.wall == whole.readings(0).energy.wall);
     }
 
-    // A catheter that comes down to a plane at a slope, by so much further than it: a cantilever of 3 B d/L^3, though a thread goes on from its tip.
-    // The wall itself gives by 3 % of d. Where the polyline turns before the tip, the force on the half edge between is along the thread, not the
-    // catheter: hands share it by up to the angle between both, 0.05.
+    // A catheter that comes down to a plane at a slope, by so much further than it: a cantilever of 3 B d/L^3, though a thread
+    // goes on from its tip. The wall itself gives by 3 % of d. Where the polyline turns before the tip, the force on the half
+    // edge between is along the thread, not the catheter: hands share it by up to the angle between both, 0.05.
     TEST_CASE("analytic: the tip of a catheter presses on a wall as a cantilever's does, though a thread goes on from there")
     {
         const double stiffness = 1e-3, slope = 0.05, pressed = 1e-3, radius = 0.9e-3;
@@ -196,7 +199,8 @@ TEST_SUITE("coaxial/merged contact")
             const double cantilever = 3 * stiffness * pressed / std::pow(length, 3);
             CHECK(force.z() == about(cantilever).epsilon(0.03));
             CHECK(-world.readings(0).base_force.z() == about(force.z()).epsilon(1e-3));
-            const double along = slope * force.z() - std::pow(force.z() * length, 2) / (2 * stiffness);  // at the inlet, less (1/2) B kappa^2 there
+            const double along = slope * force.z() -
+                                 std::pow(force.z() * length, 2) / (2 * stiffness);  // at the inlet, less (1/2) B kappa^2 there
             CHECK(world.readings(0).hand_force + world.readings(1).hand_force == about(along).scale(cantilever).epsilon(5e-3));
             CHECK(std::abs(world.readings(1).hand_force) < 0.06 * cantilever);
         }

@@ -181,7 +181,8 @@ TEST_SUITE("coaxial/merged feeding")
         CHECK(world.rod(0).material_s[world.rod(0).n - 1] == about(0.04).epsilon(1e-3));
     }
 
-    // No torque acts on an instrument that is still in the introducer: it is untwisted, at its hub's angle, and nothing of it is in the wire.
+    // No torque acts on an instrument that is still in the introducer: it is untwisted, at its hub's angle, and nothing of it is
+    // in the wire.
     TEST_CASE("property: a catheter that is turned before it comes in changes nothing of the wire, and comes in untwisted")
     {
         constexpr double turned = 0.7;
@@ -216,8 +217,8 @@ TEST_SUITE("coaxial/merged feeding")
     // shorter.
     TEST_CASE("property: what lies behind the inlet twists, and is as long as has not been pushed in")
     {
-        WorldSetup setup =
-            merged_setup({instrument_of(0.6, 2e-4, 1.5e-4, 0.03, 15), instrument_of(0.8, 1e-4, 7.7e-5, 0.02, 25)}, {0.05, 0.03}, 2e-3);
+        WorldSetup setup = merged_setup({instrument_of(0.6, 2e-4, 1.5e-4, 0.03, 15), instrument_of(0.8, 1e-4, 7.7e-5, 0.02, 25)},
+                                        {0.05, 0.03}, 2e-3);
         setup.wires[1].feed.behind = 0.2;
         World world(setup);
         for (int k = 1; k <= 20; ++k) {

@@ -120,8 +120,8 @@ TEST_SUITE("coaxial/merged friction")
         const EnergyLedger held = world.readings(0).energy;
         inner = move(world, 1, -1e-3, 0, 5, 1e-3);
         CHECK(std::abs(inner.hand_force) < 1e-4 * 0.4 * 0.05);
-        // each of 5 steps takes k (give/10)^2/2 more than is stored, both ways; counted from the end of the first on, which took one of
-        // these and stored another
+        // each of 5 steps takes k (give/10)^2/2 more than is stored, both ways; counted from the end of the first on, which took
+        // one of these and stored another
         const double step_loss = 0.5 * 0.4 / give * 0.05 * std::pow(1e-6, 2);
         CHECK(held.friction > 0);
         CHECK(world.readings(0).energy.friction == about((2 * 5 - 2) * step_loss).epsilon(1e-3));
@@ -133,8 +133,8 @@ TEST_SUITE("coaxial/merged friction")
 
     TEST_CASE("property: energies and momentum are closed while instruments go and turn through each other")
     {
-        WorldSetup setup = merged_setup({instrument_of(0.4, bend, twist, 0.03, 15), instrument_of(0.6, bend, twist, 0.02, 25)}, {0.05, 0.06},
-                                        2e-3, Scheme::Newton);
+        WorldSetup setup = merged_setup({instrument_of(0.4, bend, twist, 0.03, 15), instrument_of(0.6, bend, twist, 0.02, 25)},
+                                        {0.05, 0.06}, 2e-3, Scheme::Newton);
         setup.gravity = {0, 0, -9.81};
         setup.integrator.damping_mass = 20;
         setup.coaxial[0].drag = 1.0;

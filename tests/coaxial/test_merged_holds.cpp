@@ -65,11 +65,11 @@ HoldSpec lifted(double from_tip, double height, bool direction = false)
 
 TEST_SUITE("coaxial/merged holds")
 {
-    // Two straight instruments, in as far as each other, are one wire of both stiffnesses and both densities. At a node of both lines
-    // the clamp is the single wire's in the turn of a cell's half, phi: what differs is of order phi^2 (2 tan(phi/2) and chords), which
-    // is 1e-4 here. A spin held without the direction turns about the mean of the held tangent and the present one, with half
-    // of the torque on either edge. A single wire has all of it on one edge: half an edge off, so that this halves with the
-    // edges.
+    // Two straight instruments, in as far as each other, are one wire of both stiffnesses and both densities. At a node of both
+    // lines the clamp is the single wire's in the turn of a cell's half, phi: what differs is of order phi^2 (2 tan(phi/2) and
+    // chords), which is 1e-4 here. A spin held without the direction turns about the mean of the held tangent and the present
+    // one, with half of the torque on either edge. A single wire has all of it on one edge: half an edge off, so that this halves
+    // with the edges.
     TEST_CASE("twin: a held pair is one held wire of both stiffnesses")
     {
         struct Apart {
@@ -185,9 +185,9 @@ TEST_SUITE("coaxial/merged holds")
         }
     }
 
-    // What goes on from there is a thread, which holds nothing, wherever the tip is between two nodes: 3 B d/L^3, or 12 B d/L^3 with its direction
-    // held. (EA pulls along with the square of d, 5e-5 of the force across.) A clamp's moment 6 B d/L^2 bends up to an edge l before the tip, which
-    // the line goes along straight: 3 (l/L)^2 of d, and about as much for the polyline.
+    // What goes on from there is a thread, which holds nothing, wherever the tip is between two nodes: 3 B d/L^3, or 12 B d/L^3
+    // with its direction held. (EA pulls along with the square of d, 5e-5 of the force across.) A clamp's moment 6 B d/L^2 bends
+    // up to an edge l before the tip, which the line goes along straight: 3 (l/L)^2 of d, and about as much for the polyline.
     TEST_CASE("analytic: a catheter held at its tip bends as far as that, though a thread goes on from there")
     {
         const double stiffness = 1e-2, height = 1e-5, edge = 2e-3;
@@ -197,7 +197,8 @@ TEST_SUITE("coaxial/merged holds")
             const double length = 0.05 + 2.5e-4 * (k / 2);
             tip.direction = k % 2 == 1;
             CAPTURE(k);
-            WorldSetup setup = merged_setup({instrument_of({{0.4, stiffness, 0}}, 1), instrument_of({{0.6, 1e-8, 0}}, 1)}, {length, 0.06}, edge);
+            WorldSetup setup =
+                merged_setup({instrument_of({{0.4, stiffness, 0}}, 1), instrument_of({{0.6, 1e-8, 0}}, 1)}, {length, 0.06}, edge);
             setup.integrator.tolerance = 1e-9;
             setup.wires[0].holds.push_back(tip);
             World world(setup);
@@ -205,7 +206,8 @@ TEST_SUITE("coaxial/merged holds")
             const double force = (tip.direction ? 12 : 3) * stiffness * height / std::pow(length, 3);
             CHECK(-world.readings(0).base_force.z() == about(force).epsilon(6 * std::pow(edge / length, 2)));
             CHECK(std::abs(world.readings(1).hand_force) < 1e-3 * force);
-            const double slope = tip.direction ? 0 : -1.5 * height / length;  // straight on from the tip: tangents point to the hub
+            const double slope =
+                tip.direction ? 0 : -1.5 * height / length;  // straight on from the tip: tangents point to the hub
             CHECK(world.rod(1).tangent(0).z() == about(slope).scale(height / length).epsilon(0.05));
         }
     }
@@ -262,8 +264,8 @@ TEST_SUITE("coaxial/merged holds")
     }
 
     // Forces by differences of the moves along which they do no work beside their energy would need that: here the tangent is the
-    // derivative of the force. What differences have of a frame's own way from the accepted one is skew, and left out by taking the
-    // symmetric part; rounding of a force over the step is 1e-6 of the tangent.
+    // derivative of the force. What differences have of a frame's own way from the accepted one is skew, and left out by taking
+    // the symmetric part; rounding of a force over the step is 1e-6 of the tangent.
     TEST_CASE("derivative: force and tangent of all that a hold holds")
     {
         std::mt19937 random(5);
@@ -321,9 +323,9 @@ TEST_SUITE("coaxial/merged holds")
         }
     }
 
-    // U = |t_c - (1 - w) t_a - w t_b|^2 / (2 c), w = C_a/(C_a + C_b), c = C_a C_b/(C_a + C_b) of the compliances from the place to both middles: its
-    // derivative by the place, which the hand feels, by differences. An outer tip in the cell goes along with a place of the outer one, and
-    // stays where it is as the inner one slides.
+    // U = |t_c - (1 - w) t_a - w t_b|^2 / (2 c), w = C_a/(C_a + C_b), c = C_a C_b/(C_a + C_b) of the compliances from the place
+    // to both middles: its derivative by the place, which the hand feels, by differences. An outer tip in the cell goes along
+    // with a place of the outer one, and stays where it is as the inner one slides.
     TEST_CASE("derivative: what a held direction pulls along is the slope of its energy")
     {
         std::mt19937 random(6);
@@ -333,8 +335,8 @@ TEST_SUITE("coaxial/merged holds")
             int wire;
             double from_tip;
         };
-        for (const Case& at : {Case{0.03, 1, 0.0113}, Case{0.03, 1, 0.0117}, Case{0.03, 1, 0.0126}, Case{0.03, 1, 0.0189}, Case{0.0183, 1, 0.0113},
-                               Case{0.0183, 1, 0.0126}, Case{0.0183, 0, 0}, Case{0.0183, 0, 0.0007}}) {
+        for (const Case& at : {Case{0.03, 1, 0.0113}, Case{0.03, 1, 0.0117}, Case{0.03, 1, 0.0126}, Case{0.03, 1, 0.0189},
+                               Case{0.0183, 1, 0.0113}, Case{0.0183, 1, 0.0126}, Case{0.0183, 0, 0}, Case{0.0183, 0, 0.0007}}) {
             const auto& [outer, held_wire, from_tip] = at;
             WorldSetup setup = straight_pair(outer, 0.03, Scheme::Static, edge);
             setup.wires[held_wire].holds.push_back(hold_at(from_tip, false, true, false));
@@ -344,7 +346,8 @@ TEST_SUITE("coaxial/merged holds")
             (void)bend_at_random(data, random);
             const RodView line = data.rod(0);
             const double tip = 0.03 - outer, place = held_wire == 0 ? tip + from_tip : from_tip;
-            const int a = static_cast<int>(std::floor(place / edge - 0.5));  // the place is between the middles of edges a and a + 1
+            const int a =
+                static_cast<int>(std::floor(place / edge - 0.5));  // the place is between the middles of edges a and a + 1
             const auto energy = [&, from = (a + 0.5) * edge](double s) {
                 const double outer_tip = held_wire == 0 ? s - from_tip : tip;
                 const auto compliance = [&](double begin, double end) {
@@ -389,13 +392,15 @@ TEST_SUITE("coaxial/merged holds")
         double most = 0;
         for (int k = 1; k <= 1000; ++k) {
             const double phase = 2 * pi * k / 500;
-            advance(world, 0.08 + 0.01 * (1 - std::cos(phase)), 0.1 + 4e-4 * std::sin(phase), 1e-3, 0.5 * std::sin(phase), 0.002 * k);
+            advance(world, 0.08 + 0.01 * (1 - std::cos(phase)), 0.1 + 4e-4 * std::sin(phase), 1e-3, 0.5 * std::sin(phase),
+                    0.002 * k);
             most = std::max(most, world.readings(0).momentum.error().norm());
             CHECK(material_at(world, 1, 0.0307).x() == about(0.0693 + (k == 1000 ? -3e-3 : 0)).epsilon(k == 1000 ? 1e-6 : 0.1));
         }
         CHECK(most < 1e-5);
         const EnergyLedger& ledger = world.readings(0).energy;
-        const double turned_over = std::max({std::abs(ledger.hand), std::abs(ledger.outside), std::abs(ledger.wire), ledger.damping});
+        const double turned_over =
+            std::max({std::abs(ledger.hand), std::abs(ledger.outside), std::abs(ledger.wire), ledger.damping});
         CHECK(std::abs(ledger.outside) > 1e-3);
         CHECK(std::abs(ledger.open()) < 1e-5 * turned_over);
     }
@@ -441,7 +446,8 @@ TEST_SUITE("coaxial/merged holds")
 
     TEST_CASE("property: what cannot be held is refused")
     {
-        const auto refused = [](double inner, std::vector<HoldSpec> outer_holds, std::vector<HoldSpec> inner_holds, const char* says) {
+        const auto refused = [](double inner, std::vector<HoldSpec> outer_holds, std::vector<HoldSpec> inner_holds,
+                                const char* says) {
             WorldSetup setup = straight_pair(0.05, inner);
             setup.wires[0].holds = std::move(outer_holds);
             setup.wires[1].holds = std::move(inner_holds);

@@ -49,7 +49,8 @@ TEST_SUITE("coaxial/merged length")
                     CAPTURE(adaptive);
                     CAPTURE(dt);
                     CAPTURE(by);
-                    WorldSetup pair = merged_setup({catheter, wire}, {0.05, 0.06}, 4e-3), alone = merged_setup({wire}, {0.06}, 4e-3);
+                    WorldSetup pair = merged_setup({catheter, wire}, {0.05, 0.06}, 4e-3),
+                               alone = merged_setup({wire}, {0.06}, 4e-3);
                     alone.coaxial.clear();
                     for (WorldSetup* setup : {&pair, &alone}) {
                         setup->gravity = {0, 0, -9.81};

@@ -77,9 +77,9 @@ TEST_SUITE("coaxial/merged loads")
         }
     }
 
-    // A cantilever of B under F across its tip feels -F^2 L^2/(2 B) at its hand: the slope there takes F along. What goes on from there is
-    // a thread, which holds nothing and whose hand feels nothing, wherever the tip is between two nodes. Slopes are right to their square,
-    // 0.4 %, and a spring instead of the force pulls 0.5 % more along than across.
+    // A cantilever of B under F across its tip feels -F^2 L^2/(2 B) at its hand: the slope there takes F along. What goes on from
+    // there is a thread, which holds nothing and whose hand feels nothing, wherever the tip is between two nodes. Slopes are
+    // right to their square, 0.4 %, and a spring instead of the force pulls 0.5 % more along than across.
     TEST_CASE("analytic: what pulls across the tip of a catheter is the catheter's alone, though a thread goes on from there")
     {
         const double stiffness = 1e-2, force = 0.5;
@@ -88,8 +88,8 @@ TEST_SUITE("coaxial/merged loads")
                 const double length = 0.05 + 2.5e-4 * k, height_of_tip = force * std::pow(length, 3) / (3 * stiffness);
                 CAPTURE(k);
                 CAPTURE(spring);
-                WorldSetup setup = merged_setup({instrument_of({{0.4, stiffness, 0}}, 1), instrument_of({{0.6, 1e-8, 0}}, 1)}, {length, 0.06},
-                                                2e-3, Scheme::Static);
+                WorldSetup setup = merged_setup({instrument_of({{0.4, stiffness, 0}}, 1), instrument_of({{0.6, 1e-8, 0}}, 1)},
+                                                {length, 0.06}, 2e-3, Scheme::Static);
                 for (WireSectionRange& range : setup.wires[1].wire.sections) range.section.stretch_stiffness = 2e4;
                 setup.wires[1].wire.shaft.stretch_stiffness = 2e4;
                 setup.integrator.tolerance = 1e-9;
@@ -147,7 +147,8 @@ TEST_SUITE("coaxial/merged loads")
         World world(setup);
         CHECK(swing_through_each_other(world, 1000, 500, 0.01) < 1e-6);
         const EnergyLedger& ledger = world.readings(0).energy;
-        const double turned_over = std::max({std::abs(ledger.hand), std::abs(ledger.outside), std::abs(ledger.wire), ledger.damping});
+        const double turned_over =
+            std::max({std::abs(ledger.hand), std::abs(ledger.outside), std::abs(ledger.wire), ledger.damping});
         CHECK(std::abs(ledger.outside) > 1e-6);
         // most of it in the first step: half an edge in the inlet is set moving by no force that shows
         CHECK(std::abs(ledger.open()) < 0.004 * turned_over);

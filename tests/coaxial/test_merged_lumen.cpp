@@ -38,7 +38,8 @@ void pull_at_tip(WorldSetup& setup, const Vec3& force, double ramp)
 /// A wire as soft as a rope in a catheter's lumen, that far inside and 1 cm farther, pulled at its tip.
 WorldSetup rope_in(const WireSpec& catheter, double inside, double mu, const Vec3& pull)
 {
-    WorldSetup setup = merged_setup({catheter, instrument_of({{0.5, 1e-8, 0}}, 1)}, {inside, inside + 0.01}, 1e-3, Scheme::Newton);
+    WorldSetup setup =
+        merged_setup({catheter, instrument_of({{0.5, 1e-8, 0}}, 1)}, {inside, inside + 0.01}, 1e-3, Scheme::Newton);
     setup.wires[0].wire.lumen_radius = 0.49e-3;
     WireSpec& wire = setup.wires[1].wire;
     wire.shaft.radius = 0.4e-3;
@@ -61,10 +62,10 @@ WireReadings draw_rope(World& world)
 
 TEST_SUITE("coaxial/merged lumen")
 {
-    // A curved catheter over a straight wire at a clearance of 0.1 mm, the wire pushed: what presses is what straightens the one and
-    // bends the other. `separate` finds that by contact. Friction is the part of a hand force that is not there without it. The
-    // rest bends both as a change of stiffness comes in: at that change in a merged line, else spread over the length that the
-    // clearance allows. Seen were 3 %, and 12 where friction changes fast.
+    // A curved catheter over a straight wire at a clearance of 0.1 mm, the wire pushed: what presses is what straightens the one
+    // and bends the other. `separate` finds that by contact. Friction is the part of a hand force that is not there without it.
+    // The rest bends both as a change of stiffness comes in: at that change in a merged line, else spread over the length that
+    // the clearance allows. Seen were 3 %, and 12 where friction changes fast.
     TEST_CASE("independent: friction of what presses in the lumen is that of a rod each")
     {
         const auto setup_of = [](CoaxialSpec::Model model, bool friction) {
@@ -120,19 +121,22 @@ TEST_SUITE("coaxial/merged lumen")
         const double pull = 0.4, radius_of_bend = 0.04;
         for (const double mu : {0.05, 0.2}) {
             const double quarter = 0.5 * pi * radius_of_bend;  // turn to +z, the way the wire leaves
-            World world(rope_in(instrument_of({{quarter, 1e-2, 1 / radius_of_bend}, {0.3, 1e-2, 0}}, 1), quarter, mu, {0, 0, pull}));
+            World world(
+                rope_in(instrument_of({{quarter, 1e-2, 1 / radius_of_bend}, {0.3, 1e-2, 0}}, 1), quarter, mu, {0, 0, pull}));
             const WireReadings drawn = draw_rope(world);
             CHECK(-drawn.hand_force == about(pull * std::exp(0.5 * pi * mu)).epsilon(0.01));
             CHECK(world.readings(0).hand_force == about(pull * (std::exp(0.5 * pi * mu) - 1)).epsilon(0.05));
         }
     }
 
-    // The same over a catheter that a force F near its tip bends: its curvature F s/B grows along one and the same stretch, and the rope turns
-    // by it where it is, not where the stretch has its middle. At the mouth it is pulled on a little farther round.
+    // The same over a catheter that a force F near its tip bends: its curvature F s/B grows along one and the same stretch, and
+    // the rope turns by it where it is, not where the stretch has its middle. At the mouth it is pulled on a little farther
+    // round.
     TEST_CASE("analytic: a soft wire drawn through a catheter whose curvature grows towards its hub")
     {
         const double pull = 0.4, length = 0.06, before = 0.01, stiffness = 1e-2, turned = 0.45, mu = 0.5;
-        WorldSetup setup = rope_in(instrument_of({{0.3, stiffness, 0}}, 1), length, mu, pull * Vec3(std::cos(turned), 0, std::sin(turned)));
+        WorldSetup setup =
+            rope_in(instrument_of({{0.3, stiffness, 0}}, 1), length, mu, pull * Vec3(std::cos(turned), 0, std::sin(turned)));
         LoadSpec across;
         across.at.kind = WirePoint::Kind::Distance;
         across.at.from_tip = before;
@@ -151,14 +155,14 @@ TEST_SUITE("coaxial/merged lumen")
     }
 
     // A force F across the tip, `a` beyond the mouth of a stiff catheter: the rim takes F + M/l and the lumen M/l, M = F a, l^2 =
-    // 12 B c/M. The lumen gives by as much as in rod/test_lumen_press, 2 %, and at the hub, eight times as far on, they are held in each
-    // other's middle: 1 %.
+    // 12 B c/M. The lumen gives by as much as in rod/test_lumen_press, 2 %, and at the hub, eight times as far on, they are held
+    // in each other's middle: 1 %.
     TEST_CASE("analytic: a force beyond the mouth is levered against the lumen")
     {
         const double beyond = 0.04, across = 5e-3, stiffness = 1e-4, room = 1e-4, mu = 0.2;
         const auto hand = [&](bool friction) {
-            WorldSetup setup =
-                merged_setup({instrument_of({{0.3, 1.0, 0}}, 1), instrument_of({{0.5, stiffness, 0}}, 1)}, {0.2, 0.2 + beyond}, 1e-3, Scheme::Newton);
+            WorldSetup setup = merged_setup({instrument_of({{0.3, 1.0, 0}}, 1), instrument_of({{0.5, stiffness, 0}}, 1)},
+                                            {0.2, 0.2 + beyond}, 1e-3, Scheme::Newton);
             setup.wires[0].wire.lumen_radius = radius + room;
             for (WireSectionRange& range : setup.wires[0].wire.sections) range.section.radius = 2 * radius;
             setup.wires[0].wire.shaft.radius = 2 * radius;

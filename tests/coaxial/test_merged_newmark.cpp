@@ -33,13 +33,15 @@ LoadSpec at_tip(const Vec3& force, double ramp = 0)
 
 double mass_rate(int instruments) { return instruments * 6500 * pi * 0.25e-6; }  // [kg/m], section_of()
 
-/// First frequency of a cantilever of 3/2 `bend` and two instruments' mass over `a`, and of `bend`/2 and one's beyond, to `length`: the
-/// root of the determinant of Euler and Bernoulli's beam [Hz]. Its w = sums of cos, sin, cosh, sinh of k x in each part.
+/// First frequency of a cantilever of 3/2 `bend` and two instruments' mass over `a`, and of `bend`/2 and one's beyond, to
+/// `length`: the root of the determinant of Euler and Bernoulli's beam [Hz]. Its w = sums of cos, sin, cosh, sinh of k x in each
+/// part.
 double stepped_frequency(double a, double length)
 {
     const double both = 1.5 * bend, alone = 0.5 * bend;
     const auto determinant = [&](double omega) {
-        const double k = std::pow(omega * omega * mass_rate(2) / both, 0.25), q = std::pow(omega * omega * mass_rate(1) / alone, 0.25);
+        const double k = std::pow(omega * omega * mass_rate(2) / both, 0.25),
+                     q = std::pow(omega * omega * mass_rate(1) / alone, 0.25);
         const auto row = [](double k_, double x, int order) {  // derivative of cos, sin, cosh, sinh
             const double c = std::cos(k_ * x), s = std::sin(k_ * x), ch = std::cosh(k_ * x), sh = std::sinh(k_ * x);
             const Eigen::RowVector4d of[4] = {{c, s, ch, sh}, {-s, c, sh, ch}, {-c, -s, ch, sh}, {s, -c, sh, ch}};
@@ -68,8 +70,9 @@ double stepped_frequency(double a, double length)
 
 TEST_SUITE("coaxial/merged newmark")
 {
-    // One beam of uniform stiffness to check the determinant by, then the stepped one. Released under a load, it swings about where
-    // that holds it; ten periods from upward crossings of the mean. Trapezoid: (omega h)^2/12 = 2e-4 longer; edges of 2 mm: (edge/L)^2.
+    // One beam of uniform stiffness to check the determinant by, then the stepped one. Released under a load, it swings about
+    // where that holds it; ten periods from upward crossings of the mean. Trapezoid: (omega h)^2/12 = 2e-4 longer; edges of 2 mm:
+    // (edge/L)^2.
     TEST_CASE("analytic: a stepped cantilever of two instruments has its first frequency")
     {
         const double length = 0.1;
@@ -128,10 +131,10 @@ TEST_SUITE("coaxial/merged newmark")
         CHECK(most < 1e-4 * widest);
     }
 
-    // One slides along the other as the line is bent: the root of the mean square of the tip's error on its way, by steps that are halved
-    // twice. Sixteen for second order (the highest modes that the load shakes are not resolved by the longest steps: within 15 %);
-    // backward Euler's four as a check. Where the end of a section moves from cell to cell, a force's slope jumps. Newmark's
-    // error depends on where in the step that is: at 0.8 m/s over seven cells the rest is between the two.
+    // One slides along the other as the line is bent: the root of the mean square of the tip's error on its way, by steps that
+    // are halved twice. Sixteen for second order (the highest modes that the load shakes are not resolved by the longest steps:
+    // within 15 %); backward Euler's four as a check. Where the end of a section moves from cell to cell, a force's slope jumps.
+    // Newmark's error depends on where in the step that is: at 0.8 m/s over seven cells the rest is between the two.
     TEST_CASE("analytic: second order in the step while one slides along the other")
     {
         const double time = 0.04;

@@ -1,5 +1,5 @@
-// What the reference tests are made of (host_reference_cases.h): a drawn scene, the plain loops over the shared functions, and the
-// arguments that kernels take together. `seldinger` may be another namespace here.
+// What the reference tests are made of (host_reference_cases.h): a drawn scene, the plain loops over the shared functions, and
+// the arguments that kernels take together. `seldinger` may be another namespace here.
 #pragma once
 
 #include "contact/host_reference_names.h"
@@ -24,8 +24,8 @@ struct Draw {
     uint below(uint n) { return std::uniform_int_distribution<uint>(0, n - 1)(rng); }
 };
 
-// Three wires of 7, 40 and 2 nodes along the tube's wall: touching, pressing through, and apart. In a narrow lumen: along its axis, and
-// so thick that both sides touch.
+// Three wires of 7, 40 and 2 nodes along the tube's wall: touching, pressing through, and apart. In a narrow lumen: along its
+// axis, and so thick that both sides touch.
 struct Scene {
     Draw draw;
     std::vector<float> hi, hi_t0;

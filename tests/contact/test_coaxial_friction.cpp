@@ -21,7 +21,8 @@ std::vector<double> spins_at(CoaxialFriction& friction, RodArrays& rods, TrialSt
 {
     const int n = rods.node_count(0);
     for (int w = 0; w < 2; ++w)
-        for (int j = 0; j + 1 < n; ++j) trial.theta[static_cast<std::size_t>(rods.node_begin(w) + j)] = angles[static_cast<std::size_t>(w * n + j)];
+        for (int j = 0; j + 1 < n; ++j)
+            trial.theta[static_cast<std::size_t>(rods.node_begin(w) + j)] = angles[static_cast<std::size_t>(w * n + j)];
     const std::vector<std::uint8_t> active(2, 1);
     friction.evaluate({trial, 1e-3, active});
     std::vector<double> out;
@@ -45,8 +46,8 @@ TEST_SUITE("contact/coaxial friction")
     TEST_CASE("derivative: its tangent is that of its torques, within and beyond the band")
     {
         for (const double cell : {2e-3, 9e-3}) {
-            WorldSetup setup =
-                merged_setup({instrument_of({{0.4, 2e-4, 0}}, 0.5), instrument_of({{0.6, 2e-4, 0}}, 0.5)}, {0.0307, 0.04}, 2e-3, Scheme::Newton);
+            WorldSetup setup = merged_setup({instrument_of({{0.4, 2e-4, 0}}, 0.5), instrument_of({{0.6, 2e-4, 0}}, 0.5)},
+                                            {0.0307, 0.04}, 2e-3, Scheme::Newton);
             World world(setup);
             WorldData& data = data_of(world);
             RodArrays& rods = data.state.rods;
@@ -58,7 +59,8 @@ TEST_SUITE("contact/coaxial friction")
             friction.prepare(rods, live);
             const int n = rods.node_count(0), size = 2 * n;
             TrialState trial;
-            for (auto* list : {&trial.x, &trial.y, &trial.z, &trial.theta}) list->resize(static_cast<std::size_t>(rods.total_capacity()));
+            for (auto* list : {&trial.x, &trial.y, &trial.z, &trial.theta})
+                list->resize(static_cast<std::size_t>(rods.total_capacity()));
             std::mt19937 random(3);
             std::uniform_real_distribution<double> any(-0.02, 0.02);  // of r = 0.5 mm: 10 um, which is what gives
             std::vector<double> at(static_cast<std::size_t>(size));

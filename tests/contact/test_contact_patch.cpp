@@ -113,14 +113,16 @@ TEST_SUITE("contact/contact_patch")
         CHECK(most == test::about(load / (1.2 * r)).epsilon(0.02));
     }
 
-    // Lists of what is near hold facets within radius, reach and slack of where they were made. Along a floor to a wall that was beyond that then.
+    // Lists of what is near hold facets within radius, reach and slack of where they were made. Along a floor to a wall that was
+    // beyond that then.
     TEST_CASE("property: a wire moved sideways finds a wall as one that starts there does")
     {
         const double radius = 0.4445e-3, wide = 0.03, high = 0.01, side = 0.01;
         test::TestSetup setup;
         setup.gravity = Vec3::Zero();
         setup.vessel.shape = VesselShape::Plane;
-        setup.mesh.vertices = {{-wide, -wide, 0}, {wide, -wide, 0}, {wide, side, 0}, {-wide, side, 0}, {wide, side, high}, {-wide, side, high}};
+        setup.mesh.vertices = {{-wide, -wide, 0}, {wide, -wide, 0},   {wide, side, 0},
+                               {-wide, side, 0},  {wide, side, high}, {-wide, side, high}};
         setup.mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}, {{3, 2, 4}}, {{3, 4, 5}}};
         WireSpec spec = test::steel_wire(0.02, 11);
         spec.shaft.bend_stiffness = 1e-2;

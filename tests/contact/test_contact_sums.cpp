@@ -39,7 +39,9 @@ TEST_SUITE("contact/contact_sums")
         CHECK_FALSE(add_up(1e-300, 0, 1, {}, false));
     }
 
-    TEST_CASE("property: of a wall's contacts and those between wires, depths are the larger ones with their place, forces and counts add")
+    TEST_CASE(
+        "property: of a wall's contacts and those between wires, depths are the larger ones with their place, forces and counts "
+        "add")
     {
         ContactTotals wall, wires;
         wall.contacts = 3, wall.depth = 2e-6, wall.deepest = 7, wall.outside = 4e-6, wall.normal = 0.5, wall.length = 1e-3;
@@ -69,7 +71,8 @@ TEST_SUITE("contact/contact_sums")
         for (int e = 0; e < 4; ++e) {
             EdgeForce f{};
             f.depth = static_cast<real>(e == 2 ? 8e-6 : 1e-6 * e);
-            real* const sum[8] = {&f.normal_sum, &f.friction_sum, &f.sliding_sum, &f.rolling_sum, &f.length, &f.normal_work, &f.friction_work, &f.rolling_work};
+            real* const sum[8] = {&f.normal_sum, &f.friction_sum, &f.sliding_sum,   &f.rolling_sum,
+                                  &f.length,     &f.normal_work,  &f.friction_work, &f.rolling_work};
             for (int k = 0; k < 8; ++k) {
                 *sum[k] = static_cast<real>(std::pow(2.0, e) * (k + 1));  // exact in either precision
                 if (e > 0) expected[k] += *sum[k];
@@ -79,7 +82,8 @@ TEST_SUITE("contact/contact_sums")
             sums.edge_node.push_back(static_cast<std::uint32_t>(10 + e));
         }
         const ContactTotals t = sums.totals(1, 1e-3);
-        const double read[8] = {t.normal, t.friction, t.sliding, t.rolling, t.length, t.work.normal, t.work.friction, t.work.rolling};
+        const double read[8] = {t.normal, t.friction,    t.sliding,       t.rolling,
+                                t.length, t.work.normal, t.work.friction, t.work.rolling};
         for (int k = 0; k < 8; ++k) CHECK(read[k] == expected[k]);
         CHECK(t.contacts == 2 + 4 + 8);
         CHECK(t.depth == static_cast<real>(8e-6));

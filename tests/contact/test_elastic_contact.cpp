@@ -178,8 +178,9 @@ TEST_CASE("what is read leaves no trace in the state")
     CHECK(world.save_state() == state);
 }
 
-// Line load q on a plate on its bed [Hetenyi46, sec. 30]: M = q lambda/4 across the wire, nu M along it. Elements see the corner of M
-// rounded off over their size; what that takes is added (wall/wall_resolution.h). The end effect of the plate, of e^-6, is left out.
+// Line load q on a plate on its bed [Hetenyi46, sec. 30]: M = q lambda/4 across the wire, nu M along it. Elements see the corner
+// of M rounded off over their size; what that takes is added (wall/wall_resolution.h). The end effect of the plate, of e^-6, is
+// left out.
 TEST_CASE("analytic: the largest stress under a line load is that of a plate on its bed, on edges of 0.25 to 0.9 decay lengths")
 {
     constexpr double q = 0.5, t = 0.0015, nu = 0.45;
@@ -192,13 +193,15 @@ TEST_CASE("analytic: the largest stress under a line load is that of a plate on 
         const WallReadings now = world.wall_readings();
         CHECK(now.stress_max == about(exact).epsilon(0.04));
         CHECK(std::abs(now.stress_max - exact) < now.stress_band.sum());
-        const WallReadings bare = read_wall(*data_of(world).forces.elastic_wall, data_of(world).forces.elastic->displacement(0), 0);
+        const WallReadings bare =
+            read_wall(*data_of(world).forces.elastic_wall, data_of(world).forces.elastic->displacement(0), 0);
         if (share > 0.3) CHECK(bare.stress_max < 0.93 * exact);
     }
 }
 
-// A point load on a plate on its bed, the thick plate's stress at its surface by the equivalent radius 0.325 t [Westergaard 1926; Timoshenko &
-// Woinowsky-Krieger, sec. 57]: 6/t^2 F (1 + nu)/(4 pi) (1/2 - 0.5772 + ln(2 l/(0.325 t))), l^4 = D/k_s. The tip is all that touches.
+// A point load on a plate on its bed, the thick plate's stress at its surface by the equivalent radius 0.325 t [Westergaard 1926;
+// Timoshenko & Woinowsky-Krieger, sec. 57]: 6/t^2 F (1 + nu)/(4 pi) (1/2 - 0.5772 + ln(2 l/(0.325 t))), l^4 = D/k_s. The tip is
+// all that touches.
 TEST_CASE("analytic: the largest stress under a wire's tip is that of a point load on a thick plate, whatever the nodes")
 {
     constexpr double t = 0.0015, nu = 0.45, youngs = 0.2e6;
@@ -414,7 +417,8 @@ TEST_CASE("property: a wall that buckles in long steps alone is taken through sh
     CHECK(world.readings(0).inserted == about(4e-3).epsilon(1e-9));
 }
 
-// Above the wall, which stands: a node that goes 1.5 times as far as the limit has 1/1.5 of its path open, wherever the others are.
+// Above the wall, which stands: a node that goes 1.5 times as far as the limit has 1/1.5 of its path open, wherever the others
+// are.
 TEST_CASE("analytic: the path of a trial is open as far as the node that goes farthest may go")
 {
     TestSetup setup = wire_on_plate(0, 1e-3, 0.008, 800);
@@ -442,7 +446,8 @@ TEST_CASE("analytic: the path of a trial is open as far as the node that goes fa
         CAPTURE(moved);
         TrialState trial;
         for (auto* array : {&trial.x, &trial.y, &trial.z, &trial.theta}) array->resize(data.state.rods.total_capacity());
-        for (int i = 0; i < rod.n; ++i) trial.x[i] = rod.x[i], trial.y[i] = rod.y[i] + (i == 40 ? moved * limit : 0), trial.z[i] = rod.z[i];
+        for (int i = 0; i < rod.n; ++i)
+            trial.x[i] = rod.x[i], trial.y[i] = rod.y[i] + (i == 40 ? moved * limit : 0), trial.z[i] = rod.z[i];
         wall.evaluate({trial, 1e-3, live});
         const TermAnswer answer = wall.answer(0, Ask::Trial);
         CHECK(answer.open == about(std::min(1.0, 1 / moved)).epsilon(1e-6));

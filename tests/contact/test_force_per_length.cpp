@@ -51,7 +51,8 @@ TEST_SUITE("contact/force_per_length")
         for (const double spacing : {0.05e-3, 0.111e-3, 0.3e-3, 0.45e-3})
             for (const double shift : {0.5, 0.1, 0.9}) {
                 CAPTURE(spacing);
-                const std::vector<LoadSample> samples = sampled(shift * spacing + spacing, spacing, 0.02, [](double) { return q; });
+                const std::vector<LoadSample> samples =
+                    sampled(shift * spacing + spacing, spacing, 0.02, [](double) { return q; });
                 const LoadAlong load(samples);
                 CHECK(load.most_on(window).value / window == test::about(q).epsilon(1e-12));
                 CHECK(load.most_on(5e-3).value == test::about(5e-3 * q).epsilon(1e-12));

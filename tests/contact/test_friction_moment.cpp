@@ -52,9 +52,10 @@ struct FreeEdge {
         const ContactState none[2] = {};
         ContactForce f{};
         const PointView point = point_view(0, model, place, all_of(soup));
-        write_force(evaluate_point(point, par, node_view(hi.data(), lo.data(), theta),
-                                   node_view(hi_t0.data(), lo_t0.data(), theta_t0), state_view(none, now, nullptr), nullptr, nullptr),
-                    &f);
+        write_force(
+            evaluate_point(point, par, node_view(hi.data(), lo.data(), theta), node_view(hi_t0.data(), lo_t0.data(), theta_t0),
+                           state_view(none, now, nullptr), nullptr, nullptr),
+            &f);
         EdgeForce sum;
         reduce_edge(&f, &place.bary, 0, 1, &sum);
         return sum;
@@ -193,7 +194,8 @@ TEST_SUITE("contact/friction_moment")
                 // left out: that the couple's direction turns with the edge, f r / l^2, of a stiffness f / slip and more
                 CHECK((error[over_ridge] = tangent_error(edge, q)) <= 2e-6 + slip / 2e-3);
             }
-            CHECK(error[1] <= 1.2 * error[0]);  // the same is left out over the ridge, where force and couple turn with the normal
+            CHECK(error[1] <=
+                  1.2 * error[0]);  // the same is left out over the ridge, where force and couple turn with the normal
         }
     }
 }

@@ -206,7 +206,8 @@ TEST_SUITE("contact/instrument_gap")
     {
         Nodes nodes;
         for (const double x : {0.0, 1.0, 1.3, 2.9, 3.4, 5.0}) nodes.add(make_vec3(1e-3 * x, 0, 0));
-        for (double s = 0; s <= 5e-3; s += 1e-4) CHECK(test::point_of_material(nodes.view(), s).x == test::about(s).epsilon(1e-12));
+        for (double s = 0; s <= 5e-3; s += 1e-4)
+            CHECK(test::point_of_material(nodes.view(), s).x == test::about(s).epsilon(1e-12));
     }
 
     TEST_CASE("property: the nearest point is the nearest")

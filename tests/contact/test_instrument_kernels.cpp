@@ -42,7 +42,8 @@ struct Bundle {
         for (std::size_t cell = 0; cell < cells->surfaces.size(); ++cell)
             for (int k = 0; k < SEL_AXIS_POINTS; ++k) {
                 const InstrumentRod& rod = cells->rods[cells->rod_of[cell]];
-                const vec3 at = test::point_of_material(spline_of(nodes(), rod.node, rod.count), rod.spacing * (cell - rod.cell + 0.5 * k));
+                const vec3 at =
+                    test::point_of_material(spline_of(nodes(), rod.node, rod.count), rod.spacing * (cell - rod.cell + 0.5 * k));
                 points.insert(points.end(), {at.x, at.y, at.z});
             }
         return points;
@@ -125,7 +126,8 @@ bool same(const T& a, const T& b)
 }
 
 /// Compares outputs with a meaning: points that push, and friction where it acts.
-bool same_force(const InstrumentForce& a, const InstrumentForce& b, const InstrumentPoint* points_a, const InstrumentPoint* points_b)
+bool same_force(const InstrumentForce& a, const InstrumentForce& b, const InstrumentPoint* points_a,
+                const InstrumentPoint* points_b)
 {
     if (a.count != b.count || a.flags != b.flags || a.depth != b.depth || a.normal_sum != b.normal_sum || a.stored != b.stored)
         return false;
@@ -192,8 +194,9 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
         const uint k = list[i], cell = k / SEL_INSTRUMENT_SLOTS;
         if (slots[k].touch == SEL_TOUCH_SELF) {
             InstrumentState now;
-            instrument_self_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(), s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par,
-                                  &now, &forces[i], points.data() + SEL_INSTRUMENT_POINTS * i);
+            instrument_self_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(),
+                                  s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par, &now, &forces[i],
+                                  points.data() + SEL_INSTRUMENT_POINTS * i);
             states[k] = now;
         }
         const InstrumentForce& f = forces[i];
@@ -211,9 +214,9 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
     for (const InstrumentKernels::Of of : {InstrumentKernels::Of::Others, InstrumentKernels::Of::Itself}) {
         InstrumentKernels kernels(context, "contact/instruments.cl", of);
         kernels.provide(list.size());
-        kernels.launch(queue, kernels.items(list.size()), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
-                      on.rod_of.buffer(), device_slots.buffer(), on.nodes.buffer(), on.nodes_t0.buffer(),
-                      states_t0.buffer(), device_states.buffer(), device_forces.buffer(), device_points.buffer());
+        kernels.launch(queue, kernels.items(list.size()), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(),
+                       on.surfaces.buffer(), on.rod_of.buffer(), device_slots.buffer(), on.nodes.buffer(), on.nodes_t0.buffer(),
+                       states_t0.buffer(), device_states.buffer(), device_forces.buffer(), device_points.buffer());
     }
     const std::vector<InstrumentForce> by_device = device_forces.read();
     const std::vector<InstrumentPoint> points_by_device = device_points.read();
@@ -298,7 +301,8 @@ TEST_SUITE("contact/instrument_kernels")
         }
     }
 
-    // Ends and followed gaps by lanes against the searches one by one: Newton steps shorter than 1e-7 of an edge leave their square.
+    // Ends and followed gaps by lanes against the searches one by one: Newton steps shorter than 1e-7 of an edge leave their
+    // square.
     TEST_CASE("instrument blocks: a cell that is clear is as clear, and followed as it is, one by one")
     {
         Bundle scene = make_scene(5);

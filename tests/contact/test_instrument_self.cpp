@@ -80,7 +80,8 @@ InstrumentForce force_of(const Strands& strands, double exponent, int from, int 
 
 constexpr std::array<double, 3> crest_places = {0.8, 0.55, 0.3};  // of a cell
 
-/// Force of a cell on a strand above it: a deep place at its start, and behind a crest at a place of the cell, at gap `crest`, a place 30 nm deeper.
+/// Force of a cell on a strand above it: a deep place at its start, and behind a crest at a place of the cell, at gap `crest`, a
+/// place 30 nm deeper.
 double shelf_force(double crest, double place, std::uint32_t* points_that_push)
 {
     constexpr int nodes = 80;
@@ -151,7 +152,8 @@ TEST_SUITE("contact/instrument_self")
 {
     TEST_CASE("analytic: strands that cross carry k sqrt(2 D) B(1/2, n + 1) depth^(n + 1/2) / sin(angle)")
     {
-        // the law per metre between straight strands, integrated along one of them; terms of the order of depth/D, 1 %, are left out
+        // the law per metre between straight strands, integrated along one of them; terms of the order of depth/D, 1 %, are left
+        // out
         for (const double exponent : {1.0, 1.5, 2.0})
             for (const double angle : {std::numbers::pi / 2, 1.0, 0.4}) {
                 CAPTURE(exponent);
@@ -176,8 +178,9 @@ TEST_SUITE("contact/instrument_self")
         }
     }
 
-    // With one rule over a whole cell the force jumps by up to 1.6 %. A rule over each quarter lets a deep place and a shallow one grow together within
-    // a quarter of a cell only. Newton's method takes a jump of 1e-3 for solved, where positions are known (newton/kinks.cpp).
+    // With one rule over a whole cell the force jumps by up to 1.6 %. A rule over each quarter lets a deep place and a shallow
+    // one grow together within a quarter of a cell only. Newton's method takes a jump of 1e-3 for solved, where positions are
+    // known (newton/kinks.cpp).
     TEST_CASE("property: the force hardly jumps where two places of a cell that touch grow together")
     {
         for (const double place : crest_places) {

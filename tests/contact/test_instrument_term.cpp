@@ -195,8 +195,8 @@ TEST_SUITE("contact/instrument_term")
         double sum = 0;
         for (const double r : ply.residual(0)) sum += std::abs(r);
         REQUIRE(sum > 1);
-        // cuts between pieces move with the knots of the other rod, and Gauss points with them: what four of them miss of a smooth
-        // force per metre, some millionths, changes
+        // cuts between pieces move with the knots of the other rod, and Gauss points with them: what four of them miss of a
+        // smooth force per metre, some millionths, changes
         for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(ply, 0, seed) < 1e-5);
         Term nested(in_lumen, true);
         for (unsigned seed = 1; seed <= 5; ++seed)
@@ -247,8 +247,8 @@ TEST_SUITE("contact/instrument_term")
         for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(nested, 1e-3, seed, 1e-10) < 1.5e-2);
     }
 
-    // In a lumen cells that are known to be clear are not evaluated at a trial. A line search goes there and back: into the wall, where
-    // they press hard, and off it again, where they are known to be clear. What the step leaves is of its last trial alone.
+    // In a lumen cells that are known to be clear are not evaluated at a trial. A line search goes there and back: into the wall,
+    // where they press hard, and off it again, where they are known to be clear. What the step leaves is of its last trial alone.
     TEST_CASE("regression: a step keeps what its last trial exerts, whatever the trials before it pressed on")
     {
         constexpr double h = 1e-3;

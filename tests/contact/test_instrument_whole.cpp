@@ -208,7 +208,8 @@ TEST_CASE("instrument whole: not at a mouth, nor where it hardly touches")
     Lying lying(3e-6, 0, 1);
     const Exerted inside = in_pieces(lying, 8);
     CHECK((inside.state.contact.flags & SEL_CONTACT_WHOLE) != 0);
-    for (const double place : {0.5, 0.02}) {  // the lumen ends in the middle of the cell; 16 um beyond its rim the wall falls back by 0.9 um
+    for (const double place :
+         {0.5, 0.02}) {  // the lumen ends in the middle of the cell; 16 um beyond its rim the wall falls back by 0.9 um
         lying.scene.part.low = spacing * (8 + place) / edge;
         CHECK((in_pieces(lying, 8).state.contact.flags & SEL_CONTACT_WHOLE) == 0);
     }

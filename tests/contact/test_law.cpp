@@ -243,7 +243,9 @@ TEST_SUITE("contact/law")
 
     // A fold of a segmented mesh that is sharper than a point of the axis moves in a step. The point arrives behind the nearest
     // facet, which it has not touched and which therefore does not push.
-    TEST_CASE("analytic: a point that a step brings into a sharp fold of the wall is refused, one that comes out of it or never was in front is not")
+    TEST_CASE(
+        "analytic: a point that a step brings into a sharp fold of the wall is refused, one that comes out of it or never was in "
+        "front is not")
     {
         OneQuadraturePoint point(line_model(steel(), {}, wall(), INFINITY, 1e-3));
         const double half = 0.2 * r, high = 20 * r;  // a ridge across the wire's way, from z = -high to its edge at z = 0

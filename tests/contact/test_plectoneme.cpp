@@ -1,16 +1,16 @@
 // A twisted rod that winds about itself, against the theory of its ply.
 //
-// In the middle of a plectoneme two strands wind about each other at distance R from the axis, by an angle a to it, and nothing acts on the ply as a whole.
-// [Clauvelin08], derived anew by virtual work: with energy e = B kappa^2/2, kappa = sin^2 a/R, per length of strand, and the rotation psi' = sin 2a/(2 R) that the ends make
-// for a length of strand,
+// In the middle of a plectoneme two strands wind about each other at distance R from the axis, by an angle a to it, and nothing
+// acts on the ply as a whole. [Clauvelin08], derived anew by virtual work: with energy e = B kappa^2/2, kappa = sin^2 a/R, per
+// length of strand, and the rotation psi' = sin 2a/(2 R) that the ends make for a length of strand,
 //
 //     M = d e/d psi' at fixed R,     p = d(e - M psi')/dR,     T = M psi' - e
 //
 //       = 2 B sin^3 a cos a/(R cos 2a),  B sin^4 a/(R^3 cos 2a),  B sin^4 a/R^2 (1/2 + 1/cos 2a):
 //
-// twisting moment of the rod, contact force per length of strand, tension of the straight tails. A polygon of edges h whose spline runs at
-// distance R has its nodes at R/cos(phi/2), phi being the turn about the axis for an edge. That is 5 % more of M here; so e and psi are those of
-// a polygon:
+// twisting moment of the rod, contact force per length of strand, tension of the straight tails. A polygon of edges h whose
+// spline runs at distance R has its nodes at R/cos(phi/2), phi being the turn about the axis for an edge. That is 5 % more of M
+// here; so e and psi are those of a polygon:
 //
 //     e h = B theta^2/(2 h),  psi = 2 atan(tan(phi/2) cos b),  sin b = 2 R tan(phi/2)/h,  cos theta = cos^2 b + sin^2 b cos phi,
 //
@@ -72,8 +72,8 @@ Vec3 curve_at(const ConstRodView& rod, double s)
            0.5 * (0.5 + u) * (0.5 + u) * rod.pos(i + 1);
 }
 
-/// In the middle of where it touches, over 10 cells and 8 edges: the force of a cell goes by how the nodes lie in it, +-10 %, and comes back after
-/// 10 mm of both.
+/// In the middle of where it touches, over 10 cells and 8 edges: the force of a cell goes by how the nodes lie in it, +-10 %, and
+/// comes back after 10 mm of both.
 Ply measure(const World& world)
 {
     double first = length, last = 0, opposite = 0, force = 0, metres = 0;

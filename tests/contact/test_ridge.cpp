@@ -1,5 +1,5 @@
-// Tangent of contact over a ridge and a corner of the wall, where the normal turns as the wire moves past (opposite_wall.h, add_ridge; contact_law.h,
-// add_friction_turn).
+// Tangent of contact over a ridge and a corner of the wall, where the normal turns as the wire moves past (opposite_wall.h,
+// add_ridge; contact_law.h, add_friction_turn).
 
 #include "contact/one_quadrature_point.h"
 #include "contact/wall_fixture.h"
@@ -64,15 +64,16 @@ Soup two_roofs()
 Soup pyramid()
 {
     Soup soup;
-    const vec3 top = v3(0, 0, 0), corner[4] = {v3(0.01, 0, -0.008), v3(0, 0.01, -0.008), v3(-0.01, 0, -0.008), v3(0, -0.01, -0.008)};
+    const vec3 top = v3(0, 0, 0),
+               corner[4] = {v3(0.01, 0, -0.008), v3(0, 0.01, -0.008), v3(-0.01, 0, -0.008), v3(0, -0.01, -0.008)};
     for (int k = 0; k < 4; ++k) soup.add(top, corner[k], corner[(k + 1) % 4]);
     return soup;
 }
 
 }  // namespace
 
-// Central differences are exact to 1e-6 of the largest entry (one_quadrature_point.h). The part of a ridge is f/d across it, beside
-// a slope of 1.5 f/depth: 2/3 of depth/d = 1/40 of the largest entry.
+// Central differences are exact to 1e-6 of the largest entry (one_quadrature_point.h). The part of a ridge is f/d across it,
+// beside a slope of 1.5 f/depth: 2/3 of depth/d = 1/40 of the largest entry.
 TEST_CASE("derivative: the tangent has how the normal turns over a ridge and a corner")
 {
     for (const Soup& soup : {facets(-0.5), pyramid()})
@@ -85,8 +86,8 @@ TEST_CASE("derivative: the tangent has how the normal turns over a ridge and a c
         }
 }
 
-// The ridges' part is f/d beside f |turn|^2/(2 eps) across the valley: 4 eps/(d |turn|^2), here 8e-3 of the largest entry. Left out is how
-// eps changes with the directions, by a twentieth of that.
+// The ridges' part is f/d beside f |turn|^2/(2 eps) across the valley: 4 eps/(d |turn|^2), here 8e-3 of the largest entry. Left
+// out is how eps changes with the directions, by a twentieth of that.
 TEST_CASE("derivative: two ridges that are joined have their parts by their shares")
 {
     for (const double y : {0.0, 1e-7, -2e-7}) {

@@ -71,7 +71,8 @@ struct Helix {
         par.skin = skin;
         return near_slots(cell, bodies(), nodes(), axes.data(), 0, par);
     }
-    /// Distance of a point from the wire's axis between two coordinates, points of it that are half a circle of the surface away [m].
+    /// Distance of a point from the wire's axis between two coordinates, points of it that are half a circle of the surface away
+    /// [m].
     [[nodiscard]] double distance(double s, double from, double until) const
     {
         const vec3 x = point(s);
@@ -121,7 +122,8 @@ struct Spring : Helix {
                 std::vector<InstrumentPoint> points(SEL_INSTRUMENT_POINTS);
                 InstrumentState now = no_instrument_state();
                 InstrumentForce force;
-                instrument_self_force(cell, list.slots[k], bodies(), nodes(), nodes(), old.data(), {}, &now, &force, points.data());
+                instrument_self_force(cell, list.slots[k], bodies(), nodes(), nodes(), old.data(), {}, &now, &force,
+                                      points.data());
                 sum += force.normal_sum;
             }
         }
@@ -177,8 +179,8 @@ TEST_SUITE("contact/self_search")
                         InstrumentState now = no_instrument_state();
                         InstrumentParams par{};
                         InstrumentForce force;
-                        instrument_self_force(cell, list.slots[k], wire.bodies(), wire.nodes(), wire.nodes(), old.data(), par, &now, &force,
-                                              points.data());
+                        instrument_self_force(cell, list.slots[k], wire.bodies(), wire.nodes(), wire.nodes(), old.data(), par,
+                                              &now, &force, points.data());
                         if (force.clear <= 0) continue;
                         ++clear;
                         const double from = list.slots[k].at * spacing, until = from + list.slots[k].cells * spacing;
@@ -191,8 +193,8 @@ TEST_SUITE("contact/self_search")
         REQUIRE(clear > 20);
     }
 
-    // The same wire, cut into cells elsewhere: 7.5 radii of it touch. Each cell's rule of six points is right to 1e-3 and so. A cell at the hub
-    // that is left out until all of it is inside takes up to two of these 7.5 radii away.
+    // The same wire, cut into cells elsewhere: 7.5 radii of it touch. Each cell's rule of six points is right to 1e-3 and so. A
+    // cell at the hub that is left out until all of it is inside takes up to two of these 7.5 radii away.
     TEST_CASE("self search: the part of a cell that has come through the inlet touches as the rest does")
     {
         const double whole = Spring(3 * spacing).force();

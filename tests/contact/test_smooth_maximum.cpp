@@ -48,7 +48,8 @@ struct Pit {
         for (int i = 0; i <= cells; ++i)
             for (int j = 0; i + j <= cells; ++j) {
                 const double a = double(i) / cells, b = double(j) / cells, c = 1 - a - b;
-                best = std::max(best, a * d[0] + b * d[1] + c * d[2] + a * b * width(0, 1) + b * c * width(1, 2) + a * c * width(0, 2));
+                best = std::max(best,
+                                a * d[0] + b * d[1] + c * d[2] + a * b * width(0, 1) + b * c * width(1, 2) + a * c * width(0, 2));
             }
         return best;
     }
@@ -56,7 +57,10 @@ struct Pit {
 };
 
 /// A facet along y from (x, z) by (dx, dz).
-void add_strip(Soup& soup, double x, double z, double dx, double dz) { soup.add_patch(v3(x, -2e-3, z), v3(dx, 0, dz), v3(0, 4e-3, 0)); }
+void add_strip(Soup& soup, double x, double z, double dx, double dz)
+{
+    soup.add_patch(v3(x, -2e-3, z), v3(dx, 0, dz), v3(0, 4e-3, 0));
+}
 
 }  // namespace
 
@@ -80,8 +84,8 @@ TEST_SUITE("contact/smooth_maximum")
         CHECK(most > 0.3 * eps);  // with equal shares it is eps/3: all three take part
     }
 
-    // between two planes the normal turns by |n_i - n_j| over 2 eps of their depths: |turn|/(2 smoothing r) per metre across, and no
-    // faster with a third one
+    // between two planes the normal turns by |n_i - n_j| over 2 eps of their depths: |turn|/(2 smoothing r) per metre across, and
+    // no faster with a third one
     TEST_CASE("property: the normal does not jump where a third facet joins, or the nearest one changes")
     {
         const Pit pit;
@@ -100,8 +104,8 @@ TEST_SUITE("contact/smooth_maximum")
         }
     }
 
-    // with t = |n_i - n_j| the normal turns by t^2 / 2 eps = (sqrt(t^2 + 4 s^2) + 2 s) / 2 s r per metre across, s the smoothing; by
-    // positions of 1e-9 m in float
+    // with t = |n_i - n_j| the normal turns by t^2 / 2 eps = (sqrt(t^2 + 4 s^2) + 2 s) / 2 s r per metre across, s the smoothing;
+    // by positions of 1e-9 m in float
     TEST_CASE("property: the normal does not jump where the neighbour of a flat valley begins to count")
     {
         for (const double angle : {3e-4, 1e-3, 2e-3, 4e-3, 1e-2}) {
@@ -109,7 +113,8 @@ TEST_SUITE("contact/smooth_maximum")
             Soup soup;
             add_strip(soup, -2e-3, 0, 2e-3, 0);
             add_strip(soup, 0, 0, 2e-3, 2e-3 * angle);
-            const double step = r * angle / 1000, rate = (std::sqrt(angle * angle + 4 * smoothing * smoothing) + 2 * smoothing) / (2 * smoothing * r);
+            const double step = r * angle / 1000,
+                         rate = (std::sqrt(angle * angle + 4 * smoothing * smoothing) + 2 * smoothing) / (2 * smoothing * r);
             double most = 0;
             vec3 last{};
             for (int k = -3000; k <= 3000; ++k) {
@@ -122,8 +127,8 @@ TEST_SUITE("contact/smooth_maximum")
         }
     }
 
-    // A narrow facet between two others, as wide as makes the left one begin to count where the other two are equally deep. The normal
-    // turns by at most twice the rate of the two outer facets (as above).
+    // A narrow facet between two others, as wide as makes the left one begin to count where the other two are equally deep. The
+    // normal turns by at most twice the rate of the two outer facets (as above).
     TEST_CASE("property: the normal does not jump where a third facet begins to count between two that have shares")
     {
         for (const auto& [left, right] : {std::pair(0.0225, 0.0656), {0.005, 0.1}, {0.05, 0.1}, {0.1, 0.1}}) {
@@ -162,13 +167,14 @@ TEST_SUITE("contact/smooth_maximum")
                 const vec3 e = v3(c == 0 ? h : 0, c == 1 ? h : 0, c == 2 ? h : 0);
                 const vec3 d = (-1 / (2 * h)) * (pit.at(p + e).normal - pit.at(p - e).normal);
                 // planes: the normal is linear in the position; what is left is rounding of 1e-16 m in depth over h
-                CHECK(std::abs(d.x - full[0][c]) + std::abs(d.y - full[1][c]) + std::abs(d.z - full[2][c]) <= 1e-4 / (smoothing * r));
+                CHECK(std::abs(d.x - full[0][c]) + std::abs(d.y - full[1][c]) + std::abs(d.z - full[2][c]) <=
+                      1e-4 / (smoothing * r));
             }
         }
     }
 
-    // over a pit of many facets, all equally deep, shares are the same all round: depth grows by half the mean distance of normals,
-    // 4/pi sin(slope) on their circle
+    // over a pit of many facets, all equally deep, shares are the same all round: depth grows by half the mean distance of
+    // normals, 4/pi sin(slope) on their circle
     TEST_CASE("analytic: of more facets than the list holds those are kept that lie all round")
     {
         const double mean = smoothing * r * 4 / std::numbers::pi * std::sin(slope);
@@ -208,7 +214,8 @@ TEST_SUITE("contact/smooth_maximum")
         const double x = w - std::sqrt(2 * height * rise);
         for (const double shift : {-0.2e-6, 0.0, 0.2e-6}) {
             CAPTURE(shift);
-            const ContactPoint a = contacts_at(two, v3(x + shift, 0, height), r).first, b = contacts_at(three, v3(x + shift, 0, height), r).first;
+            const ContactPoint a = contacts_at(two, v3(x + shift, 0, height), r).first,
+                               b = contacts_at(three, v3(x + shift, 0, height), r).first;
             CHECK(std::abs(a.depth - b.depth) <= 1e-3 * rounding);
             CHECK(norm(a.normal - b.normal) <= 1e-6);
             CHECK(a.hessian[0] > 0);  // the edge has a share

@@ -12,13 +12,15 @@ using namespace seldinger;
 TEST_SUITE("contact/contact_sums")
 {
     // Adding n numbers of one sign in any order is off by n rounding errors at most, so two such sums by 2 n.
-    TEST_CASE("analytic: sums that differ as two orders of addition may are equal, and those that differ by four times that are not")
+    TEST_CASE(
+        "analytic: sums that differ as two orders of addition may are equal, and those that differ by four times that are not")
     {
         for (const bool float32 : {false, true})
             for (const std::size_t samples : {1, 50, 3000}) {
                 CAPTURE(float32);
                 CAPTURE(samples);
-                const double epsilon = float32 ? static_cast<double>(std::numeric_limits<float>::epsilon()) : std::numeric_limits<double>::epsilon();
+                const double epsilon =
+                    float32 ? static_cast<double>(std::numeric_limits<float>::epsilon()) : std::numeric_limits<double>::epsilon();
                 const double two_orders = 2 * static_cast<double>(samples) * epsilon;
                 ContactTotals totals;
                 totals.normal = 0.7, totals.friction = 0.2;

@@ -1,15 +1,17 @@
-// A clamped rod with slack whose ends are turned against each other: twisting moment, and the turn at which it jumps into contact with itself.
+// A clamped rod with slack whose ends are turned against each other: twisting moment, and the turn at which it jumps into contact
+// with itself.
 //
-// The experiment is that of [vdHeijden03] (van der Heijden, Neukirch, Goss, Thompson, Instability and self-contact phenomena in the writhing of
-// clamped rods, Int. J. Mech. Sci. 45, 2003; nitinol wires). The reference here is made independently of it and of the engine. With B = L = 1 the
-// equations of Kirchhoff for an inextensible isotropic rod are
+// The experiment is that of [vdHeijden03] (van der Heijden, Neukirch, Goss, Thompson, Instability and self-contact phenomena in
+// the writhing of clamped rods, Int. J. Mech. Sci. 45, 2003; nitinol wires). The reference here is made independently of it and
+// of the engine. With B = L = 1 the equations of Kirchhoff for an inextensible isotropic rod are
 //
 //     r' = t,   m' = n x t,   n' = 0,   t' = (t x (m x t)) x t = m x t,   M = m . t constant,   d' = (t x t' + M/C t) x d,
 //
-// d: a director. A half turn about an axis e across the rod through its middle maps the rod onto itself: there r is on e, and t, n and m have no part
-// along e. Left are six unknowns (direction of t, two of n, M, m across t, height r . e), and five conditions at the clamp: t along x, r on
-// the axis at half of the distance of the clamps. A shooting method follows the curve of solutions. The turn of the ends is twice that of
-// d from the middle to the clamp. Where the turn is largest, no equilibrium without contact is beside the curve: the rod jumps.
+// d: a director. A half turn about an axis e across the rod through its middle maps the rod onto itself: there r is on e, and t,
+// n and m have no part along e. Left are six unknowns (direction of t, two of n, M, m across t, height r . e), and five
+// conditions at the clamp: t along x, r on the axis at half of the distance of the clamps. A shooting method follows the curve of
+// solutions. The turn of the ends is twice that of d from the middle to the clamp. Where the turn is largest, no equilibrium
+// without contact is beside the curve: the rod jumps.
 #include "contact/instrument_fixture.h"
 
 #include <Eigen/Dense>

@@ -72,9 +72,9 @@ WallMesh plates(double apart)
 
 TEST_SUITE("contact/wall_memory")
 {
-    // Points that wander along the wall as a wire does, by up to a tenth of the radius a step, in a wide tube and in one whose necks,
-    // 2 mm apart, are a fiftieth wider than the wire: there the nearer side changes, and the opposite wall comes into reach. Facets
-    // from three radii to a tenth of one. The side turns with the wall.
+    // Points that wander along the wall as a wire does, by up to a tenth of the radius a step, in a wide tube and in one whose
+    // necks, 2 mm apart, are a fiftieth wider than the wire: there the nearer side changes, and the opposite wall comes into
+    // reach. Facets from three radii to a tenth of one. The side turns with the wall.
     TEST_CASE("property: with what it remembers a point finds the contact points that it finds without, bit by bit")
     {
         Random draw;
@@ -88,7 +88,9 @@ TEST_SUITE("contact/wall_memory")
                 spec.triangles = triangles;
                 WallMesh mesh = make_tube(spec).mesh;
                 const double middle = 0.5 * spec.length;  // of the vessel: where the tree's centre is
-                const auto width = [&](double along) { return tube < 1e-3 ? 1 + 0.15 * std::sin(pi_per_mm * (along - middle)) : 1.0; };
+                const auto width = [&](double along) {
+                    return tube < 1e-3 ? 1 + 0.15 * std::sin(pi_per_mm * (along - middle)) : 1.0;
+                };
                 for (Vec3& v : mesh.vertices) v = Vec3(v.x(), v.y() * width(v.x()), v.z() * width(v.x()));
                 const WallTree tree = build_wall_tree(mesh);
                 REQUIRE(tree.centre.x() == about(middle).epsilon(1e-3));
@@ -117,7 +119,8 @@ TEST_SUITE("contact/wall_memory")
                         const NearWallView near = near_wall_view(wall, near_cells.data(), count);
                         const ContactBall ball = contact_ball(at.offset, at.origin, r, reach, 0.002);
                         const WallMemory before = memory;
-                        const ContactPointPair with = contact_points_of(ball, near, touched.last(), recall_wall(&memory, &known, ball, 1)),
+                        const ContactPointPair with = contact_points_of(ball, near, touched.last(),
+                                                                        recall_wall(&memory, &known, ball, 1)),
                                                without = contact_points_of(ball, near, touched.last(), no_recall());
                         CAPTURE(tube);
                         CAPTURE(triangles);
@@ -128,7 +131,8 @@ TEST_SUITE("contact/wall_memory")
                         const bool renewed = std::memcmp(before.at, memory.at, sizeof before.at) != 0;
                         kept += with.first.found && !renewed;
                         walked += with.first.found && renewed;
-                        clear += with.first.found && before.clear > 0 && std::memcmp(before.clear_at, memory.clear_at, sizeof before.clear_at) == 0;
+                        clear += with.first.found && before.clear > 0 &&
+                                 std::memcmp(before.clear_at, memory.clear_at, sizeof before.clear_at) == 0;
                         opposite += with.second.found;
                         crowded += memory.crowded > 0;
                         // where the next step begins, at the same place with another side
@@ -149,7 +153,8 @@ TEST_SUITE("contact/wall_memory")
                     }
                 }
             }
-        MESSAGE(kept << " kept, " << walked << " walked, " << clear << " clear, " << opposite << " opposite, " << crowded << " crowded, " << returned << " returned");
+        MESSAGE(kept << " kept, " << walked << " walked, " << clear << " clear, " << opposite << " opposite, " << crowded
+                     << " crowded, " << returned << " returned");
         REQUIRE(kept > 2000);
         REQUIRE(walked > 1000);
         REQUIRE(clear > 2000);
@@ -158,8 +163,8 @@ TEST_SUITE("contact/wall_memory")
         REQUIRE(returned > 1000);
     }
 
-    // What was noted 0.98 radii over the floor lacks the ceiling, 1.14 above: it is the nearer one after 0.09. What had room above,
-    // 0.75 over the floor, has the ceiling within its reach after 0.33.
+    // What was noted 0.98 radii over the floor lacks the ceiling, 1.14 above: it is the nearer one after 0.09. What had room
+    // above, 0.75 over the floor, has the ceiling within its reach after 0.33.
     TEST_CASE("property: what it remembers ends where another wall may count")
     {
         struct Case {
@@ -181,8 +186,8 @@ TEST_SUITE("contact/wall_memory")
                 at.origin = v3(0, 0, 0);
                 at.offset = p;
                 const double range = r + reach + 0.4 * r;
-                const uint count =
-                    find_near_cells(at, range, SEL_NEAR_CELL_SIZE * r, wall, static_cast<uint>(near_cells.size()), near_cells.data());
+                const uint count = find_near_cells(at, range, SEL_NEAR_CELL_SIZE * r, wall, static_cast<uint>(near_cells.size()),
+                                                   near_cells.data());
                 known = found_clearance(p, range, 0.4 * r, r, count);
                 const NearWallView near = near_wall_view(wall, near_cells.data(), count);
                 const ContactBall ball = contact_ball(p, at.origin, r, reach, 0.002);

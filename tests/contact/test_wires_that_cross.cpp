@@ -1,4 +1,5 @@
-// Two wires that cross, a third one away from them: what is read of the contact, on either wire, is where they cross and what they bear.
+// Two wires that cross, a third one away from them: what is read of the contact, on either wire, is where they cross and what
+// they bear.
 #include "contact/instrument_fixture.h"
 
 #include <algorithm>
@@ -16,11 +17,13 @@ constexpr double radius = 2e-4, overlap = 1e-5, from_tip[] = {0.026, 0.03};  // 
 /// The last wire lies over the first one, both held at their ends. The middle one touches nothing.
 WorldSetup crossed()
 {
-    WireSetup a = straight_wire(5e-5, 7000, 0.06, radius, 41, 1e9), away = a, b = straight_wire(5e-5, 7000, 0.05, radius, 36, 1e9);
+    WireSetup a = straight_wire(5e-5, 7000, 0.06, radius, 41, 1e9), away = a,
+              b = straight_wire(5e-5, 7000, 0.05, radius, 36, 1e9);
     put(a, {-0.03, 0, 0}, Vec3::UnitX());
     put(away, {-0.03, 0, 0.1}, Vec3::UnitX());
     put(b, {0.03 - from_tip[0], from_tip[1] - 0.05, 2 * radius - overlap}, Vec3::UnitY());
-    for (WireSetup* wire : {&a, &away, &b}) wire->holds = {hold_of(WirePoint::Kind::Base, true, true), hold_of(WirePoint::Kind::Tip, false)};
+    for (WireSetup* wire : {&a, &away, &b})
+        wire->holds = {hold_of(WirePoint::Kind::Base, true, true), hold_of(WirePoint::Kind::Tip, false)};
     return touching({a, away, b});
 }
 
@@ -62,7 +65,8 @@ TEST_SUITE("contact/instruments")
                 const ContactAlong& along = read.wires[k == 0 ? 0 : 2].on_instruments;
                 CHECK(along.patch_force == about(sum).epsilon(1e-9));
                 CHECK(std::abs(along.patch_at - from_tip[k]) <= 0.5 * along.patch + 2 * radius);
-                CHECK(along.per_length_max * along.window == about(sum).epsilon(0.2));  // the place is as long as a window or shorter
+                CHECK(along.per_length_max * along.window ==
+                      about(sum).epsilon(0.2));  // the place is as long as a window or shorter
                 CHECK(read.wires[k == 0 ? 0 : 2].readings.normal_between == about(sum).epsilon(1e-9));
                 CHECK(read.wires[k == 0 ? 0 : 2].readings.overlap == about(deepest).epsilon(1e-9));
                 CHECK(read.wires[k == 0 ? 0 : 2].on_wall.patch_force == 0);

@@ -130,7 +130,8 @@ long wide_lines(const fs::path& root)
 {
     long wide = 0;
     for (const char* folder : {"engine", "kernels", "apps", "tests", "bench", "python"})
-        for_each_line(root / folder, is_cpp, [&](const fs::path&, const std::string& line) { wide += width(line) > widest_line; });
+        for_each_line(root / folder, is_cpp,
+                      [&](const fs::path&, const std::string& line) { wide += width(line) > widest_line; });
     return wide;
 }
 
@@ -139,13 +140,15 @@ long virtual_functions(const fs::path& header)
     std::ifstream in(header);
     long count = 0;
     for (std::string line; std::getline(in, line);)
-        count += line.find("virtual ") != std::string::npos && line.find('~') == std::string::npos && !trimmed(line).starts_with("//");
+        count +=
+            line.find("virtual ") != std::string::npos && line.find('~') == std::string::npos && !trimmed(line).starts_with("//");
     return count;
 }
 
 long folders_in(const fs::path& folder)
 {
-    return std::count_if(fs::directory_iterator(folder), fs::directory_iterator(), [](const auto& entry) { return entry.is_directory(); });
+    return std::count_if(fs::directory_iterator(folder), fs::directory_iterator(),
+                         [](const auto& entry) { return entry.is_directory(); });
 }
 
 std::map<std::string, long> counted(const fs::path& root)
@@ -180,22 +183,26 @@ TEST_SUITE("core/budget")
         for (const auto& [name, count] : counts) {
             const auto row = budget.find(name);
             if (row == budget.end()) FAIL_CHECK("budget.txt has no row for " << name << ", which is " << count);
-            else CHECK_MESSAGE(count <= row->second.most, name << ": got " << count << "; expected " << row->second.most
-                                                                << " at most. Fix: take something out, or give a reason in budget.txt.");
+            else
+                CHECK_MESSAGE(count <= row->second.most,
+                              name << ": got " << count << "; expected " << row->second.most
+                                   << " at most. Fix: take something out, or give a reason in budget.txt.");
         }
-        for (const auto& [name, allowed] : budget) CHECK_MESSAGE(counts.count(name) == 1, "budget.txt: nothing is counted as " << name);
+        for (const auto& [name, allowed] : budget)
+            CHECK_MESSAGE(counts.count(name) == 1, "budget.txt: nothing is counted as " << name);
         CHECK(counts.at("lines of engine/physics") > 10000);  // it has looked
     }
 
     TEST_CASE("property: a budget is raised with a reason, and by nothing else")
     {
         std::vector<std::string> mistakes;
-        std::istringstream raised("# sizes\nlines of kernels = 100\n+ 20: Contact with a distance field has its own kernel since then.\n");
+        std::istringstream raised(
+            "# sizes\nlines of kernels = 100\n+ 20: Contact with a distance field has its own kernel since then.\n");
         const auto budget = read_budget(raised, mistakes);
         CHECK(mistakes.empty());
         CHECK(budget.at("lines of kernels").most == 120);
-        for (const char* wrong : {"lines = 100\n+ 20: why not\n", "lines = 100\n+ 20\n", "lines = many\n", "+ 20: A reason without any row that it belongs to, here.\n",
-                                  "lines = 100\nlines = 200\n"}) {
+        for (const char* wrong : {"lines = 100\n+ 20: why not\n", "lines = 100\n+ 20\n", "lines = many\n",
+                                  "+ 20: A reason without any row that it belongs to, here.\n", "lines = 100\nlines = 200\n"}) {
             CAPTURE(wrong);
             mistakes.clear();
             std::istringstream in(wrong);

@@ -1,5 +1,5 @@
-// Every source file opens with a line that says its purpose, so that a listing of first lines is a map of the project; and the files
-// that comments name exist.
+// Every source file opens with a line that says its purpose, so that a listing of first lines is a map of the project; and the
+// files that comments name exist.
 
 #include <doctest/doctest.h>
 
@@ -41,7 +41,8 @@ std::set<std::string> names_of_files(const fs::path& root)
         std::string name = fs::relative(file, root).generic_string();
         for (names.insert(name); name.find('/') != std::string::npos; names.insert(name)) name.erase(0, name.find('/') + 1);
     };
-    for (const char* folder : {"engine", "kernels", "apps", "tests", "bench", "assets", "docs", "python", "examples", "cmake", "packaging"})
+    for (const char* folder :
+         {"engine", "kernels", "apps", "tests", "bench", "assets", "docs", "python", "examples", "cmake", "packaging"})
         for (const auto& entry : fs::recursive_directory_iterator(root / folder))
             if (entry.is_regular_file()) add(entry.path());
     for (const auto& entry : fs::directory_iterator(root))
@@ -85,10 +86,12 @@ TEST_SUITE("core/first_lines")
                     if (comment == std::string::npos || line.find("#include") != std::string::npos) continue;
                     const std::string text = line.substr(comment + 2);
                     if (text.find('.') == std::string::npos) continue;
-                    for (auto match = std::sregex_iterator(text.begin(), text.end(), name); match != std::sregex_iterator(); ++match) {
+                    for (auto match = std::sregex_iterator(text.begin(), text.end(), name); match != std::sregex_iterator();
+                         ++match) {
                         ++seen;
-                        CHECK_MESSAGE(names.count((*match)[2]) == 1,
-                                      fs::relative(entry.path(), root).generic_string() << " names " << (*match)[2].str() << ", which is not there");
+                        CHECK_MESSAGE(names.count((*match)[2]) == 1, fs::relative(entry.path(), root).generic_string()
+                                                                         << " names " << (*match)[2].str()
+                                                                         << ", which is not there");
                     }
                 }
             }

@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// folder -> folders it may include. "api" means the headers of engine/include/seldinger itself; its folders count as those of engine/.
-// "step" is engine/step.cpp. No exceptions.
+// folder -> folders it may include. "api" means the headers of engine/include/seldinger itself; its folders count as those of
+// engine/. "step" is engine/step.cpp. No exceptions.
 const std::map<std::string, std::set<std::string>> below = {
     {"shared", {}},
     {"core", {"shared"}},
@@ -35,7 +35,9 @@ const std::map<std::string, std::set<std::string>> below = {
     {"contact/rods", {"contact", "solve", "nodes", "rod", "vessel", "device", "math", "core", "shared"}},
     {"contact/elastic", {"contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"api", {"contact", "solve", "wall", "rod", "vessel", "device", "core"}},
-    {"world", {"api", "contact", "contact/rods", "contact/elastic", "newton", "solve", "wall", "nodes", "rod", "repair", "vessel", "device", "math", "core", "shared"}},
+    {"world",
+     {"api", "contact", "contact/rods", "contact/elastic", "newton", "solve", "wall", "nodes", "rod", "repair", "vessel",
+      "device", "math", "core", "shared"}},
     {"stages", {"world", "api", "contact", "contact/rods", "rod", "repair", "device", "core"}},
     {"step", {"stages", "world", "core"}},
     {"io", {"vessel", "math", "core"}},
@@ -44,18 +46,21 @@ const std::map<std::string, std::set<std::string>> below = {
     {"xray", {"vessel", "math", "core"}},
     {"view", {"io", "rod", "vessel", "math", "core"}},
     {"pictures", {"view", "xray", "scene", "io", "repair", "vessel", "core"}},
-    {"run", {"setup", "scene", "io", "world", "api", "contact", "solve", "wall", "nodes", "rod", "repair", "vessel", "math", "core"}},
+    {"run",
+     {"setup", "scene", "io", "world", "api", "contact", "solve", "wall", "nodes", "rod", "repair", "vessel", "math", "core"}},
     {"record", {"run", "setup", "scene", "io", "api", "math", "core"}},
     {"batch", {"record", "run", "setup", "scene", "io", "api", "vessel", "core"}},
     {"models", {"run", "setup", "scene", "api", "solve", "surface", "wall", "math", "core"}},
     {"plan", {"models", "core"}},
-    {"lab", {"models", "run", "setup", "scene", "io", "api", "contact", "solve", "wall", "rod", "repair", "shapes", "vessel", "device", "math", "core"}},
+    {"lab",
+     {"models", "run", "setup", "scene", "io", "api", "contact", "solve", "wall", "rod", "repair", "shapes", "vessel", "device",
+      "math", "core"}},
     {"session", {"record", "run", "scene", "io", "api", "core"}},
     {"report", {"session", "models", "view", "run", "scene", "io", "core"}},
 };
 
-// The rooms of engine/, and the folders of each. The first four are the engine; no folder of these may include the last three, which are
-// optional libraries: the table above says so folder by folder.
+// The rooms of engine/, and the folders of each. The first four are the engine; no folder of these may include the last three,
+// which are optional libraries: the table above says so folder by folder.
 const std::map<std::string, std::set<std::string>> rooms = {
     {"base", {"core", "math", "device"}},
     {"bodies", {"rod", "nodes", "vessel", "shapes", "repair", "surface", "wall"}},
@@ -125,7 +130,8 @@ TEST_SUITE("core/includes")
             const std::string name = room.path().filename();
             REQUIRE_MESSAGE(rooms.count(name) == 1, "engine/" << name << " is not a room");
             for (const auto& folder : fs::directory_iterator(room))
-                CHECK_MESSAGE(rooms.at(name).count(folder.path().filename()) == 1, folder.path().string() << ": not a folder of " << name);
+                CHECK_MESSAGE(rooms.at(name).count(folder.path().filename()) == 1, folder.path().string()
+                                                                                       << ": not a folder of " << name);
             for (const std::string& folder : rooms.at(name)) {
                 CHECK_MESSAGE(fs::is_directory(room.path() / folder), "engine/" << name << "/" << folder << " is not there");
                 found.insert(folder);
@@ -137,7 +143,8 @@ TEST_SUITE("core/includes")
             for (const std::string& folder : folders)
                 for (const std::string& optional_room : optional_rooms)
                     for (const std::string& part : rooms.at(optional_room))
-                        CHECK_MESSAGE(below.at(folder).count(part) == 0, folder << " may not include " << part << ", of an optional library");
+                        CHECK_MESSAGE(below.at(folder).count(part) == 0,
+                                      folder << " may not include " << part << ", of an optional library");
         }
     }
 
@@ -145,14 +152,16 @@ TEST_SUITE("core/includes")
     TEST_CASE("property: OpenCL is named in engine/base/device alone, and called nowhere else")
     {
         const fs::path root = SEL_SOURCE_DIR;
-        const std::regex included(R"(^\s*#\s*include\s*[<"](CL|OpenCL)/)"), named(R"(\b(cl_[a-z]+\w*|cl[A-Z]\w*\s*\(|CL_[A-Z]\w*))");
+        const std::regex included(R"(^\s*#\s*include\s*[<"](CL|OpenCL)/)"),
+            named(R"(\b(cl_[a-z]+\w*|cl[A-Z]\w*\s*\(|CL_[A-Z]\w*))");
         int seen = 0;
         for (const char* folder : {"engine", "apps", "bench", "python/src", "tests", "docs/example"})
             for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
                 const std::string extension = entry.path().extension(), file = fs::relative(entry.path(), root).generic_string();
                 if ((extension != ".h" && extension != ".cpp") || file.starts_with("engine/base/device/")) continue;
                 ++seen;
-                const bool may_name = file.starts_with("engine/") || file.starts_with("tests/");  // its numbers are arguments of kernels
+                const bool may_name =
+                    file.starts_with("engine/") || file.starts_with("tests/");  // its numbers are arguments of kernels
                 std::ifstream in(entry.path());
                 std::smatch match;
                 for (std::string line; std::getline(in, line);) {
@@ -175,7 +184,8 @@ TEST_SUITE("core/includes")
             for (auto match = std::sregex_iterator(line.begin(), line.end(), source); match != std::sregex_iterator(); ++match) {
                 ++seen;
                 const fs::path file = root / "engine" / (*match)[1].str();
-                CHECK_MESSAGE(fs::exists(file), "tests/fuzz/CMakeLists.txt names " << file.string() << ", which is gone: rename it there or take it out");
+                CHECK_MESSAGE(fs::exists(file), "tests/fuzz/CMakeLists.txt names "
+                                                    << file.string() << ", which is gone: rename it there or take it out");
             }
         REQUIRE(seen > 20);
     }

@@ -115,9 +115,9 @@ TEST_SUITE("device")
         REQUIRE(world.readings(0).contacts > 10);
         CHECK(counters.buffers_created == before.buffers_created);
         CHECK(counters.programs_built == before.programs_built);
-        // an evaluation is two launches, or a chain of up to 17 (contact/force_kernels.h), and one read-back, or two from memory of the
-        // device's own; candidates that are found anew are one of each on top. Evaluations: one for the guess and some 1 to 3 per
-        // iteration (line search, halved steps)
+        // an evaluation is two launches, or a chain of up to 17 (contact/force_kernels.h), and one read-back, or two from memory
+        // of the device's own; candidates that are found anew are one of each on top. Evaluations: one for the guess and some 1
+        // to 3 per iteration (line search, halved steps)
         const int most = data_of(world).forces.context->workgroup(device::Items::Branching) == 1 ? 2 : 17;
         const double launches = double(counters.launches - before.launches), reads = double(counters.reads - before.reads);
         MESSAGE("per step: " << launches / 200 << " launches, " << reads / 200 << " reads, "

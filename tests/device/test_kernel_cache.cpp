@@ -51,7 +51,8 @@ std::string bitcode(std::uint32_t words)
 
 TEST_SUITE("device/kernel cache")
 {
-    TEST_CASE("property: what one process compiles another waits for, until it ends, however it ends; nobody waits for another name")
+    TEST_CASE(
+        "property: what one process compiles another waits for, until it ends, however it ends; nobody waits for another name")
     {
         const TemporaryFolder folder;
         const char* before = std::getenv("POCL_CACHE_DIR");
@@ -180,7 +181,8 @@ TEST_SUITE("device/kernel cache")
         };
         make();
         CHECK(device::clean_kernel_cache(folder.path()).empty());
-        for (const std::filesystem::path& name : {std::filesystem::path("AB"), hash, hash / "kernel", inner, inner / "kernel.so", hash / "program.bc"}) {
+        for (const std::filesystem::path& name :
+             {std::filesystem::path("AB"), hash, hash / "kernel", inner, inner / "kernel.so", hash / "program.bc"}) {
             CAPTURE(name.string());
             make();
             const auto place = folder.path() / name;

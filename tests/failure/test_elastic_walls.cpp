@@ -188,8 +188,8 @@ std::vector<Row> all_rows()
     return rows;
 }
 
-/// Work of a hold that moves: by the trapezoid; of one that is thrown by the engine's ledger, sub-step by sub-step, since the ends of
-/// steps do not show it where one was halved.
+/// Work of a hold that moves: by the trapezoid; of one that is thrown by the engine's ledger, sub-step by sub-step, since the
+/// ends of steps do not show it where one was halved.
 void count_work(WatchedRun& run, const Row& row)
 {
     if (row.thrown)
@@ -245,8 +245,8 @@ TEST_SUITE("failure/elastic_walls")
         }
     }
 
-    // The neck is pushed along by more than its radius, which the model does not carry (docs/failures.md). The engine's own reading against the distance
-    // to the moved wall's mesh.
+    // The neck is pushed along by more than its radius, which the model does not carry (docs/failures.md). The engine's own
+    // reading against the distance to the moved wall's mesh.
     TEST_CASE("property: F12: a wire that leaves a neck through its soft wall is flagged")
     {
         TestSetup setup = narrow_neck();

@@ -1,5 +1,5 @@
-// Limits of address space and of processes (ulimit -v, -u): a result, or exit 3 or 5 and a line, never a signal or a hang. Libraries
-// that would end the process are not begun with.
+// Limits of address space and of processes (ulimit -v, -u): a result, or exit 3 or 5 and a line, never a signal or a hang.
+// Libraries that would end the process are not begun with.
 #include "apps/app_fixture.h"
 #include "core/error.h"
 #include "core/system_needs.h"
@@ -58,7 +58,10 @@ struct OpenFolder : ScratchFolder {
         REQUIRE(run.code == 0);
         REQUIRE(std::system(fmt::format("chmod -R a+rwX '{}'", path.string()).c_str()) == 0);
     }
-    [[nodiscard]] std::string cache(const char* name = "cache") const { return fmt::format("POCL_CACHE_DIR='{}'", (path / name).string()); }
+    [[nodiscard]] std::string cache(const char* name = "cache") const
+    {
+        return fmt::format("POCL_CACHE_DIR='{}'", (path / name).string());
+    }
 };
 
 /// A result, or one line. Notes (of the kernel cache) come before it.
@@ -68,7 +71,8 @@ void check_end(const AppResult& result)
     CHECK((result.code == 0 || result.code == 3 || result.code == 5));
     if (result.code != 0) CHECK(result.err.find("seldinger: ") != std::string::npos);
     CHECK(result.error_lines() <= 2);
-    for (const char* of_a_library : {"terminate called", "PTHREAD ERROR", "LLVM ERROR", "no usable OpenCL"}) CHECK(result.err.find(of_a_library) == std::string::npos);
+    for (const char* of_a_library : {"terminate called", "PTHREAD ERROR", "LLVM ERROR", "no usable OpenCL"})
+        CHECK(result.err.find(of_a_library) == std::string::npos);
 }
 
 }  // namespace
@@ -78,9 +82,11 @@ TEST_SUITE("failure/limits")
     TEST_CASE("property: address space that is not there is said, and taken back where it is")
     {
         const auto tries = [] { try_system_needs({"A library", std::size_t{1} << 40, 0}); };
-        CHECK(said_under(RLIMIT_AS, rlim_t{1} << 38, tries).find("A library: got less address space than it may need; expected 1048576 MB more") == 0);
+        CHECK(said_under(RLIMIT_AS, rlim_t{1} << 38, tries)
+                  .find("A library: got less address space than it may need; expected 1048576 MB more") == 0);
         CHECK(said_under(RLIMIT_AS, RLIM_INFINITY, [] {
-                  for (int k = 0; k < 1000; ++k) try_system_needs({"A library", std::size_t{1} << 40, 4});  // 2^50 bytes and 4,000 threads
+                  for (int k = 0; k < 1000; ++k)
+                      try_system_needs({"A library", std::size_t{1} << 40, 4});  // 2^50 bytes and 4,000 threads
               }) == "");
     }
 
@@ -103,7 +109,8 @@ TEST_SUITE("failure/limits")
         int refused = 0, done = 0;
         for (int megabytes = 150; megabytes <= 1350; megabytes += 75) {
             CAPTURE(megabytes);
-            const std::string limit = fmt::format("ulimit -c 0 && ulimit -v {} && {} timeout 120", megabytes * 1000, folder.cache());
+            const std::string limit =
+                fmt::format("ulimit -c 0 && ulimit -v {} && {} timeout 120", megabytes * 1000, folder.cache());
             for (const char* command : {"run t.toml -o D --overwrite --quiet", "render R -o p.png --size 160x120 --quiet"}) {
                 CAPTURE(command);
                 const AppResult result = run_app(folder, command, limit);
@@ -123,8 +130,9 @@ TEST_SUITE("failure/limits")
         const auto warm = [&] { return fmt::format("ulimit -c 0 && ulimit -v {} && {}", megabytes * 1000, folder.cache()); };
         while (megabytes < 4000 && run_app(folder, "run t.toml -o W --overwrite --quiet", warm()).code != 0) megabytes += 20;
         CAPTURE(megabytes);
-        const AppResult result = run_app(folder, "run t.toml -o D --overwrite --quiet",
-                                         fmt::format("ulimit -c 0 && ulimit -v {} && {} timeout 300", megabytes * 1000, folder.cache("cold")));
+        const AppResult result =
+            run_app(folder, "run t.toml -o D --overwrite --quiet",
+                    fmt::format("ulimit -c 0 && ulimit -v {} && {} timeout 300", megabytes * 1000, folder.cache("cold")));
         CAPTURE(result.err);
         CHECK(result.code == 0);
     }
@@ -135,14 +143,16 @@ TEST_SUITE("failure/limits")
         const OpenFolder folder;
         const std::string user = std::to_string(20000 + getpid() % 40000);
         const std::string as_user = fmt::format("setpriv --reuid={0} --regid={0} --clear-groups", user);
-        if (std::system(fmt::format("{} test -x '{}' 2>/dev/null", as_user, app_path()).c_str()) != 0) return skip("no setpriv, or other users may not run the program");
+        if (std::system(fmt::format("{} test -x '{}' 2>/dev/null", as_user, app_path()).c_str()) != 0)
+            return skip("no setpriv, or other users may not run the program");
         int refused = 0, done = 0;
         for (int processes = 1; processes <= 16; ++processes) {
             CAPTURE(processes);
             for (const char* command : {"run t.toml -o D --overwrite --quiet", "render R -o p.png --size 160x120 --quiet"}) {
                 CAPTURE(command);
                 const std::string limited =
-                    fmt::format("{} HOME='{}' {} timeout 120 bash -c 'ulimit -c 0; ulimit -u {}; exec \"$@\"' limited", folder.cache(), folder.path.string(), as_user, processes);
+                    fmt::format("{} HOME='{}' {} timeout 120 bash -c 'ulimit -c 0; ulimit -u {}; exec \"$@\"' limited",
+                                folder.cache(), folder.path.string(), as_user, processes);
                 const AppResult result = run_app(folder, command, limited);
                 check_end(result);
                 result.code == 0 ? ++done : ++refused;

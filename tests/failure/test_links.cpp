@@ -71,8 +71,8 @@ TEST_SUITE("failure/links")
             const Shared shared;
             shared.link(std::string("f/") + name);
             const auto before = shared.theirs();
-            for (const char* words : {"farm s.toml --vary v.toml -o f --keep traces --quiet", "batch s.toml --vary v.toml --part 1/2 -o f --keep traces",
-                                      "farm merge f"}) {
+            for (const char* words : {"farm s.toml --vary v.toml -o f --keep traces --quiet",
+                                      "batch s.toml --vary v.toml --part 1/2 -o f --keep traces", "farm merge f"}) {
                 const AppResult result = run_app(shared, words);
                 CHECK(result.code > 0);
                 CHECK(shared.theirs() == before);
@@ -94,7 +94,8 @@ TEST_SUITE("failure/links")
         CHECK(shared.theirs() == before);
     }
 
-    TEST_CASE("regression: neither a link nor a second name of a file is written to; the temporary name is not taken from anybody")
+    TEST_CASE(
+        "regression: neither a link nor a second name of a file is written to; the temporary name is not taken from anybody")
     {
         const ScratchFolder folder;
         folder.write("theirs", secret);
@@ -152,7 +153,8 @@ TEST_SUITE("failure/links")
         }
         CHECK(slurp(folder.path / "theirs") == secret);
         folder.write("file", "");
-        const std::string said = refusal([&] { FilmWriter(folder.path / "file/film.mp4", 32, 32, 10); });  // a folder would be made
+        const std::string said =
+            refusal([&] { FilmWriter(folder.path / "file/film.mp4", 32, 32, 10); });  // a folder would be made
         CHECK(said.find("file") != std::string::npos);
         CHECK(said.find("disk full") == std::string::npos);
     }
@@ -166,8 +168,8 @@ TEST_SUITE("failure/links")
         REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
         REQUIRE(run_app(folder, "batch s.toml --vary v.toml -o B --quiet").code == 0);
         const bool reads = run_app(folder, "report R -o whole.html").code == 0;
-        for (const char* name : {"B/results.csv", "B/scene.toml", "B/summary.json", "R/scene.toml", "R/trace.csv", "R/summary.json", "R/wire.pvd",
-                                 "R/wire_000005.vtp"}) {
+        for (const char* name : {"B/results.csv", "B/scene.toml", "B/summary.json", "R/scene.toml", "R/trace.csv",
+                                 "R/summary.json", "R/wire.pvd", "R/wire_000005.vtp"}) {
             CAPTURE(name);
             if (name[0] == 'R' && !reads) continue;  // a build that reads no frames
             const fs::path file = folder.path / name, kept = folder.path / "kept";
@@ -189,7 +191,9 @@ TEST_SUITE("failure/links")
         CHECK(included.err.find("includes nothing") != std::string::npos);
     }
 
-    TEST_CASE("regression: pictures of a farm are told how to look and nothing else; a parts.json that was altered shows no files elsewhere")
+    TEST_CASE(
+        "regression: pictures of a farm are told how to look and nothing else; a parts.json that was altered shows no files "
+        "elsewhere")
     {
         const ScratchFolder folder;
         folder.write("s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n");
@@ -197,9 +201,10 @@ TEST_SUITE("failure/links")
         const std::string words = "farm R --frames 0:1 -o f --tasks 1 --size 64x64 ";
         if (run_app(folder, words + "--dry-run").code != 0) return skip("no renderer");
         const std::string target = (folder.path / "written").string();
-        for (const std::string word : {"--labels=" + target, "--labels " + target, std::string("--labels ../written"), std::string("--labels a/../../written"),
-                                       "--gltf " + target, "--usd " + target, "--video " + target, "--raw " + target, "--dicom " + target,
-                                       std::string("--fps 3"), "--farm " + target, "--preview " + target}) {
+        for (const std::string word :
+             {"--labels=" + target, "--labels " + target, std::string("--labels ../written"),
+              std::string("--labels a/../../written"), "--gltf " + target, "--usd " + target, "--video " + target,
+              "--raw " + target, "--dicom " + target, std::string("--fps 3"), "--farm " + target, "--preview " + target}) {
             CAPTURE(word);
             const AppResult result = run_app(folder, words + word);
             CHECK(result.code == 2);
@@ -233,9 +238,11 @@ TEST_SUITE("failure/links")
         CHECK(run_app(folder, words + "f").code == 0);
         CHECK(fs::exists(folder.path / "f/a/truth/frame_000001.json"));
         CHECK(run_app(folder, "farm merge f").code == 0);
-        CHECK(run_app(folder, "farm R --frames 0:1 --tasks 1 --size 64x64 --labels ./a/truth/ -o f --dry-run").code == 0);  // the same farm
+        CHECK(run_app(folder, "farm R --frames 0:1 --tasks 1 --size 64x64 --labels ./a/truth/ -o f --dry-run").code ==
+              0);  // the same farm
         for (const char* path : {"../elsewhere", "/elsewhere", "."}) {
-            const AppResult outside = run_app(folder, fmt::format("farm R --frames 0:1 --tasks 1 --labels {} -o g --dry-run", path));
+            const AppResult outside =
+                run_app(folder, fmt::format("farm R --frames 0:1 --tasks 1 --labels {} -o g --dry-run", path));
             CHECK(outside.code == 2);
             CHECK_MESSAGE(outside.err.find("expected a folder below that of the farm") != std::string::npos, outside.err);
             CHECK_FALSE(fs::exists(folder.path / "g"));
@@ -247,7 +254,9 @@ TEST_SUITE("failure/links")
         const ScratchFolder folder;
         folder.write("s.toml", free_scene(0.01));
         folder.write("v.toml", "[vary]\n\"wire.density\" = [6000.0, 7000.0]\n");
-        const auto farm = [&](const std::string& words) { return run_app(folder, "farm s.toml --vary v.toml --tasks 2 --backend slurm " + words); };
+        const auto farm = [&](const std::string& words) {
+            return run_app(folder, "farm s.toml --vary v.toml --tasks 2 --backend slurm " + words);
+        };
         for (const char* words : {"-o 'a\ntouch owned\n'", "-o 'a\"b'", "-o 'a\\b'", "-o d '--sbatch=--time=60\ntouch owned'"}) {
             CAPTURE(words);
             const AppResult result = farm(words);
@@ -257,18 +266,22 @@ TEST_SUITE("failure/links")
         }
         REQUIRE(farm("-o 'a b%j #c'").code == 0);
         const std::string script = slurp(folder.path / "a b%j #c/job.sh");
-        CHECK(script.find("#SBATCH --output=\"" + (folder.path / "a b%%j #c/log/slurm-%A_%a.txt").string() + "\"\n") != std::string::npos);
+        CHECK(script.find("#SBATCH --output=\"" + (folder.path / "a b%%j #c/log/slurm-%A_%a.txt").string() + "\"\n") !=
+              std::string::npos);
     }
 
     TEST_CASE("regression: assets beside a program are taken where nobody else can have put them")
     {
         const ScratchFolder folder;
-        for (const char* inner : {"all/bin", "all/assets/scenes", "all/assets/instruments"}) fs::create_directories(folder.path / inner);
+        for (const char* inner : {"all/bin", "all/assets/scenes", "all/assets/instruments"})
+            fs::create_directories(folder.path / inner);
         fs::copy_file(app_path(), folder.path / "all/bin/seldinger");
         folder.write("all/assets/instruments/theirs.toml",
-                     "title = \"theirs\"\nkind = \"wire\"\n[wire]\nradius_m = 0.0002\ndensity = 6450.0\nbend_nm2 = 5.0e-5\ntwist_nm2 = 4.0e-5\nstretch_n = 7000.0\n");
+                     "title = \"theirs\"\nkind = \"wire\"\n[wire]\nradius_m = 0.0002\ndensity = 6450.0\nbend_nm2 = "
+                     "5.0e-5\ntwist_nm2 = 4.0e-5\nstretch_n = 7000.0\n");
         const auto lists_theirs = [&] {
-            const std::string command = fmt::format("env -u SELDINGER_ASSETS '{}' instruments", (folder.path / "all/bin/seldinger").string());
+            const std::string command =
+                fmt::format("env -u SELDINGER_ASSETS '{}' instruments", (folder.path / "all/bin/seldinger").string());
             std::FILE* pipe = popen(command.c_str(), "r");
             std::string text;
             for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);

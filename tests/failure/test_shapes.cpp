@@ -142,8 +142,8 @@ TEST_SUITE("failure/shapes")
         CHECK(ours.friction <= 0.25 * ours.normal);
     }
 
-    // Elastic and without friction, the wire slides along the neck's axis. Over a feed of one spacing each quadrature point takes the
-    // place of the next: the mean of their forces is an integral over the neck, and the hand does no work.
+    // Elastic and without friction, the wire slides along the neck's axis. Over a feed of one spacing each quadrature point takes
+    // the place of the next: the mean of their forces is an integral over the neck, and the hand does no work.
     TEST_CASE("analytic: F12: both sides of a neck narrower than the wire press by the line law")
     {
         TestSetup setup = Neck::setup();
@@ -160,9 +160,11 @@ TEST_SUITE("failure/shapes")
             return true;
         });
         const double both = 2 * Neck::force_of_a_side(setup);
-        MESSAGE("F12, elastic: mean of the sum of normal forces " << normal << " N, by the law " << both << " N; hand " << hand << " N");
-        // (D6d) adds to the depth: half the mean distance of directions, at most 4/pi on a circle, times 0.002 r. That is 0.57 um, where
-        // d(ln f)/d(depth) is 23.5 a millimetre. The forces at the two ends of the window differ by less than the mean: 1/89 of a step
+        MESSAGE("F12, elastic: mean of the sum of normal forces " << normal << " N, by the law " << both << " N; hand " << hand
+                                                                  << " N");
+        // (D6d) adds to the depth: half the mean distance of directions, at most 4/pi on a circle, times 0.002 r. That is 0.57
+        // um, where d(ln f)/d(depth) is 23.5 a millimetre. The forces at the two ends of the window differ by less than the mean:
+        // 1/89 of a step
         CHECK(normal > 0.99 * both);
         CHECK(normal < 1.025 * both);
         CHECK(std::abs(hand) < both / last);

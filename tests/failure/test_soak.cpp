@@ -1,5 +1,5 @@
-// Days of use in one process: worlds made and put back, a wire pushed, pulled and turned. What the process holds stays flat, and the
-// same phase of a cycle reads the same. SELDINGER_SOAK=N: N resets and 1000 N steps (`./dev test --long`: 10000).
+// Days of use in one process: worlds made and put back, a wire pushed, pulled and turned. What the process holds stays flat, and
+// the same phase of a cycle reads the same. SELDINGER_SOAK=N: N resets and 1000 N steps (`./dev test --long`: 10000).
 
 #include "support/count_allocations.h"
 #include "support/tries.h"
@@ -49,8 +49,8 @@ constexpr long slack_kb = 4096;
 
 void check_flat(const Held& before, const Held& after)
 {
-    MESSAGE("memory " << before.memory_kb << " -> " << after.memory_kb << " kB, threads " << before.threads << " -> " << after.threads
-                      << ", handles " << before.handles << " -> " << after.handles);
+    MESSAGE("memory " << before.memory_kb << " -> " << after.memory_kb << " kB, threads " << before.threads << " -> "
+                      << after.threads << ", handles " << before.handles << " -> " << after.handles);
     // a sanitizer's allocator keeps 256 MB of freed memory, to notice a later use
     if (allocations_are_counted()) CHECK(after.memory_kb <= before.memory_kb + slack_kb);
     CHECK(after.threads <= before.threads);
@@ -71,7 +71,8 @@ constexpr double dt = 1e-3;          // [s]
 constexpr int cycle = 1000;          // steps
 constexpr double deep = 0.05, stroke = 0.02, turns = 6.283185307179586;
 
-/// Pushed in over the first half of a cycle and drawn back over the second, and turned by a full turn forth and back in quadrature.
+/// Pushed in over the first half of a cycle and drawn back over the second, and turned by a full turn forth and back in
+/// quadrature.
 void move(Control& control, long k)
 {
     const double phase = static_cast<double>(k % cycle) / cycle;
@@ -89,7 +90,8 @@ Reading read(const World& world)
 {
     const WireReadings now = world.readings(0);
     const Vec3 tip = world.rod(0).pos(0);
-    return {now.hand_force, now.hand_torque, now.normal, now.friction, now.elastic, tip[0], tip[2], now.energy.in(), now.energy.open()};
+    return {now.hand_force, now.hand_torque, now.normal,      now.friction,     now.elastic,
+            tip[0],         tip[2],          now.energy.in(), now.energy.open()};
 }
 
 /// Readings in the same phase of every cycle; the ledger's as they have changed since the cycle before.
@@ -130,7 +132,8 @@ private:
 
 TEST_SUITE("failure/soak")
 {
-    TEST_CASE("property: worlds made, and put back, again and again leave memory, threads and handles flat, and end with the same bits")
+    TEST_CASE(
+        "property: worlds made, and put back, again and again leave memory, threads and handles flat, and end with the same bits")
     {
         const WorldSetup setup = wire_in_bend();
         const long resets = tries("SELDINGER_SOAK", 60);
@@ -155,7 +158,9 @@ TEST_SUITE("failure/soak")
         check_flat(before, held());
     }
 
-    TEST_CASE("property: a wire pushed, pulled and turned for long leaves memory, threads and handles flat, and reads the same in the same phase")
+    TEST_CASE(
+        "property: a wire pushed, pulled and turned for long leaves memory, threads and handles flat, and reads the same in the "
+        "same phase")
     {
         World world(wire_in_bend());
         Control control;

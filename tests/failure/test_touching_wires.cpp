@@ -106,8 +106,8 @@ Pressed press(const TestSetup& made, double dt, int steps, double apart)
     return press(world, KeyFrames(made.keys()).control(), dt, steps, apart);
 }
 
-/// An overhand knot in a soft wire of radius r, its loop 10 r wide, whose ends are drawn apart at 5 cm/s until it has `left` more length than
-/// their distance is.
+/// An overhand knot in a soft wire of radius r, its loop 10 r wide, whose ends are drawn apart at 5 cm/s until it has `left` more
+/// length than their distance is.
 WorldSetup knot(double r, double mu, double left, double dt, int* steps)
 {
     const std::vector<Vec3> path = knot_path(10 * r, 0.006);

@@ -30,8 +30,8 @@ const fs::path& folder()
     return made.path();
 }
 
-/// The first bytes of a file that the engine's own writer has just made: written down here, they would be those of an older version one
-/// day, and nothing behind them would be reached.
+/// The first bytes of a file that the engine's own writer has just made: written down here, they would be those of an older
+/// version one day, and nothing behind them would be reached.
 std::string magic_in(const fs::path& file)
 {
     std::string magic(8, '\0');
@@ -65,7 +65,8 @@ void read_a_part(const std::string& payload)
         const auto saved = read_part(folder(), plan, 2);
         require(saved && saved->rows.size() <= 3 && saved->layout.instruments.size() <= saved->instruments);
         for (const BatchRow& row : saved->rows)
-            require(row.run >= 2 && row.run < 5 && std::isalnum(row.state_hash[0]) && row.instruments.size() == saved->instruments);
+            require(row.run >= 2 && row.run < 5 && std::isalnum(row.state_hash[0]) &&
+                    row.instruments.size() == saved->instruments);
     });
 }
 

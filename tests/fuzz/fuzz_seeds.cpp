@@ -70,7 +70,9 @@ void make_farms(const fs::path& dir, const fs::path& folder)
     saved.layout.instruments = {"catheter", "wire"}, saved.layout.runs = 5, saved.layout.target = "the middle";
     saved.instruments = 2, saved.begin = 2, saved.end = 5;
     saved.rows.resize(3);
-    for (std::size_t k = 0; k < saved.rows.size(); ++k) saved.rows[k].run = static_cast<std::int64_t>(2 + k), saved.rows[k].state_hash.fill('a'), saved.rows[k].instruments.resize(2), saved.rows[k].shape.resize(2 * 3 * BatchRow::stations);
+    for (std::size_t k = 0; k < saved.rows.size(); ++k)
+        saved.rows[k].run = static_cast<std::int64_t>(2 + k), saved.rows[k].state_hash.fill('a'),
+        saved.rows[k].instruments.resize(2), saved.rows[k].shape.resize(2 * 3 * BatchRow::stations);
     const FilePlace file = part_file(folder, plan, 2);
     write_saved(file, saved);
     put_seed(dir, "farm", "rows", "r" + unsealed(slurp(file.path())));
@@ -100,7 +102,8 @@ void make_packets(const fs::path& dir)
 {
     std::string packets;
     for (std::uint64_t k = 1; k <= 4; ++k) {
-        const SelHandRequest request{static_cast<std::uint16_t>(k % 2), k, 0.01 * static_cast<double>(k), 1e-3 * static_cast<double>(k), 0.1, k == 3 ? SEL_HAND_REBASE : 0};
+        const SelHandRequest request{static_cast<std::uint16_t>(k % 2), k,   0.01 * static_cast<double>(k),
+                                     1e-3 * static_cast<double>(k),     0.1, k == 3 ? SEL_HAND_REBASE : 0};
         unsigned char bytes[SEL_HAND_REQUEST_BYTES];
         sel_write_request(&request, bytes);
         packets += std::string{'\x20', '\1'};

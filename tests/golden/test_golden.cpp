@@ -7,7 +7,10 @@ namespace test_golden {
 
 TEST_SUITE("golden")
 {
-    TEST_CASE("golden: every scene of the project ends with the bits of the table") { seldinger::test::check_golden_table("scenes.txt"); }
+    TEST_CASE("golden: every scene of the project ends with the bits of the table")
+    {
+        seldinger::test::check_golden_table("scenes.txt");
+    }
 }
 
 }  // namespace test_golden

@@ -7,7 +7,10 @@ namespace test_golden_choices {
 
 TEST_SUITE("golden")
 {
-    TEST_CASE("golden: every choice of a scene ends with the bits of the table") { seldinger::test::check_golden_table("choices.txt"); }
+    TEST_CASE("golden: every choice of a scene ends with the bits of the table")
+    {
+        seldinger::test::check_golden_table("choices.txt");
+    }
 }
 
 }  // namespace test_golden_choices

@@ -7,7 +7,10 @@ namespace test_golden_shared {
 
 TEST_SUITE("golden")
 {
-    TEST_CASE("golden: scenes and vessels of the shared reference data end with the bits of the table") { seldinger::test::check_golden_table("shared.txt"); }
+    TEST_CASE("golden: scenes and vessels of the shared reference data end with the bits of the table")
+    {
+        seldinger::test::check_golden_table("shared.txt");
+    }
 }
 
 }  // namespace test_golden_shared

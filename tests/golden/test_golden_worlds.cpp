@@ -7,7 +7,10 @@ namespace test_golden_worlds {
 
 TEST_SUITE("golden")
 {
-    TEST_CASE("golden: every wire of a world ends with the bits of the table") { seldinger::test::check_golden_table("worlds.txt"); }
+    TEST_CASE("golden: every wire of a world ends with the bits of the table")
+    {
+        seldinger::test::check_golden_table("worlds.txt");
+    }
 }
 
 }  // namespace test_golden_worlds

@@ -22,7 +22,9 @@ TEST_SUITE("golden")
             test::check_golden_table("worlds.txt", info.index);
             ++tried;
         }
-        if (tried == 0) test::skip("no OpenCL beside PoCL: pip install intel-opencl-rt intel-cmplr-lib-rt (300 MB), as docs/determinism.md says");
+        if (tried == 0)
+            test::skip(
+                "no OpenCL beside PoCL: pip install intel-opencl-rt intel-cmplr-lib-rt (300 MB), as docs/determinism.md says");
     }
 }
 

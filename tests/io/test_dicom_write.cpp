@@ -65,7 +65,8 @@ double decimal(const std::map<std::uint32_t, std::string>& of, std::uint32_t tag
 std::vector<double> decimals(const std::string& text)
 {
     std::vector<double> found;
-    for (std::size_t at = 0; at <= text.size(); at = std::min(text.find('\\', at), text.size()) + 1) found.push_back(std::stod(text.substr(at)));
+    for (std::size_t at = 0; at <= text.size(); at = std::min(text.find('\\', at), text.size()) + 1)
+        found.push_back(std::stod(text.substr(at)));
     return found;
 }
 

@@ -127,11 +127,12 @@ std::string centreline_vtp(const std::vector<Vec3>& points, const std::vector<st
         for (const int i : line) connectivity += fmt::format("{} ", i);
         offsets += fmt::format("{} ", end += line.size());
     }
-    return fmt::format("<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"{}\" NumberOfLines=\"{}\"><Points><DataArray "
-                       "type=\"Float64\" format=\"ascii\">{}</DataArray></Points><Lines><DataArray type=\"Int32\" Name=\"connectivity\" "
-                       "format=\"ascii\">{}</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">{}</DataArray></Lines>"
-                       "<PointData>{}</PointData></Piece></PolyData></VTKFile>",
-                       points.size(), lines.size(), xyz, connectivity, offsets, arrays);
+    return fmt::format(
+        "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"{}\" NumberOfLines=\"{}\"><Points><DataArray "
+        "type=\"Float64\" format=\"ascii\">{}</DataArray></Points><Lines><DataArray type=\"Int32\" Name=\"connectivity\" "
+        "format=\"ascii\">{}</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">{}</DataArray></Lines>"
+        "<PointData>{}</PointData></Piece></PolyData></VTKFile>",
+        points.size(), lines.size(), xyz, connectivity, offsets, arrays);
 }
 
 std::string array(const char* name, const std::string& values)
@@ -163,11 +164,15 @@ TEST_SUITE("io/everyday_files")
 
     TEST_CASE("property: FIELD data that are cut short or lie are refused")
     {
-        const auto with = [](bool binary, const std::string& field) { return refusal(LegacyFile{binary, false, field}.text(), "x.vtk"); };
+        const auto with = [](bool binary, const std::string& field) {
+            return refusal(LegacyFile{binary, false, field}.text(), "x.vtk");
+        };
         CHECK_FALSE(with(false, "FIELD FieldData 2\nTimeValue 1 1 double\n0.5\n").empty());  // POINTS is taken for an array
-        CHECK(with(true, "FIELD FieldData 1\na 1000000 1000000 double\n").find("no more than the file has bytes for") != std::string::npos);
+        CHECK(with(true, "FIELD FieldData 1\na 1000000 1000000 double\n").find("no more than the file has bytes for") !=
+              std::string::npos);
         CHECK(with(true, "FIELD FieldData 1\na 1 90 double\n").find("is cut off") != std::string::npos);
-        CHECK(with(true, "FIELD FieldData 1\na 1 1 string\n\x7f\xff\xff\xff\n").find("cut off in its strings") != std::string::npos);
+        CHECK(with(true, "FIELD FieldData 1\na 1 1 string\n\x7f\xff\xff\xff\n").find("cut off in its strings") !=
+              std::string::npos);
         CHECK(with(true, "FIELD FieldData 1\na 1 1 quaternion\n1\n").find("got type \"quaternion\"") != std::string::npos);
         const std::string grid = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n";
         CHECK(refusal(grid, "x.vtk").find("Fix: extract its surface") != std::string::npos);
@@ -191,7 +196,10 @@ TEST_SUITE("io/everyday_files")
     TEST_CASE("property: a binary STL whose count is wrong gives all that its body holds, with a note")
     {
         const auto stl = [](std::uint32_t count, std::size_t facets, std::size_t left_over) {
-            const float corners[4][9] = {{0, 0, 0, 0, 2, 0, 1, 0, 0}, {0, 0, 0, 1, 0, 0, 0, 0, 3}, {1, 0, 0, 0, 2, 0, 0, 0, 3}, {0, 0, 0, 0, 0, 3, 0, 2, 0}};
+            const float corners[4][9] = {{0, 0, 0, 0, 2, 0, 1, 0, 0},
+                                         {0, 0, 0, 1, 0, 0, 0, 0, 3},
+                                         {1, 0, 0, 0, 2, 0, 0, 0, 3},
+                                         {0, 0, 0, 0, 0, 3, 0, 2, 0}};
             std::string bytes(80, ' ');
             bytes.append(reinterpret_cast<const char*>(&count), 4);
             for (std::size_t t = 0; t < facets; ++t)
@@ -208,7 +216,8 @@ TEST_SUITE("io/everyday_files")
         CHECK(read(stl(3, 4, 0)).find("announces 3 triangles, its body holds 4") != std::string::npos);
         CHECK(read(stl(~std::uint32_t{0}, 4, 0)).find("its body holds 4") != std::string::npos);
         for (const std::size_t left_over : {1, 2, 49})
-            CHECK(read(stl(4, 4, left_over)).find(fmt::format("{} bytes behind its 4 triangles", left_over)) != std::string::npos);
+            CHECK(read(stl(4, 4, left_over)).find(fmt::format("{} bytes behind its 4 triangles", left_over)) !=
+                  std::string::npos);
         // cut short, or nothing that is known to be facets
         for (const std::string& bytes : {stl(5, 4, 0), stl(5, 4, 20), stl(0, 4, 7), stl(3, 4, 7)})
             CHECK(refusal(bytes, "x.stl").find("truncated or damaged") != std::string::npos);
@@ -219,9 +228,10 @@ TEST_SUITE("io/everyday_files")
     {
         const std::string mark = "\xEF\xBB\xBF", faces = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
         check_tetrahedron(parse_mesh(mark + "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\n" + faces, "x.obj", "mm"));
-        const std::string ply = "ply\r\nformat ascii 1.0\r\ncomment SPACE=LPS\r\nelement vertex 4\r\nproperty float x\r\nproperty float y\r\n"
-                                "property float z\r\nelement face 4\r\nproperty list uchar int vertex_indices\r\nend_header\r\n0 0 0\r\n"
-                                "1 0 0\r\n0 2 0\r\n0 0 3\r\n3 0 2 1\r\n3 0 1 3\r\n3 1 2 3\r\n3 0 3 2\r\n";
+        const std::string ply =
+            "ply\r\nformat ascii 1.0\r\ncomment SPACE=LPS\r\nelement vertex 4\r\nproperty float x\r\nproperty float y\r\n"
+            "property float z\r\nelement face 4\r\nproperty list uchar int vertex_indices\r\nend_header\r\n0 0 0\r\n"
+            "1 0 0\r\n0 2 0\r\n0 0 3\r\n3 0 2 1\r\n3 0 1 3\r\n3 1 2 3\r\n3 0 3 2\r\n";
         check_tetrahedron(parse_mesh(mark + ply, "x.ply", "mm"));
         CHECK(remarks_in(mark + ply, "x.ply").axes == FileAxes::Lps);
     }
@@ -229,17 +239,25 @@ TEST_SUITE("io/everyday_files")
     TEST_CASE("property: decimal commas are named, not taken for damage")
     {
         const std::pair<const char*, std::string> files[] = {
-            {"t.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0,5 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid x\n"},
+            {"t.stl",
+             "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0,5 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid "
+             "x\n"},
             {"t.obj", "v 0,5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
-            {"t.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\n"
-                      "end_header\n0,5 0 0\n3 0 0 0\n"},
+            {"t.ply",
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face "
+             "1\nproperty list uchar int vertex_index\n"
+             "end_header\n0,5 0 0\n3 0 0 0\n"},
             {"t.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0,5 0 0\n"},
-            {"t.vtp", "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
-                      "format=\"ascii\">\n0,5 0 0\n</DataArray></Points></Piece></PolyData></VTKFile>"}};
+            {"t.vtp",
+             "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Float32\" "
+             "NumberOfComponents=\"3\" "
+             "format=\"ascii\">\n0,5 0 0\n</DataArray></Points></Piece></PolyData></VTKFile>"}};
         for (const auto& [name, text] : files) {
             CAPTURE(name);
             const std::string said = refusal(text, name);
-            CHECK_MESSAGE(said.find("got \"0,5\"; expected a number with a decimal point, not a comma. Fix: export it again") != std::string::npos, said);
+            CHECK_MESSAGE(said.find("got \"0,5\"; expected a number with a decimal point, not a comma. Fix: export it again") !=
+                              std::string::npos,
+                          said);
         }
         CHECK(refusal("v zero, 0 0\n", "t.obj").find("decimal") == std::string::npos);
     }
@@ -262,10 +280,13 @@ TEST_SUITE("io/everyday_files")
         says("# space = right-anterior-superior\n# Units: centimeters\nv 0 0 0\n", "x.obj", FileAxes::Ras, "cm");
         says("v 0 0 0\no SPACE=RAS\n", "x.obj", FileAxes::Unsaid, "");
         says("ply\nformat ascii 1.0\nobj_info unit=inch\nend_header\nSPACE=RAS", "x.ply", FileAxes::Unsaid, "in");
-        says("# vtk DataFile Version 4.2\n3D Slicer output. SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 0 float\n", "x.vtk", FileAxes::Ras, "");
-        const std::string strings = "<Array type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">82 65 83 0</Array>";
+        says("# vtk DataFile Version 4.2\n3D Slicer output. SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 0 float\n", "x.vtk",
+             FileAxes::Ras, "");
+        const std::string strings =
+            "<Array type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">82 65 83 0</Array>";
         const auto vtp = [](const std::string& field) {
-            return "<VTKFile type=\"PolyData\"><PolyData><FieldData>" + field + "</FieldData><Piece NumberOfPoints=\"0\"></Piece></PolyData></VTKFile>";
+            return "<VTKFile type=\"PolyData\"><PolyData><FieldData>" + field +
+                   "</FieldData><Piece NumberOfPoints=\"0\"></Piece></PolyData></VTKFile>";
         };
         says(vtp(strings), "x.vtp", FileAxes::Ras, "");
         // UInt32 length 4, then "LPS\0", in base64
@@ -285,12 +306,14 @@ TEST_SUITE("io/everyday_files")
             REQUIRE(radius.size() == 3);
             for (std::size_t i = 0; i < 3; ++i) CHECK(radius[i] == test::about(expected[i]).epsilon(1e-14));
         };
-        for (const char* name : {"MaximumInscribedSphereRadius", "Radius", "radius", "RADIUS", "InscribedRadius", "vessel_radius"})
+        for (const char* name :
+             {"MaximumInscribedSphereRadius", "Radius", "radius", "RADIUS", "InscribedRadius", "vessel_radius"})
             same(read(array("Curvature", "9 9 9") + array(name, "3 2 1")));
         same(read(array("Diameter", "6 4 2")));
         same(read(array("OuterRadius", "9 9 9") + array("Radius", "3 2 1")));
         same(read(array("Radius", "9 9 9") + array("MaximumInscribedSphereRadius", "3 2 1")));
-        for (const std::string& arrays : {array("Thickness", "3 2 1"), array("OuterRadius", "3 2 1") + array("InnerRadius", "3 2 1")}) {
+        for (const std::string& arrays :
+             {array("Thickness", "3 2 1"), array("OuterRadius", "3 2 1") + array("InnerRadius", "3 2 1")}) {
             std::string said;
             try {
                 (void)read(arrays);
@@ -299,10 +322,12 @@ TEST_SUITE("io/everyday_files")
             }
             CHECK(said.find("expected the lumen's radius at each point") != std::string::npos);
         }
-        const std::string legacy = "# vtk DataFile Version 4.2\ncentreline\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 10 0 0 20 0 0\n"
-                                   "LINES 1 4\n3 0 1 2\nCELL_DATA 1\nFIELD FieldData 1\nId 1 1 int\n7\nPOINT_DATA 3\n";
-        for (const char* attribute : {"SCALARS Radius double\nLOOKUP_TABLE default\n3 2 1\n", "SCALARS Radius double 1\nLOOKUP_TABLE default\n3 2 1\n",
-                                      "NORMALS n float\n0 0 1 0 0 1 0 0 1\nFIELD FieldData 2\nT 2 3 int\n1 2 3 4 5 6\nRadius 1 3 double\n3 2 1\n"})
+        const std::string legacy =
+            "# vtk DataFile Version 4.2\ncentreline\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 10 0 0 20 0 0\n"
+            "LINES 1 4\n3 0 1 2\nCELL_DATA 1\nFIELD FieldData 1\nId 1 1 int\n7\nPOINT_DATA 3\n";
+        for (const char* attribute :
+             {"SCALARS Radius double\nLOOKUP_TABLE default\n3 2 1\n", "SCALARS Radius double 1\nLOOKUP_TABLE default\n3 2 1\n",
+              "NORMALS n float\n0 0 1 0 0 1 0 0 1\nFIELD FieldData 2\nT 2 3 int\n1 2 3 4 5 6\nRadius 1 3 double\n3 2 1\n"})
             same(parse_centreline(legacy + attribute, "c.vtk", "mm").radius);
     }
 
@@ -343,9 +368,10 @@ TEST_SUITE("io/everyday_files")
 
     TEST_CASE("property: lines that begin a step off the trunk, or beside each other at one inlet, are joined to it")
     {
-        std::vector<Vec3> points = {{0, 0, 0}, {10, 0, 0}, {20, 0, 0}, {10.5, 1, 0}, {10.5, 9, 0}, {0.1, 0.1, 0}, {9, -2, 0}, {18, -9, 0},
-                                    {500, 0, 0}, {510, 0, 0}};
-        const std::string file = centreline_vtp(points, {{0, 1, 2}, {3, 4}, {5, 6, 7}, {8, 9}}, array("Radius", "3 3 3 2 2 3 2 2 1 1"));
+        std::vector<Vec3> points = {{0, 0, 0},     {10, 0, 0}, {20, 0, 0},  {10.5, 1, 0}, {10.5, 9, 0},
+                                    {0.1, 0.1, 0}, {9, -2, 0}, {18, -9, 0}, {500, 0, 0},  {510, 0, 0}};
+        const std::string file =
+            centreline_vtp(points, {{0, 1, 2}, {3, 4}, {5, 6, 7}, {8, 9}}, array("Radius", "3 3 3 2 2 3 2 2 1 1"));
         const Centreline line = parse_centreline(file, "c.vtp", "mm");
         CHECK(std::count(line.parent.begin(), line.parent.end(), -1) == 2);  // the last line is nowhere near
         CHECK(line.points[0] == Vec3(0, 0, 0));
@@ -359,8 +385,9 @@ TEST_SUITE("io/everyday_files")
         if (!shared) return;
         const auto folder = *shared / "field-cases";
         if (!std::filesystem::is_directory(folder)) return test::skip("no shared field cases");
-        for (const char* name : {"00-tube-reference.stl", "01-slicer-field-before-points.vtk", "01b-fielddata-number-binary51.vtk",
-                                 "02-slicer-space-ras.stl", "03-uppercase-crlf.stl", "03b-utf8-bom.stl"}) {
+        for (const char* name :
+             {"00-tube-reference.stl", "01-slicer-field-before-points.vtk", "01b-fielddata-number-binary51.vtk",
+              "02-slicer-space-ras.stl", "03-uppercase-crlf.stl", "03b-utf8-bom.stl"}) {
             CAPTURE(name);
             const bool ascii_stl = std::string(name).starts_with("03");  // these two hold half of the tube
             CHECK(read_mesh(folder / name, "mm").triangles.size() == (ascii_stl ? 1000 : 2000));

@@ -125,7 +125,8 @@ std::string polygon_of(const std::vector<std::array<double, 2>>& corners)
 
 TEST_SUITE("io/hostile_files")
 {
-    TEST_CASE("property: a coordinate that is no number, or beyond a thousand kilometres, is refused by its vertex in every format")
+    TEST_CASE(
+        "property: a coordinate that is no number, or beyond a thousand kilometres, is refused by its vertex in every format")
     {
         for (const char* format : {"x.stl", "x.obj", "x.ply", "x.vtp", "x.vtk"})
             for (const char* word : {"nan", "inf", "-1e30", "1e400", "1000000001"}) {
@@ -215,7 +216,8 @@ TEST_SUITE("io/hostile_files")
         }
         CHECK(parse_mesh(polygon_of(tangled), "x.obj", "mm").triangles.size() == tangled.size() - 2);
         WorkBudget work("cutting its polygons into triangles", 1e6);
-        CHECK(has(refusal([&] { work.spend(1e6 + 1); }), "too tangled: cutting its polygons into triangles takes more than 1 million steps"));
+        CHECK(has(refusal([&] { work.spend(1e6 + 1); }),
+                  "too tangled: cutting its polygons into triangles takes more than 1 million steps"));
         CHECK(parse_mesh(polygon_of(round), "x.obj", "mm").triangles.size() == round.size() - 2);
     }
 
@@ -259,8 +261,10 @@ TEST_SUITE("io/hostile_files")
             });
         };
         CHECK(line("10", "1").empty());
-        for (const char* place : {"nan", "2e9", "1e300"}) CHECK(has(line(place, "1"), "expected coordinates within 1000000 m and a radius above 0"));
-        for (const char* radius : {"nan", "0", "-1", "1e300"}) CHECK(has(line("10", radius), "expected coordinates within 1000000 m and a radius above 0"));
+        for (const char* place : {"nan", "2e9", "1e300"})
+            CHECK(has(line(place, "1"), "expected coordinates within 1000000 m and a radius above 0"));
+        for (const char* radius : {"nan", "0", "-1", "1e300"})
+            CHECK(has(line("10", radius), "expected coordinates within 1000000 m and a radius above 0"));
     }
 
     TEST_CASE("property: every hostile mesh of the shared data is refused in one line or reported within its own box")

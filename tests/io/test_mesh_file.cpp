@@ -297,18 +297,21 @@ TEST_SUITE("scene/mesh_file")
                   .empty());
         CHECK(ply(ascii + three + vertices + one + faces + end + points + "200 0 1 2\n").find("announces 200 items") !=
               std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 3\n").find("got vertex 3 in a face; expected 0 to 2") !=
-              std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 3\n")
+                  .find("got vertex 3 in a face; expected 0 to 2") != std::string::npos);
         CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 -1\n").find("got vertex -1 in a face") !=
               std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 1e300\n").find("expected the number of a face's vertex") !=
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 1e300\n")
+                  .find("expected the number of a face's vertex") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1\n").find("expected a number") !=
               std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1\n").find("expected a number") != std::string::npos);
-        CHECK(ply(ascii + three + vertices + one + faces + end + points + "-3 0 1 2\n").find("announces -3 items") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "-3 0 1 2\n").find("announces -3 items") !=
+              std::string::npos);
         CHECK(ply(ascii + three + vertices + one + faces + end + "0 0 x\n").find("announces") != std::string::npos);
         CHECK(ply(ascii + three + vertices + one + faces + end + "0 0 x\n" + points + "3 0 1 2\n").find("\"x\"") !=
               std::string::npos);
-        CHECK(ply(ascii + three + "property float x\n" + one + faces + end + points).find("without x, y and z") != std::string::npos);
+        CHECK(ply(ascii + three + "property float x\n" + one + faces + end + points).find("without x, y and z") !=
+              std::string::npos);
         CHECK(ply(ascii + three + vertices + one + "property list uchar int other\n" + end + points + "3 0 1 2\n")
                   .find("vertex_indices") != std::string::npos);
         CHECK(ply(ascii + three + "property real x\n" + end).find("expected a type of PLY") != std::string::npos);

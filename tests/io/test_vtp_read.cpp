@@ -164,7 +164,8 @@ TEST_SUITE("core/vtp_read")
         check_damaged(file("", {ascii, ascii, ascii}, {"0 0 0 1.5 zero", good[1], good[2]}), "\"zero");
         check_damaged(file("", {ascii, ascii, ascii}, {good[0], "0 1 7", good[2]}), "which is not there");
         check_damaged(file("", {ascii, ascii, ascii}, {good[0], good[1], "9"}), "damaged");
-        check_damaged(file("compressor=\"vtkLZ4DataCompressor\"", {ascii, ascii, binary}, {good[0], good[1], base64(blocks[2])}), "vtkLZ4DataCompressor");
+        check_damaged(file("compressor=\"vtkLZ4DataCompressor\"", {ascii, ascii, binary}, {good[0], good[1], base64(blocks[2])}),
+                      "vtkLZ4DataCompressor");
         const std::string far = "format=\"appended\" offset=\"100000\"";
         check_damaged(file("", {far, ascii, ascii}, good, "<AppendedData encoding=\"raw\">_xx</AppendedData>"), "beyond the end");
         const std::string cut = base64(head<std::uint32_t>({72}) + blocks[0].substr(0, 66));

@@ -44,8 +44,9 @@ TEST_SUITE("math/block_cholesky")
     // The matrices' condition is below 30, so that L rounded to 6e-8 leaves less than 1e-6.
     TEST_CASE("twin: a dense solve, with blocks left out, in one piece and in two, stored in double and in single precision")
     {
-        for (const auto& [cut, from, tolerance] :
-             {std::tuple(-1, BlockCholesky::single_from, 1e-13), {4, BlockCholesky::single_from, 1e-13}, {-1, std::size_t{0}, 1e-6}}) {
+        for (const auto& [cut, from, tolerance] : {std::tuple(-1, BlockCholesky::single_from, 1e-13),
+                                                   {4, BlockCholesky::single_from, 1e-13},
+                                                   {-1, std::size_t{0}, 1e-6}}) {
             const Eigen::SparseMatrix<double> m = grid_matrix(9, 14, cut);
             const Eigen::Index n = m.rows();
             std::vector<unsigned char> skip(std::size_t(n / 3), 0);
@@ -65,7 +66,8 @@ TEST_SUITE("math/block_cholesky")
                 std::vector<double> x(rhs.data(), rhs.data() + n), y = x, z = x;
                 cholesky.solve(x, work);
                 CHECK((Eigen::Map<Eigen::VectorXd>(x.data(), n) - expected).norm() < tolerance * expected.norm());
-                CHECK(cholesky.single() == ((Eigen::Map<Eigen::VectorXd>(x.data(), n) - expected).norm() > 1e-13 * expected.norm()));
+                CHECK(cholesky.single() ==
+                      ((Eigen::Map<Eigen::VectorXd>(x.data(), n) - expected).norm() > 1e-13 * expected.norm()));
                 cholesky.solve(y, z, work);
                 CHECK(x == y);
                 CHECK(x == z);
@@ -98,7 +100,8 @@ TEST_SUITE("math/block_cholesky")
         CHECK(cholesky.factor(chain.sparseView()));
     }
 
-    // A beam of 600 places on springs. On stiff ones rounding of L is not felt; on springs of 1e-10 its softest answer would be off by 2e-4.
+    // A beam of 600 places on springs. On stiff ones rounding of L is not felt; on springs of 1e-10 its softest answer would be
+    // off by 2e-4.
     TEST_CASE("property: a factor is stored in single precision only if the softest answers stay accurate")
     {
         constexpr Eigen::Index n = 600;

@@ -161,8 +161,8 @@ TEST_CASE("W between many rows may be kept in single precision")
     CHECK(left > 1e-10);  // it is rounded
 }
 
-// So many rows are solved by GMRES, to 1e-11 of the right side, and what is known is used: sums of earlier right sides and one that
-// a solve of the whole has met.
+// So many rows are solved by GMRES, to 1e-11 of the right side, and what is known is used: sums of earlier right sides and one
+// that a solve of the whole has met.
 TEST_CASE("solutions with one matrix that follow each other are those of the dense matrix")
 {
     const int size = 24, m = 150;
@@ -187,8 +187,8 @@ TEST_CASE("solutions with one matrix that follow each other are those of the den
     for (int k = 0; k < 20; ++k) check(first.cwiseProduct(Eigen::VectorXd::LinSpaced(m, k, 1)));  // more than are kept
 }
 
-// Solutions of the identity, of which the second one's new part, 1e-7 of it, is smaller than its error of 1e-6. Were it kept, the sum for that
-// part would be ten times as large as it.
+// Solutions of the identity, of which the second one's new part, 1e-7 of it, is smaller than its error of 1e-6. Were it kept, the
+// sum for that part would be ten times as large as it.
 TEST_CASE("a known solution counts only if what it adds is more than its error")
 {
     const std::vector<double> first = {1, 0}, b = {1, 1e-7}, u = {1, 1e-7 + 1e-6}, asked = {0, 1};

@@ -14,8 +14,8 @@ using namespace seldinger;
 
 namespace {
 
-/// Largest distance between unknowns of one rod that a stencil joins: all within two nodes, but no coordinate with a spin two nodes
-/// on.
+/// Largest distance between unknowns of one rod that a stencil joins: all within two nodes, but no coordinate with a spin two
+/// nodes on.
 int widest(const DofMap& map)
 {
     int most = 0;

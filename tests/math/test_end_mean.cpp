@@ -26,8 +26,9 @@ EndMean::Mean ramp(double dt, double duration)
 
 TEST_SUITE("math/end_mean")
 {
-    // The step that ends at t has the force t all through it: the mean over 20 ms of a ramp is that 10 ms before the end, and half a step after, but for the oldest step,
-    // of which the mean takes a part p and the later one. Slots of several steps take theirs evenly: off by less than the square of a slot's time over 20 ms.
+    // The step that ends at t has the force t all through it: the mean over 20 ms of a ramp is that 10 ms before the end, and
+    // half a step after, but for the oldest step, of which the mean takes a part p and the later one. Slots of several steps take
+    // theirs evenly: off by less than the square of a slot's time over 20 ms.
     TEST_CASE("analytic: the mean of a ramp is over 20 ms, for steps of any length")
     {
         for (const double dt : {1e-5, 7e-5, 1e-4, 2.5e-4, 1e-3, 3e-3, 4e-3, 8e-3, 1.0 / 60}) {
@@ -38,7 +39,8 @@ TEST_SUITE("math/end_mean")
             double sum = 0, left = EndMean::span;
             for (double end = last; left > 1e-12; end -= dt) sum += end * std::min(dt, left), left -= dt;
             const double slot = EndMean::slot_time + dt;
-            CHECK(std::abs(mean.hand - sum / EndMean::span) <= 1e-9 + (dt < EndMean::slot_time ? slot * slot / EndMean::span : 0));
+            CHECK(std::abs(mean.hand - sum / EndMean::span) <=
+                  1e-9 + (dt < EndMean::slot_time ? slot * slot / EndMean::span : 0));
             CHECK(mean.friction == test::about(2 * mean.hand).epsilon(1e-9));
         }
     }

@@ -251,7 +251,8 @@ TEST_SUITE("math/node_factors")
         CHECK(row.block_count() > 1.5 * turn.block_count());
     }
 
-    // a coil: each place where strands touch couples nodes 40 apart. As they lie, the nodes between keep a column of each such place
+    // a coil: each place where strands touch couples nodes 40 apart. As they lie, the nodes between keep a column of each such
+    // place
     TEST_CASE("property: without a given order a rod that touches itself fills less than as its nodes lie, and is solved as well")
     {
         constexpr int coil = 120, count = RodDofs::count(coil);

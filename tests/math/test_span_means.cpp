@@ -56,7 +56,9 @@ TEST_SUITE("math/span_means")
             means.add(steps.back().first, steps.back().second);
             ends.push_back(time += steps.back().second);
             // sums of 400 steps of up to 3 over 10 s, taken from each other: 400 * 30 * 1e-16 over the span
-            if (means.full()) CHECK(means.mean() == test::about((integral_to(steps, time) - integral_to(steps, time - 0.02)) / 0.02).scale(1).epsilon(1e-10));
+            if (means.full())
+                CHECK(means.mean() ==
+                      test::about((integral_to(steps, time) - integral_to(steps, time - 0.02)) / 0.02).scale(1).epsilon(1e-10));
         }
         for (const double end : ends) {
             if (end + 0.02 <= time) most = std::max(most, integral_to(steps, end + 0.02) - integral_to(steps, end));

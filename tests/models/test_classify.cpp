@@ -1,4 +1,5 @@
-// engine/studies/models/classify: each criterion of failure on histories whose verdict is known, and the energy balance on real wires.
+// engine/studies/models/classify: each criterion of failure on histories whose verdict is known, and the energy balance on real
+// wires.
 
 #include "models/classify.h"
 

@@ -21,7 +21,8 @@ struct StraightWire : OneWire {
     explicit StraightWire(int edges) : OneWire(edges + 1, capacity)
     {
         std::vector<Vec3> nodes;
-        for (int i = 0; i <= edges; ++i) nodes.push_back({length * (i + 0.1 * std::sin(3.0 * i) * (i % edges != 0)) / edges, 0, 0});
+        for (int i = 0; i <= edges; ++i)
+            nodes.push_back({length * (i + 0.1 * std::sin(3.0 * i) * (i % edges != 0)) / edges, 0, 0});
         place(nodes);
         set_rest_shape(rod, spec, false);
     }
@@ -31,8 +32,9 @@ struct StraightWire : OneWire {
 
 TEST_SUITE("nodes/adapt")
 {
-    // e(h) = l D h^2/(12 B) + T h^2/12: D the jump of shear and T the turning of an edge's two nodes, half of each (nodes/adapt.h). The tip's error by shear
-    // has |M_j+1 - M_j| h^2/(6 B) besides, of the place of angles, and that by twist another direction. One material has no offsets.
+    // e(h) = l D h^2/(12 B) + T h^2/12: D the jump of shear and T the turning of an edge's two nodes, half of each
+    // (nodes/adapt.h). The tip's error by shear has |M_j+1 - M_j| h^2/(6 B) besides, of the place of angles, and that by twist
+    // another direction. One material has no offsets.
     TEST_CASE("analytic: errors of shear and of twist add up over the edges, and each edge is as long as its own allows")
     {
         StraightWire wire(12);
@@ -48,9 +50,11 @@ TEST_SUITE("nodes/adapt")
         const auto expected = [&](bool shear, bool twist, int j, double lever) {
             const auto jump = [&](int i) {
                 i = std::clamp(i, 1, rod.n - 2);  // ends are judged as their neighbours
-                return ((moment[i + 1] - moment[i]) / rod.rest_length[i] - (moment[i] - moment[i - 1]) / rod.rest_length[i - 1]).norm();
+                return ((moment[i + 1] - moment[i]) / rod.rest_length[i] - (moment[i] - moment[i - 1]) / rod.rest_length[i - 1])
+                    .norm();
             };
-            return (shear ? lever * 0.5 * (jump(j) + jump(j + 1)) / (12 * 5e-4) : 0.0) + (twist ? 0.5 * (turning[j] + turning[j + 1]) / 12 : 0.0);
+            return (shear ? lever * 0.5 * (jump(j) + jump(j + 1)) / (12 * 5e-4) : 0.0) +
+                   (twist ? 0.5 * (turning[j] + turning[j + 1]) / 12 : 0.0);
         };
         const std::vector<Vec3> none(n, Vec3::Zero());
         for (const auto& [shear, twist] : {std::pair(true, false), {false, true}, {true, true}}) {
@@ -59,8 +63,10 @@ TEST_SUITE("nodes/adapt")
             demands.moment = shear ? std::span<const Vec3>(moment) : std::span<const Vec3>(none);
             demands.turning = twist ? std::span<const double>(turning) : std::span<const double>();
             double turned = 0, twisted = 0;
-            for (int j = 0; j + 1 < rod.n; ++j) {  // where nothing touches, the tip is moved by an edge's angle over its distance from the middle of the edge
-                const double lever = 0.5 * (rod.material_s[j] + rod.material_s[j + 1]), square = rod.rest_length[j] * rod.rest_length[j];
+            for (int j = 0; j + 1 < rod.n; ++j) {  // where nothing touches, the tip is moved by an edge's angle over its distance
+                                                   // from the middle of the edge
+                const double lever = 0.5 * (rod.material_s[j] + rod.material_s[j + 1]),
+                             square = rod.rest_length[j] * rod.rest_length[j];
                 turned += expected(shear, false, j, lever) * square;
                 if (shear) turned += (moment[j + 1] - moment[j]).norm() / (6 * 5e-4) * square;
                 twisted += expected(false, twist, j, lever) * square;
@@ -70,7 +76,8 @@ TEST_SUITE("nodes/adapt")
             const std::span<const double> longest = wire.planner.longest_edges(rod, wire.spec, demands);
             int judged = 0;
             for (int j = 0; j + 1 < rod.n; ++j) {
-                const double allowed = std::sqrt(wire.spec.edge_error / expected(shear, twist, j, std::min(rod.material_s[j + 1], longest_lever)));
+                const double allowed =
+                    std::sqrt(wire.spec.edge_error / expected(shear, twist, j, std::min(rod.material_s[j + 1], longest_lever)));
                 CHECK(longest[j] == about(std::clamp(allowed, wire.spec.min_edge, wire.spec.max_edge)).epsilon(1e-12));
                 judged += allowed > wire.spec.min_edge && allowed < wire.spec.max_edge;
             }
@@ -78,7 +85,8 @@ TEST_SUITE("nodes/adapt")
         }
     }
 
-    // A preformed bend that a lumen holds straight: its moments rise, and there is no curve between nodes that a polyline could miss.
+    // A preformed bend that a lumen holds straight: its moments rise, and there is no curve between nodes that a polyline could
+    // miss.
     TEST_CASE("property: where moments hold a wire straight the polyline misses no bending energy")
     {
         StraightWire wire(12);

@@ -142,7 +142,8 @@ TEST_SUITE("nodes/split")
             }
     }
 
-    // Of a circle the cubic is off by O(h^4) where its end has the circle's curvature; taken for straight there it is off by h^2/32.
+    // Of a circle the cubic is off by O(h^4) where its end has the circle's curvature; taken for straight there it is off by
+    // h^2/32.
     TEST_CASE("analytic: the point of a split at a free end lies on an arc at rest")
     {
         for (const bool tip : {true, false}) {

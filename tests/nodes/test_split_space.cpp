@@ -13,8 +13,8 @@ namespace {
 
 constexpr int edges = 9;
 
-/// Lies on a curve with its rest length as it lies, edges of uneven length, angles and spins of no order. The curve has a torsion:
-/// a frame that is carried along other chords arrives turned.
+/// Lies on a curve with its rest length as it lies, edges of uneven length, angles and spins of no order. The curve has a
+/// torsion: a frame that is carried along other chords arrives turned.
 struct UnevenWire : OneWire {
     WireSpec spec = uniform_spec(10.0, 0.8, 0.6, 400.0);
     explicit UnevenWire(bool straight) : OneWire(edges + 1, edges + 3)
@@ -75,7 +75,8 @@ TEST_SUITE("nodes/split")
 {
     // The twist of the node that goes is shared out by the lengths. The merged edge's director, carried from a chord that lies
     // otherwise, changes the reference twist at both of its ends. Its angle can take back one change or half of the sum.
-    TEST_CASE("property: a merge changes the twist at both ends of the merged edge alike, and at a free end's neighbour not at all")
+    TEST_CASE(
+        "property: a merge changes the twist at both ends of the merged edge alike, and at a free end's neighbour not at all")
     {
         for (const bool held : {false, true})
             for (int node = 1; node < edges; ++node) {
@@ -85,7 +86,8 @@ TEST_SUITE("nodes/split")
                 if (held) wire.hold_hub();
                 const auto n = static_cast<std::size_t>(node);
                 const std::vector<double> before = wire.twists();
-                const double first = wire.rod.rest_length[node - 1], second = wire.rod.rest_length[node], share = second / (first + second);
+                const double first = wire.rod.rest_length[node - 1], second = wire.rod.rest_length[node],
+                             share = second / (first + second);
                 merge_edges(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), node);
                 wire.node_moved(-1);
                 const std::vector<double> after = wire.twists();
@@ -139,7 +141,9 @@ TEST_SUITE("nodes/split")
                 CAPTURE(fraction);
                 UnevenWire wire(true);
                 const RodView& old = wire.rod;
-                const auto slope = [&](std::span<const double> rate, int i) { return (rate[i] - rate[i - 1]) / old.voronoi_length(i); };
+                const auto slope = [&](std::span<const double> rate, int i) {
+                    return (rate[i] - rate[i - 1]) / old.voronoi_length(i);
+                };
                 const double length = old.rest_length[edge], first = fraction * length, second = length - first;
                 const double spins[2] = {slope(old.spin_rate, edge), slope(old.spin_rate, edge + 1)};
                 const double rates[2] = {slope(old.spin_acc, edge), slope(old.spin_acc, edge + 1)}, acc = old.spin_acc[edge];
@@ -147,13 +151,15 @@ TEST_SUITE("nodes/split")
                 wire.node_moved(1);
                 const RodView& rod = wire.rod;
                 REQUIRE(rod.rest_length[edge] == about(first).epsilon(1e-12));
-                CHECK(rod.spin_rate[edge + 1] - rod.spin_rate[edge] == about(0.5 * (spins[0] * second + spins[1] * first)).epsilon(1e-11));
+                CHECK(rod.spin_rate[edge + 1] - rod.spin_rate[edge] ==
+                      about(0.5 * (spins[0] * second + spins[1] * first)).epsilon(1e-11));
                 CHECK(rod.spin_acc[edge] == about(acc - 0.5 * rates[0] * second).epsilon(1e-12));
                 CHECK(rod.spin_acc[edge + 1] == about(acc + 0.5 * rates[1] * first).epsilon(1e-12));
             }
     }
 
-    TEST_CASE("analytic: a new node's acceleration is between its neighbours', and a merged edge's spin rate their mean by length")
+    TEST_CASE(
+        "analytic: a new node's acceleration is between its neighbours', and a merged edge's spin rate their mean by length")
     {
         UnevenWire wire(true);
         for (int i = 0; i <= edges; ++i) wire.rod.ax[i] = 2.0 * i * i, wire.rod.ay[i] = -i, wire.rod.az[i] = 0.5;
@@ -188,8 +194,10 @@ TEST_SUITE("nodes/split")
                 for (int i = 0; i + 1 < wire.rod.n; ++i) sum += wire.rod.mass[i] * wire.rod.vel(i);
                 return sum;
             };
-            const double first = wire.rod.rest_length[edges - 2], second = wire.rod.rest_length[edges - 1], length = wire.rod.material_s[edges];
-            const double mean = (first * force(edges - 2) + second * force(edges - 1)) / (first + second), base = force(edges - 1);
+            const double first = wire.rod.rest_length[edges - 2], second = wire.rod.rest_length[edges - 1],
+                         length = wire.rod.material_s[edges];
+            const double mean = (first * force(edges - 2) + second * force(edges - 1)) / (first + second),
+                         base = force(edges - 1);
             const Vec3 before = momentum();
             SplitScratch scratch;
             const SplitResult result = birth ? split_base_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps), 0.9, scratch)
@@ -217,7 +225,9 @@ TEST_SUITE("nodes/split")
             for (int k = 0; k < 3; ++k)
                 for (int i = 1; i < edges; ++i) rests[k][i] = 0.1 * (k + 1) + 0.02 * i * i;
             const auto sums = [&](int k) {
-                const std::span<double> rest = k == 0 ? wire.rod.rest_kappa1 : k == 1 ? wire.rod.rest_kappa2 : wire.rod.rest_twist;
+                const std::span<double> rest = k == 0   ? wire.rod.rest_kappa1
+                                               : k == 1 ? wire.rod.rest_kappa2
+                                                        : wire.rod.rest_twist;
                 double sum = 0, moment = 0;
                 for (int i = 0; i < wire.rod.n; ++i) sum += rest[i], moment += rest[i] * wire.rod.material_s[i];
                 return std::pair(sum, moment);
@@ -237,7 +247,8 @@ TEST_SUITE("nodes/split")
             const double rates[3] = {1.5, -0.7, 0.4};
             for (int i = 0; i <= edges; ++i) {
                 const double cell = wire.rod.voronoi_length(i);
-                wire.rod.rest_kappa1[i] = rates[0] * cell, wire.rod.rest_kappa2[i] = rates[1] * cell, wire.rod.rest_twist[i] = rates[2] * cell;
+                wire.rod.rest_kappa1[i] = rates[0] * cell, wire.rod.rest_kappa2[i] = rates[1] * cell,
+                wire.rod.rest_twist[i] = rates[2] * cell;
             }
             split_edge(WireNodes(wire.arrays, 0, wire.spec, wire.clamps, true), edge, 0.3);
             wire.node_moved(1);
@@ -266,7 +277,8 @@ TEST_SUITE("nodes/split")
         const double turn = curvature_of(knee.rod);
         REQUIRE(turn > 0.29);
         for (int i = 0; i < 3; ++i)  // per length the same in all cells, as of one node nothing else is known
-            CHECK(std::hypot(knee.rod.rest_kappa1[i], knee.rod.rest_kappa2[i]) == about(turn * knee.rod.voronoi_length(i)).epsilon(1e-12));
+            CHECK(std::hypot(knee.rod.rest_kappa1[i], knee.rod.rest_kappa2[i]) ==
+                  about(turn * knee.rod.voronoi_length(i)).epsilon(1e-12));
     }
 }
 

@@ -121,7 +121,9 @@ std::vector<RunMiddle> run_middles(const std::vector<std::uint8_t>& mask, int co
 std::vector<std::array<int, 2>> skeleton_of(std::vector<std::uint8_t> on, int columns, int rows)
 {
     for (std::uint8_t& p : on) p = p != 0;
-    const auto at = [&](int c, int r) { return c >= 0 && r >= 0 && c < columns && r < rows ? on[static_cast<std::size_t>(r * columns + c)] : 0; };
+    const auto at = [&](int c, int r) {
+        return c >= 0 && r >= 0 && c < columns && r < rows ? on[static_cast<std::size_t>(r * columns + c)] : 0;
+    };
     for (bool changed = true; changed;) {
         changed = false;
         for (int pass = 0; pass < 2; ++pass) {
@@ -135,7 +137,8 @@ std::vector<std::array<int, 2>> skeleton_of(std::vector<std::uint8_t> on, int co
                     for (int k = 0; k < 8; ++k) count += p[k], rises += !p[k] && p[(k + 1) % 8];
                     const bool first = pass == 0 ? !(p[0] && p[2] && p[4]) : !(p[0] && p[2] && p[6]);
                     const bool second = pass == 0 ? !(p[2] && p[4] && p[6]) : !(p[0] && p[4] && p[6]);
-                    if (count >= 2 && count <= 6 && rises == 1 && first && second) gone.push_back(static_cast<std::size_t>(r * columns + c));
+                    if (count >= 2 && count <= 6 && rises == 1 && first && second)
+                        gone.push_back(static_cast<std::size_t>(r * columns + c));
                 }
             for (const std::size_t k : gone) on[k] = 0;
             changed |= !gone.empty();
@@ -236,7 +239,8 @@ TEST_SUITE("pictures/labels")
                 covered += static_cast<double>(count_of(truth.mask, 1));
                 for (std::size_t i = 0; i + 1 < wire.pixels.size(); ++i) {
                     REQUIRE(wire.pixels[i].in_field);
-                    const double length = std::hypot(wire.pixels[i + 1].column - wire.pixels[i].column, wire.pixels[i + 1].row - wire.pixels[i].row);
+                    const double length = std::hypot(wire.pixels[i + 1].column - wire.pixels[i].column,
+                                                     wire.pixels[i + 1].row - wire.pixels[i].row);
                     area += length * 2 * wire.radius * project(truth.view, wire.centreline[i]).magnification / truth.view.pixel;
                 }
             }
@@ -321,7 +325,8 @@ TEST_SUITE("pictures/labels")
             CArm arm = arm_of(21, 1e-3);
             const double top = 0.5e-3, bottom = -(0.5 + fraction) * 1e-3;  // up, from the middle row's centre [m]
             const Vec3 middle(0, 0, 0.5 * (top + bottom));
-            const PictureTruth truth = truth_of(arm, frame_of({test::straight_wire(middle - Vec3(0.02, 0, 0), middle + Vec3(0.02, 0, 0), 0.5 * (top - bottom))}));
+            const PictureTruth truth = truth_of(
+                arm, frame_of({test::straight_wire(middle - Vec3(0.02, 0, 0), middle + Vec3(0.02, 0, 0), 0.5 * (top - bottom))}));
             CHECK(truth.mask[10 * 21 + 10] == 1);
             CHECK(truth.mask[9 * 21 + 10] == 0);
             CHECK(truth.mask[11 * 21 + 10] == (fraction > 0.5 ? 1 : 0));
@@ -330,11 +335,13 @@ TEST_SUITE("pictures/labels")
 
     TEST_CASE("property: of three instruments in each other the inner one wins, whatever the order in the scene")
     {
-        const WireLine sheath = test::straight_wire(Vec3(0, 0, 0), Vec3(0.02, 0, 0), 1.5e-3), catheter = test::straight_wire(Vec3(-0.01, 0, 0), Vec3(0.02, 0, 0), 1e-3),
+        const WireLine sheath = test::straight_wire(Vec3(0, 0, 0), Vec3(0.02, 0, 0), 1.5e-3),
+                       catheter = test::straight_wire(Vec3(-0.01, 0, 0), Vec3(0.02, 0, 0), 1e-3),
                        wire = test::straight_wire(Vec3(-0.02, 0, 0), Vec3(0.02, 0, 0), 4e-4);
         const PictureTruth truth = truth_of(arm_of(161, 3e-4), frame_of({sheath, catheter, wire}));
         const PictureTruth turned = truth_of(arm_of(161, 3e-4), frame_of({wire, catheter, sheath}));
-        for (std::size_t k = 0; k < truth.mask.size(); ++k) REQUIRE((truth.mask[k] == 0 ? 0 : 4 - truth.mask[k]) == turned.mask[k]);
+        for (std::size_t k = 0; k < truth.mask.size(); ++k)
+            REQUIRE((truth.mask[k] == 0 ? 0 : 4 - truth.mask[k]) == turned.mask[k]);
         const auto at = [&](double x, double z) {  // [m]
             return truth.mask[static_cast<std::size_t>(std::lround(80 - z / 3e-4) * 161 + std::lround(80 + x / 3e-4))];
         };
@@ -392,11 +399,13 @@ TEST_SUITE("pictures/labels")
     TEST_CASE("property: what lies outside of the field is said, and warned of with the tip")
     {
         const CArm arm = arm_of(101, 3e-4);  // 30 mm at the isocentre
-        const WireFrame frame = frame_of({test::straight_wire(Vec3(0, 0, 0), Vec3(0.03, 0, 0), 3e-4), test::straight_wire(Vec3(0.03, 0, 0), Vec3(0, 0, 0), 3e-4)});
+        const WireFrame frame = frame_of({test::straight_wire(Vec3(0, 0, 0), Vec3(0.03, 0, 0), 3e-4),
+                                          test::straight_wire(Vec3(0.03, 0, 0), Vec3(0, 0, 0), 3e-4)});
         const PictureTruth truth = truth_of(arm, frame);
         CHECK(truth.instruments[0].pixels.front().in_field);
         CHECK_FALSE(truth.instruments[0].pixels.back().in_field);
-        const double piece = 1.0 / static_cast<double>(truth.instruments[0].centreline.size() - 1);  // the one that leaves counts as half
+        const double piece =
+            1.0 / static_cast<double>(truth.instruments[0].centreline.size() - 1);  // the one that leaves counts as half
         CHECK(std::abs(truth.instruments[0].cut_off - 0.5) < 0.5 * piece + 1e-12);
         LabelWarnings warnings;
         warnings.take_in(truth);
@@ -413,7 +422,8 @@ TEST_SUITE("pictures/labels")
 
     TEST_CASE("property: a contact between instruments pushes on both alike, one on the wall on its own instrument")
     {
-        WireFrame frame = frame_of({test::straight_wire(Vec3(0, 0, 0), Vec3(0.01, 0, 0), 1e-3), test::straight_wire(Vec3(0, 0, 0), Vec3(0.01, 0, 0), 3e-4)});
+        WireFrame frame = frame_of({test::straight_wire(Vec3(0, 0, 0), Vec3(0.01, 0, 0), 1e-3),
+                                    test::straight_wire(Vec3(0, 0, 0), Vec3(0.01, 0, 0), 3e-4)});
         ContactMark wall{Vec3(0.002, 0, 0.001), Vec3::UnitZ(), 0.25};
         wall.instrument = 1, wall.friction = Vec3(0.1, 0, 0);
         ContactMark both = wall;

@@ -368,13 +368,15 @@ TEST_SUITE("pictures/render")
         }
         write_text(dir.path / "summary.json", "{ \"task\": ");
         check_refused(dir.path, {}, ErrorKind::BadFile, "summary.json: got something that is not JSON");
-        write_text(dir.path / "summary.json", R"({"task": {"target": "left", "target_at_m": [0.1, 0.2, 0.3], "target_radius_m": 0.004}})");
+        write_text(dir.path / "summary.json",
+                   R"({"task": {"target": "left", "target_at_m": [0.1, 0.2, 0.3], "target_radius_m": 0.004}})");
         const std::optional<TargetMark> target = read_run_folder(dir.path).target;
         REQUIRE(target);
         CHECK(target->at == Vec3(0.1, 0.2, 0.3));
         CHECK(target->radius == 0.004);
         CHECK(target->name == "left");
-        for (const char* none : {R"({"task": {"target": null}})", R"({"task": {"target": "left", "target_at_m": [0, 1]}})", "[]", "{}"}) {
+        for (const char* none :
+             {R"({"task": {"target": null}})", R"({"task": {"target": "left", "target_at_m": [0, 1]}})", "[]", "{}"}) {
             write_text(dir.path / "summary.json", none);
             CHECK_FALSE(read_run_folder(dir.path).target);
         }

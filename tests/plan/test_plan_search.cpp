@@ -329,7 +329,8 @@ TEST_SUITE("plan/plan_search")
         CHECK(left_out(model) == std::vector<std::string>{"control edges of 4 mm"});
     }
 
-    // A rod each costs as much as five centrelines. What hands feel is within the goals with friction only where they ask for that.
+    // A rod each costs as much as five centrelines. What hands feel is within the goals with friction only where they ask for
+    // that.
     TEST_CASE("property: one centreline is tried with friction in the lumen and without; whichever is chosen, the other is named")
     {
         const SearchGrid grid = search_grid(reference_with(201, 1e-3), 1.0 / 30, 1.0 / 30);

@@ -57,7 +57,8 @@ position = true
 /// A wire fed through a tube; {}: record_every.
 constexpr const char* through =
     "[scene]\nduration_s = 0.5\ndt_s = 0.003\nrecord_every = {}\ngravity = [0.0, 0.0, -9.81]\n"
-    "[wire]\nlength_m = 0.12\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = 1e4\nnodes = 41\n"
+    "[wire]\nlength_m = 0.12\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = 1e4\nnodes = "
+    "41\n"
     "[vessel]\nshape = \"tube\"\naxis = [1.0, 0.0, 0.0]\nradius_m = 0.004\nlength_m = 0.04\ntriangles = 2000\n"
     "[feed]\npoint = [0.002, 0.0, -0.003]\ndirection = [1.0, 0.0, -0.04]\n"
     "keys = [{{ t_s = 0.0, advance_m = 0.005 }}, {{ t_s = 0.5, advance_m = 0.055 }}]\n";
@@ -169,9 +170,10 @@ TEST_SUITE("record/recorder")
         CHECK(summary["status"] == "stopped");
     }
 
-    // A twin of half the step finds no difference in a step that was divided: with a third of them, 1.5 times the difference is what it would be
-    // without safety. A step that missed the tolerance in its smallest parts is no state of equilibrium at all.
-    TEST_CASE("property: divided steps are counted, and are a warning from a third on; a single one that missed the tolerance is one")
+    // A twin of half the step finds no difference in a step that was divided: with a third of them, 1.5 times the difference is
+    // what it would be without safety. A step that missed the tolerance in its smallest parts is no state of equilibrium at all.
+    TEST_CASE(
+        "property: divided steps are counted, and are a warning from a third on; a single one that missed the tolerance is one")
     {
         const TempFolder folder;
         const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
@@ -216,7 +218,8 @@ TEST_SUITE("record/recorder")
         CHECK(std::stod(row) == test::about(0.02).epsilon(1e-6));  // 2 rad/s for 10 ms, nothing against it
     }
 
-    TEST_CASE("property: the greatest loads and hand force, with place and time, are those of every step however few rows there are")
+    TEST_CASE(
+        "property: the greatest loads and hand force, with place and time, are those of every step however few rows there are")
     {
         const auto run = [](int every) {
             const TempFolder folder;

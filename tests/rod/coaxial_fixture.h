@@ -96,7 +96,8 @@ public:
         if (!update_coaxial(rod, line, trial, base, frames)) return std::nan("");
         if (gradient) {
             gradient->setZero(size());
-            add_coaxial({rod, line, trial, base, frames}, {gradient->data(), static_cast<std::size_t>(size())}, nullptr, HessianMode::None);
+            add_coaxial({rod, line, trial, base, frames}, {gradient->data(), static_cast<std::size_t>(size())}, nullptr,
+                        HessianMode::None);
         }
         const double energy = coaxial_energy({rod, line, trial, base, frames});
         if (accept) take(trial);

@@ -26,7 +26,13 @@ struct OwnedTrial {
     }
     [[nodiscard]] RodTrial view() const { return {x, y, z, theta}; }
     /// Unknown 4 i + c.
-    double& operator[](int q) { return (q % RodDofs::per_node == 0 ? x : q % RodDofs::per_node == 1 ? y : RodDofs::is_spin(q) ? theta : z)[RodDofs::node(q)]; }
+    double& operator[](int q)
+    {
+        return (q % RodDofs::per_node == 0   ? x
+                : q % RodDofs::per_node == 1 ? y
+                : RodDofs::is_spin(q)        ? theta
+                                             : z)[RodDofs::node(q)];
+    }
 };
 
 struct OneWire {
@@ -37,7 +43,9 @@ struct OneWire {
     BandMatrix band;
 
     explicit OneWire(int n, int capacity = 0)
-        : arrays(std::vector<int>{std::max(n, capacity)}), frames(std::max(n, capacity)), band(RodDofs::count(std::max(n, capacity)))
+        : arrays(std::vector<int>{std::max(n, capacity)}),
+          frames(std::max(n, capacity)),
+          band(RodDofs::count(std::max(n, capacity)))
     {
         arrays.set_node_count(0, n);
         rod = arrays.view(0);

@@ -184,7 +184,8 @@ TEST_SUITE("rod/coaxial")
             CHECK(largest(h - own_h) < 1e-13 * largest(h));
             const CoaxialHands hands = c.hands();
             CHECK(hands.torque[0] == about(clamp_torque(wire.rod, wire.clamps, wire.frames, 0)).epsilon(1e-12));
-            CHECK(hands.push(0, 0, 1) == about(feed_force(wire.rod, c.specs[0], wire.clamps, wire.frames, Vec3::Zero())).epsilon(1e-12));
+            CHECK(hands.push(0, 0, 1) ==
+                  about(feed_force(wire.rod, c.specs[0], wire.clamps, wire.frames, Vec3::Zero())).epsilon(1e-12));
         }
     }
 

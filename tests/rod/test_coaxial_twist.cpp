@@ -132,7 +132,8 @@ TEST_SUITE("nodes/coaxial_nodes")
                 double length[2];
                 for (const int k : {0, 1}) {
                     const int j = node - 1 + k;
-                    line.rest_length[j] = length[k] = (line.pos(j + 1) - line.pos(j)).norm() / (1 + tension[k] / line.stretch_stiffness[j]);
+                    line.rest_length[j] = length[k] =
+                        (line.pos(j + 1) - line.pos(j)).norm() / (1 + tension[k] / line.stretch_stiffness[j]);
                 }
                 for (int i = 1; i < line.n; ++i) line.material_s[i] = line.material_s[i - 1] + line.rest_length[i - 1];
                 prepare_group(pair.arrays, pair.wires, pair.rod);
@@ -175,7 +176,9 @@ TEST_SUITE("nodes/coaxial_nodes")
                 CAPTURE(edge);
                 CAPTURE(base);
                 Pair pair(false);
-                const auto rate = [&](int w, int i) { return pair.twist(w, i) / pair.rod.cells[static_cast<std::size_t>(i)].length; };
+                const auto rate = [&](int w, int i) {
+                    return pair.twist(w, i) / pair.rod.cells[static_cast<std::size_t>(i)].length;
+                };
                 double before[2][2], spin[2];
                 const Vec3 momentum = pair.momentum();
                 for (const int w : pair.wires) {
@@ -223,7 +226,8 @@ TEST_SUITE("nodes/coaxial_nodes")
         double differ[2];  // the hub does not turn faster than its edge
         for (const int w : pair.wires) {
             const std::span<const double> spin = pair.arrays.view(w).spin_rate;
-            differ[w] = 0.5 * (spin[edges - 1] - spin[edges - 2]) / line.voronoi_length(edges - 1) * 0.7 * line.rest_length[edges - 1];
+            differ[w] =
+                0.5 * (spin[edges - 1] - spin[edges - 2]) / line.voronoi_length(edges - 1) * 0.7 * line.rest_length[edges - 1];
         }
         (void)split_base_edge(pair.nodes(), 0.3, pair.scratch);
         for (const int w : pair.wires) {

@@ -87,7 +87,8 @@ struct Step {
     Eigen::VectorXd change, force;  // q1 - q0, G
     double energy = 0;              // E(q1) - E(q0)
 
-    Step(OneWire& wire, double size, unsigned seed) : before(wire.rod.n), change(RodDofs::count(wire.rod.n)), force(RodDofs::count(wire.rod.n))
+    Step(OneWire& wire, double size, unsigned seed)
+        : before(wire.rod.n), change(RodDofs::count(wire.rod.n)), force(RodDofs::count(wire.rod.n))
     {
         const int n = wire.rod.n;
         std::mt19937 rng(seed);
@@ -166,7 +167,8 @@ TEST_SUITE("rod/discrete_gradient")
                 const Step step(wire, size, 9);
                 Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
                 for (int i = 0; i < wire.rod.n; ++i) {
-                    const Vec3 f = to_vec3(step.force.segment<3>(RodDofs::position(i))), moved = to_vec3(step.change.segment<3>(RodDofs::position(i)));
+                    const Vec3 f = to_vec3(step.force.segment<3>(RodDofs::position(i))),
+                               moved = to_vec3(step.change.segment<3>(RodDofs::position(i)));
                     force += f;
                     moment += (wire.rod.pos(i) + 0.5 * moved).cross(f);
                     if (i < wire.rod.n - 1) {

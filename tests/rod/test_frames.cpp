@@ -91,7 +91,9 @@ TEST_SUITE("rod/frames")
         CHECK_FALSE(wire.update(zero));
 
         OwnedTrial folded = good;  // node 4 put back onto the line from 3 to 2
-        for (int c = 0; c < 3; ++c) folded[RodDofs::position(4, c)] = folded[RodDofs::position(3, c)] + 0.7 * (folded[RodDofs::position(2, c)] - folded[RodDofs::position(3, c)]);
+        for (int c = 0; c < 3; ++c)
+            folded[RodDofs::position(4, c)] =
+                folded[RodDofs::position(3, c)] + 0.7 * (folded[RodDofs::position(2, c)] - folded[RodDofs::position(3, c)]);
         CHECK_FALSE(wire.update(folded));
 
         for (const int unknown : {4 * 2, 4 * 2 + 3}) {

@@ -50,7 +50,8 @@ TEST_SUITE("rod/lumen press")
                 REQUIRE(press.solve(spacing, 200) < 200);
                 const double length = std::sqrt(12 * bend * share * clearance / moment), force = moment / length;
                 CAPTURE(length);
-                CHECK(in_all(press) == about(2 * force).epsilon(0.25 * force / (2e7 * spacing * share * clearance) + 2 * spacing / length));
+                CHECK(in_all(press) ==
+                      about(2 * force).epsilon(0.25 * force / (2e7 * spacing * share * clearance) + 2 * spacing / length));
                 CHECK(std::abs(std::arg(press.off[0] / press.end.moment)) < 1e-6);  // its rim is on the side that it comes from
             }
     }
@@ -71,7 +72,8 @@ TEST_SUITE("rod/lumen press")
     {
         const double curved = 4.0;  // M'' [N/m]
         LumenPress press = press_over(600);
-        for (std::size_t i = 0; i < 600; ++i) press.places[i].moment = 0.5 * curved * std::pow(static_cast<double>(i) * spacing, 2);
+        for (std::size_t i = 0; i < 600; ++i)
+            press.places[i].moment = 0.5 * curved * std::pow(static_cast<double>(i) * spacing, 2);
         REQUIRE(press.solve(spacing, 200) < 200);
         double middle = 0;
         for (std::size_t i = 200; i < 400; ++i) middle += press.force[i];

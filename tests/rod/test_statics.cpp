@@ -354,7 +354,8 @@ TEST_SUITE("rod/elastic")
                     const double force = feed_force(wire.rod, spec, wire.clamps, wire.frames, gravity);
                     CHECK(force == about(numeric).epsilon(1e-8));
                     // the weight is there to be seen
-                    CHECK(std::abs(force - feed_force(wire.rod, spec, wire.clamps, wire.frames, Vec3::Zero())) > 1e-4 * std::abs(force));
+                    CHECK(std::abs(force - feed_force(wire.rod, spec, wire.clamps, wire.frames, Vec3::Zero())) >
+                          1e-4 * std::abs(force));
                 }
     }
 

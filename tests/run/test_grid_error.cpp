@@ -58,19 +58,20 @@ std::pair<double, GridErrors> patch_at_end(const Scene& scene)
 
 TEST_SUITE("run/grid_error")
 {
-    // With an end load P the nodes of a straight cantilever have the exact moments P x, and their energy sum l M^2/(2 B) is that of
-    // the trapezoid rule: P^2 L^3/(6 B) (1 + 1/(2 n^2)). The deflection is P L^3/(3 B) (1 + 1/(2 n^2)), test_statics. With P L^2/B = 0.01 the shape
-    // differs from a straight one by 1e-5 of that.
+    // With an end load P the nodes of a straight cantilever have the exact moments P x, and their energy sum l M^2/(2 B) is that
+    // of the trapezoid rule: P^2 L^3/(6 B) (1 + 1/(2 n^2)). The deflection is P L^3/(3 B) (1 + 1/(2 n^2)), test_statics. With P
+    // L^2/B = 0.01 the shape differs from a straight one by 1e-5 of that.
     TEST_CASE("analytic: n edges of a cantilever under an end load err by 1/(2 n^2) of its energy")
     {
         for (const int n : {8, 16}) {
             CAPTURE(n);
-            const Scene scene = read_scene_text(fmt::format("[scene]\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\ntolerance = 1e-9\n"
-                                                            "[wire]\nlength_m = 0.1\nradius_m = 0.0002\ndensity = 6450.0\nbend_nm2 = 5.0e-5\ntwist_nm2 = 4.0e-5\n"
-                                                            "stretch_n = 7000.0\nnodes = {}\n[[hold]]\nat = \"base\"\nposition = true\ndirection = true\n"
-                                                            "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, -5e-5]\n",
-                                                            n + 1),
-                                                "cantilever.toml");
+            const Scene scene = read_scene_text(
+                fmt::format("[scene]\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\ntolerance = 1e-9\n"
+                            "[wire]\nlength_m = 0.1\nradius_m = 0.0002\ndensity = 6450.0\nbend_nm2 = 5.0e-5\ntwist_nm2 = 4.0e-5\n"
+                            "stretch_n = 7000.0\nnodes = {}\n[[hold]]\nat = \"base\"\nposition = true\ndirection = true\n"
+                            "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, -5e-5]\n",
+                            n + 1),
+                "cantilever.toml");
             World world(make_setup(scene));
             REQUIRE(!settle(world).failed());
             const BendingError error = world.bending_error(0);
@@ -80,17 +81,20 @@ TEST_SUITE("run/grid_error")
         }
     }
 
-    // Draw 6 of seed 2 of bench/audit.py, the end of it: edges of 10 mm bear on two places what edges of 2.5 mm bear on one patch of 5 mm. Edges shorter than
-    // the patch have no such share, and a wire that lies on the floor is one place of contact.
+    // Draw 6 of seed 2 of bench/audit.py, the end of it: edges of 10 mm bear on two places what edges of 2.5 mm bear on one patch
+    // of 5 mm. Edges shorter than the patch have no such share, and a wire that lies on the floor is one place of contact.
     TEST_CASE("property: with edges longer than the patch, the force on it is as uncertain as what the next place bears")
     {
         const auto end_of = [](int nodes, double bend, double speed) {
-            const Scene scene = read_scene_text(
-                fmt::format("[scene]\nduration_s = 0.971\ndt_s = 0.004\n[wire]\npreset = \"amplatz-super-stiff-035\"\nlength_m = 0.4\nmu_sliding = 0.1\nmu_static = 0.12\n"
-                            "nodes = {}\n[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.042}}, {{t_s = 0.971, advance_m = {}}}]\n[vessel]\nshape = \"arc\"\n"
-                            "radius_m = 0.0055\nbend_radius_m = {}\nangle_deg = 116.0\nlead_in_m = 0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
-                            nodes, 0.042 + 0.971 * speed, bend),
-                "arc.toml");
+            const Scene scene =
+                read_scene_text(fmt::format("[scene]\nduration_s = 0.971\ndt_s = 0.004\n[wire]\npreset = "
+                                            "\"amplatz-super-stiff-035\"\nlength_m = 0.4\nmu_sliding = 0.1\nmu_static = 0.12\n"
+                                            "nodes = {}\n[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.042}}, {{t_s "
+                                            "= 0.971, advance_m = {}}}]\n[vessel]\nshape = \"arc\"\n"
+                                            "radius_m = 0.0055\nbend_radius_m = {}\nangle_deg = 116.0\nlead_in_m = "
+                                            "0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
+                                            nodes, 0.042 + 0.971 * speed, bend),
+                                "arc.toml");
             return patch_at_end(scene);
         };
         const auto [coarse, errors] = end_of(41, 0.0429, 0.0722);
@@ -105,17 +109,22 @@ TEST_SUITE("run/grid_error")
         CHECK(end_of(41, 10.0, 0.0722).second.split == 0);
     }
 
-    // Draw 3 of seed 12 of bench/audit.py with edges of 3 mm, the end of it: a bent tip touches the outer side of a bend. It bears 210 mN at 7.9 mm from the tip, 80 at
-    // 5.3 and 10 at the tip, with edges of 1 mm 297 mN at 6.7 mm. The next load is 44 mm farther in, so that half an edge is 1.5 (1/7.9 + 1/44) = 22 % of the force.
-    TEST_CASE("property: the force on a patch is as uncertain as half an edge over the spans beside its load, which is of first order")
+    // Draw 3 of seed 12 of bench/audit.py with edges of 3 mm, the end of it: a bent tip touches the outer side of a bend. It
+    // bears 210 mN at 7.9 mm from the tip, 80 at 5.3 and 10 at the tip, with edges of 1 mm 297 mN at 6.7 mm. The next load is 44
+    // mm farther in, so that half an edge is 1.5 (1/7.9 + 1/44) = 22 % of the force.
+    TEST_CASE(
+        "property: the force on a patch is as uncertain as half an edge over the spans beside its load, which is of first order")
     {
         const auto end_of = [](int nodes) {
-            const Scene scene = read_scene_text(
-                fmt::format("[scene]\nduration_s = 1.24\ndt_s = 0.004\n[wire]\npreset = \"vertebral-5f\"\nlength_m = 0.4\nmu_sliding = 0.1\nmu_static = 0.12\n"
-                            "nodes = {}\n[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.04005603}}, {{t_s = 1.24, advance_m = 0.10464638}}]\n[vessel]\nshape = \"arc\"\n"
-                            "radius_m = 0.005751632\nbend_radius_m = 0.034019854\nangle_deg = 127.0023\nlead_in_m = 0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
-                            nodes),
-                "tip.toml");
+            const Scene scene =
+                read_scene_text(fmt::format("[scene]\nduration_s = 1.24\ndt_s = 0.004\n[wire]\npreset = "
+                                            "\"vertebral-5f\"\nlength_m = 0.4\nmu_sliding = 0.1\nmu_static = 0.12\n"
+                                            "nodes = {}\n[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.04005603}}, "
+                                            "{{t_s = 1.24, advance_m = 0.10464638}}]\n[vessel]\nshape = \"arc\"\n"
+                                            "radius_m = 0.005751632\nbend_radius_m = 0.034019854\nangle_deg = "
+                                            "127.0023\nlead_in_m = 0.03\nlead_out_m = 0.08\ntriangles = 20000\n",
+                                            nodes),
+                                "tip.toml");
             return patch_at_end(scene);
         };
         const auto [coarse, errors] = end_of(121);
@@ -132,10 +141,13 @@ TEST_SUITE("run/grid_error")
     }
 
     // What finer nodes and facets change lies within the estimate. Where the wire's nodes lie changes the error by
-    // nodes, its sign too: the largest of three numbers of nodes is compared, and the estimate of none is ten times as large. Both estimates by energy
-    // are of second order in the lengths of edges: four times as many have a sixteenth, by a factor of two. The force on a patch has them by themselves. That by
-    // the places of loads is of first order: the root of the sum of squares of both lies between a quarter and a sixteenth.
-    TEST_CASE("property: what finer nodes and facets do to the normal force lies within the estimate, of second order by energy and of first by places")
+    // nodes, its sign too: the largest of three numbers of nodes is compared, and the estimate of none is ten times as large.
+    // Both estimates by energy are of second order in the lengths of edges: four times as many have a sixteenth, by a factor of
+    // two. The force on a patch has them by themselves. That by the places of loads is of first order: the root of the sum of
+    // squares of both lies between a quarter and a sixteenth.
+    TEST_CASE(
+        "property: what finer nodes and facets do to the normal force lies within the estimate, of second order by energy and of "
+        "first by places")
     {
         const int most = 128000;
         const Fed fine = feed(401, most), facets = feed(401, 2000);

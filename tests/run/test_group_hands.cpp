@@ -23,17 +23,21 @@ namespace {
 Scene pair_in_a_bend(int per_length)
 {
     const auto instrument = [&](const char* name, double length, double radius, double bend, const char* more) {
-        return fmt::format("[[instrument]]\nname = \"{}\"\nlength_m = {}\nradius_m = {}\ndensity = 3000.0\nbend_nm2 = {}\ntwist_nm2 = {}\n"
-                           "stretch_n = 3e3\nmu_static = 0.05\nmu_sliding = 0.05\nnodes = {}\n{}",
-                           name, length, radius, bend, bend, static_cast<int>(std::lround(length * per_length)) + 1, more);
+        return fmt::format(
+            "[[instrument]]\nname = \"{}\"\nlength_m = {}\nradius_m = {}\ndensity = 3000.0\nbend_nm2 = {}\ntwist_nm2 = {}\n"
+            "stretch_n = 3e3\nmu_static = 0.05\nmu_sliding = 0.05\nnodes = {}\n{}",
+            name, length, radius, bend, bend, static_cast<int>(std::lround(length * per_length)) + 1, more);
     };
-    return read_scene_text("[scene]\nduration_s = 0.6\ndt_s = 0.004\n[vessel]\nshape = \"arc\"\nradius_m = 0.0035\nbend_radius_m = 0.03\nangle_deg = 110.0\n"
-                           "lead_in_m = 0.03\nlead_out_m = 0.06\ntriangles = 20000\n" +
-                               instrument("catheter", 0.2, 0.0008, 3e-4, "lumen_radius_m = 0.0005\n") +
-                               "[instrument.feed]\ninlet = \"auto\"\nkeys = [{t_s = 0, advance_m = 0.02}, {t_s = 0.6, advance_m = 0.05}]\n" +
-                               instrument("wire", 0.25, 0.0004, 1.5e-4, "") +
-                               "[instrument.feed]\nkeys = [{t_s = 0, advance_m = 0.025}, {t_s = 0.6, advance_m = 0.075}]\n[coaxial]\norder = [\"catheter\", \"wire\"]\n",
-                           "pair.toml");
+    return read_scene_text(
+        "[scene]\nduration_s = 0.6\ndt_s = 0.004\n[vessel]\nshape = \"arc\"\nradius_m = 0.0035\nbend_radius_m = 0.03\nangle_deg "
+        "= 110.0\n"
+        "lead_in_m = 0.03\nlead_out_m = 0.06\ntriangles = 20000\n" +
+            instrument("catheter", 0.2, 0.0008, 3e-4, "lumen_radius_m = 0.0005\n") +
+            "[instrument.feed]\ninlet = \"auto\"\nkeys = [{t_s = 0, advance_m = 0.02}, {t_s = 0.6, advance_m = 0.05}]\n" +
+            instrument("wire", 0.25, 0.0004, 1.5e-4, "") +
+            "[instrument.feed]\nkeys = [{t_s = 0, advance_m = 0.025}, {t_s = 0.6, advance_m = 0.075}]\n[coaxial]\norder = "
+            "[\"catheter\", \"wire\"]\n",
+        "pair.toml");
 }
 
 struct Run {
@@ -59,7 +63,8 @@ Run run(int per_length, bool with_twin = true)
 
 TEST_SUITE("run/group_hands")
 {
-    // Edges of 5 mm against 1.25 mm: the hands swing as the catheter's end passes from cell to cell. Bands are bounds: not fifty times the difference.
+    // Edges of 5 mm against 1.25 mm: the hands swing as the catheter's end passes from cell to cell. Bands are bounds: not fifty
+    // times the difference.
     TEST_CASE("property: each hand of a catheter over a wire has a band that holds what four times as many nodes give")
     {
         const Run coarse = run(200), fine = run(800);

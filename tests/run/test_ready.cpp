@@ -32,7 +32,8 @@ twist_nm2 = 8e-5
 stretch_n = 1e4
 nodes = 31
 )";
-const std::string feed = "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0]\nkeys = [{t_s = 0, advance_m = 0}, {t_s = 1, advance_m = 0.1}]\n";
+const std::string feed =
+    "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0]\nkeys = [{t_s = 0, advance_m = 0}, {t_s = 1, advance_m = 0.1}]\n";
 const std::string tube = "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 0.5\ntriangles = 2000\n";
 const std::string plane = "[vessel]\nshape = \"plane\"\nsize_m = 1\n";
 
@@ -45,12 +46,15 @@ std::string hold(const std::string& at, const std::string& what = "position = tr
 std::string merged(double catheter, double inner)
 {
     const auto part = [](const char* name, const char* sizes, const char* place, double advance) {
-        return fmt::format("[[instrument]]\nname = \"{}\"\n{}length_m = 0.1\ndensity = 7900.0\nbend_nm2 = 1e-5\ntwist_nm2 = 1e-5\nstretch_n = 1e4\n"
-                           "nodes = 21\n[instrument.feed]\n{}keys = [{{t_s = 0.0, advance_m = {}}}, {{t_s = 0.1, advance_m = 0.06}}]\n",
-                           name, sizes, place, advance);
+        return fmt::format(
+            "[[instrument]]\nname = \"{}\"\n{}length_m = 0.1\ndensity = 7900.0\nbend_nm2 = 1e-5\ntwist_nm2 = 1e-5\nstretch_n = "
+            "1e4\n"
+            "nodes = 21\n[instrument.feed]\n{}keys = [{{t_s = 0.0, advance_m = {}}}, {{t_s = 0.1, advance_m = 0.06}}]\n",
+            name, sizes, place, advance);
     };
     return "[scene]\nduration_s = 0.02\ndt_s = 0.002\n" +
-           part("catheter", "radius_m = 0.001\nlumen_radius_m = 0.0007\n", "point = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n", catheter) +
+           part("catheter", "radius_m = 0.001\nlumen_radius_m = 0.0007\n",
+                "point = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n", catheter) +
            part("wire", "radius_m = 0.0005\n", "", inner) + "[coaxial]\norder = [\"catheter\", \"wire\"]\nmodel = \"merged\"\n";
 }
 
@@ -76,30 +80,45 @@ const char* const steps = "of a step's control, which C++ and Python give";
 const std::vector<Refusal>& refusals()
 {
     static const std::vector<Refusal> all = {
-        {"files/run/score.cpp", wire + feed + tube + "[task]\ntarget = {branch = 2}\n", "task.target.branch: got 2; expected 1 to 1"},
-        {"files/run/score.cpp", wire + feed + tube + "[task]\ntarget = {branch = 1, beyond_m = 0.6}\n", "task.target.beyond_m: got 0.6 m"},
+        {"files/run/score.cpp", wire + feed + tube + "[task]\ntarget = {branch = 2}\n",
+         "task.target.branch: got 2; expected 1 to 1"},
+        {"files/run/score.cpp", wire + feed + tube + "[task]\ntarget = {branch = 1, beyond_m = 0.6}\n",
+         "task.target.beyond_m: got 0.6 m"},
         {"physics/solve/constraints.cpp", wire + feed + hold("0.05"), "hold[0].at: 0.05 m from the tip is not on the wire"},
         {"physics/solve/constraints.cpp", thirteen(), "got 13 that hold a direction or spin"},
         {"physics/solve/constraints.cpp", wire + hold("0.1") + hold("0.102"), "both hold the position of the same node"},
         {"physics/solve/constraints.cpp", wire + hold("0.1", "position = false"), "hold.0.position: fixes nothing"},
-        {"physics/solve/constraints.cpp", merged(0.01, 0.02) + hold("\"base\"", "position = true", "wire"), "the base is held by [feed]"},
-        {"physics/solve/constraints.cpp", merged(0.01, 0.02) + hold("0.05", "position = true", "wire"), "0.05 m from the tip is outside"},
-        {"physics/solve/constraints.cpp", merged(0.01, 0.02) + hold("\"tip\"", "position = [\"x\"]", "wire"), "got some of x, y and z"},
-        {"physics/world/merged_holds.cpp", merged(0, 0) + hold("\"tip\"", "position = true", "wire"), "a wire that is outside at the start"},
+        {"physics/solve/constraints.cpp", merged(0.01, 0.02) + hold("\"base\"", "position = true", "wire"),
+         "the base is held by [feed]"},
+        {"physics/solve/constraints.cpp", merged(0.01, 0.02) + hold("0.05", "position = true", "wire"),
+         "0.05 m from the tip is outside"},
+        {"physics/solve/constraints.cpp", merged(0.01, 0.02) + hold("\"tip\"", "position = [\"x\"]", "wire"),
+         "got some of x, y and z"},
+        {"physics/world/merged_holds.cpp", merged(0, 0) + hold("\"tip\"", "position = true", "wire"),
+         "a wire that is outside at the start"},
         {"physics/world/merged_holds.cpp",
          merged(0.02, 0.02) + hold("\"tip\"", "position = true", "wire") + hold("\"tip\"", "position = true", "catheter"),
          "got two holds of the position of one centreline"},
         {"bodies/rod/place.cpp", placed("shape = \"centreline\"") + plane, "needs a vessel with a centreline"},
-        {"bodies/rod/place.cpp", placed("shape = \"centreline\", from_m = 0.6") + tube, "is beyond the vessel's centreline of 0.5 m"},
-        {"bodies/rod/place.cpp", placed("shape = \"points\", points = [[0, 0, 0], [0.2, 0, 0], [0.1, 0.001, 0]]"), "folds back on itself at point 1"},
-        {"bodies/rod/place.cpp", placed("shape = \"points\", points = [[0, 0, 0], [0.15, 0, 0], [0.15, 1e-7, 0], [0, 1e-7, 0]]"), "folds back on itself 0.1"},
-        {"bodies/rod/place.cpp", placed("shape = \"centreline\", from_m = 0.3") + tube, "is longer than the 0.2 m that its shape offers"},
-        {"bodies/wall/wall_edge.cpp", wire + feed + tube + "wall = \"elastic\"\nwall_edge_m = 1e-6\n", "more than half of this machine's memory"},
-        {"bodies/wall/shell_assemble.cpp", placed("base = [0, 0, 0.001], direction = [1, 0, 0]") + plane + "wall = \"elastic\"\npressure_pa = 1000\n", "vessel.pressure: got 1000 Pa"},
+        {"bodies/rod/place.cpp", placed("shape = \"centreline\", from_m = 0.6") + tube,
+         "is beyond the vessel's centreline of 0.5 m"},
+        {"bodies/rod/place.cpp", placed("shape = \"points\", points = [[0, 0, 0], [0.2, 0, 0], [0.1, 0.001, 0]]"),
+         "folds back on itself at point 1"},
+        {"bodies/rod/place.cpp", placed("shape = \"points\", points = [[0, 0, 0], [0.15, 0, 0], [0.15, 1e-7, 0], [0, 1e-7, 0]]"),
+         "folds back on itself 0.1"},
+        {"bodies/rod/place.cpp", placed("shape = \"centreline\", from_m = 0.3") + tube,
+         "is longer than the 0.2 m that its shape offers"},
+        {"bodies/wall/wall_edge.cpp", wire + feed + tube + "wall = \"elastic\"\nwall_edge_m = 1e-6\n",
+         "more than half of this machine's memory"},
+        {"bodies/wall/shell_assemble.cpp",
+         placed("base = [0, 0, 0.001], direction = [1, 0, 0]") + plane + "wall = \"elastic\"\npressure_pa = 1000\n",
+         "vessel.pressure: got 1000 Pa"},
         {"bodies/wall/shell.cpp", wire + feed + tube + "wall = \"elastic\"\nyoungs_pa = 0\n", "vessel.youngs_pa: got 0"},
         {"physics/newton/solver.cpp", wire + "[integrator]\nbeta = 0\n", "integrator.beta: got 0"},
-        {"physics/contact/make_contact.cpp", wire + "[contact]\ndetection = \"layer\"\nnormal = \"barrier\"\n", "needs material samples"},
-        {"physics/contact/make_contact.cpp", wire + "[contact]\ndetection = \"layer\"\nprecision = \"float32\"\n", "\"float32\" is supported for"},
+        {"physics/contact/make_contact.cpp", wire + "[contact]\ndetection = \"layer\"\nnormal = \"barrier\"\n",
+         "needs material samples"},
+        {"physics/contact/make_contact.cpp", wire + "[contact]\ndetection = \"layer\"\nprecision = \"float32\"\n",
+         "\"float32\" is supported for"},
         {"physics/contact/make_contact.cpp", wire + "[contact]\ndetection = \"rays\"\n", "got 'rays'; expected one of"},
         {"physics/world/world_check.cpp", "", "check_setup, the first that ready_setup asks"},
         {"bodies/surface/control_mesh.cpp", "", "a mesh that is no sheet: apps/test_bad_input"},

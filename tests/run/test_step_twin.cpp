@@ -25,15 +25,16 @@ namespace {
 /// A wire fed round a bend: contact, friction, a hand that feels both.
 Scene bend(double dt, double duration = 1.2)
 {
-    return read_scene_text(fmt::format("[scene]\nduration_s = {}\ndt_s = {}\n"
-                                       "[wire]\nlength_m = 0.12\nradius_m = 0.0004445\ndensity = 7900.0\nbend_nm2 = 2e-4\ntwist_nm2 = 1.5e-4\n"
-                                       "stretch_n = 1e4\nnodes = 41\n"
-                                       "[vessel]\nshape = \"arc\"\nradius_m = 0.004\nbend_radius_m = 0.03\nangle_deg = 90.0\nlead_in_m = 0.02\n"
-                                       "lead_out_m = 0.05\ntriangles = 6000\n"
-                                       "[contact]\nmu_static = 0.25\nmu_sliding = 0.2\n"
-                                       "[feed]\ninlet = \"auto\"\nkeys = [{{ t_s = 0.0, advance_m = 0.0 }}, {{ t_s = 1.2, advance_m = 0.07 }}]\n",
-                                       duration, dt),
-                           "bend.toml");
+    return read_scene_text(
+        fmt::format("[scene]\nduration_s = {}\ndt_s = {}\n"
+                    "[wire]\nlength_m = 0.12\nradius_m = 0.0004445\ndensity = 7900.0\nbend_nm2 = 2e-4\ntwist_nm2 = 1.5e-4\n"
+                    "stretch_n = 1e4\nnodes = 41\n"
+                    "[vessel]\nshape = \"arc\"\nradius_m = 0.004\nbend_radius_m = 0.03\nangle_deg = 90.0\nlead_in_m = 0.02\n"
+                    "lead_out_m = 0.05\ntriangles = 6000\n"
+                    "[contact]\nmu_static = 0.25\nmu_sliding = 0.2\n"
+                    "[feed]\ninlet = \"auto\"\nkeys = [{{ t_s = 0.0, advance_m = 0.0 }}, {{ t_s = 1.2, advance_m = 0.07 }}]\n",
+                    duration, dt),
+        "bend.toml");
 }
 
 struct Told {
@@ -70,7 +71,9 @@ Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Alw
 
 TEST_SUITE("run/step_twin")
 {
-    TEST_CASE("property: forces at the end are means over 20 ms, so that steps of 1 and 4 ms agree within what the force changes in that time")
+    TEST_CASE(
+        "property: forces at the end are means over 20 ms, so that steps of 1 and 4 ms agree within what the force changes in "
+        "that time")
     {
         struct AtEnd {
             ErrorEstimate estimate;
@@ -116,7 +119,8 @@ TEST_SUITE("run/step_twin")
         CHECK(with.estimate.hand_peak.value >= 0.9 * with.hand_peak);
     }
 
-    TEST_CASE("convergence: the largest hand force of a sixteenth of the step is inside the bands, which are no wider than a tenth")
+    TEST_CASE(
+        "convergence: the largest hand force of a sixteenth of the step is inside the bands, which are no wider than a tenth")
     {
         const Told coarse = run(8e-3, true), fine = run(2e-3, true), true_one = run(5e-4, false);
         REQUIRE(true_one.hand_peak > 0.01);  // something is felt
@@ -130,7 +134,9 @@ TEST_SUITE("run/step_twin")
         CHECK(fine.estimate.hand_peak.band <= coarse.estimate.hand_peak.band * 1.1);
     }
 
-    TEST_CASE("property: the largest forces have a twin of a quarter of a millisecond, at most a sixteenth of the step, where asked for or cheap")
+    TEST_CASE(
+        "property: the largest forces have a twin of a quarter of a millisecond, at most a sixteenth of the step, where asked "
+        "for or cheap")
     {
         // 150 steps; 16 parts of 100 steps would be ten times as many
         CHECK(run(8e-3, true, StepTwin::Finer::Always).estimate.finest == 16);
@@ -139,9 +145,11 @@ TEST_SUITE("run/step_twin")
         CHECK(run(2e-3, true, StepTwin::Finer::Never).estimate.finest == 2);
     }
 
-    // A band by the step is 1.5 times what the run is believed to be off by, one by nodes sqrt(3) times. A warning says that this is more than a third and 1 mN; not that the
-    // band is.
-    TEST_CASE("property: what is believed to be off by more than a third is said, the force on a patch too; what only the band's safety has there is not")
+    // A band by the step is 1.5 times what the run is believed to be off by, one by nodes sqrt(3) times. A warning says that this
+    // is more than a third and 1 mN; not that the band is.
+    TEST_CASE(
+        "property: what is believed to be off by more than a third is said, the force on a patch too; what only the band's "
+        "safety has there is not")
     {
         const auto said_of = [](ErrorBand ErrorEstimate::*reading, double value, double band) {
             ErrorEstimate estimate;
@@ -151,7 +159,8 @@ TEST_SUITE("run/step_twin")
             made.resolved = StepTwin::is_resolved(made);
             return unresolved(estimate).size();
         };
-        for (const auto reading : {&ErrorEstimate::hand, &ErrorEstimate::hand_peak, &ErrorEstimate::friction, &ErrorEstimate::friction_peak, &ErrorEstimate::patch}) {
+        for (const auto reading : {&ErrorEstimate::hand, &ErrorEstimate::hand_peak, &ErrorEstimate::friction,
+                                   &ErrorEstimate::friction_peak, &ErrorEstimate::patch}) {
             CHECK(said_of(reading, 0.1, 0.049) == 0);
             CHECK(said_of(reading, 0.1, 0.051) == 1);
             CHECK(said_of(reading, 1e-3, 1.4e-3) == 0);
@@ -168,7 +177,8 @@ TEST_SUITE("run/step_twin")
         CHECK_FALSE(StepTwin::is_resolved(band));
     }
 
-    TEST_CASE("property: a force on a patch is believed to be off by what its twin differs by, and its band has the factor for order 1")
+    TEST_CASE(
+        "property: a force on a patch is believed to be off by what its twin differs by, and its band has the factor for order 1")
     {
         const Scene scene = bend(8e-3);
         World world(make_setup(scene));
@@ -187,10 +197,14 @@ TEST_SUITE("run/step_twin")
         REQUIRE(differs > 1e-4 * patch.value);
         CHECK(patch.step_part * patch.step == test::about(differs).epsilon(1e-12));
         CHECK(patch.step >= 3 * differs * (1 - 1e-12));
-        CHECK(patch.expected() == test::about(std::hypot(differs, StepTwin::usual_share * patch.nodes, StepTwin::usual_share * patch.facets)).epsilon(1e-12));
+        CHECK(patch.expected() ==
+              test::about(std::hypot(differs, StepTwin::usual_share * patch.nodes, StepTwin::usual_share * patch.facets))
+                  .epsilon(1e-12));
     }
 
-    TEST_CASE("analytic: the largest fall of a force is a strike's height; a rise has none, and what falls slowly has what it falls by within the time")
+    TEST_CASE(
+        "analytic: the largest fall of a force is a strike's height; a rise has none, and what falls slowly has what it falls by "
+        "within the time")
     {
         const auto fall_of = [](auto&& force) {
             LargestFall fall(0.02);

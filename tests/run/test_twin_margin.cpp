@@ -22,15 +22,16 @@ namespace {
 /// Fed into a bend and round its beginning, in fewer steps than a window has: the twin of the only window is a whole run.
 Scene short_run(double dt, double duration)
 {
-    return read_scene_text(fmt::format("[scene]\nduration_s = {}\ndt_s = {}\n"
-                                       "[wire]\nlength_m = 0.12\nradius_m = 0.0004445\ndensity = 7900.0\nbend_nm2 = 2e-4\ntwist_nm2 = 1.5e-4\n"
-                                       "stretch_n = 1e4\nnodes = 41\n"
-                                       "[vessel]\nshape = \"arc\"\nradius_m = 0.004\nbend_radius_m = 0.03\nangle_deg = 90.0\nlead_in_m = 0.01\n"
-                                       "lead_out_m = 0.03\ntriangles = 3000\n"
-                                       "[contact]\nmu_static = 0.25\nmu_sliding = 0.2\n"
-                                       "[feed]\ninlet = \"auto\"\nkeys = [{{ t_s = 0.0, advance_m = 0.0 }}, {{ t_s = 0.48, advance_m = 0.04 }}]\n",
-                                       duration, dt),
-                           "short.toml");
+    return read_scene_text(
+        fmt::format("[scene]\nduration_s = {}\ndt_s = {}\n"
+                    "[wire]\nlength_m = 0.12\nradius_m = 0.0004445\ndensity = 7900.0\nbend_nm2 = 2e-4\ntwist_nm2 = 1.5e-4\n"
+                    "stretch_n = 1e4\nnodes = 41\n"
+                    "[vessel]\nshape = \"arc\"\nradius_m = 0.004\nbend_radius_m = 0.03\nangle_deg = 90.0\nlead_in_m = 0.01\n"
+                    "lead_out_m = 0.03\ntriangles = 3000\n"
+                    "[contact]\nmu_static = 0.25\nmu_sliding = 0.2\n"
+                    "[feed]\ninlet = \"auto\"\nkeys = [{{ t_s = 0.0, advance_m = 0.0 }}, {{ t_s = 0.48, advance_m = 0.04 }}]\n",
+                    duration, dt),
+        "short.toml");
 }
 
 struct Ended {
@@ -76,11 +77,12 @@ TEST_SUITE("run/step_twin")
         const double differs = 3 * std::abs(e.hand_peak.value - e.hand_peak.twin);
         REQUIRE(differs > 0.03 * e.hand_peak.value);  // more than what a history leaves, 3 % of the value
         CHECK(e.hand_peak.step == about(differs).epsilon(1e-12));
-        CHECK(e.hand_peak.band == about(1.1 * std::hypot(e.hand_peak.step, 1.5 * e.hand_peak.nodes, e.hand_peak.facets)).epsilon(1e-12));
+        CHECK(e.hand_peak.band ==
+              about(1.1 * std::hypot(e.hand_peak.step, 1.5 * e.hand_peak.nodes, e.hand_peak.facets)).epsilon(1e-12));
     }
 
-    // 0.355 s are 28 steps of 12.5 ms and one of 5 ms. The force rises to the end, so that the largest mean over 20 ms is that of the last 5 ms, the 12.5 ms before and 2.5 ms of
-    // the step before these.
+    // 0.355 s are 28 steps of 12.5 ms and one of 5 ms. The force rises to the end, so that the largest mean over 20 ms is that of
+    // the last 5 ms, the 12.5 ms before and 2.5 ms of the step before these.
     TEST_CASE("analytic: a largest mean is over 20 ms, whatever the lengths of steps")
     {
         const Ended ended = run(0.0125, StepTwin::Finer::Never, 0.355);

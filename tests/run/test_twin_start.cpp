@@ -38,7 +38,8 @@ ErrorEstimate run(const Scene& scene)
 Scene resting_catheter(double dt)
 {
     return read_scene_text(
-        fmt::format("[scene]\nduration_s = 1.83\ndt_s = {}\n[wire]\npreset = \"vertebral-5f\"\nlength_m = 0.4\nmu_sliding = 0.02\nmu_static = 0.024\nnodes = 41\n"
+        fmt::format("[scene]\nduration_s = 1.83\ndt_s = {}\n[wire]\npreset = \"vertebral-5f\"\nlength_m = 0.4\nmu_sliding = "
+                    "0.02\nmu_static = 0.024\nnodes = 41\n"
                     "[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.13}}, {{t_s = 1.83, advance_m = 0.198}}]\n"
                     "[vessel]\nshape = \"aortic-arch\"\ntriangles = 30000\n",
                     dt),
@@ -49,7 +50,8 @@ Scene resting_catheter(double dt)
 Scene falling_tip(double dt)
 {
     return read_scene_text(
-        fmt::format("[scene]\nduration_s = 0.816\ndt_s = {}\n[wire]\npreset = \"bentson-035\"\nlength_m = 0.4\nmu_sliding = 0.4\nmu_static = 0.48\nnodes = 101\n"
+        fmt::format("[scene]\nduration_s = 0.816\ndt_s = {}\n[wire]\npreset = \"bentson-035\"\nlength_m = 0.4\nmu_sliding = "
+                    "0.4\nmu_static = 0.48\nnodes = 101\n"
                     "[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.02216}}, {{t_s = 0.816, advance_m = 0.08244}}]\n"
                     "[vessel]\nshape = \"tube\"\nradius_m = 0.004946\nlength_m = 0.2\ntriangles = 20000\n",
                     dt),
@@ -60,7 +62,8 @@ Scene falling_tip(double dt)
 Scene tip_at_a_mouth(int nodes)
 {
     return read_scene_text(
-        fmt::format("[scene]\nduration_s = 0.4\ndt_s = 0.001\n[wire]\npreset = \"terumo-angled-035\"\nlength_m = 0.4\nmu_sliding = 0.02\nmu_static = 0.024\nnodes = {}\n"
+        fmt::format("[scene]\nduration_s = 0.4\ndt_s = 0.001\n[wire]\npreset = \"terumo-angled-035\"\nlength_m = 0.4\nmu_sliding "
+                    "= 0.02\nmu_static = 0.024\nnodes = {}\n"
                     "[feed]\ninlet = \"auto\"\nkeys = [{{t_s = 0, advance_m = 0.01}}, {{t_s = 0.4, advance_m = 0.03}}]\n"
                     "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.2\ntriangles = 4000\n",
                     nodes),
@@ -71,7 +74,8 @@ Scene tip_at_a_mouth(int nodes)
 
 TEST_SUITE("run/step_twin")
 {
-    // With steps of 1/60 s the largest mean is at the end, with short ones it is at the start and twice as large. Windows at the end agree to 1 %.
+    // With steps of 1/60 s the largest mean is at the end, with short ones it is at the start and twice as large. Windows at the
+    // end agree to 1 %.
     TEST_CASE("property: the band of a largest force reaches up to what shorter steps find in the run's first means")
     {
         const ErrorEstimate coarse = run(resting_catheter(1.0 / 60)), fine = run(resting_catheter(1.0 / 240));
@@ -83,8 +87,11 @@ TEST_SUITE("run/step_twin")
         CHECK(coarse.hand_peak.resolved);
     }
 
-    // With steps of 1 ms the largest force on a patch is that at the end, 0.43 mN, and windows there agree to 1 %. Steps of 1/4 ms have 0.74 mN where the tip falls.
-    TEST_CASE("property: the band of the largest force on a patch reaches up to what shorter steps find where the wire strikes, without a warning")
+    // With steps of 1 ms the largest force on a patch is that at the end, 0.43 mN, and windows there agree to 1 %. Steps of 1/4
+    // ms have 0.74 mN where the tip falls.
+    TEST_CASE(
+        "property: the band of the largest force on a patch reaches up to what shorter steps find where the wire strikes, "
+        "without a warning")
     {
         const ErrorEstimate coarse = run(falling_tip(1e-3)), fine = run(falling_tip(2.5e-4));
         REQUIRE(fine.patch.value > 1.3 * coarse.patch.value);
@@ -93,8 +100,8 @@ TEST_SUITE("run/step_twin")
         CHECK(coarse.patch.resolved);
     }
 
-    // Edges of 4 and 1 mm. Where cells kept the bend in the inlet's clamp for up to an edge, it was 156 and 62 uJ, now both are 21 to 3 %: nodes err by (h/L)^2, and the
-    // first contacts are as coarse.
+    // Edges of 4 and 1 mm. Where cells kept the bend in the inlet's clamp for up to an edge, it was 156 and 62 uJ, now both are
+    // 21 to 3 %: nodes err by (h/L)^2, and the first contacts are as coarse.
     TEST_CASE("property: the work of the hand on a bent tip at a mouth does not hang on the nodes, and lies within its band")
     {
         const ErrorEstimate coarse = run(tip_at_a_mouth(101)), fine = run(tip_at_a_mouth(401));
@@ -103,16 +110,21 @@ TEST_SUITE("run/step_twin")
         CHECK(moved <= coarse.work.band);
     }
 
-    // Draw 6 of seed 9, fed 1.5 mm farther: a tip that leaves a crease, after a rise of about 2.3 mN to 3.2; with a tenth more or less friction, too.
+    // Draw 6 of seed 9, fed 1.5 mm farther: a tip that leaves a crease, after a rise of about 2.3 mN to 3.2; with a tenth more or
+    // less friction, too.
     TEST_CASE("property: a release widens the band, and is no reason for a warning")
     {
-        const ErrorEstimate e = run(read_scene_text("[scene]\nduration_s = 1.7853878341310223\ndt_s = 0.016666666666666666\n[wire]\npreset = \"bentson-035\"\nlength_m = 0.4\n"
-                                                    "mu_sliding = 0.02\nmu_static = 0.024\nnodes = \"adaptive\"\n[feed]\ninlet = \"auto\"\n"
-                                                    "keys = [{t_s = 0, advance_m = 0.13}, {t_s = 1.7853878341310223, advance_m = 0.241}]\n"
-                                                    "[vessel]\nshape = \"aortic-arch\"\ntriangles = 30000\n",
-                                                    "crease.toml"));
+        const ErrorEstimate e =
+            run(read_scene_text("[scene]\nduration_s = 1.7853878341310223\ndt_s = 0.016666666666666666\n[wire]\npreset = "
+                                "\"bentson-035\"\nlength_m = 0.4\n"
+                                "mu_sliding = 0.02\nmu_static = 0.024\nnodes = \"adaptive\"\n[feed]\ninlet = \"auto\"\n"
+                                "keys = [{t_s = 0, advance_m = 0.13}, {t_s = 1.7853878341310223, advance_m = 0.241}]\n"
+                                "[vessel]\nshape = \"aortic-arch\"\ntriangles = 30000\n",
+                                "crease.toml"));
         REQUIRE(e.hand_peak.let_go);
-        REQUIRE(e.hand_peak.step > StepTwin::safety * std::max(StepTwin::least_force, StepTwin::wanted * e.hand_peak.value));  // as a twin's it would be a warning
+        REQUIRE(e.hand_peak.step >
+                StepTwin::safety *
+                    std::max(StepTwin::least_force, StepTwin::wanted * e.hand_peak.value));  // as a twin's it would be a warning
         CHECK(e.hand_peak.band >= e.hand_peak.step);
         CHECK(e.hand_peak.expected() < StepTwin::least_force);
         CHECK(e.hand_peak.resolved);

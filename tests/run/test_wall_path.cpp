@@ -76,9 +76,11 @@ Dent dent_of(const Scene& scene, bool with_path)
 
 }  // namespace
 
-// The reference is a small plane with even edges of a quarter of the decay length. Its own errors are 0.026/16 of the displacement, and a few
-// per cent of the stress (contact/test_elastic_contact). Along a path edges are half of the decay length: 0.026/4 and as much.
-TEST_CASE("property: on a plane of any size displacement and stress are those of a fine mesh, with less vertices than an even one")
+// The reference is a small plane with even edges of a quarter of the decay length. Its own errors are 0.026/16 of the
+// displacement, and a few per cent of the stress (contact/test_elastic_contact). Along a path edges are half of the decay length:
+// 0.026/4 and as much.
+TEST_CASE(
+    "property: on a plane of any size displacement and stress are those of a fine mesh, with less vertices than an even one")
 {
     const Dent fine = dent_of(pressed_wire(0.06, 0.00066), true);
     for (const double size : {0.1, 0.5}) {
@@ -86,7 +88,8 @@ TEST_CASE("property: on a plane of any size displacement and stress are those of
         const Dent along = dent_of(pressed_wire(size, 0), true);
         CHECK(along.readings.move_max == test::about(fine.readings.move_max).epsilon(0.01));
         CHECK(along.readings.stress_max == test::about(fine.readings.stress_max).epsilon(0.05));
-        CHECK(std::abs(along.readings.stress_max - fine.readings.stress_max) < along.readings.stress_band.sum() + fine.readings.stress_band.sum());
+        CHECK(std::abs(along.readings.stress_max - fine.readings.stress_max) <
+              along.readings.stress_band.sum() + fine.readings.stress_band.sum());
         CHECK(along.mechanics.edge_touched == test::about(0.5 * along.mechanics.decay));
         CHECK(along.mechanics.vertices < 2000);
     }
@@ -112,8 +115,8 @@ TEST_CASE("property: the path is the same each time, and none is looked for wher
     CHECK(path_of(pressed_wire(0.1, 0), false).empty());
 }
 
-// Touched along all of a plane of 1 m. Thick walls dent over so wide a strip that 3,000 vertices do, if with edges longer than half the decay length.
-// With thin walls they would leave edges longer than 0.9 of it.
+// Touched along all of a plane of 1 m. Thick walls dent over so wide a strip that 3,000 vertices do, if with edges longer than
+// half the decay length. With thin walls they would leave edges longer than 0.9 of it.
 TEST_CASE("property: more than 3,000 vertices are spent only where edges would be longer than 0.9 decay lengths")
 {
     for (const bool thin : {false, true}) {

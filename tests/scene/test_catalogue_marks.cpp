@@ -21,12 +21,15 @@ namespace {
 bool is_marked(std::string_view line)
 {
     const auto equals = line.find(" = ");
-    if (line.empty() || line.front() == '#' || line.front() == '[' || line.starts_with("title") || line.starts_with("kind") || equals == std::string_view::npos) return true;
+    if (line.empty() || line.front() == '#' || line.front() == '[' || line.starts_with("title") || line.starts_with("kind") ||
+        equals == std::string_view::npos)
+        return true;
     const auto comment = line.find("  # ", equals);
     if (comment == std::string_view::npos) return false;
     constexpr std::array<std::string_view, 4> marks = {"measured: ", "derived: ", "assumed: ", "assumed"};
     const std::string_view said = line.substr(comment + 4);
-    return std::ranges::any_of(marks, [&](std::string_view mark) { return mark == "assumed" ? said == mark : said.starts_with(mark); });
+    return std::ranges::any_of(marks,
+                               [&](std::string_view mark) { return mark == "assumed" ? said == mark : said.starts_with(mark); });
 }
 
 }  // namespace

@@ -24,9 +24,10 @@ constexpr double mass = density * 3.14159265358979323846 * radius * radius * len
 World world_of(const std::string& wire, const std::string& rest, const std::string& gravity = "[0.0, 0.0, 0.0]")
 {
     static const TemporaryFolder folder;
-    const std::string text = fmt::format("[scene]\ngravity = {}\nduration_s = 1.0\ndt_s = 0.001\n[wire]\nlength_m = {}\nradius_m = {}\n"
-                                         "density = {}.0\nbend_nm2 = {}\ntwist_nm2 = {}\nstretch_n = {}.0\nnodes = 41\n{}\n{}",
-                                         gravity, length, radius, density, bend, bend, stretch, wire, rest);
+    const std::string text = fmt::format(
+        "[scene]\ngravity = {}\nduration_s = 1.0\ndt_s = 0.001\n[wire]\nlength_m = {}\nradius_m = {}\n"
+        "density = {}.0\nbend_nm2 = {}\ntwist_nm2 = {}\nstretch_n = {}.0\nnodes = 41\n{}\n{}",
+        gravity, length, radius, density, bend, bend, stretch, wire, rest);
     return World(make_setup(read_scene_text(text, folder.path() / "held.toml", {})));
 }
 
@@ -46,19 +47,24 @@ TEST_SUITE("scene/held_rods")
 {
     TEST_CASE("analytic: a rod placed under tension pulls with EA times its strain, straight or round a corner")
     {
-        // both ends held: nothing can move, and the strain is that of the points. Round a corner, one edge in 40 cuts it (by 0.29 of an
-        // edge), so the mean strain of all edges is 0.0074 less
+        // both ends held: nothing can move, and the strain is that of the points. Round a corner, one edge in 40 cuts it (by 0.29
+        // of an edge), so the mean strain of all edges is 0.0074 less
         for (const double strain : {-0.02, 0.05, 0.3}) {
             CAPTURE(strain);
             const double placed = length * (1 + strain);
-            World world = world_of(fmt::format("place = {{ shape = \"points\", points = [[0.0, 0.0, 0.0], [{}, 0.0, 0.0]], stretch = \"as-placed\" }}", placed),
-                                   held_base + "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\n");
+            World world = world_of(
+                fmt::format(
+                    "place = {{ shape = \"points\", points = [[0.0, 0.0, 0.0], [{}, 0.0, 0.0]], stretch = \"as-placed\" }}",
+                    placed),
+                held_base + "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\n");
             REQUIRE_FALSE(step(world, 1e-3).failed());
             CHECK(world.readings(0).elastic == test::about(0.5 * stretch * strain * strain * length).epsilon(1e-9));
             CHECK(std::abs(world.readings(0).base_force.x()) == test::about(std::abs(stretch * strain)).epsilon(1e-9));
         }
-        World bent = world_of("place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.12, 0.0]], stretch = \"as-placed\" }",
-                              held_base + "[[hold]]\nat = \"tip\"\nposition = true\n");
+        World bent = world_of(
+            "place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.12, 0.0]], stretch = "
+            "\"as-placed\" }",
+            held_base + "[[hold]]\nat = \"tip\"\nposition = true\n");
         const ConstRodView rod = bent.rod(0);
         CHECK(rod.pos(0).y() == test::about(0.12));
         CHECK(rod.rest_length[0] == test::about(length / 40));
@@ -68,20 +74,22 @@ TEST_SUITE("scene/held_rods")
     TEST_CASE("analytic: a rod that is let go from tension springs back to its own length")
     {
         // 5 % stretched, free at the tip: at rest it is as long as without stress
-        World world = world_of("place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.21, 0.0, 0.0]], stretch = \"as-placed\" }",
-                               held_base + "[integrator]\ndamping_mass_1_s = 200.0\n");
+        World world =
+            world_of("place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.21, 0.0, 0.0]], stretch = \"as-placed\" }",
+                     held_base + "[integrator]\ndamping_mass_1_s = 200.0\n");
         for (int k = 0; k < 400; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
         CHECK(world.rod(0).pos(0).x() == test::about(length).epsilon(1e-6));
     }
 
     TEST_CASE("analytic: a clamp that slides along x carries 12 EI d/L^3 and no tension")
     {
-        // Deflection d = L/100 of a beam clamped at both ends: terms of second order are (d/L)^2 = 1e-4, those of 40 edges 1/1600. Held in x
-        // too, the rod is longer: by (d/L)^2/2 as a straight line, by 0.6 (d/L)^2 as a beam without tension.
+        // Deflection d = L/100 of a beam clamped at both ends: terms of second order are (d/L)^2 = 1e-4, those of 40 edges
+        // 1/1600. Held in x too, the rod is longer: by (d/L)^2/2 as a straight line, by 0.6 (d/L)^2 as a beam without tension.
         const double d = length / 100, shear = 12 * bend * d / std::pow(length, 3);
         const auto settled = [&](const std::string& position) {
-            World world = world_of("", "[integrator]\nscheme = \"static\"\n" + held_base + "[[hold]]\nat = \"tip\"\nposition = " + position +
-                                           fmt::format("\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, {}]]\n", d));
+            World world = world_of(
+                "", "[integrator]\nscheme = \"static\"\n" + held_base + "[[hold]]\nat = \"tip\"\nposition = " + position +
+                        fmt::format("\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, {}]]\n", d));
             REQUIRE_FALSE(settle(world).failed());
             return world.readings(0).base_force;
         };
@@ -130,13 +138,19 @@ TEST_SUITE("scene/held_rods")
         CHECK(says(message("", "[[hold]]\nposition = [\"w\"]\n"), "hold.0.position"));
         CHECK(says(message("", "[[hold]]\nposition = []\n"), "holds no coordinate"));
         CHECK(says(message("", "[[hold]]\nposition = [\"x\", \"x\"]\n"), "twice"));
-        CHECK(says(message("", "[[hold]]\nposition = [\"y\"]\nmove = [[0.0, 0.1, 0.0, 0.0]]\n"), "moves x, which position leaves free"));
+        CHECK(says(message("", "[[hold]]\nposition = [\"y\"]\nmove = [[0.0, 0.1, 0.0, 0.0]]\n"),
+                   "moves x, which position leaves free"));
         CHECK(says(message("", "[[hold]]\nposition = [\"y\"]\nvelocity_m_s = [0.0, 0.0, 1.0]\n"), "moves z"));
         CHECK(says(message("", "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\nuntil_s = 0.0\n"), "until_s"));
-        CHECK(says(message("", "[integrator]\nscheme = \"static\"\n[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\nuntil_s = 1.0\n"), "needs a run in time"));
+        CHECK(says(
+            message("", "[integrator]\nscheme = \"static\"\n[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\nuntil_s = 1.0\n"),
+            "needs a run in time"));
         CHECK(says(message("place = { stretch = \"as-placed\" }", ""), "is not used by shape"));
-        CHECK(says(message("place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]], stretch = \"as-placed\" }", ""), "a strain of 1.5"));
-        CHECK(says(message("place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.22, 0.0, 0.0]] }", ""), "stretch = \"as-placed\""));
+        CHECK(says(
+            message("place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]], stretch = \"as-placed\" }", ""),
+            "a strain of 1.5"));
+        CHECK(says(message("place = { shape = \"points\", points = [[0.0, 0.0, 0.0], [0.22, 0.0, 0.0]] }", ""),
+                   "stretch = \"as-placed\""));
     }
 }
 

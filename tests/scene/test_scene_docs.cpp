@@ -1,5 +1,5 @@
-// Every key of a scene (scene/scene_keys.h): the tables of docs/scene-file.md are made from the keys, and each key that is written is
-// read back. A new key needs nothing here.
+// Every key of a scene (scene/scene_keys.h): the tables of docs/scene-file.md are made from the keys, and each key that is
+// written is read back. A new key needs nothing here.
 #include "core/error.h"
 #include "scene/scene_keys.h"
 #include "support/temporary_folder.h"
@@ -40,7 +40,8 @@ const std::string two =
     "[instrument.feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nkeys = [{t_s = 0.0, advance_m = 0.05}]\n"
     "[[instrument]]\nname = \"inner\"\nlength_m = 0.3\nradius_m = 0.0005\ndensity = 7900.0\n" +
     stiff + "[instrument.feed]\nkeys = [{t_s = 0.0, advance_m = 0.06}]\n[coaxial]\norder = [\"outer\", \"inner\"]\n" +
-    "[[hold]]\ninstrument = \"inner\"\nat = \"tip\"\nspin = true\n[[load]]\ninstrument = \"inner\"\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n"
+    "[[hold]]\ninstrument = \"inner\"\nat = \"tip\"\nspin = true\n[[load]]\ninstrument = \"inner\"\nat = \"tip\"\nforce_n = "
+    "[0.0, 0.0, 1.0]\n"
     "[[link]]\ninstrument = \"inner\"\nat = \"tip\"\nanchor = [0.0, 0.0, 0.0]\nstiffness_n_m = 1.0\n";
 const std::string bases[] = {
     head + stiff + "place = {}\n[[wire.section]]\nfrom_tip_m = [0.0, 0.05]\n" + tube +
@@ -49,7 +50,8 @@ const std::string bases[] = {
     head + "youngs_pa = 6e10\nplace = {shape = \"ring\"}\n[[wire.section]]\nfrom_tip_m = [0.0, 0.05]\n" +
         "[vessel]\nshape = \"arc\"\nradius_m = 0.01\nbend_radius_m = 0.03\nangle_deg = 90.0\n" +
         "[[hold]]\nspin = true\n[[load]]\nat = \"tip\"\nmoment_nm = [0.0, 0.0, 1.0]\n",
-    head + stiff + tube + "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n" +
+    head + stiff + tube +
+        "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n" +
         "[task]\ntarget = { point = [0.0, 0.0, 0.0] }\n",
     head + stiff + tube + "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nhub_mass_kg = 0.1\n" +
         "keys = [{t_s = 0.0, force_n = 0.1}]\n[task]\ntarget = { branch = 1 }\n",
@@ -86,7 +88,8 @@ std::vector<Entry> entries(Scene& scene)
     std::vector<Entry> all;
     for (const keys::Table& table : keys::tables(scene))
         for (const Key& key : table.keys) {
-            const bool own = key.name == "name" || key.name == "feed", shared = table.name == "wire" || table.name == "instrument";
+            const bool own = key.name == "name" || key.name == "feed",
+                       shared = table.name == "wire" || table.name == "instrument";
             if (own && table.name == "wire") continue;
             const std::string name = shared ? (own ? "instrument" : "wire") : table.name;
             all.push_back({name, key});
@@ -119,7 +122,10 @@ struct RangeText {
                                 r.high_open || r.high == range_end ? ")" : "]"),
                     n.words);
     }
-    std::string operator()(const keys::Count& c) const { return with(fmt::format("[{}, {}]{}", c.least, c.most, c.text ? " or text" : ""), c.words); }
+    std::string operator()(const keys::Count& c) const
+    {
+        return with(fmt::format("[{}, {}]{}", c.least, c.most, c.text ? " or text" : ""), c.words);
+    }
     std::string operator()(const std::int64_t*) const { return "[0, ∞)"; }
     std::string operator()(const bool*) const { return "`true`, `false`"; }
     std::string operator()(const std::string*) const { return "text"; }
@@ -140,8 +146,8 @@ std::string row(Key key)
     const std::string text = keys::text_of(key, {});
     const std::string absent = !key.absent.empty() ? std::string(key.absent) : text.empty() ? "*none*" : "`" + text + "`";
     std::string line = "|";
-    for (const std::string& cell :
-         {fmt::format("`{}`", key.name), std::string(key.unit), absent, std::visit(RangeText(), key.value), std::string(key.meaning)})
+    for (const std::string& cell : {fmt::format("`{}`", key.name), std::string(key.unit), absent,
+                                    std::visit(RangeText(), key.value), std::string(key.meaning)})
         line += cell.empty() ? " |" : " " + cell + " |";
     return line;
 }
@@ -268,7 +274,8 @@ TEST_SUITE("scene/scene_docs")
         const std::string made = page_of_keys(missing);
         CHECK_MESSAGE(missing.empty(), fmt::format("{} have no heading with a table on the page", fmt::join(missing, ", ")));
         const bool same = now.str() == made;
-        CHECK_MESSAGE(same, "docs/scene-file.md is not up to date. Fix: seldinger_quick_tests -ns -tc='write docs/scene-file.md'");
+        CHECK_MESSAGE(same,
+                      "docs/scene-file.md is not up to date. Fix: seldinger_quick_tests -ns -tc='write docs/scene-file.md'");
     }
 
     TEST_CASE("write docs/scene-file.md" * doctest::skip())

@@ -97,12 +97,14 @@ TEST_SUITE("scene/scene_errors")
                 (void)read_scene_text(text, "bad.toml", {});
                 FAIL_CHECK("was accepted");
             } catch (const Error& error) {
-                CHECK(std::string(error.what()) == "bad.toml: got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
+                CHECK(std::string(error.what()) ==
+                      "bad.toml: got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
             }
         }
         check_mistake({good + "[vessel]\nmesh = \"C:\\vessels\\a.stl\"\n", {}, "write paths with /, or in single quotes"});
         // \t and \b are escapes: TOML, but no path
-        check_mistake({good + "[vessel]\nmesh = \"C:\\temp\\b.stl\"\n", {}, "write paths with /, or in single quotes", ErrorKind::BadFile});
+        check_mistake(
+            {good + "[vessel]\nmesh = \"C:\\temp\\b.stl\"\n", {}, "write paths with /, or in single quotes", ErrorKind::BadFile});
         check_mistake({good + "[vessel]\nmesh = 'meshes\\a.stl'\n", {}, "write paths with /", ErrorKind::BadFile});
     }
 
@@ -143,7 +145,8 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good + "[[wire.section]]\nbend_nm2 = 1\n", {}, "wire.section.0.from_tip_m: is missing"});
         check_mistake({fed, {"feed.keys=[{t_s=0}]"}, "feed.keys.advance_m: is missing"});
         check_mistake({fed, {"feed.hub_mass_kg=0.1"}, "feed.keys.force_n: is missing"});
-        check_mistake({fed, {"feed.keys=[{t_s=0, force_n=1.0}]"}, "feed.keys.force_n: is of a hub that a force drives; give hub_mass_kg"});
+        check_mistake(
+            {fed, {"feed.keys=[{t_s=0, force_n=1.0}]"}, "feed.keys.force_n: is of a hub that a force drives; give hub_mass_kg"});
         check_mistake({fed, {"feed.hub_friction_n=0.1"}, "feed.hub_friction_n: is of a hub that a force drives"});
         check_mistake({fed, {"feed.hub_mass_kg=0.1", "feed.keys=[{t_s=0, force_n=0.1}, {t_s=1, force_n=0.1, advance_m=0.1}]"},
                        "feed.keys.advance_m: got 0.1 m after 0 m, of a hub that a force drives"});
@@ -175,7 +178,8 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"integrator.gamma=0.4"}, "integrator.gamma: expected"});
         check_mistake({good, {"output.wire_every=-1"}, "output.wire_every: expected"});
         check_mistake({good, {"integrator.conserve=1"}, "integrator.conserve: expected true or false"});
-        check_mistake({good, {"integrator.conserve=true", "integrator.beta=0.25"}, "integrator.beta: belongs to Newmark's scheme"});
+        check_mistake(
+            {good, {"integrator.conserve=true", "integrator.beta=0.25"}, "integrator.beta: belongs to Newmark's scheme"});
         check_mistake(
             {good, {"integrator.conserve=true", "integrator.scheme=linearised"}, "integrator.conserve: energy is conserved"});
     }

@@ -156,7 +156,8 @@ TEST_SUITE("scene/scene_instruments")
                 CHECK_MESSAGE(says(error, "coaxial." + key + ": expected a number, 0 or above"), error);
                 CHECK(!says(error, "\n"));
             }
-        CHECK(says(error_of(catheter_and_wire(), {"coaxial.lumen_friction=1"}), "coaxial.lumen_friction: expected true or false"));
+        CHECK(
+            says(error_of(catheter_and_wire(), {"coaxial.lumen_friction=1"}), "coaxial.lumen_friction: expected true or false"));
         const std::string hold = "[[hold]]\ninstrument = \"wire\"\nat = \"tip\"\nposition = true\n";
         CHECK(error_of(catheter_and_wire() + hold, {"coaxial.model=separate"}).empty());
         CHECK(error_of(catheter_and_wire() + hold, {"coaxial.model=merged"}).empty());
@@ -189,15 +190,18 @@ TEST_SUITE("scene/scene_instruments")
     {
         const std::string hold = "[[hold]]\ninstrument = \"wire\"\nat = \"tip\"\nposition = true\n";
         const std::string tube = "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.5\norigin = [-0.01, 0.0, 0.0]\n";
-        const std::pair<const char*, const char*> merged[] = {{"integrator.scheme", "linearised"}, {"integrator.scheme", "explicit"},
-                                                              {"integrator.conserve", "true"},     {"integrator.damping_stiffness_s", "0.01"},
-                                                              {"contact.instruments", "true"},     {"contact.detection", "nodes"},
-                                                              {"integrator.beta", "0.25"}};
+        const std::pair<const char*, const char*> merged[] = {
+            {"integrator.scheme", "linearised"}, {"integrator.scheme", "explicit"},
+            {"integrator.conserve", "true"},     {"integrator.damping_stiffness_s", "0.01"},
+            {"contact.instruments", "true"},     {"contact.detection", "nodes"},
+            {"integrator.beta", "0.25"}};
         for (const auto& [key, value] : merged) {
-            const std::string error = error_of(catheter_and_wire() + hold + tube, {"coaxial.model=merged", std::string(key) + "=" + value});
+            const std::string error =
+                error_of(catheter_and_wire() + hold + tube, {"coaxial.model=merged", std::string(key) + "=" + value});
             CHECK_MESSAGE(says(error, fmt::format("--set {}={}: {}: ", key, value, key)), error);
         }
-        const std::pair<const char*, const char*> separate[] = {{"integrator.scheme", "explicit"}, {"contact.precision", "float32"}};
+        const std::pair<const char*, const char*> separate[] = {{"integrator.scheme", "explicit"},
+                                                                {"contact.precision", "float32"}};
         for (const auto& [key, value] : separate) {
             const std::string error = error_of(catheter_and_wire() + tube, {std::string(key) + "=" + value});
             CHECK_MESSAGE(says(error, fmt::format("--set {}={}: {}: ", key, value, key)), error);
@@ -212,7 +216,8 @@ TEST_SUITE("scene/scene_instruments")
         "[coaxial]\norder = [\"catheter\", \"wire\"]\nexchange = [\"second\"]\nmodel = \"separate\"\n";
     const std::string out_again = "instrument.1.feed.keys=[{t_s = 0.0, advance_m = 0.06}, {t_s = 2.0, advance_m = 0.0}]";
 
-    TEST_CASE("property: a wire may come out of its catheter, and a thicker one take its place; written and read back it is the same")
+    TEST_CASE(
+        "property: a wire may come out of its catheter, and a thicker one take its place; written and read back it is the same")
     {
         const Scene scene = read(three, {out_again});
         REQUIRE(scene.coaxial);
@@ -228,8 +233,9 @@ TEST_SUITE("scene/scene_instruments")
 
     TEST_CASE("error: a force drives one hub of a scene")
     {
-        const std::vector<std::string> both{"instrument.0.feed.hub_mass_kg=0.1", "instrument.0.feed.keys=[{t_s = 0.0, force_n = 0.1}]",
-                                            "instrument.1.feed.hub_mass_kg=0.1", "instrument.1.feed.keys=[{t_s = 0.0, force_n = 0.1}]"};
+        const std::vector<std::string> both{
+            "instrument.0.feed.hub_mass_kg=0.1", "instrument.0.feed.keys=[{t_s = 0.0, force_n = 0.1}]",
+            "instrument.1.feed.hub_mass_kg=0.1", "instrument.1.feed.keys=[{t_s = 0.0, force_n = 0.1}]"};
         CHECK(error_of(catheter_and_wire(), {both[0], both[1]}).empty());
         const std::string error = error_of(catheter_and_wire(), both);
         CHECK_MESSAGE(says(error, "instrument.1.feed.hub_mass_kg: a force drives the hub of \"catheter\" already"), error);

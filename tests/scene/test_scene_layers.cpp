@@ -341,15 +341,20 @@ TEST_SUITE("scene/scene_layers")
         const std::string soft = "[[wire.section]]\nfrom_tip_m = [0.0, 0.1]\nbend_nm2 = 1e-5\n";
         const auto said = [](const Scene& scene) { return scene.warnings.empty() ? "" : scene.warnings.front(); };
         CHECK(said(read(angled)).empty());
-        CHECK(said(read(angled + soft)).starts_with("wire.section: replaces all sections of \"terumo-angled-035\", the tip that they bend by 51 degrees, too"));
-        CHECK(said(read(angled, {"wire.section=[{from_tip_m = [0.0, 0.1], bend_nm2 = 1e-5}]"})).find("51 degrees") != std::string::npos);
-        CHECK(said(read(timing + "[wire]\nlength_m = 0.5\n" + soft, {"wire.preset=terumo-angled-035"})).empty());  // whose own sections are dropped first
+        CHECK(said(read(angled + soft))
+                  .starts_with(
+                      "wire.section: replaces all sections of \"terumo-angled-035\", the tip that they bend by 51 degrees, too"));
+        CHECK(said(read(angled, {"wire.section=[{from_tip_m = [0.0, 0.1], bend_nm2 = 1e-5}]"})).find("51 degrees") !=
+              std::string::npos);
+        CHECK(said(read(timing + "[wire]\nlength_m = 0.5\n" + soft, {"wire.preset=terumo-angled-035"}))
+                  .empty());  // whose own sections are dropped first
         // what keeps a tip, or gives it another shape, is no loss
         const Scene kept = read(angled, {"wire.section.0.bend_nm2=1e-5"});
         CHECK(said(kept).empty());
         CHECK(kept.wire.sections.size() == 3);
         CHECK(said(read(angled + soft + "rest_curvature_1_m = [50.0, 0.0]\n")).empty());
-        CHECK(said(read(timing + "[wire]\npreset = \"lunderquist-035\"\nlength_m = 0.5\n" + soft)).empty());  // straight as it is sold
+        CHECK(said(read(timing + "[wire]\npreset = \"lunderquist-035\"\nlength_m = 0.5\n" + soft))
+                  .empty());  // straight as it is sold
     }
 }
 

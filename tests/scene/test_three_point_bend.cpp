@@ -46,9 +46,9 @@ force_n = [0.0, {}, 0.0]
 
 }  // namespace
 
-// delta = F L^3/(48 EI) [Gere & Goodno, Mechanics of materials, table of beam deflections]. Edges of 2.5 mm take the moment as linear over an edge, which
-// is exact under point loads on nodes; sums over nodes miss 2 (h/L)^2 = 0.13 % of the integral. The force makes deflections of 1 % of the span, whose
-// slope of 3 % changes the stiffness by its square.
+// delta = F L^3/(48 EI) [Gere & Goodno, Mechanics of materials, table of beam deflections]. Edges of 2.5 mm take the moment as
+// linear over an edge, which is exact under point loads on nodes; sums over nodes miss 2 (h/L)^2 = 0.13 % of the integral. The
+// force makes deflections of 1 % of the span, whose slope of 3 % changes the stiffness by its square.
 TEST_CASE("analytic: a three-point bend of each instrument's shaft gives its own EI")
 {
     const std::vector<std::string> names = instrument_names();
@@ -62,7 +62,8 @@ TEST_CASE("analytic: a three-point bend of each instrument's shaft gives its own
         const ConstRodView rod = world.rod(0);
         int middle = 0;
         for (int i = 0; i < rod.n; ++i)
-            if (std::abs(rod.material_s[i] - overhang - span / 2) < std::abs(rod.material_s[middle] - overhang - span / 2)) middle = i;
+            if (std::abs(rod.material_s[i] - overhang - span / 2) < std::abs(rod.material_s[middle] - overhang - span / 2))
+                middle = i;
         const double deflection = rod.pos(middle).y();
         CHECK(force * span * span * span / (48 * deflection) == test::about(own).epsilon(0.005));
     }

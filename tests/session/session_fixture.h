@@ -88,7 +88,8 @@ private:
 
 /// A session that has begun, and a hand's channel to it.
 struct HandSession {
-    explicit HandSession(const Scene& scene, const SessionOptions& options = {}) : session(scene, make_setup(scene), options, &hand)
+    explicit HandSession(const Scene& scene, const SessionOptions& options = {})
+        : session(scene, make_setup(scene), options, &hand)
     {
         hand.start([this] { return session.clock(); }, options.lockstep);
         session.start();

@@ -33,7 +33,8 @@ struct SpringWire {
     }
 };
 
-/// A hand that holds a device: mass and damping, driven; the force of the last answer is held for a period and `late` periods old.
+/// A hand that holds a device: mass and damping, driven; the force of the last answer is held for a period and `late` periods
+/// old.
 struct Hand {
     double mass, damping;
     int late;
@@ -42,7 +43,8 @@ struct Hand {
     double move(double drive, double felt)
     {
         waiting.push_back(felt);
-        const double now = waiting.size() > static_cast<std::size_t>(late) ? waiting[waiting.size() - 1 - static_cast<std::size_t>(late)] : 0;
+        const double now =
+            waiting.size() > static_cast<std::size_t>(late) ? waiting[waiting.size() - 1 - static_cast<std::size_t>(late)] : 0;
         const int parts = 50;  // of a period, while the force is held
         const double h = dt / parts;
         for (int k = 0; k < parts; ++k) {

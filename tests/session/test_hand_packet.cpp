@@ -125,7 +125,8 @@ TEST_SUITE("session/hand_packet")
         std::uint64_t sequence = 0;
         for (int bunch = 1; bunch <= 20; ++bunch)  // ten packets at a time, all of a tenth of a second
             for (int k = 1; k <= 10; ++k)
-                REQUIRE(give(bunched, request(++sequence, 0.99 * limit * (0.1 * (bunch - 1) + 0.01 * k)), 0.1 * bunch) == Accepted);
+                REQUIRE(give(bunched, request(++sequence, 0.99 * limit * (0.1 * (bunch - 1) + 0.01 * k)), 0.1 * bunch) ==
+                        Accepted);
         HandGate fast(1);
         int refused = 0;
         for (int k = 1; k <= 1000; ++k) refused += give(fast, request(k, 1.5 * limit * 0.001 * k), 0.001 * k) == Jump;

@@ -86,15 +86,16 @@ TEST_SUITE("session/live mutants")
         web.stop();
     }
 
-    TEST_CASE("property: packets of a hand that were altered, or ask for what is no number, leave a session whose numbers are numbers")
+    TEST_CASE(
+        "property: packets of a hand that were altered, or ask for what is no number, leave a session whose numbers are numbers")
     {
         const Scene scene = read_scene_text(live_scene, "live.toml");
         HandSession live(scene);
         auto& [hand, session] = live;
         const Line line(SOCK_DGRAM, hand.port());
         std::mt19937 random(6);
-        constexpr double odd[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, -1e300,
-                                  -1, 5};
+        constexpr double odd[] = {
+            std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, -1e300, -1, 5};
         for (long k = 0, n = tries("SELDINGER_MUTANTS", 500); k < n; ++k) {
             const auto number = [&] { return odd[random() % 6]; };
             const SelHandRequest wish{0, static_cast<std::uint64_t>(k + 1), number(), number(), number(), 0};

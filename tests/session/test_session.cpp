@@ -89,16 +89,17 @@ TEST_SUITE("session/session")
         CHECK(summary["packets"]["accepted"] == 700);
         CHECK(summary["resets"] == 1);
         CHECK(summary["state_hash"] == hash);
-        // The energy brought in is never less than the energy stored and dissipated, except for a contact that was not foreseen: in the step
-        // that meets it, it gives the wire's mass m an impulse of m v at most, over a way of v T. At the hub's largest speed, where a late
-        // packet makes the hand jump, m v^2 is 0.12 mJ.
+        // The energy brought in is never less than the energy stored and dissipated, except for a contact that was not foreseen:
+        // in the step that meets it, it gives the wire's mass m an impulse of m v at most, over a way of v T. At the hub's
+        // largest speed, where a late packet makes the hand jump, m v^2 is 0.12 mJ.
         const WireSection& shaft = scene.wire.shaft;
         const double mass = shaft.density * std::numbers::pi * shaft.radius * shaft.radius * scene.wire.length;
         const double speed = advance_coupling.speed_limit;
         CHECK(summary["coupling"][0]["advance_energy_lowest_j"].get<double>() > -mass * speed * speed);
     }
 
-    TEST_CASE("property: in lockstep each request makes one step and is answered by it, and the session does not depend on the clock")
+    TEST_CASE(
+        "property: in lockstep each request makes one step and is answered by it, and the session does not depend on the clock")
     {
         const Scene scene = scene_of();
         const auto played = [&](int pause_every) {
@@ -109,7 +110,8 @@ TEST_SUITE("session/session")
             const Line line(SOCK_DGRAM, hand.port());
             SelHandAnswer answer{};
             for (std::uint64_t k = 1; k <= 400; ++k) {
-                REQUIRE(line.ask(k, 2e-4 * static_cast<double>(k), 0.01 * static_cast<double>(k), answer));  // 0.2 m/s of session time
+                REQUIRE(line.ask(k, 2e-4 * static_cast<double>(k), 0.01 * static_cast<double>(k),
+                                 answer));  // 0.2 m/s of session time
                 CHECK(answer.step == k);
                 CHECK(answer.time_s == about(1e-3 * static_cast<double>(k)));
                 if (k % static_cast<std::uint64_t>(pause_every) == 0) rest(3e-3);
@@ -125,7 +127,8 @@ TEST_SUITE("session/session")
     }
 
     // With the hand still, the spring pulls until what is left is less than friction holds: at 500 N/m micrometres.
-    TEST_CASE("property: a hub that a force drives follows the hand by the spring, without energy from nowhere; the record replays")
+    TEST_CASE(
+        "property: a hub that a force drives follows the hand by the spring, without energy from nowhere; the record replays")
     {
         const TemporaryFolder folder;
         const std::vector<std::string> driven{"feed.hub_mass_kg=0.02", "feed.keys=[{t_s=0.0, force_n=0.0}]"};
@@ -312,7 +315,8 @@ TEST_SUITE("session/session")
             const double hubs[] = {0.1, 0.2, 0, 0, 0, 0};
             for (int step = 0; step < 4; ++step) put_step(bytes, 0, hubs, 1 + static_cast<int>(random() % 3));
             put_reset(bytes);
-            for (unsigned times = random() % 4; times > 0; --times) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+            for (unsigned times = random() % 4; times > 0; --times)
+                bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
             if (random() % 8 == 0) bytes.resize(random() % bytes.size());
             writer.append(bytes);  // sealed
             if (random() % 2) {    // and a byte anywhere, its head too

@@ -25,13 +25,15 @@ namespace {
 std::string get(int port, const std::string& target, const std::string& more = "", const std::string& host = "127.0.0.1")
 {
     const Line line(SOCK_STREAM, port);
-    line.send("GET " + target + " HTTP/1.1\r\nHost: " + host + ":" + std::to_string(port) + "\r\n" + more + "Connection: close\r\n\r\n");
+    line.send("GET " + target + " HTTP/1.1\r\nHost: " + host + ":" + std::to_string(port) + "\r\n" + more +
+              "Connection: close\r\n\r\n");
     std::string all;
     for (std::string part = line.receive(); !part.empty(); part = line.receive()) all += part;
     return all;
 }
 
-const std::string upgrade = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n";
+const std::string upgrade =
+    "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n";
 
 std::string open_socket(const Line& line, int port, const std::string& origin = "", const std::string& target = "/ws")
 {
@@ -89,7 +91,8 @@ TEST_SUITE("session/web")
         CHECK_FALSE(is_loopback("10.0.0.1"));
     }
 
-    TEST_CASE("property: a token is sixteen characters that an address and a cookie carry as they are; one that is made is such a one")
+    TEST_CASE(
+        "property: a token is sixteen characters that an address and a cookie carry as they are; one that is made is such a one")
     {
         CHECK(is_token("abcdefghABCDEFGH"));
         CHECK(is_token("0123456789-._~aZ"));
@@ -105,7 +108,8 @@ TEST_SUITE("session/web")
         // accepted requests come through an address and a cookie
         for (const std::string& token : {one, std::string("0123456789-._~aZ")}) {
             CHECK(admit({"/?token=" + token, "192.168.1.5:8080", "", ""}, "0.0.0.0", token) == Admission::Welcome);
-            CHECK(admit({"/ws", "192.168.1.5:8080", "", "a=b; seldinger_token=" + token}, "0.0.0.0", token) == Admission::Welcome);
+            CHECK(admit({"/ws", "192.168.1.5:8080", "", "a=b; seldinger_token=" + token}, "0.0.0.0", token) ==
+                  Admission::Welcome);
         }
     }
 
@@ -131,7 +135,8 @@ TEST_SUITE("session/web")
         CHECK(wrong.may_try("10.0.0.2", 11.0));
         CHECK_FALSE(wrong.may_try("10.0.0.1", 11.0));
         CHECK(wrong.may_try("10.0.0.1", 12.0));
-        for (int k = 0; k < 100'000; ++k) (void)guess(std::to_string(k), 12.0 + 1e-5 * k);  // remembers so many, and forgets the oldest
+        for (int k = 0; k < 100'000; ++k)
+            (void)guess(std::to_string(k), 12.0 + 1e-5 * k);  // remembers so many, and forgets the oldest
         CHECK(guess("10.0.0.1", 13.0));
     }
 
@@ -146,8 +151,9 @@ TEST_SUITE("session/web")
         CHECK(read_wish(R"({"reset": true})", wish, reset));
         CHECK(reset);
         CHECK(wish.push == 0.03);  // what is not said stays
-        for (const char* bad : {"", "[]", "7", "{", R"({"push": "far"})", R"({"push": 1e9})", R"({"push": null})", R"({"instrument": -1})",
-                                R"({"instrument": 0.5})", R"({"instrument": 99})", R"({"pause": 1})", "\xff\xfe"}) {
+        for (const char* bad :
+             {"", "[]", "7", "{", R"({"push": "far"})", R"({"push": 1e9})", R"({"push": null})", R"({"instrument": -1})",
+              R"({"instrument": 0.5})", R"({"instrument": 99})", R"({"pause": 1})", "\xff\xfe"}) {
             CAPTURE(bad);
             const PageWish before = wish;
             CHECK_FALSE(read_wish(bad, wish, reset));
@@ -170,11 +176,13 @@ TEST_SUITE("session/web")
         if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
         Served served;
         CHECK_THROWS_WITH_AS(WebServer({"0.0.0.0", "", 0}, served.scene, served.session), doctest::Contains("--token"), Error);
-        CHECK_THROWS_WITH_AS(WebServer({"127.0.0.1", "", served.web.port()}, served.scene, served.session), doctest::Contains("--port"), Error);
+        CHECK_THROWS_WITH_AS(WebServer({"127.0.0.1", "", served.web.port()}, served.scene, served.session),
+                             doctest::Contains("--port"), Error);
         for (const char* weak : {"x", "fifteen-letters", "a token with blanks in it", "a;b&c-0123456789abcdef"})
             for (const char* address : {"0.0.0.0", "127.0.0.1"}) {
                 CAPTURE(weak);
-                CHECK_THROWS_WITH_AS(WebServer({address, weak, 0}, served.scene, served.session), doctest::Contains("--token: got"), Error);
+                CHECK_THROWS_WITH_AS(WebServer({address, weak, 0}, served.scene, served.session),
+                                     doctest::Contains("--token: got"), Error);
             }
         CHECK_THROWS_WITH_AS(WebServer({"nowhere", "", 0}, served.scene, served.session), doctest::Contains("--bind"), Error);
     }
@@ -199,7 +207,8 @@ TEST_SUITE("session/web")
         for (int k = 0; k < 200; ++k) {  // frames that are none: unmasked, too long, of no kind
             const Line line(SOCK_STREAM, port);
             (void)open_socket(line, port);
-            const std::string bad[] = {std::string("\x81\x05hello", 7), std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff", 10),
+            const std::string bad[] = {std::string("\x81\x05hello", 7),
+                                       std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff", 10),
                                        std::string("\xbf\x80zzzz", 6), std::string(3000, static_cast<char>(k))};
             line.send(bad[k % 4]);
         }

@@ -73,7 +73,8 @@ TEST_SUITE("setup/access")
         const int fork = static_cast<int>(aorta.points.size()) - 1;
         grow(aorta, fork, {{0.06, -0.01, -0.12}}, 3.5e-3);
         grow(aorta, fork, {{-0.06, -0.01, -0.12}}, 4.5e-3);
-        const std::vector<Inlet> ends = {opening({0, 0, 0.3}, {0, 0, -1}, 12e-3, 0), opening({0.06, -0.01, -0.12}, {-0.06, 0.01, 0.12}, 3.5e-3, 1),
+        const std::vector<Inlet> ends = {opening({0, 0, 0.3}, {0, 0, -1}, 12e-3, 0),
+                                         opening({0.06, -0.01, -0.12}, {-0.06, 0.01, 0.12}, 3.5e-3, 1),
                                          opening({-0.06, -0.01, -0.12}, {0.06, 0.01, 0.12}, 4.5e-3, 2)};
         const Access legs = choose_access(ends, {0, 0, 0}, aorta, head, back);
         CHECK(legs.inlet == 3);  // both are as low: the wider one
@@ -105,7 +106,8 @@ TEST_SUITE("setup/access")
         grow(carotid, fork, {{0.02, 0, 0.12}}, 2.3e-3);
         grow(carotid, fork, {{-0.02, 0, 0.1}}, 1.7e-3);
         // narrower ends first, as they may stand in a list
-        const std::vector<Inlet> ends = {opening({0.0193, 0, 0.1177}, {-0.02, 0, -0.07}, 2.3e-3, -1), opening({0, 0, 0.003}, {0, 0, 1}, 3.3e-3, -1),
+        const std::vector<Inlet> ends = {opening({0.0193, 0, 0.1177}, {-0.02, 0, -0.07}, 2.3e-3, -1),
+                                         opening({0, 0, 0.003}, {0, 0, 1}, 3.3e-3, -1),
                                          opening({-0.0193, 0, 0.0983}, {0.02, 0, -0.05}, 1.7e-3, -1)};
         const Access common = choose_access(ends, {0, 0, 0}, carotid, head, back);
         CHECK(common.inlet == 2);
@@ -133,12 +135,14 @@ TEST_SUITE("setup/access")
             const char* unit;
         };
         // a carotid artery of 1.4 mm in a box of 19.8 mm was taken for centimetres
-        for (const Row& row : {Row{"carotid", 1.4e-3, 19.5e-3, 1e3, "mm"}, Row{"cerebral", 1e-3, 15e-3, 1e3, "mm"}, Row{"coronary", 1.5e-3, 0.1, 1e3, "mm"},
-                               Row{"aorta", 12e-3, 0.4, 1e3, "mm"}, Row{"iliac-cm", 4e-3, 0.15, 1e2, "cm"}, Row{"aorta-m", 11e-3, 0.3, 1, "m"},
+        for (const Row& row : {Row{"carotid", 1.4e-3, 19.5e-3, 1e3, "mm"}, Row{"cerebral", 1e-3, 15e-3, 1e3, "mm"},
+                               Row{"coronary", 1.5e-3, 0.1, 1e3, "mm"}, Row{"aorta", 12e-3, 0.4, 1e3, "mm"},
+                               Row{"iliac-cm", 4e-3, 0.15, 1e2, "cm"}, Row{"aorta-m", 11e-3, 0.3, 1, "m"},
                                Row{"micro", 1.5e-3, 20e-3, 1e6, "um"}}) {
             CAPTURE(row.name);
             LoadedVessel vessel;
-            const std::vector<UnitGuess> guesses = guess_units(folder.tube(fmt::format("{}.obj", row.name).c_str(), row.radius, row.length, row.factor), vessel);
+            const std::vector<UnitGuess> guesses =
+                guess_units(folder.tube(fmt::format("{}.obj", row.name).c_str(), row.radius, row.length, row.factor), vessel);
             CHECK(guesses[0].unit == row.unit);
             CHECK(guesses[0].plausible);
             CHECK(guesses[0].lumen == about(row.radius).epsilon(0.05));
@@ -160,7 +164,8 @@ TEST_SUITE("setup/access")
         LoadedVessel tube;
         tube.mesh = make_tube(tube_spec(3e-3, 0.03, 3000)).mesh;
         tube.report = describe(tube.mesh);
-        tube.centreline.points = {{0, 0, 0}, {0.03, 0, 0}}, tube.centreline.radius = {3e-3, 3e-3}, tube.centreline.parent = {-1, 0};
+        tube.centreline.points = {{0, 0, 0}, {0.03, 0, 0}}, tube.centreline.radius = {3e-3, 3e-3},
+        tube.centreline.parent = {-1, 0};
         CHECK(describe_no_vessel(tube).empty());
         LoadedVessel body;
         WallMesh whole = sphere(0.05, Vec3::Zero(), 4);
@@ -169,17 +174,21 @@ TEST_SUITE("setup/access")
         // 17 small holes, each the triangles round a vertex
         body.mesh.triangles.clear();
         std::vector<Vec3> middles;
-        for (std::size_t k = 0; k < 17; ++k) middles.push_back(whole.vertices[static_cast<std::size_t>(whole.triangles[k * whole.triangles.size() / 17][0])]);
+        for (std::size_t k = 0; k < 17; ++k)
+            middles.push_back(whole.vertices[static_cast<std::size_t>(whole.triangles[k * whole.triangles.size() / 17][0])]);
         for (const auto& t : whole.triangles) {
             const bool hole = std::any_of(middles.begin(), middles.end(), [&](const Vec3& m) {
-                return std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return (whole.vertices[static_cast<std::size_t>(v)] - m).norm() < 1e-9; });
+                return std::any_of(t.begin(), t.end(), [&](std::int32_t v) {
+                    return (whole.vertices[static_cast<std::size_t>(v)] - m).norm() < 1e-9;
+                });
             });
             if (!hole) body.mesh.triangles.push_back(t);
         }
         body.report = describe(body.mesh);
         CHECK(describe_no_vessel(body).find("are holes in the side") != std::string::npos);
         LoadedVessel ball;
-        ball.centreline.points = {{0, 0, 0}, {0.05, 0, 0}}, ball.centreline.radius = {0.03, 0.04}, ball.centreline.parent = {-1, 0};
+        ball.centreline.points = {{0, 0, 0}, {0.05, 0, 0}}, ball.centreline.radius = {0.03, 0.04},
+        ball.centreline.parent = {-1, 0};
         CHECK(describe_no_vessel(ball).find("its axis is only") != std::string::npos);
     }
 
@@ -192,7 +201,9 @@ TEST_SUITE("setup/access")
         std::ofstream(folder.path / "t.obj") << "# SPACE=RAS UNITS=cm\n" << body;
         const auto scene_with = [&](const std::string& vessel, const std::string& arm) {
             return read_scene_text("[scene]\nduration_s = 0.1\ndt_s = 0.001\n[vessel]\nmesh = \"t.obj\"\n" + vessel +
-                                       "[wire]\npreset = \"terumo-angled-035\"\nlength_m = 0.2\n[feed]\ninlet = 1\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n" + arm,
+                                       "[wire]\npreset = \"terumo-angled-035\"\nlength_m = 0.2\n[feed]\ninlet = 1\nkeys = [{t_s "
+                                       "= 0.0, advance_m = 0.0}]\n" +
+                                       arm,
                                    folder.path / "s.toml");
         };
         const Scene plain = scene_with("", "");
@@ -214,11 +225,12 @@ TEST_SUITE("setup/access")
     {
         const Folder folder;
         const auto setup_with = [&](const char* advance) {
-            const std::string text = fmt::format("[scene]\nduration_s = 0.1\ndt_s = 0.001\n[vessel]\nshape = \"arc\"\nradius_m = 0.004\n"
-                                                 "bend_radius_m = 0.02\nangle_deg = 90.0\ntriangles = 4000\n[wire]\nradius_m = 0.00045\n"
-                                                 "density = 6450.0\nyoungs_pa = 1e9\nlength_m = 0.2\nnodes = \"adaptive\"\n[feed]\ninlet = \"auto\"\n"
-                                                 "keys = [{{t_s = 0.0, advance_m = {}}}, {{t_s = 1.0, advance_m = 0.1}}]\n",
-                                                 advance);
+            const std::string text = fmt::format(
+                "[scene]\nduration_s = 0.1\ndt_s = 0.001\n[vessel]\nshape = \"arc\"\nradius_m = 0.004\n"
+                "bend_radius_m = 0.02\nangle_deg = 90.0\ntriangles = 4000\n[wire]\nradius_m = 0.00045\n"
+                "density = 6450.0\nyoungs_pa = 1e9\nlength_m = 0.2\nnodes = \"adaptive\"\n[feed]\ninlet = \"auto\"\n"
+                "keys = [{{t_s = 0.0, advance_m = {}}}, {{t_s = 1.0, advance_m = 0.1}}]\n",
+                advance);
             return make_setup(read_scene_text(text, folder.path / "s.toml"));
         };
         CHECK(setup_with("0.005").wires.size() == 1);
@@ -235,10 +247,11 @@ TEST_SUITE("setup/access")
     TEST_CASE("regression: a wire whose first length would begin behind a plane is refused, and one beside it is not")
     {
         const auto message_of = [](const char* point) {
-            const std::string text = fmt::format("[scene]\nduration_s = 0.1\ndt_s = 0.001\n[vessel]\nshape = \"plane\"\nsize_m = 0.4\n[wire]\n"
-                                                 "radius_m = 0.00045\ndensity = 6450.0\nyoungs_pa = 1e9\nlength_m = 0.2\nnodes = 21\n[feed]\n"
-                                                 "point = {}\ndirection = [3.0, 0.0, -4.0]\nkeys = [{{t_s = 0.0, advance_m = 0.05}}]\n",
-                                                 point);
+            const std::string text = fmt::format(
+                "[scene]\nduration_s = 0.1\ndt_s = 0.001\n[vessel]\nshape = \"plane\"\nsize_m = 0.4\n[wire]\n"
+                "radius_m = 0.00045\ndensity = 6450.0\nyoungs_pa = 1e9\nlength_m = 0.2\nnodes = 21\n[feed]\n"
+                "point = {}\ndirection = [3.0, 0.0, -4.0]\nkeys = [{{t_s = 0.0, advance_m = 0.05}}]\n",
+                point);
             try {
                 (void)make_setup(read_scene_text(text, "s.toml"));
             } catch (const Error& error) {
@@ -255,10 +268,13 @@ TEST_SUITE("setup/access")
     TEST_CASE("regression: a wire along points of its own length is laid, however its edges cut the corners")
     {
         const auto scene_of = [](const char* length) {
-            return fmt::format("scene = {{ gravity = [0.0, 0.0, 0.0] }}\nwire = {{ length_m = {}, radius_m = 0.01, density = 1000.0, youngs_pa = 1e6, "
-                               "nodes = 4, place = {{ shape = \"points\", points = [[0,0,0],[1,0,0],[1,1,0]] }} }}\nintegrator = {{ scheme = \"static\" }}\n"
-                               "hold = [ {{ at = \"base\", position = true, direction = true, spin = true }} ]\n",
-                               length);
+            return fmt::format(
+                "scene = {{ gravity = [0.0, 0.0, 0.0] }}\nwire = {{ length_m = {}, radius_m = 0.01, density = 1000.0, youngs_pa "
+                "= 1e6, "
+                "nodes = 4, place = {{ shape = \"points\", points = [[0,0,0],[1,0,0],[1,1,0]] }} }}\nintegrator = {{ scheme = "
+                "\"static\" }}\n"
+                "hold = [ {{ at = \"base\", position = true, direction = true, spin = true }} ]\n",
+                length);
         };
         const WorldSetup setup = make_setup(read_scene_text(scene_of("2.0"), "s.toml"));
         CHECK(setup.wires.size() == 1);

@@ -24,7 +24,10 @@ SweptTube tube(const Vec3& from, const Vec3& to, double radius)
     return made;
 }
 
-LumenEnd end_of(const Vec3& from, const Vec3& to, double radius) { return {to - 3e-3 * (to - from).normalized(), (to - from).normalized(), 2 * radius}; }
+LumenEnd end_of(const Vec3& from, const Vec3& to, double radius)
+{
+    return {to - 3e-3 * (to - from).normalized(), (to - from).normalized(), 2 * radius};
+}
 
 /// A fork away from the origin, with its own centreline beside it.
 struct Fork {
@@ -35,7 +38,8 @@ struct Fork {
     {
         const Vec3 low(0.06, 0.02, -0.075), middle(0.06, 0.02, 0), left(0.033, 0.02, 0.05), right(0.087, 0.02, 0.05);
         const SweptLumen lumen({tube(low, middle, 5e-3), tube(middle, left, 3.5e-3), tube(middle, right, 3.2e-3)}, 1e-3);
-        const WallMesh mesh = mesh_lumen(lumen, {end_of(middle, low, 5e-3), end_of(middle, left, 3.5e-3), end_of(middle, right, 3.2e-3)}, 6000);
+        const WallMesh mesh =
+            mesh_lumen(lumen, {end_of(middle, low, 5e-3), end_of(middle, left, 3.5e-3), end_of(middle, right, 3.2e-3)}, 6000);
         spec.shape = VesselShape::Mesh;
         spec.mesh = folder.path() / "fork.obj";
         write_mesh(spec.mesh, mesh, "mm");
@@ -52,7 +56,8 @@ struct Fork {
         std::string codes, file = read_file(spec.centreline);
         for (const char c : head.substr(equals + 1)) codes += std::to_string(static_cast<int>(c)) + " ";
         const std::size_t at = file.find("<Piece");
-        file.insert(at, "<FieldData><DataArray type=\"String\" Name=\"" + head.substr(0, equals) + "\" NumberOfTuples=\"1\" format=\"ascii\">" + codes + "0</DataArray></FieldData>");
+        file.insert(at, "<FieldData><DataArray type=\"String\" Name=\"" + head.substr(0, equals) +
+                            "\" NumberOfTuples=\"1\" format=\"ascii\">" + codes + "0</DataArray></FieldData>");
         write_file(spec.centreline, file);
     }
 
@@ -97,7 +102,9 @@ TEST_SUITE("setup/centreline_check")
         CHECK(fork.notes().empty());
     }
 
-    TEST_CASE("property: x and y turned round: refused with the key that says so, taken with the key or where the file's header says so")
+    TEST_CASE(
+        "property: x and y turned round: refused with the key that says so, taken with the key or where the file's header says "
+        "so")
     {
         Fork fork;
         fork.write(turned(fork.line), "mm");
@@ -158,7 +165,8 @@ TEST_SUITE("setup/centreline_check")
         fork.write(bent, "mm");
         const LoadedVessel vessel = load_vessel(fork.spec);
         CHECK(std::any_of(vessel.report.notes.begin(), vessel.report.notes.end(), [](const std::string& note) {
-            return note.find("1 points of line.vtp do not fit the mesh") != std::string::npos && note.find("25.5") != std::string::npos;
+            return note.find("1 points of line.vtp do not fit the mesh") != std::string::npos &&
+                   note.find("25.5") != std::string::npos;
         }));
     }
 
@@ -175,7 +183,8 @@ TEST_SUITE("setup/centreline_check")
         const LoadedVessel vessel = load_vessel(fork.spec);
         REQUIRE(vessel.report.unreached.size() == 1);
         CHECK(std::abs(vessel.report.unreached[0].z() - 0.047) < 0.003);
-        CHECK(std::any_of(vessel.report.notes.begin(), vessel.report.notes.end(), [](const std::string& note) { return has(note, "does not reach 1 opening of the mesh"); }));
+        CHECK(std::any_of(vessel.report.notes.begin(), vessel.report.notes.end(),
+                          [](const std::string& note) { return has(note, "does not reach 1 opening of the mesh"); }));
     }
 }
 

@@ -177,8 +177,10 @@ TEST_SUITE("setup/scene_setup")
         CHECK(describe_thick_wall(vessel, axis).empty());
     }
 
-    // A plane of 0.5 m at the setting that is chosen: edges of 4.9 decay lengths (0.026 * 4.9^2 = 62 % of the displacement is missing).
-    TEST_CASE("property: edges of an elastic wall that are longer than the decay length are told of, with the ratio and what to set")
+    // A plane of 0.5 m at the setting that is chosen: edges of 4.9 decay lengths (0.026 * 4.9^2 = 62 % of the displacement is
+    // missing).
+    TEST_CASE(
+        "property: edges of an elastic wall that are longer than the decay length are told of, with the ratio and what to set")
     {
         VesselSpec vessel;
         vessel.shape = VesselShape::Plane;

@@ -33,7 +33,8 @@ TEST_SUITE("shapes/aortic_arch")
         // widest first: root, diaphragm, innominate, subclavian, carotid. Rim vertices lie on the wall, so on the true radius
         const double diameters[] = {spec.diameter_root, spec.diameter_diaphragm, spec.diameter_innominate,
                                     spec.diameter_subclavian, spec.diameter_carotid};
-        // by less than what a chord between two of them is inside of the circle, which is how far off the centre of uneven ones is
+        // by less than what a chord between two of them is inside of the circle, which is how far off the centre of uneven ones
+        // is
         for (std::size_t k = 0; k < 5; ++k) {
             const double sagitta = 1 - std::cos(M_PI / static_cast<double>(report.loops[k].vertices.size()));
             CHECK(report.loops[k].radius == about(0.5 * diameters[k]).epsilon(sagitta));

@@ -175,7 +175,9 @@ TEST_SUITE("solve/constraints")
         fast.ramp = 1;
         HoldSpec moved = clamp_base();
         moved.move = {{0, 0, 0, 0}, {3, 0, 0, 0.001}};
-        const auto until = [&](const std::vector<LoadSpec>& loads) { return WireHolds(std::vector{moved}, loads, {}, rig.rod(), 0.1).moving_until(); };
+        const auto until = [&](const std::vector<LoadSpec>& loads) {
+            return WireHolds(std::vector{moved}, loads, {}, rig.rod(), 0.1).moving_until();
+        };
         CHECK(until({}) == 3);
         CHECK(until({fast}) == 3);
         CHECK(until({slow, fast}) == 4);

@@ -90,7 +90,8 @@ private:
                 const double along = sliding ? slip[a] * slip[b] / (length * length) : 0.0;
                 jacobian->add(RodDofs::position(i, a), RodDofs::position(i, b), factor * ((a == b ? 1.0 : 0.0) - along));
             }
-            if (sliding && !symmetric) jacobian->add(RodDofs::position(i, a), RodDofs::position(i, 2), -mu * slope * slip[a] / length);
+            if (sliding && !symmetric)
+                jacobian->add(RodDofs::position(i, a), RodDofs::position(i, 2), -mu * slope * slip[a] / length);
         }
     }
 
@@ -178,7 +179,10 @@ TEST_SUITE("solve/contact_steps")
     class Noise : public ForceTerm {
     public:
         void evaluate(const TermTrial&) override { sign_ = -sign_; }
-        void add(int, std::span<double> gradient, BandRows*, bool) const override { gradient[RodDofs::position(5, 2)] += sign_ * 1e-3; }
+        void add(int, std::span<double> gradient, BandRows*, bool) const override
+        {
+            gradient[RodDofs::position(5, 2)] += sign_ * 1e-3;
+        }
 
     private:
         double sign_ = 1;
@@ -201,9 +205,9 @@ TEST_SUITE("solve/contact_steps")
         CHECK(rig.reports[0].residual <= rig.reports[0].tolerance);
     }
 
-    /// Holds node 5 at `centre`, with the tangent k 1. Farther from it than `near` the force is k (1 - 1.05 D) q, D a quarter turn:
-    /// Newton's steps with that tangent lead from q to 1.05 D q, where the derivative along the step is 0 and the correction is 1.05 times
-    /// as long as the last one.
+    /// Holds node 5 at `centre`, with the tangent k 1. Farther from it than `near` the force is k (1 - 1.05 D) q, D a quarter
+    /// turn: Newton's steps with that tangent lead from q to 1.05 D q, where the derivative along the step is 0 and the
+    /// correction is 1.05 times as long as the last one.
     class Whirl : public ForceTerm {
     public:
         void evaluate(const TermTrial& trial) override { q_ = Vec2(trial.at.y[5], trial.at.z[5]) - centre; }
@@ -222,8 +226,9 @@ TEST_SUITE("solve/contact_steps")
         Vec2 q_;
     };
 
-    // A trial of half the step leads from q to 0.72 q, six of them from 1.05^3 times 10 um to within 2 um. Where the derivative is
-    // believed each time, forty iterations lead away from the centre. The node's inertia, 3.2 N/m of k, holds it back by 3.2 nm.
+    // A trial of half the step leads from q to 0.72 q, six of them from 1.05^3 times 10 um to within 2 um. Where the derivative
+    // is believed each time, forty iterations lead away from the centre. The node's inertia, 3.2 N/m of k, holds it back by 3.2
+    // nm.
     TEST_CASE("property: trials whose correction grows are not taken over and over for their derivative")
     {
         WireSpec soft = nitinol(0.05);

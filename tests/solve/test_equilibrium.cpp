@@ -107,8 +107,9 @@ TEST_SUITE("newton/equilibrium")
         }
     }
 
-    // What a step feeds is gone from the base edge once the wire has moved on by it, as a step's first guess has. The tangent there is that
-    // of the residual: taken at the tension that the feed makes before anything moves, -EA fed/l, it lacks EA fed/l^2 against turning.
+    // What a step feeds is gone from the base edge once the wire has moved on by it, as a step's first guess has. The tangent
+    // there is that of the residual: taken at the tension that the feed makes before anything moves, -EA fed/l, it lacks EA
+    // fed/l^2 against turning.
     TEST_CASE("derivative: the first tangent after a feed is that of a wire which has moved on")
     {
         const double fed = 2e-5;

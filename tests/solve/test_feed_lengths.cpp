@@ -44,7 +44,8 @@ struct Fed {
 
 TEST_SUITE("solve/feed")
 {
-    TEST_CASE("property: a surplus that is too long for the base edge fades by half of that edge at most, and the rest of it stays")
+    TEST_CASE(
+        "property: a surplus that is too long for the base edge fades by half of that edge at most, and the rest of it stays")
     {
         constexpr double at_once = std::numeric_limits<double>::infinity();  // from rest to rest all of it would go
         for (const double surplus : {5 * edge, -5 * edge, 0.75 * edge, -0.75 * edge, 0.3 * edge, -0.3 * edge})
@@ -87,7 +88,8 @@ TEST_SUITE("solve/feed")
             const double t = 0.03, w = 1 / 0.025 + speed / edge, s0 = 0.1 * edge, v0 = 0.02;
             double added = fade_surplus(one.state, t), of_many = 0;
             for (int k = 0; k < 30; ++k) of_many += fade_surplus(many.state, t / 30);
-            const double left = std::exp(-w * t), expected = (s0 + (v0 + w * s0) * t) * left, rate = (v0 - w * (v0 + w * s0) * t) * left;
+            const double left = std::exp(-w * t), expected = (s0 + (v0 + w * s0) * t) * left,
+                         rate = (v0 - w * (v0 + w * s0) * t) * left;
             for (const Fed* wire : {&one, &many}) {
                 CHECK(wire->state.surplus == about(expected).epsilon(1e-12));
                 CHECK(wire->state.surplus_rate == about(rate).epsilon(1e-12));
@@ -97,7 +99,8 @@ TEST_SUITE("solve/feed")
         }
     }
 
-    // theta turns about the tangent from tip to hub, which points against the feed: a turn of the hub by +a is -a of the wire's angles
+    // theta turns about the tangent from tip to hub, which points against the feed: a turn of the hub by +a is -a of the wire's
+    // angles
     TEST_CASE("property: a wire that starts inside is even, at rest, and turned as its hub is")
     {
         RodArrays arrays(std::vector<int>{40});

@@ -1,4 +1,5 @@
-// engine/physics/newton/kink_balance: forces across kinks against a closed form, and against all combinations of bounds tried in turn.
+// engine/physics/newton/kink_balance: forces across kinks against a closed form, and against all combinations of bounds tried in
+// turn.
 
 #include "math/dof_map.h"
 #include "math/small_dense.h"
@@ -23,7 +24,8 @@ KinkBalance::Met met_with(double force, double rest, double width, double free_m
     return {{0, 0.25, Vec3(0, 0.2, 0), force, rest, width}, 0, free_move, 0};
 }
 
-/// The forces by trying each kink at 0, between its facets and at f, in all combinations; the one that agrees with itself is unique.
+/// The forces by trying each kink at 0, between its facets and at f, in all combinations; the one that agrees with itself is
+/// unique.
 std::vector<double> by_enumeration(const KinkBalance& b)
 {
     const int n = b.count;
@@ -78,8 +80,8 @@ TEST_SUITE("solve/kink_balance")
         CHECK(force(30e-6) == f);
     }
 
-    // Compliances fall off by half from kink to neighbouring kink, as on a wire: each sweep leaves less than 0.9 of the error, and stops
-    // at a change of 1e-9.
+    // Compliances fall off by half from kink to neighbouring kink, as on a wire: each sweep leaves less than 0.9 of the error,
+    // and stops at a change of 1e-9.
     TEST_CASE("oracle: several kinks have the forces of the only combination that agrees with itself")
     {
         std::mt19937 dice(3);

@@ -12,8 +12,8 @@ using namespace seldinger::test;
 
 namespace {
 
-/// A spring of no length between node a of wire 0 and node b of wire 1: E = k |x_a - x_b|^2/2. With `mean`, its force is that at the
-/// mean of the step's start and end, which does the work -(E+ - E-): what an energy-momentum step takes.
+/// A spring of no length between node a of wire 0 and node b of wire 1: E = k |x_a - x_b|^2/2. With `mean`, its force is that at
+/// the mean of the step's start and end, which does the work -(E+ - E-): what an energy-momentum step takes.
 class Spring : public ForceTerm {
 public:
     Spring(RodArrays& rods, int a, int b, double stiffness, bool mean = false)
@@ -31,7 +31,8 @@ public:
         apart_ = at(0) - at(1);
     }
     void add(int, std::span<double>, BandRows*, bool) const override {}
-    void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool /*symmetric*/) const override
+    void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent,
+                bool /*symmetric*/) const override
     {
         const int wire_a = system.rod_of(0), wire_b = system.rod_of(1);
         if (wire_a < 0 || wire_b < 0) return;
@@ -69,9 +70,10 @@ void set_apart(Rig& rig)
 
 TEST_SUITE("solve/systems")
 {
-    // Either way every wire's residual ends below its own tolerance T, but a system's iterations are its worst wire's: the other one
-    // may be solved further than alone. Two solutions of a step with residuals below T differ by M^-1 h^2 2T at most on a node,
-    // and by 2 T h/m in velocity. The latter add up: n^2 T h^2/m after n steps. Bending holds against that, it does not add.
+    // Either way every wire's residual ends below its own tolerance T, but a system's iterations are its worst wire's: the other
+    // one may be solved further than alone. Two solutions of a step with residuals below T differ by M^-1 h^2 2T at most on a
+    // node, and by 2 T h/m in velocity. The latter add up: n^2 T h^2/m after n steps. Bending holds against that, it does not
+    // add.
     TEST_CASE("property: two wires that nothing couples move in one system as they do apart")
     {
         const auto swing = [](Rig& rig, std::span<const int> partition) {
@@ -126,7 +128,8 @@ TEST_SUITE("solve/systems")
     }
 
     // The force in the spring, as a dead load on either wire alone, bends it to the same shape: an equilibrium found without
-    // the coupling. Small deflections: F = k gap/(1 + 2 k/k_beam), k_beam = 3 B/L^3, to (gap/L)^2 and the clamp's and nodes' (1/n)^2.
+    // the coupling. Small deflections: F = k gap/(1 + 2 k/k_beam), k_beam = 3 B/L^3, to (gap/L)^2 and the clamp's and nodes'
+    // (1/n)^2.
     TEST_CASE("analytic: two cantilevers with a spring between their tips meet where beam theory says")
     {
         const int n = 41;

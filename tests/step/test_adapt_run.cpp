@@ -155,7 +155,8 @@ TEST_SUITE("step/adapt_run")
         for (int k = 0; k < 700; ++k) {
             step_stages_of(world, 1e-3, false);
             const int before = world.rod(0).n;
-            for (int i = 0; i < before; ++i) force[static_cast<std::size_t>(i)] = 1e-9 * Vec3(1, i, i * i);  // no two alike; too small to plan by
+            for (int i = 0; i < before; ++i)
+                force[static_cast<std::size_t>(i)] = 1e-9 * Vec3(1, i, i * i);  // no two alike; too small to plan by
             const Vec3 was = sum();
             adapt_nodes(data_of(world), 1e-3);
             born += world.rod(0).n > before;

@@ -87,8 +87,9 @@ void add_sphere(TestSetup& setup, double size)
     setup.vessel.shape = VesselShape::Mesh;
 }
 
-// The law lets axes of one wire come 1.5 radii near, whatever pushes. Edges of the polygon are nearer than the curve by up to kappa l^2/8,
-// 0.06 mm at 1.2 mm and 1/3 mm: no more than 0.1 radii of it count, as at most one of two strands is bent towards the other.
+// The law lets axes of one wire come 1.5 radii near, whatever pushes. Edges of the polygon are nearer than the curve by up to
+// kappa l^2/8, 0.06 mm at 1.2 mm and 1/3 mm: no more than 0.1 radii of it count, as at most one of two strands is bent towards
+// the other.
 constexpr double nearest = 1.4 * radius;
 
 }  // namespace

@@ -29,8 +29,8 @@ TestSetup in_a_bend()
 TEST_SUITE("step/control")
 {
     // The keys say where the hub is at t; the hand is sent there step by step. Both know as much of the next step as the engine
-    // wants to know: the speed is steady. What differs is the rounding of sums, 1e-16 m of a rest length of millimetres against EA
-    // = 1e4 N, and what 700 steps make of it.
+    // wants to know: the speed is steady. What differs is the rounding of sums, 1e-16 m of a rest length of millimetres against
+    // EA = 1e4 N, and what 700 steps make of it.
     TEST_CASE("property: a hand that asks for each step's end does what key frames do")
     {
         FedWorld keyed(in_a_bend());

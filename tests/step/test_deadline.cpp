@@ -59,9 +59,10 @@ double farthest(const World& a, const World& b)
 
 TEST_SUITE("step/deadline")
 {
-    // The law hardens towards r/2 of overlap, which no admitted trial goes beyond. Once both wires rest, they differ by where friction
-    // let them stop: less than 2 % of the radius, which is what the smallest readings of a run are good for.
-    TEST_CASE("property: with no time at all the wire stays inside the wall, and comes to the converged answer once there is time")
+    // The law hardens towards r/2 of overlap, which no admitted trial goes beyond. Once both wires rest, they differ by where
+    // friction let them stop: less than 2 % of the radius, which is what the smallest readings of a run are good for.
+    TEST_CASE(
+        "property: with no time at all the wire stays inside the wall, and comes to the converged answer once there is time")
     {
         FedWorld plain(pushed()), hurried(pushed());
         hurried.cut_when([] { return true; });
@@ -104,7 +105,9 @@ TEST_SUITE("step/deadline")
         CHECK(std::abs(ledger.open()) <= 1e-3 * std::abs(ledger.hand));
     }
 
-    TEST_CASE("property: a run resumes from a saved state with what was carried, bit for bit, and a state without it says nothing of it")
+    TEST_CASE(
+        "property: a run resumes from a saved state with what was carried, bit for bit, and a state without it says nothing of "
+        "it")
     {
         FedWorld world(pushed()), again(pushed()), plain(pushed());
         for (FedWorld* each : {&world, &again}) each->cut_when([] { return true; });

@@ -145,8 +145,8 @@ TEST_SUITE("step/driven hub")
         CHECK((driven.rod(0).pos(0) - moved.rod(0).pos(0)).norm() < 1e-9);
     }
 
-    // Friction 0.2 of 5.6 mN holds until 0.749 s. Backward Euler is 1.1 % ahead after 0.251 s of a force that rises. At an inlet half of the
-    // friction on the base edge, of 0 to 2.5 mm, is the clamp's: 0.4 % of all, and 2.2 % of the way.
+    // Friction 0.2 of 5.6 mN holds until 0.749 s. Backward Euler is 1.1 % ahead after 0.251 s of a force that rises. At an inlet
+    // half of the friction on the base edge, of 0 to 2.5 mm, is the clamp's: 0.4 % of all, and 2.2 % of the way.
     TEST_CASE("analytic: a wire on a floor slips at 0.749 s, fed or placed, and goes as the laws say")
     {
         constexpr double mass = 1e-4;
@@ -166,7 +166,8 @@ TEST_SUITE("step/driven hub")
             const WireReadings r = world.readings(0);
             CHECK(r.inserted == about(expected).epsilon(0.04));
             CHECK(std::abs(r.hub.open()) < 1e-4 * r.hub.work);
-            CHECK(std::abs(r.energy.open()) < 0.01 * r.hub.work);  // as of any feed that is accelerated: half of the hub's half cell
+            CHECK(std::abs(r.energy.open()) <
+                  0.01 * r.hub.work);  // as of any feed that is accelerated: half of the hub's half cell
         }
     }
 
@@ -255,7 +256,9 @@ TEST_SUITE("step/driven hub")
         two.wires.push_back(two.wires[0]);
         World apart(two);  // each its own system
         two.systems = {2};
-        CHECK(refusal([&] { World world(two); }).starts_with("wires[1].feed.hub.mass: got a force that drives this hub and one for wires[0]"));
+        CHECK(refusal([&] {
+                  World world(two);
+              }).starts_with("wires[1].feed.hub.mass: got a force that drives this hub and one for wires[0]"));
         WorldSetup setup = in_the_open(0.01);
         setup.integrator.newmark = true;
         CHECK(refusal([&] { World world(setup); }).starts_with("wires[0].feed.hub.mass: got a hub that a force drives with"));

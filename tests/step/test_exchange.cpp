@@ -184,7 +184,8 @@ TEST_SUITE("step/exchange")
             return std::string();
         };
         CHECK(refusal([&] { (void)step(world, both, 1e-3); }) ==
-              "control: instrument 2: advance: got 0.001 m; expected 0 while instrument 1 is inside: they take turns in another one "
+              "control: instrument 2: advance: got 0.001 m; expected 0 while instrument 1 is inside: they take turns in another "
+              "one "
               "(exchanged)");
         CHECK(world.step_count() == 0);
         for (const int exchanged : {0, 3}) {

@@ -15,7 +15,8 @@ namespace {
 constexpr double bent = 0.03, natural = 2;  // preformed, from the tip [m], its curvature [1/m]
 constexpr double force = 0.06 * bend / (0.05 * 0.05);  // across the tip [N]: at 5 cm the wire bends to 0.03 rad by it
 
-/// A wire with a preformed tip in edges of h, that far out of the inlet, with a force across the tip that bends it on (+1) or back (-1).
+/// A wire with a preformed tip in edges of h, that far out of the inlet, with a force across the tip that bends it on (+1) or
+/// back (-1).
 World bent_tip(double h, double inside, int sense)
 {
     WorldSetup setup = straight_pair(inside, inside + 0.01);
@@ -45,12 +46,14 @@ void feed(World& world, double inside)
 
 TEST_SUITE("step/feed_sections")
 {
-    // Of small deflections the load P does the work P (y_natural + P L^3/(3 B)) at a tip L out of the inlet, half of it stored. y_natural is
-    // k L^2/2 until the preformed part a is out, and k a^2/2 from then on. The hand's force is the change of the rest with L:
+    // Of small deflections the load P does the work P (y_natural + P L^3/(3 B)) at a tip L out of the inlet, half of it stored.
+    // y_natural is k L^2/2 until the preformed part a is out, and k a^2/2 from then on. The hand's force is the change of the
+    // rest with L:
     //
     //     F = -(M^2/(2 B) + M k),   M = P L,   without M k from L = a on
     //
-    // Angles of up to 0.09 rad turn load and lever by their half square, 0.4 %. Edges err by (h/L)^2/12 of F, 1 % where h = 8 of 25 mm.
+    // Angles of up to 0.09 rad turn load and lever by their half square, 0.4 %. Edges err by (h/L)^2/12 of F, 1 % where h = 8 of
+    // 25 mm.
     TEST_CASE("analytic: the hand stops feeding a preformed tip where that ends, whatever the nodes")
     {
         for (const int sense : {1, -1})
@@ -73,7 +76,8 @@ TEST_SUITE("step/feed_sections")
                 }
                 CAPTURE(work);
                 CAPTURE(exact_work);
-                CHECK(std::abs(work - exact_work) < 0.014 * std::abs(exact_work) + force * bent * natural * move);  // a step's jump
+                CHECK(std::abs(work - exact_work) <
+                      0.014 * std::abs(exact_work) + force * bent * natural * move);  // a step's jump
             }
     }
 }

@@ -213,7 +213,8 @@ TEST_SUITE("step/hand_readings")
         for (const int edges : {5, 20}) {
             CAPTURE(edges);
             const Vec3 force(0, 2e-4, 0);
-            FedWorld world = loaded_arc(edges, {hold(WirePoint::Kind::Base, true, true, true)}, load({WirePoint::Kind::Tip, 0}, force));
+            FedWorld world =
+                loaded_arc(edges, {hold(WirePoint::Kind::Base, true, true, true)}, load({WirePoint::Kind::Tip, 0}, force));
             const WireReadings now = world.readings(0);
             const Vec3 tip = world.rod(0).pos(0);
             REQUIRE(tip.z() > 0.5 * length);

@@ -49,8 +49,8 @@ double in_groove(double share)
 }  // namespace
 
 // Experiment 2 in the project's arch. Without the curvature of ridges in the tangent and directions that lead into valleys, 1.8 %
-// of its steps take more than six iterations, and ten are halved; with both 0.3 %, and none. Where a force jumps at corners of three
-// facets, or an edge is joined with its own facet, some take 30; else 9. The bounds are between them. More than four
+// of its steps take more than six iterations, and ten are halved; with both 0.3 %, and none. Where a force jumps at corners of
+// three facets, or an edge is joined with its own facet, some take 30; else 9. The bounds are between them. More than four
 // iterations are taken by 0.5 %; by 1.3 % if the valleys that a step's first trial goes over are not balanced together.
 TEST_CASE("property: steps over a faceted wall seldom take many iterations")
 {
@@ -83,11 +83,11 @@ TEST_CASE("property: steps over a faceted wall seldom take many iterations")
     CHECK(refused < trials / 100);
 }
 
-// The demo, whose J springs round the arch in a step: with these numbers of nodes Newton's method goes round in a circle of two and of four
-// trials there, each cut short by the longest permitted move, to the last of its 40 iterations where nothing ends the circle.
-// 6 and 8 steps are divided after 18 and 20 trials on one direction if the test of a trial compares the correction with a direction of
-// another residual (valleys admitted), if contacts leave the tangent indefinite, or if a direction of the projected Hessian has to
-// shrink its correction: with all three mended 1 and 0, and 7 trials at most.
+// The demo, whose J springs round the arch in a step: with these numbers of nodes Newton's method goes round in a circle of two
+// and of four trials there, each cut short by the longest permitted move, to the last of its 40 iterations where nothing ends the
+// circle. 6 and 8 steps are divided after 18 and 20 trials on one direction if the test of a trial compares the correction with a
+// direction of another residual (valleys admitted), if contacts leave the tangent indefinite, or if a direction of the projected
+// Hessian has to shrink its correction: with all three mended 1 and 0, and 7 trials at most.
 TEST_CASE("property: a search that goes round in a circle ends before its last iteration, and few directions are of no use")
 {
     for (const int nodes : {201, 209}) {
@@ -113,8 +113,8 @@ TEST_CASE("property: a search that goes round in a circle ends before its last i
     }
 }
 
-// D6d: the facets' depths differ by |n_a - n_b| |y| = (1 - 2 share) eps. Vertices in float move the facets by 1e-10 m, and that difference
-// by as much, over |n_a - n_b| = 0.2.
+// D6d: the facets' depths differ by |n_a - n_b| |y| = (1 - 2 share) eps. Vertices in float move the facets by 1e-10 m, and that
+// difference by as much, over |n_a - n_b| = 0.2.
 TEST_CASE("analytic: a wire that slides into a groove lies where the facets share its weight")
 {
     const double turn = 2 * std::sin(std::atan(slope)), smoothing = 0.002, radius = steel_wire(0.06, 13).shaft.radius;

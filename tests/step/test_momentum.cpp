@@ -51,7 +51,8 @@ std::vector<double> least_cosines(const WallMesh& mesh)
     std::vector<double> least(mesh.triangles.size(), 1.0);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (const auto vertex : mesh.triangles[t])
-            for (const std::size_t other : beside[vertex]) least[t] = std::min(least[t], normal_of(mesh, t).dot(normal_of(mesh, other)));
+            for (const std::size_t other : beside[vertex])
+                least[t] = std::min(least[t], normal_of(mesh, t).dot(normal_of(mesh, other)));
     return least;
 }
 
@@ -59,7 +60,8 @@ struct Closed {
     int checked = 0, halved = 0, touching = 0;
     double worst = 0;    // error over what is allowed
     double largest = 0;  // of the balance's terms [N]
-    double listed = 0;   // worst difference of the contact list's sum from the balance's contact force, beyond what creases explain [N]
+    double listed =
+        0;  // worst difference of the contact list's sum from the balance's contact force, beyond what creases explain [N]
     double change = 0;   // worst difference between the balance's rate and the test's own, backward Euler [N]
 };
 
@@ -77,8 +79,8 @@ Closed run_closed(TestSetup setup, int steps, double dt = 1e-3)
         REQUIRE_FALSE(report.failed());
         const WireReadings now = world.readings(0);
         const MomentumBalance& b = now.momentum;
-        // A row has the sum of the forces of all facets of a crease, in the direction of their resultant. All of them are within the
-        // angle a of the nearest facet's normal, so the resultant is at least cos a of the sum.
+        // A row has the sum of the forces of all facets of a crease, in the direction of their resultant. All of them are within
+        // the angle a of the nearest facet's normal, so the resultant is at least cos a of the sum.
         Vec3 listed = Vec3::Zero();
         double creases = 0;
         for (const ContactRow& row : world.contacts()) {
@@ -172,8 +174,9 @@ TEST_SUITE("step/momentum")
         }
     }
 
-    // The wall takes over what contact exerts through every birth and merge of nodes, as force and as work. The solver leaves 1e-6 B/L^2 on a node
-    // and that times an edge as a moment, which work over the moves and turns of a step, and a millionth of the largest force on the wall, over the overlaps.
+    // The wall takes over what contact exerts through every birth and merge of nodes, as force and as work. The solver leaves
+    // 1e-6 B/L^2 on a node and that times an edge as a moment, which work over the moves and turns of a step, and a millionth of
+    // the largest force on the wall, over the overlaps.
     TEST_CASE("property: beside an elastic wall it closes too, and so do the energies of wire and wall, nodes coming and going")
     {
         constexpr double dt = 1e-3;
@@ -198,7 +201,8 @@ TEST_SUITE("step/momentum")
             const WallReadings& wall = now.walls.front().readings;
             wall_allowed += 1e-6 * wire.normal * wire.contacts * wire.overlap;
             const ConstRodView rod = world.rod(0);
-            const double inside = rod.material_s[rod.n - 1], force = std::max(wire.force_residual, 1e-6 * bend / (inside * inside));
+            const double inside = rod.material_s[rod.n - 1],
+                         force = std::max(wire.force_residual, 1e-6 * bend / (inside * inside));
             for (int i = 0; i < rod.n; ++i) allowed += force * std::sqrt(3.0) * rod.vel(i).norm() * dt;
             for (int j = 0; j + 1 < rod.n; ++j) allowed += force * inside / (rod.n - 1) * std::abs(rod.spin_rate[j]) * dt;
             wall_open = std::max(wall_open, std::abs(wire.energy.wall - wall.energy - wall.loss) / (wall_allowed + 1e-18));

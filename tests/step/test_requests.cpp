@@ -1,4 +1,5 @@
-// What a World refuses: setups that contradict themselves, and requests that cannot be met. One clear line, and nothing has changed.
+// What a World refuses: setups that contradict themselves, and requests that cannot be met. One clear line, and nothing has
+// changed.
 
 #include "core/error.h"
 #include "support/world_fixture.h"
@@ -56,18 +57,24 @@ TEST_SUITE("step/requests")
     TEST_CASE("property: a setup that contradicts itself is refused by a line that names the member")
     {
         refused([](TestSetup& s) { s.wires.clear(); }, "wires: got none; expected at least one wire");
-        refused([](TestSetup& s) { s.wires[1].contact.detection = Detection::Capsule; }, "wires[1].contact.detection: got another value than wires[0]");
-        refused([](TestSetup& s) { s.wires[1].contact.normal = NormalLaw::LankaraniNikravesh; }, "wires[1].contact.normal: got another value than wires[0]");
-        refused([](TestSetup& s) { s.wires[1].contact.friction = FrictionLaw::Smooth; }, "wires[1].contact.friction: got another value than wires[0]");
-        refused([](TestSetup& s) { s.wires[1].contact.precision = Precision::Float32; }, "wires[1].contact.precision: got another value than wires[0]");
+        refused([](TestSetup& s) { s.wires[1].contact.detection = Detection::Capsule; },
+                "wires[1].contact.detection: got another value than wires[0]");
+        refused([](TestSetup& s) { s.wires[1].contact.normal = NormalLaw::LankaraniNikravesh; },
+                "wires[1].contact.normal: got another value than wires[0]");
+        refused([](TestSetup& s) { s.wires[1].contact.friction = FrictionLaw::Smooth; },
+                "wires[1].contact.friction: got another value than wires[0]");
+        refused([](TestSetup& s) { s.wires[1].contact.precision = Precision::Float32; },
+                "wires[1].contact.precision: got another value than wires[0]");
         refused([](TestSetup& s) { s.mesh.triangles.clear(); }, "mesh: got no triangles");
         refused([](TestSetup& s) { s.mesh.triangles[7][1] = 1 << 30; }, "mesh.triangles[7]: got vertex 1073741824");
         refused([](TestSetup& s) { s.mesh.vertices[3].x() = not_a_number; }, "mesh.vertices[3]: got [nan");
         refused([](TestSetup& s) { s.gravity.z() = not_a_number; }, "gravity: got [0, 0, nan]");
-        refused([](TestSetup& s) { s.wires[0].wire.length = 0; }, "wires[0].wire.length: got 0; expected a finite number greater than 0");
+        refused([](TestSetup& s) { s.wires[0].wire.length = 0; },
+                "wires[0].wire.length: got 0; expected a finite number greater than 0");
         refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = not_a_number; }, "wires[0].wire.shaft.radius: got nan");
         refused([](TestSetup& s) { s.wires[1].wire.shaft.bend_stiffness = -1; }, "wires[1].wire.shaft.bend_stiffness: got -1");
-        refused([](TestSetup& s) { s.wires[1].wire.shaft.mu_sliding = 0.9; }, "wires[1].wire.shaft.mu_static: got 0.25; expected at least");
+        refused([](TestSetup& s) { s.wires[1].wire.shaft.mu_sliding = 0.9; },
+                "wires[1].wire.shaft.mu_static: got 0.25; expected at least");
         refused([](TestSetup& s) { s.wires[1].wire.nodes = 1; }, "wires[1].wire.nodes: got 1");
         refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = 1e-7; },
                 "wires[0].wire.length: got 0.1 m; expected at most 500000 times the smallest radius, 1e-07 m");
@@ -134,7 +141,9 @@ TEST_SUITE("step/requests")
     }
 
     // a turn whose energy is just a number and whose force would be none
-    TEST_CASE("property: a step that no number can tell of has failed, the report of that instrument says so, and readings stay numbers")
+    TEST_CASE(
+        "property: a step that no number can tell of has failed, the report of that instrument says so, and readings stay "
+        "numbers")
     {
         TestSetup setup = two_wires();
         setup.systems = {1, 1};

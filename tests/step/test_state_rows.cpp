@@ -27,7 +27,8 @@ World pushed_pair(const char* model)
 
 TEST_SUITE("step/state rows")
 {
-    TEST_CASE("property: a wire that is put back after an attempt is what it was, bit for bit, but for what the attempt has learnt")
+    TEST_CASE(
+        "property: a wire that is put back after an attempt is what it was, bit for bit, but for what the attempt has learnt")
     {
         for (const char* model : {"merged", "separate"}) {
             CAPTURE(model);
@@ -43,11 +44,13 @@ TEST_SUITE("step/state rows")
                 data.state.wires[w].time += 1;
                 data.state.wires[w].remesh_energy += 1;
                 FeedState& feed = data.feed(w);
-                for (double* value : {&feed.advance, &feed.turn, &feed.surplus, &feed.surplus_rate, &feed.speed, &feed.grown}) *value += 1;
+                for (double* value : {&feed.advance, &feed.turn, &feed.surplus, &feed.surplus_rate, &feed.speed, &feed.grown})
+                    *value += 1;
                 feed.inside = 0;
                 data.solver->spin_record(w).wait = 3;
             }
-            for (const auto& group : data.groups.list) group->leader = 1 - group->leader, group->feed.advance += 1, group->feed.speed += 1;
+            for (const auto& group : data.groups.list)
+                group->leader = 1 - group->leader, group->feed.advance += 1, group->feed.speed += 1;
             CHECK(world.save_state() != before);
             for (int w = 0; w < world.wire_count(); ++w) put_back_wire(data, w);
             CHECK(data.solver->spin_record(0).wait == 3);
@@ -68,7 +71,8 @@ TEST_SUITE("step/state rows")
         other[0] ^= 1;
         system[7] ^= 1;
         CHECK_THROWS_WITH_AS(world.restore_state(other), doctest::Contains("another version"), Error);
-        CHECK_THROWS_WITH_AS(world.restore_state(headless), doctest::Contains("another version"), Error);  // as before there was a number
+        CHECK_THROWS_WITH_AS(world.restore_state(headless), doctest::Contains("another version"),
+                             Error);  // as before there was a number
         CHECK_THROWS_WITH_AS(world.restore_state(0, system), doctest::Contains("another version"), Error);
         CHECK(world.save_state() == good);
         CHECK_NOTHROW(world.restore_state(0, own));

@@ -17,21 +17,25 @@ constexpr double mu = 0.2, distance = 0.01;  // [-], that the base is pulled by 
 /// A wire that lies in a tube by its weight, pulled along.
 Scene dragged()
 {
-    return read_scene_text("[integrator]\nscheme = \"static\"\n"
-                           "[wire]\npreset = \"bentson-035\"\nlength_m = 0.1\nmu_sliding = 0.2\nmu_static = 0.2\nnodes = 81\n"
-                           "[wire.place]\nshape = \"straight\"\nbase = [0.105, 0.0, -0.0035]\ndirection = [-1.0, 0.0, 0.0]\n"
-                           "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.2\naxis = [1.0, 0.0, 0.0]\ntriangles = 8000\n"
-                           "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nmove = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.01, 0.0, 0.0]]\n",
-                           "drag.toml");
+    return read_scene_text(
+        "[integrator]\nscheme = \"static\"\n"
+        "[wire]\npreset = \"bentson-035\"\nlength_m = 0.1\nmu_sliding = 0.2\nmu_static = 0.2\nnodes = 81\n"
+        "[wire.place]\nshape = \"straight\"\nbase = [0.105, 0.0, -0.0035]\ndirection = [-1.0, 0.0, 0.0]\n"
+        "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.2\naxis = [1.0, 0.0, 0.0]\ntriangles = 8000\n"
+        "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nmove = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.01, 0.0, 0.0]]\n",
+        "drag.toml");
 }
 
 }  // namespace
 
 TEST_SUITE("step/static_drag")
 {
-    // A wire that slides all the way loses mu N d; less before it slides, over the stretch of its contacts, which is below a percent of the way. The hold's
-    // work is that and what the wire stores; it is taken by the mean of the forces at both ends of each of some twenty parts of the path, of which the first begins without friction: half a part.
-    TEST_CASE("analytic: friction takes mu N d of the work of a hold that drags a wire, and readings on the way belong to their own equilibrium")
+    // A wire that slides all the way loses mu N d; less before it slides, over the stretch of its contacts, which is below a
+    // percent of the way. The hold's work is that and what the wire stores; it is taken by the mean of the forces at both ends of
+    // each of some twenty parts of the path, of which the first begins without friction: half a part.
+    TEST_CASE(
+        "analytic: friction takes mu N d of the work of a hold that drags a wire, and readings on the way belong to their own "
+        "equilibrium")
     {
         World world(make_setup(dragged()));
         int seen = 0;

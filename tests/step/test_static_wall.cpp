@@ -19,15 +19,18 @@ Scene pressed(double along = 0, double mu = 0)
 {
     const std::string friction = mu > 0 ? fmt::format("mu_sliding = {0}\nmu_static = {0}\n", mu) : "";
     const std::string law = mu > 0 ? "" : "[contact]\nfriction = \"none\"\n";
-    return read_scene_text("[scene]\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\n"
-                           "[wire]\nlength_m = 0.04\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 2e-5\ntwist_nm2 = 2e-5\nstretch_n = 1e4\n"
-                           "nodes = 41\n" + friction +
-                           "[wire.place]\nshape = \"straight\"\nbase = [-0.02, 0.0, 0.00055]\ndirection = [1.0, 0.0, 0.0]\n"
-                           "[vessel]\nshape = \"plane\"\nsize_m = 0.08\ntriangles = 800\nwall = \"elastic\"\nyoungs_pa = 1e6\npoisson = 0.45\n"
-                           "thickness_m = 0.0015\nsupport_pa_m = 1e6\nwall_edge_m = 0.003\n"
-                           + law + "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nmove = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -0.0005]" +
-                           (along > 0 ? fmt::format(", [2.0, {}, 0.0, -0.0005]", along) : "") + "]\n",
-                           "pressed.toml");
+    return read_scene_text(
+        "[scene]\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\n"
+        "[wire]\nlength_m = 0.04\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 2e-5\ntwist_nm2 = 2e-5\nstretch_n = 1e4\n"
+        "nodes = 41\n" +
+            friction +
+            "[wire.place]\nshape = \"straight\"\nbase = [-0.02, 0.0, 0.00055]\ndirection = [1.0, 0.0, 0.0]\n"
+            "[vessel]\nshape = \"plane\"\nsize_m = 0.08\ntriangles = 800\nwall = \"elastic\"\nyoungs_pa = 1e6\npoisson = 0.45\n"
+            "thickness_m = 0.0015\nsupport_pa_m = 1e6\nwall_edge_m = 0.003\n" +
+            law +
+            "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nmove = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -0.0005]" +
+            (along > 0 ? fmt::format(", [2.0, {}, 0.0, -0.0005]", along) : "") + "]\n",
+        "pressed.toml");
 }
 
 const WallReadings& wall_of(const World& world, Output& now)
@@ -40,9 +43,10 @@ const WallReadings& wall_of(const World& world, Output& now)
 
 TEST_SUITE("step/static_wall")
 {
-    // Without friction all forces are elastic: what the hold does is stored. Means of the wall's forces at both ends of a part of the path are exact in linear
-    // theory; what large displacements add is a few per cent of the force here, and a mean misses about 1/100 of that. The contact law's work is taken by the
-    // force at the end of each part: more than the law stores, since the force rises.
+    // Without friction all forces are elastic: what the hold does is stored. Means of the wall's forces at both ends of a part of
+    // the path are exact in linear theory; what large displacements add is a few per cent of the force here, and a mean misses
+    // about 1/100 of that. The contact law's work is taken by the force at the end of each part: more than the law stores, since
+    // the force rises.
     TEST_CASE("analytic: a hold that presses a wire on an elastic plate does the work that both store")
     {
         World world(make_setup(pressed()));
@@ -60,9 +64,10 @@ TEST_SUITE("step/static_wall")
         CHECK(in_contact < wire.energy.contact);
     }
 
-    // Once it slides all along, a move of d along the plate takes mu N d of the hold's work; the rest is what the wire, the contact law and the wall store.
-    // Until then it takes less, over the elastic slip and the wall's own shear, which are some micrometres of 4 mm. The hold's work takes the mean of its
-    // forces at both ends of each part of the path; the first part along the plate begins without friction, so half of this part's is missing.
+    // Once it slides all along, a move of d along the plate takes mu N d of the hold's work; the rest is what the wire, the
+    // contact law and the wall store. Until then it takes less, over the elastic slip and the wall's own shear, which are some
+    // micrometres of 4 mm. The hold's work takes the mean of its forces at both ends of each part of the path; the first part
+    // along the plate begins without friction, so half of this part's is missing.
     TEST_CASE("analytic: beside an elastic plate the work of a hold is what wire, contact and wall store and what friction takes")
     {
         constexpr double mu = 0.2, along = 0.004;
@@ -74,7 +79,8 @@ TEST_SUITE("step/static_wall")
         Output now;
         const double stored = wall_of(dragged, now).energy;
         const double lost = after.friction - before.friction, expected = mu * dragged.readings(0).normal * along;
-        const double gained = after.wire - before.wire + after.contact - before.contact + stored - wall_of(pressed_down, now).energy;
+        const double gained =
+            after.wire - before.wire + after.contact - before.contact + stored - wall_of(pressed_down, now).energy;
         CAPTURE(parts);
         REQUIRE(expected > 1e-6);
         CHECK(lost == test::about(expected).epsilon(0.01));

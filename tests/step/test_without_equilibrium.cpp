@@ -10,7 +10,8 @@ using namespace seldinger::test;
 
 TEST_SUITE("step/settle")
 {
-    TEST_CASE("property: a free wire under its weight has no equilibrium and is told so; one that is held sags as a cantilever does")
+    TEST_CASE(
+        "property: a free wire under its weight has no equilibrium and is told so; one that is held sags as a cantilever does")
     {
         TestSetup setup;
         setup.wires = {placed_wire(steel_wire(0.05, 21), Vec3(0, 0, 0)), placed_wire(steel_wire(0.05, 21), Vec3(0, 0.1, 0))};

@@ -26,7 +26,8 @@ TestSetup three_wires(Detection detection)
     for (int w = 0; w < 3; ++w) {
         WireSpec spec = steel_wire(0.06 + 0.02 * w, 21 + 7 * w);
         spec.shaft.bend_stiffness *= 1 + w;
-        TestWire wire = w < 2 ? fed_wire(spec, {0.0005, 3e-4 * w, -0.0024}, 0.2 + 0.1 * w, 2.0 * w) : placed_wire(spec, Vec3::Zero());
+        TestWire wire =
+            w < 2 ? fed_wire(spec, {0.0005, 3e-4 * w, -0.0024}, 0.2 + 0.1 * w, 2.0 * w) : placed_wire(spec, Vec3::Zero());
         if (w == 2) {  // lies along the whole bend, and springs against its outer wall
             wire.wire.place.shape = PlaceShape::Centreline;
             wire.wire.place.from = 0.002;
@@ -45,7 +46,8 @@ TestSetup three_wires(Detection detection)
 std::vector<double> state_of(FedWorld& world, int wire)
 {
     std::vector<double> all;
-    for (const std::span<double>& array : data_of(world).state.rods.arrays(wire)) all.insert(all.end(), array.begin(), array.end());
+    for (const std::span<double>& array : data_of(world).state.rods.arrays(wire))
+        all.insert(all.end(), array.begin(), array.end());
     return all;
 }
 

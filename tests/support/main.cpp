@@ -1,4 +1,5 @@
-// The test program's main: doctest's, and exit code 77 (ctest: skipped) when every test case that ran said that it cannot run here.
+// The test program's main: doctest's, and exit code 77 (ctest: skipped) when every test case that ran said that it cannot run
+// here.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 

@@ -93,11 +93,14 @@ TEST_SUITE("vessel/branches")
         const Branches branches(arch.centreline);
         REQUIRE(branches.count() == 4);
         // the patient's left is +y here (superior +x, anterior +z): the subclavian's end is farthest there
-        const auto end = [&](int number) { return arch.centreline.points[static_cast<std::size_t>(branches.points(number).back())]; };
+        const auto end = [&](int number) {
+            return arch.centreline.points[static_cast<std::size_t>(branches.points(number).back())];
+        };
         const double radius[] = {0.01041 / 2, 0.00828 / 2, 0.0125 / 2};
         for (int number = 1; number <= 3; ++number) {
             CAPTURE(number);
-            CHECK(arch.centreline.radius[static_cast<std::size_t>(branches.points(number).back())] == test::about(radius[number - 1]).epsilon(0.02));
+            CHECK(arch.centreline.radius[static_cast<std::size_t>(branches.points(number).back())] ==
+                  test::about(radius[number - 1]).epsilon(0.02));
             CHECK(branches.locate(end(number)).branch == number);
         }
         CHECK(branches.locate(end(4)).branch == 4);
@@ -133,7 +136,8 @@ TEST_SUITE("vessel/branches")
         const int fork = grow(line, -1, Vec3::Zero(), Vec3::UnitX(), 40, 0.004);
         for (const double side : {1.0, -1.0}) {
             const int twigs = grow(line, fork, Vec3(0.04, 0, 0), Vec3(0, side, 0), 50, 0.003);
-            for (const double up : {1.0, -1.0}) grow(line, twigs, Vec3(0.04, 0.05 * side, 0), Vec3(0, 0, up), side > 0 && up > 0 ? 40 : 30, 0.0022);
+            for (const double up : {1.0, -1.0})
+                grow(line, twigs, Vec3(0.04, 0.05 * side, 0), Vec3(0, 0, up), side > 0 && up > 0 ? 40 : 30, 0.0022);
         }
         const Branches branches(line);
         REQUIRE(branches.count() == 4);

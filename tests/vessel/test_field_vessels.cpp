@@ -93,7 +93,8 @@ WallMesh wall_around(const WallMesh& lumen, double thickness, double noise)
     return wall;
 }
 
-/// A closed profile swept along a path of frames; its ends are open. Normals point outwards where the profile runs counter-clockwise.
+/// A closed profile swept along a path of frames; its ends are open. Normals point outwards where the profile runs
+/// counter-clockwise.
 template <class Frame>
 WallMesh swept(const std::vector<std::pair<double, double>>& profile, int along, const Frame& frame)
 {
@@ -131,7 +132,8 @@ std::vector<std::pair<double, double>> crescent(double inner, double outer, int 
 
 bool has_note(const RepairReport& report, const char* text)
 {
-    return std::any_of(report.notes.begin(), report.notes.end(), [&](const std::string& n) { return n.find(text) != std::string::npos; });
+    return std::any_of(report.notes.begin(), report.notes.end(),
+                       [&](const std::string& n) { return n.find(text) != std::string::npos; });
 }
 
 double largest_radius(const WallMesh& mesh)
@@ -152,7 +154,8 @@ WallMesh hemispherical(int around, int along, double radius, double length)
         const auto next = static_cast<std::int32_t>(mesh.vertices.size());
         for (int j = 0; j < around; ++j) {
             const double b = 2 * pi * j / around;
-            mesh.vertices.emplace_back(length + radius * std::sin(t), radius * std::cos(t) * std::cos(b), radius * std::cos(t) * std::sin(b));
+            mesh.vertices.emplace_back(length + radius * std::sin(t), radius * std::cos(t) * std::cos(b),
+                                       radius * std::cos(t) * std::sin(b));
         }
         for (std::int32_t j = 0; j < around; ++j) {
             const std::int32_t k = (j + 1) % around;
@@ -198,7 +201,8 @@ TEST_SUITE("vessel/field_vessels")
             }
     }
 
-    TEST_CASE("property: of a rough wall in one surface the inner side is taken: straight, bent and branching, whatever its triangles")
+    TEST_CASE(
+        "property: of a rough wall in one surface the inner side is taken: straight, bent and branching, whatever its triangles")
     {
         constexpr double thickness = 1.8e-3;
         for (const VesselShape shape : {VesselShape::Tube, VesselShape::Arc, VesselShape::Arch})
@@ -222,9 +226,11 @@ TEST_SUITE("vessel/field_vessels")
                     // all of the inner surface but for what noise takes at the rims, and nothing else; less noise than before
                     const LumenQuery lumen(made.mesh, {});
                     double square = 0, area = 0, whole = 0;
-                    for (const Vec3& v : mesh.vertices) square += std::pow(lumen.signed_distance(v), 2) / static_cast<double>(mesh.vertices.size());
+                    for (const Vec3& v : mesh.vertices)
+                        square += std::pow(lumen.signed_distance(v), 2) / static_cast<double>(mesh.vertices.size());
                     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += double_area(triangle_of(mesh, t)).norm();
-                    for (std::size_t t = 0; t < made.mesh.triangles.size(); ++t) whole += double_area(triangle_of(made.mesh, t)).norm();
+                    for (std::size_t t = 0; t < made.mesh.triangles.size(); ++t)
+                        whole += double_area(triangle_of(made.mesh, t)).norm();
                     CHECK(std::sqrt(square) < 1e-6 + 1.1 * noise);
                     CHECK(area > (noise == 0 ? 0.99 : 0.9) * whole);
                 }
@@ -248,7 +254,9 @@ TEST_SUITE("vessel/field_vessels")
             CHECK(largest_radius(mesh) == about(3e-3).epsilon(1e-6));
         }
         WallMesh mesh = bulging(3e-3, 0.6e-3, 5e-3);
-        CHECK_THROWS_WITH_AS((void)repair(mesh), doctest::Contains("whose inner side could not be told for certain; expected the lumen's surface. Fix:"), Error);
+        CHECK_THROWS_WITH_AS(
+            (void)repair(mesh),
+            doctest::Contains("whose inner side could not be told for certain; expected the lumen's surface. Fix:"), Error);
     }
 
     TEST_CASE("property: thin, flat, wound and crescent lumens are no walls")
@@ -380,7 +388,9 @@ TEST_SUITE("vessel/field_vessels")
         constexpr int around = 48;
         WallMesh mesh = tube(radius, length + flap, around, 76);
         std::erase_if(mesh.triangles, [&](const auto& t) {
-            const Vec3 at = (mesh.vertices[static_cast<std::size_t>(t[0])] + mesh.vertices[static_cast<std::size_t>(t[1])] + mesh.vertices[static_cast<std::size_t>(t[2])]) / 3;
+            const Vec3 at = (mesh.vertices[static_cast<std::size_t>(t[0])] + mesh.vertices[static_cast<std::size_t>(t[1])] +
+                             mesh.vertices[static_cast<std::size_t>(t[2])]) /
+                            3;
             return at.x() > length && std::abs(std::atan2(at.z(), at.y())) > 0.25;
         });
         RepairReport report;
@@ -443,7 +453,8 @@ TEST_SUITE("vessel/field_vessels")
         const Centreline line = extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops), &gaps);
         double to_tip = 1;
         for (const Vec3& p : line.points) to_tip = std::min(to_tip, (p - tip).norm());
-        const bool said = gaps.unreached.size() == 1 && std::abs(gaps.unreached[0].x() - tip.x()) < 1e-3 && gaps.unreached[0].y() > 0.003;
+        const bool said =
+            gaps.unreached.size() == 1 && std::abs(gaps.unreached[0].x() - tip.x()) < 1e-3 && gaps.unreached[0].y() > 0.003;
         CHECK((to_tip < 2e-3) != said);
     }
 }

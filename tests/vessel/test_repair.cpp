@@ -20,7 +20,9 @@ TEST_SUITE("repair/repair")
     {
         const WallMesh tube = make_tube(tube_spec(0.01, 0.1, 3000)).mesh;
         WallMesh soup = as_soup(tube);
-        for (Vec3& v : soup.vertices) v = Vec3(static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())) + Vec3(1, 1, 1);  // what an STL stores
+        for (Vec3& v : soup.vertices)
+            v = Vec3(static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())) +
+                Vec3(1, 1, 1);  // what an STL stores
         const RepairReport report = repair(soup);
         CHECK(report.triangles == static_cast<long>(tube.triangles.size()));
         CHECK(report.vertices == static_cast<long>(tube.vertices.size()));

@@ -62,7 +62,8 @@ TEST_SUITE("vessel/ridges")
         CHECK(mean_ridge_angle({}, 0) == 0);
     }
 
-    // r up to 0.12 rad, from there on with the square of the angle, a quarter of r from 0.24 rad on. A wire is a whole number of stretches.
+    // r up to 0.12 rad, from there on with the square of the angle, a quarter of r from 0.24 rad on. A wire is a whole number of
+    // stretches.
     TEST_CASE("analytic: contact samples lie closer on sharp ridges, and no closer than need be")
     {
         const double r = 0.5;  // the facets are longer than 2 r

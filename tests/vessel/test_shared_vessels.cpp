@@ -136,7 +136,8 @@ TEST_SUITE("vessel/shared_vessels")
         CHECK(inlet.direction.dot(Vec3(-0.19, 0.952, 0.241)) > 0.98);
     }
 
-    TEST_CASE("regression: an aortic root with coronaries is entered where it is wide, not by a coronary's tip or through a sinus")
+    TEST_CASE(
+        "regression: an aortic root with coronaries is entered where it is wide, not by a coronary's tip or through a sinus")
     {
         const auto shared = shared_folder_or_skip();
         if (!shared) return;

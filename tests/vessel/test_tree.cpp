@@ -140,7 +140,8 @@ TEST_SUITE("vessel/tree")
             for (std::size_t k = 0; k < 4 && quad.reach[k] >= 0; ++k) {
                 const auto [first, end] = look(quad.child[k]);
                 all = {std::min(all.first, first), std::max(all.second, end)};
-                const Vec3 centre(quad.centre[0][k], quad.centre[1][k], quad.centre[2][k]), normal(quad.normal[0][k], quad.normal[1][k], quad.normal[2][k]);
+                const Vec3 centre(quad.centre[0][k], quad.centre[1][k], quad.centre[2][k]),
+                    normal(quad.normal[0][k], quad.normal[1][k], quad.normal[2][k]);
                 planes += normal.norm() > 0;
                 outside += normal.norm() > 1;
                 for (const float *v = &tree.vertices[9 * first], *stop = v + 9 * (end - first); v != stop; v += 3) {
@@ -159,8 +160,8 @@ TEST_SUITE("vessel/tree")
 
     TEST_CASE("property: quads and a guess save visits and change no answer")
     {
-        // From tables to the thousandth part of a hair: floats round alike at every size. Three bodies, where ties are many: a tube seen
-        // from its axis, a sphere from its middle, and flat facets cut into pieces.
+        // From tables to the thousandth part of a hair: floats round alike at every size. Three bodies, where ties are many: a
+        // tube seen from its axis, a sphere from its middle, and flat facets cut into pieces.
         for (const double scale : {1.0, 1e-6, 1e4}) {
             WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 20000)).mesh;
             append(mesh, sphere(0.01, Vec3(-0.02, 0, 0), 4));
@@ -178,10 +179,12 @@ TEST_SUITE("vessel/tree")
                                      {-0.02 + tiny(random), tiny(random), 0},
                                      {wide(random), wide(random), wide(random)}};
                 const Vec3 p = i % 8 == 7 ? mesh.vertices[random() % mesh.vertices.size()] : Vec3(scale * (from[i % 4] + away));
-                const TreeHit before = nearest_on_wall(tree, p, std::numeric_limits<double>::infinity(), i % 4 == 1 ? &visits_before : nullptr);
+                const TreeHit before =
+                    nearest_on_wall(tree, p, std::numeric_limits<double>::infinity(), i % 4 == 1 ? &visits_before : nullptr);
                 const auto guess = static_cast<std::int64_t>(random() % tree.triangle_count());
                 for (const std::int64_t first : {std::int64_t{-1}, guess, before.triangle})
-                    for (const double limit : {std::numeric_limits<double>::infinity(), (1 + 1e-9) * std::sqrt(before.distance2) + 1e-300}) {
+                    for (const double limit :
+                         {std::numeric_limits<double>::infinity(), (1 + 1e-9) * std::sqrt(before.distance2) + 1e-300}) {
                         const bool count = i % 4 == 1 && first < 0 && std::isinf(limit);
                         const TreeHit hit = nearest_on_wall(tree, p, limit, count ? &visits : nullptr, first, quads);
                         CHECK(hit.distance2 == before.distance2);
@@ -189,7 +192,8 @@ TEST_SUITE("vessel/tree")
                         CHECK(hit.point == before.point);
                         CHECK(hit.feature == before.feature);
                     }
-                if (before.distance2 > 0) CHECK(nearest_on_wall(tree, p, 0.999 * std::sqrt(before.distance2), nullptr, -1, quads).triangle == -1);
+                if (before.distance2 > 0)
+                    CHECK(nearest_on_wall(tree, p, 0.999 * std::sqrt(before.distance2), nullptr, -1, quads).triangle == -1);
             }
             CHECK(visits < visits_before / 2);  // near the tube's axis
         }
@@ -245,7 +249,8 @@ TEST_SUITE("vessel/tree")
         bool same = true;
         for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
             const TreeNode &a = again->nodes[i], &b = tree.nodes[i];
-            same &= a.left_or_first == b.left_or_first && a.count == b.count && std::equal(a.lo, a.lo + 3, b.lo) && std::equal(a.hi, a.hi + 3, b.hi);
+            same &= a.left_or_first == b.left_or_first && a.count == b.count && std::equal(a.lo, a.lo + 3, b.lo) &&
+                    std::equal(a.hi, a.hi + 3, b.hi);
         }
         CHECK(same);
 
@@ -258,7 +263,9 @@ TEST_SUITE("vessel/tree")
             damage(damaged);
             return !divided_wall_tree(mesh, damaged);
         };
-        const std::size_t leaf = static_cast<std::size_t>(std::find_if(division.nodes.begin(), division.nodes.end(), [](const auto& n) { return n[1] > 0; }) - division.nodes.begin());
+        const std::size_t leaf = static_cast<std::size_t>(
+            std::find_if(division.nodes.begin(), division.nodes.end(), [](const auto& n) { return n[1] > 0; }) -
+            division.nodes.begin());
         CHECK(refused([](TreeDivision& d) { d.original[3] = d.original[4]; }));
         CHECK(refused([](TreeDivision& d) { d.original[3] = ~0u; }));
         CHECK(refused([](TreeDivision& d) { d.edge_bits.pop_back(); }));

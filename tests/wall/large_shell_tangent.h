@@ -1,5 +1,6 @@
 #pragma once
-// Tangent of the large shell, for Newton's method in tests. The engine takes what linear theory leaves out explicitly, and has none.
+// Tangent of the large shell, for Newton's method in tests. The engine takes what linear theory leaves out explicitly, and has
+// none.
 
 #include "wall/block_pattern.h"
 #include "wall/large_shell.h"
@@ -12,8 +13,8 @@ namespace seldinger {
 struct LargeShellTangent {
     const LargeShell& of;
 
-    /// Second derivatives of g = z . x_3 by the tangents and z = s^ab x_|ab: with c = x_,1 x x_,2 and t the part of z along the surface,
-    /// d2g/dc2 = -(t x_3^T + x_3 t^T + g (1 - x_3 x_3^T)) / |c|^2, d2g/dz dc = (1 - x_3 x_3^T) / |c|.
+    /// Second derivatives of g = z . x_3 by the tangents and z = s^ab x_|ab: with c = x_,1 x x_,2 and t the part of z along the
+    /// surface, d2g/dc2 = -(t x_3^T + x_3 t^T + g (1 - x_3 x_3^T)) / |c|^2, d2g/dz dc = (1 - x_3 x_3^T) / |c|.
     struct Curvature {
         Mat3 h11, h12, h22, hz1, hz2;
 
@@ -69,7 +70,8 @@ struct LargeShellTangent {
             by_u[k] = v.n_1 * on_1.transpose() + v.n_2 * on_2.transpose();
         }
         add([&](std::size_t i, std::size_t j) {
-            return bending[i].transpose() * moment[j] + w[j].n_1 * by_1[i] + w[j].n_2 * by_2[i] + bent[j] * by_z[i] + w[j].n * by_u[i];
+            return bending[i].transpose() * moment[j] + w[j].n_1 * by_1[i] + w[j].n_2 * by_2[i] + bent[j] * by_z[i] +
+                   w[j].n * by_u[i];
         });
     }
 
@@ -87,14 +89,16 @@ struct LargeShellTangent {
             add_point(q, p, rest.of_point[k].transpose() * pulled, add);
             const auto w = of.shell_.weights(q);
             for (std::size_t i = 0; i < w.size(); ++i)
-                strain[i] += rest.of_point[k] * Mat3::rows(w[i].n_1 * p.x_1, w[i].n_2 * p.x_2, w[i].n_2 * p.x_1 + w[i].n_1 * p.x_2);
+                strain[i] +=
+                    rest.of_point[k] * Mat3::rows(w[i].n_1 * p.x_1, w[i].n_2 * p.x_2, w[i].n_2 * p.x_1 + w[i].n_1 * p.x_2);
         }
         std::array<std::span<const double>, LargeShell::edge_points> n_s;
         std::array<double, LargeShell::edge_points> tension;
         for (std::size_t e = 0; e < LargeShell::edge_points; ++e) {
             n_s[e] = of.edge_weights(triangle, e);
             tension[e] = rest.of_edge[e].dot(pulled);
-            for (std::size_t i = 0; i < n_s[e].size(); ++i) strain[i] += outer(rest.of_edge[e], n_s[e][i] * (rest.edge[e] + now.u_s[e]));
+            for (std::size_t i = 0; i < n_s[e].size(); ++i)
+                strain[i] += outer(rest.of_edge[e], n_s[e][i] * (rest.edge[e] + now.u_s[e]));
         }
         for (std::size_t i = 0; i < n_s[0].size(); ++i) stress[i] = law * strain[i];
         add([&](std::size_t i, std::size_t j) {

@@ -1,5 +1,5 @@
-// The shell under displacements of any size: objectivity, derivatives, and equilibria against solutions that know no shell elements
-// (plates by von Karman's equations for a disk, a strip by the elastica) and published tables.
+// The shell under displacements of any size: objectivity, derivatives, and equilibria against solutions that know no shell
+// elements (plates by von Karman's equations for a disk, a strip by the elastica) and published tables.
 #include "support/approx.h"
 #include "wall/large_shell.h"
 #include "large_shell_tangent.h"
@@ -43,7 +43,8 @@ struct RoughTube {
         std::mt19937 random(5);
         std::vector<double> w;
         for (const Vec3& x : mesh.vertices) {
-            const double noise[3] = {1e-6 * double(random() % 1000), 1e-6 * double(random() % 1000), 1e-6 * double(random() % 1000)};
+            const double noise[3] = {1e-6 * double(random() % 1000), 1e-6 * double(random() % 1000),
+                                     1e-6 * double(random() % 1000)};
             const double wave = 4e-3 * std::sin(x.z() / 0.004);
             for (int a = 0; a < 3; ++a) w.push_back(noise[a] + (a < 2 ? wave * x[a] / 0.012 : 0));
         }
@@ -60,7 +61,8 @@ struct RoughTube {
 /// Newton's method with fixed and held unknowns, in steps of the load.
 class LargeProblem {
 public:
-    explicit LargeProblem(WallProblem& wall) : wall_(wall), large_(wall.shell), place_(wall.force.size(), -1), w_(wall.force.size(), 0)
+    explicit LargeProblem(WallProblem& wall)
+        : wall_(wall), large_(wall.shell), place_(wall.force.size(), -1), w_(wall.force.size(), 0)
     {
         for (std::size_t i = 0; i < place_.size(); ++i)
             if (!wall.fixed[i] && !wall.matrices.held[i / 3]) place_[i] = free_++;
@@ -165,7 +167,8 @@ double karman_disk(double youngs, double nu, double thickness, double a, double 
             const double r = h * (i + 1), f = x[2 * i], s = x[2 * i + 1];
             for (int c = 0; c < 2; ++c) {
                 const double scale = c == 0 ? d : 1;
-                double left = 1 / (h * h) - 1 / (2 * r * h), right = 1 / (h * h) + 1 / (2 * r * h), own = -2 / (h * h) - 1 / (r * r);
+                double left = 1 / (h * h) - 1 / (2 * r * h), right = 1 / (h * h) + 1 / (2 * r * h),
+                       own = -2 / (h * h) - 1 / (r * r);
                 if (i + 1 == n) {  // x_n+1 = x_n-1 + 2 h x' with x' = -+ nu x / a
                     own += right * 2 * h * (c == 0 ? -nu : nu) / a;
                     left += right, right = 0;
@@ -210,8 +213,8 @@ struct ShellDisk {
     }
 };
 
-/// Tip of a cantilever of length 1 under a force a = P L^2 / (E I) at its end: theta'' = -a cos theta, theta(0) = theta'(1) = 0, by
-/// shooting. @return deflection and shortening
+/// Tip of a cantilever of length 1 under a force a = P L^2 / (E I) at its end: theta'' = -a cos theta, theta(0) = theta'(1) = 0,
+/// by shooting. @return deflection and shortening
 std::array<double, 2> elastica(double a)
 {
     const auto run = [a](double bend, std::array<double, 2>& tip) {
@@ -324,7 +327,9 @@ TEST_SUITE("wall/large_shell")
         const Shell shell(s, spec);
         std::vector<double> w;
         for (const Vec3& x : mesh.vertices)
-            for (const double u : {0.2 * x.x() + 20 * x.y() * x.z(), 0.3 * x.y() + 30 * x.x() * x.z(), 0.4 * x.z() - 10 * x.x() * x.y()}) w.push_back(u);
+            for (const double u :
+                 {0.2 * x.x() + 20 * x.y() * x.z(), 0.3 * x.y() + 30 * x.x() * x.z(), 0.4 * x.z() - 10 * x.x() * x.y()})
+                w.push_back(u);
         const auto volume = [&](double share) {  // of a polyhedron whose corners lie on the moved surface
             constexpr int n = 12;
             double sum = 0;
@@ -333,7 +338,8 @@ TEST_SUITE("wall/large_shell")
                 const auto place = [&](int i, int j) {
                     s.basis(t, double(i) / n, double(j) / n, at);
                     Vec3 x = Vec3::Zero();
-                    for (int k = 0; k < at.size; ++k) x += at.n[k] * (mesh.vertices[at.vertex[k]] + share * Vec3(&w[3 * at.vertex[k]]));
+                    for (int k = 0; k < at.size; ++k)
+                        x += at.n[k] * (mesh.vertices[at.vertex[k]] + share * Vec3(&w[3 * at.vertex[k]]));
                     return x;
                 };
                 for (int i = 0; i < n; ++i)
@@ -357,7 +363,8 @@ TEST_SUITE("wall/large_shell")
         for (const double load : {0.1, 2.0, 10.0, 40.0}) {
             CAPTURE(load);
             const double expected = karman_disk(youngs, nu, thickness, a, load * unit);
-            // of second order in the edge: 0.45 to 0.06 %, 0.21 to 0.02 %; slopes squared that von Karman leaves out: 0.03 % at most
+            // of second order in the edge: 0.45 to 0.06 %, 0.21 to 0.02 %; slopes squared that von Karman leaves out: 0.03 % at
+            // most
             CHECK(coarse.middle(load) == about(expected).epsilon(0.01));
             CHECK(fine.middle(load) == about(expected).epsilon(0.005));
         }
@@ -378,7 +385,8 @@ TEST_SUITE("wall/large_shell")
     {
         // Sze 2004's cantilever twice over, held in its middle: E 1.2e6, nu 0, 10 x 1 x 0.1, force 4
         const int along = 40;
-        WallProblem wall(grid(along, 2, [](double u, double v) { return Vec3(20 * (u - 0.5), v - 0.5, 0); }), unsupported(1.2e6, 0, 0.1));
+        WallProblem wall(grid(along, 2, [](double u, double v) { return Vec3(20 * (u - 0.5), v - 0.5, 0); }),
+                         unsupported(1.2e6, 0, 0.1));
         wall.fix([&](int v) {
             const bool middle = std::abs(wall.surface.control().vertices[v].x()) < 1e-6;
             return std::array<bool, 3>{middle, middle, middle};
@@ -400,7 +408,8 @@ TEST_SUITE("wall/large_shell")
         }
     }
 
-    TEST_CASE("analytic: hemisphere with a hole, pulled and pushed by four forces [Sze 2004, doi:10.1016/j.finel.2003.11.001, table 4]")
+    TEST_CASE(
+        "analytic: hemisphere with a hole, pulled and pushed by four forces [Sze 2004, doi:10.1016/j.finel.2003.11.001, table 4]")
     {
         const int n = 12;
         WallMesh mesh = hemisphere_mesh(n);
@@ -425,7 +434,8 @@ TEST_SUITE("wall/large_shell")
             CAPTURE(row.share);
             large.solve(row.share);
             const double out = large.displacement({10, 0, 0}).x(), in = -large.displacement({0, 10, 0}).y();
-            // the rim's boundary layer, as under small loads (test_shell_obstacles): -2 to -5 %, at 16 elements a side -1.4 to -3.8
+            // the rim's boundary layer, as under small loads (test_shell_obstacles): -2 to -5 %, at 16 elements a side -1.4 to
+            // -3.8
             CHECK(out == about(row.out).epsilon(0.06));
             CHECK(in == about(row.in).epsilon(0.06));
         }

@@ -148,8 +148,8 @@ TEST_SUITE("wall/shell_obstacles")
         CHECK(hemisphere(16, 0.3) == about(1).epsilon(0.04));
     }
 
-    // of a thin sphere: rho omega^2 R^2 / E of its slowest motion, five modes of degree 2, bending aside [Lamb 1882]. Strains that
-    // leave out a motion would put one below it, and the thinner the shell, the lower
+    // of a thin sphere: rho omega^2 R^2 / E of its slowest motion, five modes of degree 2, bending aside [Lamb 1882]. Strains
+    // that leave out a motion would put one below it, and the thinner the shell, the lower
     TEST_CASE("analytic: nothing moves more easily than a thin sphere does, its rigid motions aside")
     {
         constexpr double nu = 0.3;

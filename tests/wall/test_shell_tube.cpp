@@ -59,8 +59,8 @@ void uniform_pressure(const ShellSpec& spec, double length, int along, const dou
             const Vec3 u = wall.displacement(w, Vec3(R * out.x(), R * out.y(), z));
             const double at = z;
             CAPTURE(at);
-            // At a rim the control polygon of n vertices lies on the circle, and the surface, a cubic spline, (1 - cos(2 pi/n))/3 inside
-            // it; w goes with R^2: 4 % for 18. Inside of the rims the surface is fitted to the circle.
+            // At a rim the control polygon of n vertices lies on the circle, and the surface, a cubic spline, (1 - cos(2 pi/n))/3
+            // inside it; w goes with R^2: 4 % for 18. Inside of the rims the surface is fitted to the circle.
             const bool at_rim = std::abs(z) > 0.5 * length - 1e-9;
             CHECK(u.dot(out) == about(radial).epsilon(at_rim ? 2 * (1 - std::cos(2 * std::numbers::pi / 18)) / 3 : 0.01));
             // where hardly any is due, in parts of the outward one

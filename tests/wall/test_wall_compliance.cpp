@@ -80,7 +80,8 @@ TEST_SUITE("wall/wall_compliance")
                 for (int r = 0; r < 3; ++r)
                     for (int c = 0; c < 3; ++c) {
                         const int slot = patch.slot(at);
-                        CHECK(patch.block(patch.slot(from), slot)[3 * r + c] == columns[columns.size() / 3 * static_cast<std::size_t>(r) + static_cast<std::size_t>(3 * at + c)]);
+                        CHECK(patch.block(patch.slot(from), slot)[3 * r + c] ==
+                              columns[columns.size() / 3 * static_cast<std::size_t>(r) + static_cast<std::size_t>(3 * at + c)]);
                     }
         }
     }
@@ -110,7 +111,8 @@ TEST_SUITE("wall/wall_compliance")
         factor->solve(unit, work);
         const auto columns = factor->columns(v);
         REQUIRE(columns.size() == 3 * n);
-        CHECK(std::equal(unit.begin(), unit.end(), columns.begin() + std::ptrdiff_t(n), [](double whole, float kept) { return float(whole) == kept; }));
+        CHECK(std::equal(unit.begin(), unit.end(), columns.begin() + std::ptrdiff_t(n),
+                         [](double whole, float kept) { return float(whole) == kept; }));
         CHECK(columns.data() == factor->columns(v).data());
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
@@ -149,8 +151,8 @@ TEST_SUITE("wall/wall_compliance")
         CHECK_FALSE(WallCompliance(Shell(closed, spec)).factor(0));
     }
 
-    // Without tissue K + C/h = (1 + tau/h) K_e + p K_1, and p_c is where K_e + p_c K_1 becomes singular. So n p_c are borne in steps
-    // shorter than tau/(n - 1). Tolerance: p_c is bisected to 1e-6 of itself.
+    // Without tissue K + C/h = (1 + tau/h) K_e + p K_1, and p_c is where K_e + p_c K_1 becomes singular. So n p_c are borne in
+    // steps shorter than tau/(n - 1). Tolerance: p_c is bisected to 1e-6 of itself.
     TEST_CASE("analytic: n times the pressure that buckles a wall at rest is borne in steps shorter than tau/(n - 1)")
     {
         const LoopSurface s(tube(0.012, 0.06, 12, 12));

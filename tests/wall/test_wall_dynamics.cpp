@@ -86,7 +86,8 @@ struct Plate : Made {
 };
 
 /// (K + C/h) w1 = C/h w0 + f, solved in full. @param more  [3V] forces beside those; may be empty
-void full_step(const ElasticWall& wall, double h, std::span<const WallDynamics::Push> pushed, std::vector<double>& w, std::span<const double> more = {})
+void full_step(const ElasticWall& wall, double h, std::span<const WallDynamics::Push> pushed, std::vector<double>& w,
+               std::span<const double> more = {})
 {
     const auto size = static_cast<Eigen::Index>(w.size());
     std::vector<double> rhs(w.size());
@@ -107,8 +108,8 @@ double largest(const std::vector<double>& w)
     return most;
 }
 
-/// Largest difference over 100 steps of 1 ms, pushed for the first 60, as a share of the largest displacement; so small a one (0.07 mm)
-/// that the wall is linear.
+/// Largest difference over 100 steps of 1 ms, pushed for the first 60, as a share of the largest displacement; so small a one
+/// (0.07 mm) that the wall is linear.
 double largest_miss(const Plate& plate)
 {
     WallDynamics dynamics(*plate.wall);
@@ -142,10 +143,10 @@ TEST_CASE("where tissue and wall relax alike, or the wall does not relax at all,
     CHECK(largest_miss(Plate(1e4, 0)) < 1e-9);
 }
 
-// An artery pushed outwards ever harder: M^-1 r passes 3, 6 and 12 % of the displacement, so that there are blocks of all lengths. The reference takes
-// r at the start of every step. At the end of a block M^-1 r is missed by up to 1e-3 of the displacement, or single steps follow; inside it by a
-// third of that on average. What a step leaves of it at the next one is s = tau/(h + tau) = 20/21, so that the sum of all may become
-// 21 * 1e-3 / 3 = 0.7 % (found: 0.25 %).
+// An artery pushed outwards ever harder: M^-1 r passes 3, 6 and 12 % of the displacement, so that there are blocks of all
+// lengths. The reference takes r at the start of every step. At the end of a block M^-1 r is missed by up to 1e-3 of the
+// displacement, or single steps follow; inside it by a third of that on average. What a step leaves of it at the next one is s =
+// tau/(h + tau) = 20/21, so that the sum of all may become 21 * 1e-3 / 3 = 0.7 % (found: 0.25 %).
 TEST_CASE("property: blocks of two and four steps follow single ones under large displacements")
 {
     const Tube tube;
@@ -186,7 +187,9 @@ TEST_CASE("analytic: a wall that is pushed far rests where the shell under large
     }
     const std::vector<double> w = steps.displacement();
     const auto size = static_cast<Eigen::Index>(w.size());
-    const auto as_vector = [size](const std::vector<double>& list) { return Eigen::Map<const Eigen::VectorXd>(list.data(), size); };
+    const auto as_vector = [size](const std::vector<double>& list) {
+        return Eigen::Map<const Eigen::VectorXd>(list.data(), size);
+    };
     std::vector<double> f(w.size(), 0.0);
     add_to(&f[3 * static_cast<std::size_t>(push[0].vertex)], push[0].force);
     REQUIRE(steps.large());
@@ -210,12 +213,13 @@ TEST_CASE("analytic: a wall that is pushed far rests where the shell under large
     rest.end_step(push);
     const std::vector<double> at_once = rest.displacement();
     CHECK(left_at(at_once, true, excess) < 1e-5 * as_vector(f).norm());
-    // steps leave out triangles with slopes up to 0.01: strains of 5e-5, beside those of a dent of 0.3 (slope squared over 2, 0.05)
+    // steps leave out triangles with slopes up to 0.01: strains of 5e-5, beside those of a dent of 0.3 (slope squared over 2,
+    // 0.05)
     CHECK((as_vector(at_once) - as_vector(w)).norm() < 1e-3 * as_vector(w).norm());
 }
 
-// A wall pulled inwards gives way first and stiffens later, in its short waves by more than blocks of steps bear (2.5 times). Its load rises all the
-// way, so that there is one answer.
+// A wall pulled inwards gives way first and stiffens later, in its short waves by more than blocks of steps bear (2.5 times). Its
+// load rises all the way, so that there is one answer.
 TEST_CASE("property: a wall that is pulled inwards has one answer, after steps and at once")
 {
     const Tube tube;
@@ -262,7 +266,8 @@ TEST_CASE("property: linear theory is off by at most its band, where it is used"
             const double off = std::abs(largest(linear) - largest(w)), band = tube.wall->left_out(most) * most;
             CHECK(off < band);
             CHECK(off > 0.3 * band);
-            const double stress = tube.wall->shell().stress(w, &large).mises_max, by_linear = tube.wall->shell().stress(linear).mises_max;
+            const double stress = tube.wall->shell().stress(w, &large).mises_max,
+                         by_linear = tube.wall->shell().stress(linear).mises_max;
             CHECK(std::abs(by_linear - stress) < tube.wall->left_out(most) * stress);
         }
 }
@@ -284,8 +289,8 @@ TEST_CASE("a scene's load on the wall acts in every step, beside what pushes on 
     for (std::size_t i = 0; i < now.size(); ++i) CHECK(std::abs(now[i] - expected[i]) <= 1e-12 * largest(expected));
 }
 
-// The map X -> X + U(X) of a wall pulled sideways: a node at x has its foot at y with y + U(foot of y) = x. One pass from y = x would
-// leave the slope of U times U, here a tenth of a radius; passes end where one changes less than 1e-3 radii.
+// The map X -> X + U(X) of a wall pulled sideways: a node at x has its foot at y with y + U(foot of y) = x. One pass from y = x
+// would leave the slope of U times U, here a tenth of a radius; passes end where one changes less than 1e-3 radii.
 TEST_CASE("a node's foot on a moved wall is that of the place which the wall has carried to it")
 {
     constexpr double radius = 4.4e-4;
@@ -331,7 +336,8 @@ TEST_CASE("a wall that is pushed on comes to rest where its stiffness has it, an
     for (std::size_t i = 0; i < rest.size(); ++i) CHECK(std::abs(expected[i] - rest[i]) <= 1e-12 * largest(rest));
 }
 
-// Pushed on one vertex, it takes sums of columns, which are kept in single precision: 6e-8 of each. Pushed on all of them, a solve.
+// Pushed on one vertex, it takes sums of columns, which are kept in single precision: 6e-8 of each. Pushed on all of them, a
+// solve.
 TEST_CASE("what is known of single vertices is what all of them are, at the start of a step and untouched at its end")
 {
     std::vector<WallLoad> loads;

@@ -180,10 +180,12 @@ TEST_SUITE("wall/wall_references")
 
     TEST_CASE("analytic: a point load on a tube, with and without mean pressure")
     {
-        // Edges of 1.8 mm are 0.54 of the decay length of 3.3 mm: 3 x 0.026 x 0.54^2 (docs/wall.md), and the 44 facets round the tube add
-        // 0.7 %. Under pressure the tension p R makes the tip of the dent narrower, sqrt(D/(p R)) = 1.5 mm, which such edges do not resolve.
-        // Twice the force moves the wall by 1/60 of the radius: linear theory, which the closed form is of, is 5 % off then.
-        for (const auto& [pressure, w0, tolerance] : {std::tuple{0.0, 9.611525411111073e-05, 0.03}, std::tuple{13332.0, 4.67803560327534e-05, 0.06}}) {
+        // Edges of 1.8 mm are 0.54 of the decay length of 3.3 mm: 3 x 0.026 x 0.54^2 (docs/wall.md), and the 44 facets round the
+        // tube add 0.7 %. Under pressure the tension p R makes the tip of the dent narrower, sqrt(D/(p R)) = 1.5 mm, which such
+        // edges do not resolve. Twice the force moves the wall by 1/60 of the radius: linear theory, which the closed form is of,
+        // is 5 % off then.
+        for (const auto& [pressure, w0, tolerance] :
+             {std::tuple{0.0, 9.611525411111073e-05, 0.03}, std::tuple{13332.0, 4.67803560327534e-05, 0.06}}) {
             const double mean_pressure = pressure;
             CAPTURE(mean_pressure);
             const World world = settled(parked(-0.005) + tube(0.1, 0.0018, 6000, pressure) + push({0, 0, R}, {0, 0, 0.025}));
@@ -206,7 +208,8 @@ TEST_SUITE("wall/wall_references")
                    pressed_middle(vessel, length, bend, weight, height, 0.1, law);
         };
         CHECK(down(plate(0.08, 0.0025, 800), 0.08, 5.5e-5, 0.2, 0, 1e9) == about(0.0003366551168567278).epsilon(0.02));
-        // as heavy as keeps it down: with a tenth of this weight it is lifted beside the load, and goes 4 % deeper. Edges 1.1 %, nodes 0.2 %
+        // as heavy as keeps it down: with a tenth of this weight it is lifted beside the load, and goes 4 % deeper. Edges 1.1 %,
+        // nodes 0.2 %
         CHECK(down(plate(0.14, 0.004, 800), 0.14, 5e-4, 1.2, 0, 2e4) == about(0.00028872766576917456).epsilon(0.02));
         CHECK(down(tube(0.16, 0.003, 6000), 0.13, 5e-4, 0.4, -R, 1e9) == about(0.0001441608164571522).epsilon(0.02));
     }

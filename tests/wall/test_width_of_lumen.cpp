@@ -42,7 +42,8 @@ TEST_SUITE("wall/wall_model")
         const VesselSpec spec;
         const WallMesh mesh;
         const WallModel wall(spec, mesh, axis);
-        CHECK(lumen_radius_at(wall, {0, 0.0084, 0}) == 0.008);  // inside the small one, 0.4 mm, a twentieth of its radius, off the other
+        CHECK(lumen_radius_at(wall, {0, 0.0084, 0}) ==
+              0.008);  // inside the small one, 0.4 mm, a twentieth of its radius, off the other
         CHECK(lumen_radius_at(wall, {0, 0.0100, 0}) == 0.002);  // 2 mm off
         CHECK(lumen_radius_at(wall, {0, -0.008, 0}) == 0.008);
     }

@@ -30,7 +30,8 @@ inline std::vector<ReferenceView> reference_views(const std::filesystem::path& s
             arm.sid = c["inputs"]["SID"], arm.sod = c["inputs"]["SOD"];
             arm.rows = c["inputs"]["rows_columns"][0], arm.columns = c["inputs"]["rows_columns"][1];
             arm.field = c["inputs"]["pixel"].get<double>() * arm.columns;
-            arm.primary = view["primary_deg"].get<double>() * degree, arm.secondary = view["secondary_deg"].get<double>() * degree;
+            arm.primary = view["primary_deg"].get<double>() * degree,
+            arm.secondary = view["secondary_deg"].get<double>() * degree;
             views.push_back({arm, view["points"]});
         }
     }

@@ -35,7 +35,8 @@ bool is_ours(const fs::path& place, const fs::path& program)
     }
 }
 
-/// Adds the folders to look in around a program or a library: it may be PREFIX/lib/x86_64-linux-gnu/glibc-hwcaps/x86-64-v3/libseldinger.so.
+/// Adds the folders to look in around a program or a library: it may be
+/// PREFIX/lib/x86_64-linux-gnu/glibc-hwcaps/x86-64-v3/libseldinger.so.
 void add_places_around(const fs::path& file, std::vector<fs::path>& places)
 {
     fs::path around = file;
@@ -81,7 +82,8 @@ std::string scene_file(const std::string& word)
     if (path.empty() || path.has_parent_path() || path.has_extension() || fs::exists(path, unreadable)) return word;
     try {
         for (const char* folder : {"", "reference"})
-            if (const fs::path file = assets_folder() / "scenes" / folder / (word + ".toml"); fs::is_regular_file(file, unreadable))
+            if (const fs::path file = assets_folder() / "scenes" / folder / (word + ".toml");
+                fs::is_regular_file(file, unreadable))
                 return file.string();
     } catch (const Error&) {  // no scenes come with this program
     }

@@ -22,7 +22,8 @@ void detail::assertion_failed(const char* condition, const char* file, int line)
 {
     if (const AssertionHandler handler = the_handler) handler(condition, file, line);
     else
-        std::fprintf(stderr, "seldinger: internal error: %s does not hold (%s:%d). Please report the scene that led here.\n", condition, file, line);
+        std::fprintf(stderr, "seldinger: internal error: %s does not hold (%s:%d). Please report the scene that led here.\n",
+                     condition, file, line);
     std::abort();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Our own mistakes (index, shape, invariant): a message and abort. SEL_ASSERT is cheap and on in this project's builds, Release too
-// (CMakeLists.txt: SEL_ENABLE_ASSERTS). SEL_VALIDATE guards O(N) checks and is on in Debug only.
+// Our own mistakes (index, shape, invariant): a message and abort. SEL_ASSERT is cheap and on in this project's builds, Release
+// too (CMakeLists.txt: SEL_ENABLE_ASSERTS). SEL_VALIDATE guards O(N) checks and is on in Debug only.
 
 namespace seldinger::detail {
 /// Calls the program's handler (core/assertion.h), or prints the condition; then aborts.

@@ -13,8 +13,8 @@ constexpr int no_descriptor = -1;
 /// Whether the terminal's Ctrl-C reaches a program beside this one, or only through this one.
 enum class ProcessGroup { Shared, Own };
 
-/// Starts words[0], looked for in PATH, with words as its arguments. Signals that this process keeps off its threads (it may have one
-/// that waits for them) it hears as usual.
+/// Starts words[0], looked for in PATH, with words as its arguments. Signals that this process keeps off its threads (it may have
+/// one that waits for them) it hears as usual.
 /// @param input  its standard input; none: an empty one
 /// @param error, output  its standard error and output; none: those of this process
 /// @return -1 where it cannot be started; errno says why: ENOENT where it is not installed, EAGAIN where no process is left

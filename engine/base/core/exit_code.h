@@ -23,8 +23,8 @@ namespace seldinger {
 /// The kind whose exit code this is; Stopped for any other.
 [[nodiscard]] constexpr ErrorKind kind_of_exit_code(int code)
 {
-    for (const ErrorKind kind : {ErrorKind::None, ErrorKind::BadScene, ErrorKind::BadFile, ErrorKind::Stopped, ErrorKind::NoDevice,
-                                 ErrorKind::NotFeasible, ErrorKind::TimeLimit, ErrorKind::Interrupted})
+    for (const ErrorKind kind : {ErrorKind::None, ErrorKind::BadScene, ErrorKind::BadFile, ErrorKind::Stopped,
+                                 ErrorKind::NoDevice, ErrorKind::NotFeasible, ErrorKind::TimeLimit, ErrorKind::Interrupted})
         if (exit_code(kind) == code) return kind;
     return ErrorKind::Stopped;
 }

@@ -58,7 +58,8 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
                                                    backslash ? "write / between folders, not \\" : "check the path"));
     };
     // without waiting: opening a pipe that no one writes to would never return
-    const int fd = ::openat(place.start(), place.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | place.read_flags());
+    const int fd =
+        ::openat(place.start(), place.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | place.read_flags());
     if (fd < 0 && errno == ELOOP && place.read_flags() != 0)
         throw Error(ErrorKind::BadFile, path + ": is a link; expected a file in this folder. Fix: put the file itself there");
     if (fd < 0) fail(errno);

@@ -1,8 +1,8 @@
 #pragma once
 // Files that are never half written. Whole files appear under their name only when complete (temporary name, then rename);
 // tables that grow are appended row by row, so that a kill at any moment leaves every row that was written.
-// Every write is checked: a full disk is an Error(BadFile) at once, and an existing file stays. Nothing is written through a link,
-// into a file that has a second name, or in the place of a pipe or a device.
+// Every write is checked: a full disk is an Error(BadFile) at once, and an existing file stays. Nothing is written through a
+// link, into a file that has a second name, or in the place of a pipe or a device.
 
 #include "core/folder.h"
 
@@ -15,16 +15,16 @@ namespace seldinger {
 
 enum class Durable { No, Yes };  // Yes: survives a power cut too (fsync), for checkpoints
 
-/// The whole file as bytes. @throws Error BadFile when it is missing, unreadable, no plain file (a folder; a pipe or a device, which
-/// may give nothing or have no end), or has more than `most` bytes
+/// The whole file as bytes. @throws Error BadFile when it is missing, unreadable, no plain file (a folder; a pipe or a device,
+/// which may give nothing or have no end), or has more than `most` bytes
 [[nodiscard]] std::string read_file(const FilePlace& place, std::uint64_t most = ~std::uint64_t{0});
 
-/// Replaces the file in one go; of a link or of a file with two names that name alone. @throws Error BadFile; the old file, if any, is
-/// then untouched
+/// Replaces the file in one go; of a link or of a file with two names that name alone. @throws Error BadFile; the old file, if
+/// any, is then untouched
 void write_file(const FilePlace& place, std::string_view content, Durable durable = Durable::No);
 
-/// A file with a temporary name beside its final place (NAME.PID.tmp), which must not have existed: links and files of others stay
-/// untouched. Goes again unless it is put in place.
+/// A file with a temporary name beside its final place (NAME.PID.tmp), which must not have existed: links and files of others
+/// stay untouched. Goes again unless it is put in place.
 class NewFile {
 public:
     /// @throws Error BadFile: the folder cannot be written to, or a folder, a pipe or a device is in the place
@@ -48,8 +48,8 @@ void make_folder(const std::filesystem::path& path);
 /// The folder of a file that a user names. @throws Error BadFile
 void make_folder_of(const std::filesystem::path& file);
 
-/// A folder below or beside one that a user gave, under a name of this program's choice. It is made if there is none. A link in its
-/// place, which somebody else may have put there, is refused. @throws Error BadFile
+/// A folder below or beside one that a user gave, under a name of this program's choice. It is made if there is none. A link in
+/// its place, which somebody else may have put there, is refused. @throws Error BadFile
 [[nodiscard]] Folder make_own_folder(const std::filesystem::path& path);
 
 /// A file that grows at its end. Each append() is one write to the system: nothing is held back in this process.

@@ -53,8 +53,9 @@ long holder(int fd)
 
 [[noreturn]] void refuse(const FilePlace& lock)
 {
-    throw Error(ErrorKind::BadFile, lock.path().string() + ": is not a lock file (a link, a file with a second name or "
-                                                          "with something in it); move it away, or choose another folder with -o");
+    throw Error(ErrorKind::BadFile, lock.path().string() +
+                                        ": is not a lock file (a link, a file with a second name or "
+                                        "with something in it); move it away, or choose another folder with -o");
 }
 
 constexpr int lockless = -1, held = -2;
@@ -110,7 +111,8 @@ pid_t writer_of(const std::string& name)
 
 }  // namespace
 
-FileLock::FileLock(const fs::path& what, FilePlace lock, std::chrono::milliseconds patience, bool refuses) : lock_(std::move(lock))
+FileLock::FileLock(const fs::path& what, FilePlace lock, std::chrono::milliseconds patience, bool refuses)
+    : lock_(std::move(lock))
 {
     fd_ = take(what, lock_, patience, refuses);
     if (fd_ < 0) return;

@@ -16,8 +16,8 @@ public:
     FileLock() = default;
     /// Locks a folder by a file ".lock" in it, makes the folder where it is missing, and removes what a killed process has left
     /// half written there (name.PID.tmp). A folder that was made and stayed empty goes with the lock.
-    /// @throws Error BadFile: another process writes there, the folder cannot be written to, or the lock's name belongs to a link,
-    /// to a file with a second name or to a file with contents
+    /// @throws Error BadFile: another process writes there, the folder cannot be written to, or the lock's name belongs to a
+    /// link, to a file with a second name or to a file with contents
     [[nodiscard]] static FileLock of_folder(const std::filesystem::path& dir);
     /// The same of a folder that is open.
     [[nodiscard]] static FileLock of_folder(const Folder& folder);

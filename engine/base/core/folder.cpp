@@ -18,12 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail_folder(const fs::path& path, const std::string& what) { throw Error(ErrorKind::BadFile, path.string() + ": " + what); }
+[[noreturn]] void fail_folder(const fs::path& path, const std::string& what)
+{
+    throw Error(ErrorKind::BadFile, path.string() + ": " + what);
+}
 
 /// Neither a path out of the folder nor a path down: a file's list may name its neighbours.
 bool is_name(const std::string& name)
 {
-    return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos && name.find('\0') == std::string::npos;
+    return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos &&
+           name.find('\0') == std::string::npos;
 }
 
 void check_name(const fs::path& folder, const std::string& name)
@@ -43,7 +47,8 @@ std::shared_ptr<const int> handle_of(int fd)
 
 bool leads_below(const fs::path& path)
 {
-    return !path.empty() && std::all_of(path.begin(), path.end(), [](const fs::path& part) { return part != "/" && is_name(part.string()); });
+    return !path.empty() &&
+           std::all_of(path.begin(), path.end(), [](const fs::path& part) { return part != "/" && is_name(part.string()); });
 }
 
 int FilePlace::start() const { return handle_ ? *handle_ : AT_FDCWD; }
@@ -90,7 +95,8 @@ Folder Folder::make(const std::string& name) const
 {
     check_name(path_, name);
     if (::mkdirat(fd(), name.c_str(), 0777) != 0 && errno != EEXIST)
-        fail_folder(path_ / name, fmt::format("cannot be made: {}; choose a folder that can be written to", std::strerror(errno)));
+        fail_folder(path_ / name,
+                    fmt::format("cannot be made: {}; choose a folder that can be written to", std::strerror(errno)));
     return inner(name);
 }
 

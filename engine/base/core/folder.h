@@ -11,7 +11,8 @@
 
 namespace seldinger {
 
-/// Where a file lies: a path that a user gave, in which links are followed as far as the file's own folder, or a name in a Folder.
+/// Where a file lies: a path that a user gave, in which links are followed as far as the file's own folder, or a name in a
+/// Folder.
 class FilePlace {
 public:
     template <class Path>

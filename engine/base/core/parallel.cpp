@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <memory>
 
-// oneTBB is not built with the thread sanitizer, and neither is this file, which has its templates. The sanitizer must be told that
-// a loop's items run after the code before the loop and before the code after it. Items are in no order among each
+// oneTBB is not built with the thread sanitizer, and neither is this file, which has its templates. The sanitizer must be told
+// that a loop's items run after the code before the loop and before the code after it. Items are in no order among each
 // other: their races are found.
 #if defined(SEL_TELL_THREAD_SANITIZER)
     #include <sanitizer/tsan_interface.h>

@@ -1,6 +1,6 @@
 #pragma once
-// Asks for memory that will be needed soon. In a world of many wires each wire's arrays have left the caches before its next turn.
-// A wire has too many short arrays for the processor to guess the next one.
+// Asks for memory that will be needed soon. In a world of many wires each wire's arrays have left the caches before its next
+// turn. A wire has too many short arrays for the processor to guess the next one.
 
 #include <cstddef>
 #include <vector>

@@ -6,9 +6,9 @@
 
 namespace seldinger {
 
-/// `text` with a '?' for everything that a terminal might obey or a reader not see. These are control characters (but a line's end
-/// stays), bytes that are no UTF-8, marks that turn the direction of writing, characters without width. Tabs become blanks. A text
-/// that is longer than `most` bytes ends in "...".
+/// `text` with a '?' for everything that a terminal might obey or a reader not see. These are control characters (but a line's
+/// end stays), bytes that are no UTF-8, marks that turn the direction of writing, characters without width. Tabs become blanks. A
+/// text that is longer than `most` bytes ends in "...".
 [[nodiscard]] std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
 
 /// Shortens each word of more than `most` bytes: its middle is replaced by its length. A line that quotes a name of a million

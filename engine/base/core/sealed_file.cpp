@@ -34,7 +34,8 @@ std::vector<std::uint8_t> read_sealed(const FilePlace& place, std::string_view m
         std::memcpy(&hash, bytes + file.size() - sizeof hash, sizeof hash);
         whole = hash == fnv1a(payload, size);
     }
-    if (!whole) throw Error(ErrorKind::BadFile, place.path().string() + ": is damaged or not a checkpoint; run again with --overwrite");
+    if (!whole)
+        throw Error(ErrorKind::BadFile, place.path().string() + ": is damaged or not a checkpoint; run again with --overwrite");
     return {payload, payload + size};
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The table of the state: all data that must survive a step. The owner of such data lists it in one function, row by row, and a walk
-// does the same with every row: saves, hashes, restores with a check, keeps for an attempt, puts back.
+// The table of the state: all data that must survive a step. The owner of such data lists it in one function, row by row, and a
+// walk does the same with every row: saves, hashes, restores with a check, keeps for an attempt, puts back.
 
 #include "core/bytes.h"
 #include "core/fnv1a.h"
@@ -18,8 +18,8 @@ struct StateRow {
     const char* name;    // of one of its numbers, as an error says it
     const char* unit;    // "": none, or several
     const char* writer;  // stage of step.cpp
-    // bounds of a sound number. They are wide: no run gets near them, and values beyond would overflow in an index, or make a step
-    // without end
+    // bounds of a sound number. They are wide: no run gets near them, and values beyond would overflow in an index, or make a
+    // step without end
     double least = -1e18, most = 1e18;
 };
 
@@ -59,7 +59,8 @@ public:
         if constexpr (std::is_arithmetic_v<T>) {
             const auto sound = [&](double value) { return value >= row.least && value <= row.most; };  // false for NaN
             const auto first = values.first(used);
-            need(trusted_ || std::all_of(first.begin(), first.end(), [&](T value) { return sound(static_cast<double>(value)); }), row.name);
+            need(trusted_ || std::all_of(first.begin(), first.end(), [&](T value) { return sound(static_cast<double>(value)); }),
+                 row.name);
         }
     }
     template <class T, std::size_t Extent>

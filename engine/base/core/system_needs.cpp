@@ -43,7 +43,8 @@ int can_start(int count)
     pthread_attr_t attributes;
     pthread_attr_init(&attributes);
     pthread_attr_setstacksize(&attributes, std::max<std::size_t>(PTHREAD_STACK_MIN, 64 * 1024));
-    for (pthread_t thread; static_cast<int>(threads.size()) < count && pthread_create(&thread, &attributes, wait_for_end, &ended) == 0;)
+    for (pthread_t thread;
+         static_cast<int>(threads.size()) < count && pthread_create(&thread, &attributes, wait_for_end, &ended) == 0;)
         threads.push_back(thread);
     pthread_attr_destroy(&attributes);
     ended = true;
@@ -58,12 +59,14 @@ void try_system_needs(const SystemNeeds& needs)
 {
     const std::size_t bytes = needs.address_space + static_cast<std::size_t>(needs.threads) * usual_stack;
     if (!can_reserve(bytes))
-        throw Error(ErrorKind::NoDevice, fmt::format("{}: got less address space than it may need; expected {} MB more. Fix: raise the limit "
-                                                    "(ulimit -v)",
-                                                    needs.library, bytes / mebibyte));
+        throw Error(ErrorKind::NoDevice,
+                    fmt::format("{}: got less address space than it may need; expected {} MB more. Fix: raise the limit "
+                                "(ulimit -v)",
+                                needs.library, bytes / mebibyte));
     if (const int got = can_start(needs.threads); got < needs.threads)
-        throw Error(ErrorKind::NoDevice, fmt::format("{}: got {} threads; expected {}. Fix: raise the limit of processes (ulimit -u), or end others",
-                                                    needs.library, got, needs.threads));
+        throw Error(ErrorKind::NoDevice,
+                    fmt::format("{}: got {} threads; expected {}. Fix: raise the limit of processes (ulimit -u), or end others",
+                                needs.library, got, needs.threads));
 }
 
 int library_threads(const char* variable)

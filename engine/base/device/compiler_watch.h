@@ -18,8 +18,8 @@ public:
 };
 
 /// Around one call of a driver's compiler. What the compiler writes to stderr is kept back: reasons of a failed build are in its
-/// log, which our own message quotes. Some compilers call exit() or abort() at code that they do not know. The process then prints
-/// `message` with the compiler's last words, and ends with exit code 5. One call at a time: others wait.
+/// log, which our own message quotes. Some compilers call exit() or abort() at code that they do not know. The process then
+/// prints `message` with the compiler's last words, and ends with exit code 5. One call at a time: others wait.
 class CompilerWatch {
 public:
     /// @param message  names device and file, and says what to do

@@ -181,7 +181,8 @@ Context::Context(int index, bool float32) : float32_(float32)
     cpu_ = cpu && !asked_own_memory();
     single_items_ = cpu && platform_name(heavy) != "rusticl";
     sees_host_ = cpu_ && of_pocl != PoclDevice::None;
-    // else division and square root in float may be off by a few units in the last place, and results are another device's no more
+    // else division and square root in float may be off by a few units in the last place, and results are another device's no
+    // more
     cl_device_fp_config single = 0;
     clGetDeviceInfo(heavy, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, nullptr);
     if (!cpu && (single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)) rounding_ = " -cl-fp32-correctly-rounded-divide-sqrt";

@@ -1,9 +1,9 @@
 #pragma once
 // The only C++ that names OpenCL: devices, a context with its queues, buffers, programs and launches.
 //
-// On PoCL the context holds two devices on the same buffers: its pool (15 us a launch, all cores) and the caller's thread (0.35 us).
-// A chain of launches goes to one of them, chosen by the amount of work alone (never by measured time or thread count), and ends
-// with one blocking read. Results are the same bits on both.
+// On PoCL the context holds two devices on the same buffers: its pool (15 us a launch, all cores) and the caller's thread (0.35
+// us). A chain of launches goes to one of them, chosen by the amount of work alone (never by measured time or thread count), and
+// ends with one blocking read. Results are the same bits on both.
 
 #include "core/check.h"
 
@@ -38,8 +38,8 @@ class Buffer {
 public:
     Buffer() = default;
     Buffer(Context& context, std::size_t bytes);
-    /// On a CPU the host's memory itself: to write() it from where it is, or to read() it back to there, copies nothing. Elsewhere memory
-    /// of the device's own, and copies between the two go without a detour (5 times as fast over PCIe 5).
+    /// On a CPU the host's memory itself: to write() it from where it is, or to read() it back to there, copies nothing.
+    /// Elsewhere memory of the device's own, and copies between the two go without a detour (5 times as fast over PCIe 5).
     /// @param host  of `bytes`, which outlives the buffer
     Buffer(Context& context, void* host, std::size_t bytes);
     ~Buffer();
@@ -63,23 +63,23 @@ private:
 enum class Queue { Inline, Pool };
 
 /// What a kernel's items are like. Branching: long, each with its own path (walks, contact laws). On a CPU one item is a
-/// work-group, because private arrays of many items at once stay neither in registers nor in the first cache (1/6 of the time of an
-/// evaluation).
+/// work-group, because private arrays of many items at once stay neither in registers nor in the first cache (1/6 of the time of
+/// an evaluation).
 /// Short: vector loops and queries of half a microsecond, the cost of a separate group.
 enum class Items { Branching, Short };
 
 class Context {
 public:
-    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, of which one thread (core/parallel.h) takes `basic` alone;
-    /// else the first suitable device
+    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, of which one thread (core/parallel.h) takes
+    /// `basic` alone; else the first suitable device
     /// @param float32  build kernels for `float` arithmetic
     explicit Context(int index = -1, bool float32 = false);
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
 
-    /// Copies without waiting: `source` must stay as it is until the next read() or finish() on the queue. PoCL's kernels see memory of the
-    /// host as it is: a buffer made of `source` is not written, which would take half a microsecond.
+    /// Copies without waiting: `source` must stay as it is until the next read() or finish() on the queue. PoCL's kernels see
+    /// memory of the host as it is: a buffer made of `source` is not written, which would take half a microsecond.
     void write(Queue queue, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset = 0);
     /// Copies and waits for everything enqueued on the queue before.
     void read(Queue queue, const Buffer& from, void* target, std::size_t bytes, std::size_t offset = 0);
@@ -124,8 +124,8 @@ private:
     Counters counters_;
 };
 
-/// One kernel with its fixed work-group size. Arguments are given at every launch, in order; those that have not changed are not set
-/// again.
+/// One kernel with its fixed work-group size. Arguments are given at every launch, in order; those that have not changed are not
+/// set again.
 class Kernel {
 public:
     Kernel() = default;
@@ -135,8 +135,8 @@ public:
     Kernel(Kernel&& other) noexcept;
     Kernel& operator=(Kernel&& other) noexcept;
 
-    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items. A type with for_each_argument(f)
-    /// is a group of kernel arguments (contact/device_views.h): f is called with each.
+    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items. A type with
+    /// for_each_argument(f) is a group of kernel arguments (contact/device_views.h): f is called with each.
     template <class... Args>
     void launch(Queue queue, std::size_t items, const Args&... args)
     {

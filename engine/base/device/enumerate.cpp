@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::string_view pocl = "Portable Computing Language";
 
-/// PoCL 3.1 with LLVM 14: 650 MB while a kernel is compiled, a thread for each core, and two processes that link it. Without them it
-/// ends the process by a signal.
+/// PoCL 3.1 with LLVM 14: 650 MB while a kernel is compiled, a thread for each core, and two processes that link it. Without them
+/// it ends the process by a signal.
 SystemNeeds needs_of_opencl() { return {"OpenCL", std::size_t{700} << 20, library_threads("POCL_MAX_PTHREAD_COUNT") + 2}; }
 
 /// 0 where the device does not answer.
@@ -41,7 +41,8 @@ std::vector<cl_device_id> all_devices()
         try_system_needs(needs_of_opencl());
         setenv("POCL_DEVICES", "basic pthread", 0);
         setenv("POCL_SIGFPE_HANDLER", "0", 0);  // else an integer division by zero in our own code would go unseen
-        // else ocl-icd counts the devices of every platform to sort them, and PoCL without a usable kernel cache then has none for good
+        // else ocl-icd counts the devices of every platform to sort them, and PoCL without a usable kernel cache then has none
+        // for good
         setenv("OCL_ICD_PLATFORM_SORT", "none", 0);
     });
     std::vector<cl_device_id> devices;

@@ -83,8 +83,8 @@ bool is_cut(const FilePlace& file)
     return cut;
 }
 
-/// PoCL writes the digits of a hash as A to P: two for a folder, the rest of its 160 bits, less those that versions leave out, for one in it
-/// (37 in PoCL 3.1).
+/// PoCL writes the digits of a hash as A to P: two for a folder, the rest of its 160 bits, less those that versions leave out,
+/// for one in it (37 in PoCL 3.1).
 bool is_hash(const std::string& name, std::size_t least, std::size_t most)
 {
     return name.size() >= least && name.size() <= most && name.find_first_not_of("ABCDEFGHIJKLMNOP") == std::string::npos;
@@ -93,12 +93,14 @@ bool is_hash(const std::string& name, std::size_t least, std::size_t most)
 constexpr int depth_of_hash = 2, depth_of_kernel = 4;  // HH/HASH, HH/HASH/KERNEL/SIZE
 constexpr const char* time_stamp = "last_accessed";    // in HH/HASH
 
-/// Whether the entry is what PoCL keeps under such a name at such a depth: a folder or a file, no link and no device, which end the process.
+/// Whether the entry is what PoCL keeps under such a name at such a depth: a folder or a file, no link and no device, which end
+/// the process.
 bool is_of_pocl(const FilePlace& place, int depth)
 {
     const std::string& name = place.name();
     const bool is_stamp = name == time_stamp;
-    const bool is_file = depth == depth_of_kernel || (depth >= depth_of_hash && (name.find('.') != std::string::npos || is_stamp));
+    const bool is_file =
+        depth == depth_of_kernel || (depth >= depth_of_hash && (name.find('.') != std::string::npos || is_stamp));
     struct stat status {};
     if (::fstatat(place.start(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return true;  // another process has removed it
     if (is_stamp && status.st_nlink > 1) return false;  // is written to where it lies, which another name of it would show
@@ -179,7 +181,8 @@ bool find_program(const fs::path& dir, const timespec* since, const Found& found
         struct stat status {};
         if (since && ::stat(at->path().c_str(), &status) != 0) continue;
         const timespec& made = status.st_mtim;
-        const bool is_new = !since || (made.tv_sec != since->tv_sec ? made.tv_sec > since->tv_sec : made.tv_nsec >= since->tv_nsec);
+        const bool is_new =
+            !since || (made.tv_sec != since->tv_sec ? made.tv_sec > since->tv_sec : made.tv_nsec >= since->tv_nsec);
         if (is_new && found(at->path())) return true;
         if (at.depth() > 1) at.pop(error);  // its kernels tell nothing more
     }
@@ -202,8 +205,10 @@ FileLock turn_of(const std::string& what)
     } catch (const Error&) {
         static std::atomic<bool> said = false;
         if (std::chrono::steady_clock::now() - asked >= patience && !said.exchange(true))
-            note(fmt::format("seldinger: another process has been compiling kernels for two minutes ({}.lock names it); compiling without it\n",
-                             printable(place.string())));
+            note(
+                fmt::format("seldinger: another process has been compiling kernels for two minutes ({}.lock names it); compiling "
+                            "without it\n",
+                            printable(place.string())));
         return {};
     }
 }
@@ -226,7 +231,8 @@ CompilerCall::~CompilerCall()
     timespec now{};
     ::clock_gettime(CLOCK_REALTIME, &now);
     constexpr double shortest = 0.1;  // [s] a program that is in the cache takes half of it; no compiler takes as little
-    const double took = static_cast<double>(now.tv_sec - begun_.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec - begun_.tv_nsec);
+    const double took =
+        static_cast<double>(now.tv_sec - begun_.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec - begun_.tv_nsec);
     if (took >= shortest && has_program(kernel_cache_folder(), &begun_)) tell();
 }
 

@@ -35,8 +35,9 @@ private:
     timespec begun_{};
 };
 
-/// While it lives no other process compiles what is called so, on this cache: the first one compiles, the others wait for it and then
-/// read what it has kept. A process that dies gives its turn away. After two minutes one goes on without its turn, and says so once.
+/// While it lives no other process compiles what is called so, on this cache: the first one compiles, the others wait for it and
+/// then read what it has kept. A process that dies gives its turn away. After two minutes one goes on without its turn, and says
+/// so once.
 class CompilerTurn {
 public:
     /// @param what  program, options, device and kernel: compiled alike wherever it is called the same
@@ -58,7 +59,8 @@ void copy_kernel(const std::filesystem::path& from, const std::filesystem::path&
 
 /// Removes truncated shared objects and bitcode files of PoCL in `folder`: those under PoCL's paths and names
 /// (HH/HASH/KERNEL/SIZE/), and no links. Other things in the folder are somebody's.
-/// @return the first entry under such a name that PoCL has not made: a link, a pipe, a device, a file for a folder; empty: there is none
+/// @return the first entry under such a name that PoCL has not made: a link, a pipe, a device, a file for a folder; empty: there
+/// is none
 [[nodiscard]] std::filesystem::path clean_kernel_cache(const std::filesystem::path& dir);
 
 }  // namespace seldinger::device

@@ -56,7 +56,8 @@ void note_launch(cl_kernel kernel, std::size_t items, std::size_t workgroup, cl_
     const double seconds = seconds_of(event);
     clReleaseEvent(event);
     const std::string name = name_of(kernel);
-    auto found = std::find_if(sums->kernels.begin(), sums->kernels.end(), [&](const KernelProfile& k) { return k.kernel == name; });
+    auto found =
+        std::find_if(sums->kernels.begin(), sums->kernels.end(), [&](const KernelProfile& k) { return k.kernel == name; });
     if (found == sums->kernels.end()) found = sums->kernels.insert(found, {name, workgroup, 0, 0, 0});
     ++found->launches;
     found->items += items;

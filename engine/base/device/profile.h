@@ -20,8 +20,8 @@ struct Profile {
     double write_seconds = 0, read_seconds = 0;  // of the host, until the call came back
 };
 
-/// Contexts that are made between begin_profile() and end_profile() take part. Each launch is waited for, so that the host's times
-/// mean nothing meanwhile. For one thread.
+/// Contexts that are made between begin_profile() and end_profile() take part. Each launch is waited for, so that the host's
+/// times mean nothing meanwhile. For one thread.
 void begin_profile();
 [[nodiscard]] Profile end_profile();
 /// Sets all counts to zero.

@@ -72,8 +72,9 @@ cl_program SharedContext::build(const std::string& file, std::string text, const
     std::optional<CompilerTurn> turn;
     if (pocl_) {
         // a kernel that does nothing, by whose name the program's folders in the cache are known
-        compiled.mark = fmt::format("seldinger_{:016x}", std::hash<std::string>()(text + options + name +
-                                                                                 device_text(devices_.front(), CL_DRIVER_VERSION)));
+        compiled.mark =
+            fmt::format("seldinger_{:016x}",
+                        std::hash<std::string>()(text + options + name + device_text(devices_.front(), CL_DRIVER_VERSION)));
         text += fmt::format("__kernel void {}(void) {{}}\n", compiled.mark);
         said.emplace();
         turn.emplace(compiled.mark);
@@ -85,10 +86,11 @@ cl_program SharedContext::build(const std::string& file, std::string text, const
     cl_program built = clCreateProgramWithSource(context_, 1, &source, &length, &status);
     check(status, "clCreateProgramWithSource");
     {
-        const CompilerWatch watch(fmt::format(
-            "seldinger: device \"{}\": its OpenCL driver ended the process while it compiled kernels/{}. Fix: choose another device "
-            "with --device (`seldinger devices` lists them), or update the driver",
-            printable(name), file));
+        const CompilerWatch watch(
+            fmt::format("seldinger: device \"{}\": its OpenCL driver ended the process while it compiled kernels/{}. Fix: choose "
+                        "another device "
+                        "with --device (`seldinger devices` lists them), or update the driver",
+                        printable(name), file));
         status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
     }
     if (status == CL_SUCCESS && pocl_) {

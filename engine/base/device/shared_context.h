@@ -1,7 +1,7 @@
 #pragma once
-// State that all Contexts of one process share on the same devices: the cl_context and the programs built in it. Building a program
-// takes 50 ms even if PoCL finds its kernels compiled on disk (it preprocesses the text to know). That is longer than a small world
-// computes for a second of its time, and studies make thousands of worlds.
+// State that all Contexts of one process share on the same devices: the cl_context and the programs built in it. Building a
+// program takes 50 ms even if PoCL finds its kernels compiled on disk (it preprocesses the text to know). That is longer than a
+// small world computes for a second of its time, and studies make thousands of worlds.
 
 #include "device/device.h"
 
@@ -28,8 +28,9 @@ public:
     [[nodiscard]] std::pair<cl_program, bool> program(const std::string& file, const std::string& text,
                                                       const std::string& options);
 
-    /// @param launch  the first launch of a kernel on a device by its caller, which waits for its end. PoCL compiles a kernel there, unless
-    /// it is in the cache: one process at a time, and for one of its two devices; the other's code is a copy. Any thread
+    /// @param launch  the first launch of a kernel on a device by its caller, which waits for its end. PoCL compiles a kernel
+    /// there, unless it is in the cache: one process at a time, and for one of its two devices; the other's code is a copy. Any
+    /// thread
     void first_launch(cl_kernel kernel, cl_device_id device, const std::function<void()>& launch);
 
     SharedContext(const SharedContext&) = delete;

@@ -73,8 +73,8 @@ void BandMatrix::load_upper()
     for (int b = nodes; b < nodes + 2; ++b) std::memset(&factor_[b], 0, sizeof(NodeFactor));
 }
 
-// Row t of the next two nodes has this node's columns at offset 6 - t. For t = 7 that is one before the row's first entry, outside
-// of the matrix.
+// Row t of the next two nodes has this node's columns at offset 6 - t. For t = 7 that is one before the row's first entry,
+// outside of the matrix.
 void BandMatrix::load_lower()
 {
     const int nodes = size_ / node_size;

@@ -18,7 +18,7 @@ class BandRows {
 public:
     static constexpr int half_bandwidth = RodDofs::half_bandwidth;
     static constexpr int row_width = 2 * half_bandwidth + 1;
-    static constexpr int stride = 24;                     // doubles per row, a multiple of the SIMD width; those past row_width stay zero
+    static constexpr int stride = 24;  // doubles per row, a multiple of the SIMD width; those past row_width stay zero
     static constexpr int node_size = RodDofs::per_node;  // unknowns of a node, the block of the factorisation
 
     [[nodiscard]] int size() const { return size_; }
@@ -88,8 +88,8 @@ public:
     /// raised, at least to a_kk, if no positive definite matrix could have it. It is then below pivot_floor times its diagonal
     /// a_kk, or below c_kj^2 / a_jj for some entry c_kj of the reduced row. The result is always positive definite, its entries
     /// stay bounded, and the step along one raised pivot is as small as the diagonal alone would make it. [Gill81, sec. 4.4.2.2]
-    /// with the bound taken per entry, so that it does not depend on units. Several of them behind each other may leave tiny pivots
-    /// between them and directions of 1e59 m: no use, and nothing here says so. @return pivots raised
+    /// with the bound taken per entry, so that it does not depend on units. Several of them behind each other may leave tiny
+    /// pivots between them and directions of 1e59 m: no use, and nothing here says so. @return pivots raised
     int factor_ldlt() { return fourth_ ? factor_ldlt_of<4>() : factor_ldlt_of<3>(); }
     void solve_ldlt(std::span<double> rhs_to_x) { fourth_ ? solve_ldlt_of<4>(rhs_to_x) : solve_ldlt_of<3>(rhs_to_x); }
     /// LU with the full, unsymmetric matrix without pivoting (diagonally strong by inertia or stiffness). Takes the place

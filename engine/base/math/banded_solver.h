@@ -1,7 +1,7 @@
 #pragma once
-// The linear solver of Newton's method: a banded matrix. Entries outside the band over its whole length (`far`) are part of it; it
-// then has factors of its own (math/node_factors.h). Unknowns beside the band that are eliminated (math/condensed.h) add a few more
-// solutions for their remainder.
+// The linear solver of Newton's method: a banded matrix. Entries outside the band over its whole length (`far`) are part of it;
+// it then has factors of its own (math/node_factors.h). Unknowns beside the band that are eliminated (math/condensed.h) add a few
+// more solutions for their remainder.
 
 #include "math/band_matrix.h"
 #include "math/condensed.h"
@@ -22,8 +22,8 @@ public:
 
     /// Zero band of `size` unknowns, nothing far from it, nothing condensed.
     void reset(int size);
-    /// In which order nodes are eliminated where there are far entries: [nodes] the first, the second, ...; empty: by minimum degree.
-    /// Those that couple should be near each other.
+    /// In which order nodes are eliminated where there are far entries: [nodes] the first, the second, ...; empty: by minimum
+    /// degree. Those that couple should be near each other.
     void set_order(std::span<const int> order) { order_.assign(order.begin(), order.end()); }
     /// See BandMatrix::set_fourth().
     void set_fourth(bool takes_part);

@@ -14,8 +14,8 @@ namespace seldinger {
 
 namespace {
 
-// Eigen sums products in blocks that fit the caches it finds, so that sums would round otherwise on another processor. These sizes
-// are taken for all (level 1, 2 and 3).
+// Eigen sums products in blocks that fit the caches it finds, so that sums would round otherwise on another processor. These
+// sizes are taken for all (level 1, 2 and 3).
 [[maybe_unused]] const bool blocks_are_fixed = (Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 32 << 20), true);
 
 Graph block_graph(const Eigen::SparseMatrix<double>& matrix, const std::vector<std::int32_t>& free_index, std::int32_t free_count)
@@ -90,7 +90,8 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
     if (values_.size() >= from) round_if_accurate();
     place_ = std::move(place);
     panel_of_.resize(order_.size());
-    for (std::size_t p = 0; p < panels_.size(); ++p) std::fill_n(panel_of_.begin() + panels_[p].first, panels_[p].columns, static_cast<std::int32_t>(p));
+    for (std::size_t p = 0; p < panels_.size(); ++p)
+        std::fill_n(panel_of_.begin() + panels_[p].first, panels_[p].columns, static_cast<std::int32_t>(p));
     return true;
 }
 
@@ -307,7 +308,8 @@ void BlockCholesky::run(const Value* values, std::size_t count, double* const* x
 double BlockCholesky::error_of_singles() const
 {
     std::vector<double> force(static_cast<std::size_t>(3 * blocks_)), work;
-    for (std::size_t i = 0; i < force.size(); ++i) force[i] = 1 + 0.3 * static_cast<double>(i * 7 % 11) - static_cast<double>(i % 3);
+    for (std::size_t i = 0; i < force.size(); ++i)
+        force[i] = 1 + 0.3 * static_cast<double>(i * 7 % 11) - static_cast<double>(i % 3);
     const auto solved = [&](const auto& values, std::vector<double> x) {
         double* sides[] = {x.data()};
         run<1>(values.data(), values.size(), sides, work);
@@ -315,12 +317,14 @@ double BlockCholesky::error_of_singles() const
     };
     for (int rounds = 0; rounds < 3; ++rounds) {  // inverse iteration
         force = solved(values_, std::move(force));
-        const double most = Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())).lpNorm<Eigen::Infinity>();
+        const double most =
+            Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())).lpNorm<Eigen::Infinity>();
         for (double& f : force) f /= most;
     }
     const std::vector<double> x = solved(values_, force), rounded = solved(singles_, force);
     double miss = 0, most = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) miss = std::max(miss, std::abs(rounded[i] - x[i])), most = std::max(most, std::abs(x[i]));
+    for (std::size_t i = 0; i < x.size(); ++i)
+        miss = std::max(miss, std::abs(rounded[i] - x[i])), most = std::max(most, std::abs(x[i]));
     return miss / most;
 }
 
@@ -337,7 +341,8 @@ void BlockCholesky::begin(std::span<const double> b, Partial& partial) const
     partial.x.resize(3 * order_.size());
     partial.known.assign(panels_.size(), 0);
     partial.work.resize(static_cast<std::size_t>(widest_));
-    for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(&partial.x[3 * k], &b[3 * static_cast<std::size_t>(order_[k])], 3 * sizeof(double));
+    for (std::size_t k = 0; k < order_.size(); ++k)
+        std::memcpy(&partial.x[3 * k], &b[3 * static_cast<std::size_t>(order_[k])], 3 * sizeof(double));
     double *y[] = {partial.x.data()}, *t[] = {partial.work.data()};
     with_values([&](const auto* values, std::size_t) {
         for (const Panel& panel : panels_) down<1>(panel, values, y, t);
@@ -357,7 +362,8 @@ void BlockCholesky::read(std::int32_t block, Partial& partial, double* to) const
         way.push_back(p);
         const Panel& panel = panels_[static_cast<std::size_t>(p)];
         if (panel.rows == 0) break;
-        p = panel_of_[static_cast<std::size_t>(rows_[static_cast<std::size_t>(panel.first_row)])];  // rows rise: the parent has the first
+        p = panel_of_[static_cast<std::size_t>(
+            rows_[static_cast<std::size_t>(panel.first_row)])];  // rows rise: the parent has the first
     }
     double *y[] = {partial.x.data()}, *t[] = {partial.work.data()};
     with_values([&](const auto* values, std::size_t count) {

@@ -14,10 +14,11 @@ struct Elimination;
 /// P A P^T = L L^T. Order: whichever fills least of nested dissection of the graph of blocks, minimum degree, and the caller's.
 /// The bits of a solution depend on the matrix and that order alone, and are the same one right-hand side at a time or several.
 ///
-/// A solve takes as long as L takes to be read. So L is stored in single precision, and computed with in double, if it would not fit
-/// a core's own cache and solutions change by less than single_error: that is measured on one that consists of the softest modes,
-/// which rounding changes most. A mode v has the stiffness |L^T v|^2. Rounding of L to e = 6e-8 changes it by 2 (dL^T v).(L^T v), or
-/// by e sqrt(c) of itself at most, where c is the stiffness of the stiffest mode over its own. (Rounding of A would change it by e c.)
+/// A solve takes as long as L takes to be read. So L is stored in single precision, and computed with in double, if it would not
+/// fit a core's own cache and solutions change by less than single_error: that is measured on one that consists of the softest
+/// modes, which rounding changes most. A mode v has the stiffness |L^T v|^2. Rounding of L to e = 6e-8 changes it by 2 (dL^T
+/// v).(L^T v), or by e sqrt(c) of itself at most, where c is the stiffness of the stiffest mode over its own. (Rounding of A
+/// would change it by e c.)
 class BlockCholesky {
 public:
     static constexpr std::size_t single_from = std::size_t{1} << 17;  // entries: 1 MB in double precision
@@ -42,7 +43,8 @@ public:
     /// Three at once.
     void solve(std::span<double> x, std::span<double> y, std::span<double> z, std::vector<double>& work) const;
 
-    /// A solution of which only some blocks are asked for: each takes the panels on the way from the root to it that no other has taken.
+    /// A solution of which only some blocks are asked for: each takes the panels on the way from the root to it that no other has
+    /// taken.
     struct Partial {
         std::vector<double> x;            // in the new order
         std::vector<unsigned char> known;  // [panels]
@@ -61,8 +63,8 @@ public:
     }
 
 private:
-    /// Columns of L with the same rows below. Three columns (a block) after each other, each in groups of 8 rows by 3 columns, from
-    /// the diagonal's group on. Entries above, inside or past the diagonal blocks' rows are 0.
+    /// Columns of L with the same rows below. Three columns (a block) after each other, each in groups of 8 rows by 3 columns,
+    /// from the diagonal's group on. Entries above, inside or past the diagonal blocks' rows are 0.
     struct Panel {
         std::int32_t first, columns;   // blocks in the new order
         std::int32_t first_row, rows;  // in rows_: blocks below the panel's own square

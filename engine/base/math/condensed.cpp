@@ -233,7 +233,8 @@ void Condensed::times_w_rows(std::span<const double> v, std::span<double> out) c
     double* const to = out.data();
     for (; k + 4 <= n; k += 4, w += 4 * n) {
         const double a = v[k], b = v[k + 1], c = v[k + 2], e = v[k + 3];
-        for (std::size_t l = 0; l < n; ++l) to[l] += (a * double(w[l]) + b * double(w[n + l])) + (c * double(w[2 * n + l]) + e * double(w[3 * n + l]));
+        for (std::size_t l = 0; l < n; ++l)
+            to[l] += (a * double(w[l]) + b * double(w[n + l])) + (c * double(w[2 * n + l]) + e * double(w[3 * n + l]));
     }
     for (; k < n; ++k, w += n)
         for (std::size_t l = 0; l < n; ++l) to[l] += v[k] * double(w[l]);

@@ -10,12 +10,13 @@
 // iterations. E = F^T where B and D are symmetric. Some of the m are only there because they may come to be touched: E, F and D
 // have rows for the others, "the rows", and equations are solved for these.
 //
-// A Newton iteration solves with the same I + W D many times, and mostly for sums of what it has solved for before: residual, direction,
-// corrections, the next trial. So solutions are kept, and only what is left of a right side is solved for anew [Fischer98].
+// A Newton iteration solves with the same I + W D many times, and mostly for sums of what it has solved for before: residual,
+// direction, corrections, the next trial. So solutions are kept, and only what is left of a right side is solved for anew
+// [Fischer98].
 //
 // [Saad86] Saad, Schultz: GMRES. SIAM J. Sci. Stat. Comput. 7(3), 1986. doi:10.1137/0907058
-// [Fischer98] Fischer: Projection techniques for iterative solution of Ax = b with successive right-hand sides. Comput. Methods Appl.
-// Mech. Eng. 163, 1998. doi:10.1016/S0045-7825(98)00012-7
+// [Fischer98] Fischer: Projection techniques for iterative solution of Ax = b with successive right-hand sides. Comput. Methods
+// Appl. Mech. Eng. 163, 1998. doi:10.1016/S0045-7825(98)00012-7
 
 #include "math/small_dense.h"
 #include "math/sparse_rows.h"
@@ -35,13 +36,16 @@ public:
     /// Of all their sums the u whose A u is nearest to b.
     void combine(std::span<const double> b, std::span<double> u) const;
     /// One more, A u = b, unless there is no room or it says nothing new.
-    /// @param error  |A u - b| / |b|. What is new of b is divided by its size, and with it the error: a tenth of it at most may be error, else
-    /// sums with it would have to be solved for again
+    /// @param error  |A u - b| / |b|. What is new of b is divided by its size, and with it the error: a tenth of it at most may
+    /// be error, else sums with it would have to be solved for again
     void add(std::span<const double> u, std::span<const double> b, double error);
 
 private:
     static constexpr std::size_t most = 16;
-    [[nodiscard]] std::span<double> one(std::vector<double>& list, std::size_t k, std::size_t size) { return std::span(list).subspan(k * size, size); }
+    [[nodiscard]] std::span<double> one(std::vector<double>& list, std::size_t k, std::size_t size)
+    {
+        return std::span(list).subspan(k * size, size);
+    }
     [[nodiscard]] std::span<const double> one(const std::vector<double>& list, std::size_t k, std::size_t size) const
     {
         return std::span(list).subspan(k * size, size);
@@ -82,8 +86,8 @@ public:
     int solve(std::span<double> r_to_x, std::span<const unsigned char> fixed,
               const std::function<void(std::span<double>)>& band) const;
     double accuracy = 1e-5;  // of x: |what is left of the others' equations| over their right side
-    /// Likewise of solve_rows() and add_product(). From 1e-8 on, W between many rows is kept in single precision for them: products
-    /// take as long as it takes to be read.
+    /// Likewise of solve_rows() and add_product(). From 1e-8 on, W between many rows is kept in single precision for them:
+    /// products take as long as it takes to be read.
     double own_accuracy = 1e-11;
 
     // ---- parts, for those who keep u ----

@@ -8,9 +8,15 @@
 namespace seldinger {
 
 [[nodiscard]] inline Eigen::Map<Eigen::Vector3d> eigen(Vec3& v) { return Eigen::Map<Eigen::Vector3d>(v.data()); }
-[[nodiscard]] inline Eigen::Map<const Eigen::Vector3d> eigen(const Vec3& v) { return Eigen::Map<const Eigen::Vector3d>(v.data()); }
+[[nodiscard]] inline Eigen::Map<const Eigen::Vector3d> eigen(const Vec3& v)
+{
+    return Eigen::Map<const Eigen::Vector3d>(v.data());
+}
 [[nodiscard]] inline Eigen::Map<Eigen::Matrix3d> eigen(Mat3& m) { return Eigen::Map<Eigen::Matrix3d>(m.data()); }
-[[nodiscard]] inline Eigen::Map<const Eigen::Matrix3d> eigen(const Mat3& m) { return Eigen::Map<const Eigen::Matrix3d>(m.data()); }
+[[nodiscard]] inline Eigen::Map<const Eigen::Matrix3d> eigen(const Mat3& m)
+{
+    return Eigen::Map<const Eigen::Matrix3d>(m.data());
+}
 
 template <class Derived>
 [[nodiscard]] Vec3 to_vec3(const Eigen::MatrixBase<Derived>& v)

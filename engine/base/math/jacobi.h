@@ -1,5 +1,6 @@
 #pragma once
-// Eigenvalues of small symmetric matrices by Jacobi's rotations [Golub13, sec. 8.5], and their positive part. Nothing is allocated.
+// Eigenvalues of small symmetric matrices by Jacobi's rotations [Golub13, sec. 8.5], and their positive part. Nothing is
+// allocated.
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 // Several numbers side by side, for loops over the nodes of a wire: the vectors of GCC and clang, which become whatever the
-// processor has (AVX-512, AVX, SSE2). Every lane does the operations of a scalar, in the same order, so that results do not depend
-// on the number of lanes. For source files of the library only: the width is that of the file that includes this.
+// processor has (AVX-512, AVX, SSE2). Every lane does the operations of a scalar, in the same order, so that results do not
+// depend on the number of lanes. For source files of the library only: the width is that of the file that includes this.
 
 #include <cmath>
 #include <cstring>

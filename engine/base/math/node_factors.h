@@ -1,8 +1,9 @@
 #pragma once
 // Sparse factors of a band and of distant entries (FarEntries), by blocks of four unknowns (nodes) that are eliminated in a given
-// order. Two rods in contact over their length stay cheap if their nodes are taken in turn, however distant they are in the vector
-// of unknowns. A rod that touches itself is eliminated by minimum degree: in the order in which its nodes lie, a place where strands touch fills a
-// column all along the wire between them. A coil of 247 nodes with 23 such places took 6 x the products.
+// order. Two rods in contact over their length stay cheap if their nodes are taken in turn, however distant they are in the
+// vector of unknowns. A rod that touches itself is eliminated by minimum degree: in the order in which its nodes lie, a place
+// where strands touch fills a column all along the wire between them. A coil of 247 nodes with 23 such places took 6 x the
+// products.
 //
 // Which blocks fill is found first (elimination tree: what a node's row leaves to the next one of its columns) and kept while the
 // pattern stays. Then node by node as in BandMatrix, by the same rules for pivots. If s blocks beside the diagonal one remain

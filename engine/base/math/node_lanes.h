@@ -1,7 +1,7 @@
 #pragma once
-// A node's four unknowns as one SIMD vector. All loads and stores are whole aligned blocks, so a store is always forwarded whole to
-// the next step's load. A column-by-column factorisation shifts its window by one entry each time, which defeats store forwarding.
-// For source files of the library only.
+// A node's four unknowns as one SIMD vector. All loads and stores are whole aligned blocks, so a store is always forwarded whole
+// to the next step's load. A column-by-column factorisation shifts its window by one entry each time, which defeats store
+// forwarding. For source files of the library only.
 
 #include <algorithm>
 #include <cstring>

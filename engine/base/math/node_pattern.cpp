@@ -38,7 +38,8 @@ void NodeFactors::find_joined(const BandRows& band)
 bool NodeFactors::is_known(const FarEntries& far, std::span<const int> order) const
 {
     const std::span<const FarEntries::Block> blocks = far.blocks();
-    const bool same_order = order.empty() ? chosen_ : !chosen_ && std::equal(order.begin(), order.end(), order_.begin(), order_.end());
+    const bool same_order =
+        order.empty() ? chosen_ : !chosen_ && std::equal(order.begin(), order.end(), order_.begin(), order_.end());
     return same_order && joined_ == known_joined_ &&
            std::equal(blocks.begin(), blocks.end(), known_.begin(), known_.end(),
                       [&](const FarEntries::Block& block, std::uint64_t known) { return key_of(block) == known; });

@@ -1,5 +1,6 @@
 #pragma once
-// Means of a force over an exact span of time, whatever the steps last: all 20 ms means of a run but those at its end (math/end_mean.h, which a checkpoint carries).
+// Means of a force over an exact span of time, whatever the steps last: all 20 ms means of a run but those at its end
+// (math/end_mean.h, which a checkpoint carries).
 
 #include <algorithm>
 #include <cstddef>
@@ -7,8 +8,8 @@
 
 namespace seldinger {
 
-/// A value that holds for a step is constant within it. A mean begins or ends with a step and takes a part of the step at its other end, so that runs with any
-/// steps have means over the same time.
+/// A value that holds for a step is constant within it. A mean begins or ends with a step and takes a part of the step at its
+/// other end, so that runs with any steps have means over the same time.
 class SpanMeans {
 public:
     explicit SpanMeans(double span) : span_(span) {}

@@ -15,9 +15,9 @@ namespace seldinger {
 namespace {
 
 constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
-// The hand force is read off the base edge, so errors of that edge swing with each edge fed. Measured on an arc of 40 mm at 240 mN:
-// base edges of up to half the longest leave an error of 1 mN, those of up to 1.5 times the longest 4 mN. The former cost three to
-// five more nodes.
+// The hand force is read off the base edge, so errors of that edge swing with each edge fed. Measured on an arc of 40 mm at 240
+// mN: base edges of up to half the longest leave an error of 1 mN, those of up to 1.5 times the longest 4 mN. The former cost
+// three to five more nodes.
 constexpr double base_share = 0.5;
 constexpr int most_seeds = 3;  // edges split in one call, not counting neighbours that have to follow
 
@@ -52,7 +52,13 @@ Vec3 rest_binormal(const RodView& rod, int i)
 }  // namespace
 
 NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
-    : longest_(capacity), curvature_(capacity), shear_jump_(capacity), turning_(capacity), moment_(capacity, Vec3::Zero()), bend_(capacity, Vec3::Zero()), marked_(capacity)
+    : longest_(capacity),
+      curvature_(capacity),
+      shear_jump_(capacity),
+      turning_(capacity),
+      moment_(capacity, Vec3::Zero()),
+      bend_(capacity, Vec3::Zero()),
+      marked_(capacity)
 {
     spec.for_each_end([&](double s) {
         if (s > 0 && s < spec.length) boundaries_.push_back(s);
@@ -160,7 +166,8 @@ double NodePlanner::tip_error(const RodView& rod, const WireSpec& spec, const No
     Vec3 off = Vec3::Zero();
     for (int j = 0; j < rod.n - 1; ++j) {
         const double h = rod.rest_length[j], kappa = std::max(curvature_[j], curvature_[j + 1]), lever = reach[j].lever;
-        const double stiffness = std::min(rod.bend_stiffness[j], rod.bend_stiffness[j + 1]), jump = 0.5 * (shear_jump_[j] + shear_jump_[j + 1]);
+        const double stiffness = std::min(rod.bend_stiffness[j], rod.bend_stiffness[j + 1]),
+                     jump = 0.5 * (shear_jump_[j] + shear_jump_[j + 1]);
         along += kappa * kappa * h * h * h / 12;
         turned += lever * (angle_share(rod) * kappa * kappa * kappa * h + jump / (12 * stiffness)) * h * h;
         turned += reach[j].carried * (moment_[j + 1] - moment_[j]).norm() / (6 * stiffness) * h * h;
@@ -170,7 +177,8 @@ double NodePlanner::tip_error(const RodView& rod, const WireSpec& spec, const No
     return std::hypot(along, turned + off.norm(), twist);
 }
 
-BendingError NodePlanner::bending_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, double from, double to)
+BendingError NodePlanner::bending_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, double from,
+                                        double to)
 {
     measure(rod, demands);
     BendingError sum;
@@ -185,7 +193,8 @@ BendingError NodePlanner::bending_error(const RodView& rod, const WireSpec& spec
         if (i == 0 || rod.material_s[i - 1] < from) continue;
         const double mean_b = 0.5 * (rod.bend_stiffness[i - 1] + b);
         const Vec3 rise = moment_[i] - moment_[i - 1];
-        sum.missed += rod.rest_length[i - 1] * rise.norm() * std::min(rise.norm() / mean_b, (bend_[i] - bend_[i - 1]).norm()) / 12;
+        sum.missed +=
+            rod.rest_length[i - 1] * rise.norm() * std::min(rise.norm() / mean_b, (bend_[i] - bend_[i - 1]).norm()) / 12;
         const double off = rise.dot(displaced(rod, spec, demands, i - 1)) / rod.rest_length[i - 1];
         by_offsets += demands.moment.empty() ? off : std::abs(off);
     }

@@ -69,39 +69,44 @@ public:
     /// Length to which a fed wire's base edge grows before a node is born behind it [m]: by the shape there, or up to a section's
     /// boundary in it, which gets that node. Contacts there are left out.
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
-    /// How far the finite length of all edges has the tip from its position [m]. Needs no adaptive nodes. The root of the sum of squares of three
-    /// errors, which have different causes and directions; each is the sum of its magnitudes over the edges, as if all erred alike:
+    /// How far the finite length of all edges has the tip from its position [m]. Needs no adaptive nodes. The root of the sum of
+    /// squares of three errors, which have different causes and directions; each is the sum of its magnitudes over the edges, as
+    /// if all erred alike:
     ///
     ///     along     h (kappa h)^2/24, and on the inside of a bend twice that: there edges are tangents, not chords
     ///     turned    l (a (kappa h)^3 + D h^2/(12 B)) as in e(h)
     ///               + c |M_j+1 - M_j| h^2/(6 B) + |sum c o|
     ///     twist     turning h^2/12
     ///
-    /// In a tip that lies at the sum of h kappa_i s_i, the trapezoid rule errs by h^2/12 times the integral of (kappa s)'' = kappa'' s + 2 kappa'.
-    /// Where natural curvature or stiffness jumps within an edge, nodes have its angle by o from its place (rod/rest_shape.h). These offsets are known with
-    /// their signs: both ends of a preformed bend leave only what they differ by.
+    /// In a tip that lies at the sum of h kappa_i s_i, the trapezoid rule errs by h^2/12 times the integral of (kappa s)'' =
+    /// kappa'' s + 2 kappa'. Where natural curvature or stiffness jumps within an edge, nodes have its angle by o from its place
+    /// (rod/rest_shape.h). These offsets are known with their signs: both ends of a preformed bend leave only what they differ
+    /// by.
     ///
-    /// An error of angle acts over the lever l. Up to the contact nearest to the tip, at s_1, that is the edge's own distance from the tip. Beyond, the wire
-    /// turns over its contacts as a beam over supports: an angle between the first two, at s, turns the wire at s_1 by (s_2 - s)/(s_2 - s_1) of itself; one
-    /// in a further span by passes_span of that per span. Besides, an angle in a span of length S
-    /// lifts it by up to S/4 of itself. On a wire that turns by an angle P there, that area S^2/8 makes the tip come P S/8 farther.
-    /// A displacement acts in full (c = 1) up to the contact nearest to the tip. In a span of length S it is an angle of 1/S.
+    /// An error of angle acts over the lever l. Up to the contact nearest to the tip, at s_1, that is the edge's own distance
+    /// from the tip. Beyond, the wire turns over its contacts as a beam over supports: an angle between the first two, at s,
+    /// turns the wire at s_1 by (s_2 - s)/(s_2 - s_1) of itself; one in a further span by passes_span of that per span. Besides,
+    /// an angle in a span of length S lifts it by up to S/4 of itself. On a wire that turns by an angle P there, that area S^2/8
+    /// makes the tip come P S/8 farther. A displacement acts in full (c = 1) up to the contact nearest to the tip. In a span of
+    /// length S it is an angle of 1/S.
     [[nodiscard]] double tip_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
-    /// How much energy the finite length of edges is wrong by, between the distances `from` and `to` from the tip. With the moments M at nodes [N m] and the
-    /// contact forces F [N], the nodes' energy sum l M^2/(2 B) differs from that of a smooth wire under the same loads by at most
+    /// How much energy the finite length of edges is wrong by, between the distances `from` and `to` from the tip. With the
+    /// moments M at nodes [N m] and the contact forces F [N], the nodes' energy sum l M^2/(2 B) differs from that of a smooth
+    /// wire under the same loads by at most
     ///
     ///     sum over edges  h dM min(dM/B, dkappa)/12     work of a moment on a curvature, both linear along an edge, of which nodes see the ends
     ///     sum over nodes  F kappa h^2/8                 the distance of an arc from the chord's middle, or from where its tangents meet, on which the wall works
     ///     |sum over edges (M_j+1 - M_j).o/h|            the displacements o by jumps of natural curvature and stiffness, against the shear there
     ///
-    /// The second is a bound over all places of the load: a chord's middle, where its arc is farthest, and a node, where two tangents of the arc meet, are both
-    /// kappa h^2/8 from the arc. (Over all places alike the distance is kappa h^2/12 in the mean.)
-    /// dM and dkappa are differences between the ends of an edge. dM/B is dkappa where there is no natural curvature. A preformed bend that a lumen holds straight has
-    /// the moments of its natural curvature at nodes, and no curvature between them to err in.
-    /// The first is exact for loads at nodes: a cantilever of n edges under an end load has 1/(2 n^2) of its energy too much, which
-    /// is how much too far its end goes. Loads between nodes have sum M M'' h^3/(12 B) beside it, which for an even load is the
-    /// negative of the first, but for the wire's ends (by parts): the first alone bounds both.
-    [[nodiscard]] BendingError bending_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, double from = 0, double to = std::numeric_limits<double>::infinity());
+    /// The second is a bound over all places of the load: a chord's middle, where its arc is farthest, and a node, where two
+    /// tangents of the arc meet, are both kappa h^2/8 from the arc. (Over all places alike the distance is kappa h^2/12 in the
+    /// mean.) dM and dkappa are differences between the ends of an edge. dM/B is dkappa where there is no natural curvature. A
+    /// preformed bend that a lumen holds straight has the moments of its natural curvature at nodes, and no curvature between
+    /// them to err in. The first is exact for loads at nodes: a cantilever of n edges under an end load has 1/(2 n^2) of its
+    /// energy too much, which is how much too far its end goes. Loads between nodes have sum M M'' h^3/(12 B) beside it, which
+    /// for an even load is the negative of the first, but for the wire's ends (by parts): the first alone bounds both.
+    [[nodiscard]] BendingError bending_error(const RodView& rod, const WireSpec& spec, const NodeDemands& demands,
+                                             double from = 0, double to = std::numeric_limits<double>::infinity());
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call
     std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
@@ -114,7 +119,8 @@ private:
     };
     [[nodiscard]] EdgeErrors errors_between(const RodView& rod, int from, int to, double lever) const;
     [[nodiscard]] Vec3 displaced(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int j) const;
-    /// Of each edge, the distance over which an error of its angle moves the tip [m], and the part of a displacement in it that does.
+    /// Of each edge, the distance over which an error of its angle moves the tip [m], and the part of a displacement in it that
+    /// does.
     struct Reach {
         double lever = 0, carried = 1;
     };

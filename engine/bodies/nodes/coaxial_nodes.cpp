@@ -123,7 +123,8 @@ void follow_line(RodArrays& rods, std::span<const int> wires)
     }
 }
 
-CoaxialNodes::CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, RodFrames& frames)
+CoaxialNodes::CoaxialNodes(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base,
+                           RodFrames& frames)
     : RodNodes(rods, wires, {&sleeve_, 1}, false), rod_(rod), base_(base), frames_(frames), sleeve_(base.clamp(line().n))
 {
 }

@@ -1,9 +1,10 @@
 #pragma once
-// Adaptive nodes of instruments that share a centreline. nodes/adapt.h judges a line's nodes; its edges are split and merged anywhere
-// along it. As for wires (nodes/split.h), forces of the instruments do not jump.
+// Adaptive nodes of instruments that share a centreline. nodes/adapt.h judges a line's nodes; its edges are split and merged
+// anywhere along it. As for wires (nodes/split.h), forces of the instruments do not jump.
 //
 // Moments: M = dE/d(integrated curvature) of a cell, of all instruments together. Where an instrument ends or changes its section
-// the curvature jumps and M does not, wherever in a cell that is (rod/coaxial.h): the measure of nodes/adapt.h holds as for a wire.
+// the curvature jumps and M does not, wherever in a cell that is (rod/coaxial.h): the measure of nodes/adapt.h holds as for a
+// wire.
 //
 // Twist: instruments curved by nature turn each other, by a torque per length q_k(s) that begins and ends where their curves do.
 // Each node's twist is that of its cell's middle. So the angle of k is off by J h^2/(12 C_k), as a bending angle is off by a

@@ -163,8 +163,8 @@ double refresh_joint(const RodView& line, const Joint& joint, double last)
     return joint.ref(line) - last;
 }
 
-/// Rest length at which the material in [begin, end] carries `force` along edge j. In a rod that flies apart edges may be squeezed to
-/// nothing or miles long; then lengths are kept, not forces.
+/// Rest length at which the material in [begin, end] carries `force` along edge j. In a rod that flies apart edges may be
+/// squeezed to nothing or miles long; then lengths are kept, not forces.
 double rest_under(const RodNodes& rod, int j, double begin, double end, double force)
 {
     const RodView line = rod.line();
@@ -225,7 +225,8 @@ double split_rest(const RodNodes& nodes, int a, double fraction, const OldEdge& 
 {
     const RodView rod = nodes.line();
     const double s = rod.material_s[a], mid = s + fraction * old.length;
-    const double first = rest_under(nodes, a, s, mid, old.force), second = rest_under(nodes, a + 1, mid, s + old.length, old.force);
+    const double first = rest_under(nodes, a, s, mid, old.force),
+                 second = rest_under(nodes, a + 1, mid, s + old.length, old.force);
     SEL_ASSERT(first > 0 && second > 0);
     const double added = first + second - old.length, moved = s + first + second - rod.material_s[a + 2];
     rod.material_s[a + 1] = s + first;
@@ -286,8 +287,9 @@ void split_spins(const RodNodes& nodes, int a, double fraction, const OldEdge& o
 }
 
 /// Velocity of the new node a+1: linear along the rod, and what both new edges ask for if they are to be stretched as fast as
-/// the old one was [1/s]. A polygon that bends while it slides along itself does not move linearly between two nodes. Axial forces
-/// answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a second.
+/// the old one was [1/s]. A polygon that bends while it slides along itself does not move linearly between two nodes. Axial
+/// forces answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a
+/// second.
 Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_rate)
 {
     const Vec3 va = rod.vel(a), vb = rod.vel(a + 2), linear = (1 - fraction) * va + fraction * vb;
@@ -352,8 +354,8 @@ SplitResult split_edge(const RodNodes& rod, int edge, double fraction)
 
 namespace {
 
-/// By how much the node next to the hub is to move across `tangent`, of the base edge, where elastic forces pull it: by the bending
-/// stiffness of small turns there.
+/// By how much the node next to the hub is to move across `tangent`, of the base edge, where elastic forces pull it: by the
+/// bending stiffness of small turns there.
 Vec3 born_node_shift(const RodView& rod, const Vec3& tangent, Vec3 pull)
 {
     const int m = rod.n - 2, a = m - 1;

@@ -1,6 +1,7 @@
 #pragma once
 // Adds and removes nodes while material is fed and where a rod is refined. One edge becomes two, or two become one, and axial
-// force, moment, torque and momentum of the rod do not jump. A rod is a wire, or K instruments that share its nodes (rod/coaxial.h).
+// force, moment, torque and momentum of the rod do not jump. A rod is a wire, or K instruments that share its nodes
+// (rod/coaxial.h).
 //
 // A chord is shorter than its arc: with the axial force kept, the rest lengths after a split sum to
 // h (kappa h)^2/32 more than before. That length is reported, a surplus that the caller takes out of later
@@ -31,11 +32,12 @@ struct SplitScratch {
     }
 };
 
-/// The nodes of a rod, to be split and merged: which arrays they fill, and how the material between them is computed. Members that
-/// return a RodView are views of the arrays as they are now: a change of the nodes leaves those taken before stale.
+/// The nodes of a rod, to be split and merged: which arrays they fill, and how the material between them is computed. Members
+/// that return a RodView are views of the arrays as they are now: a change of the nodes leaves those taken before stale.
 class RodNodes {
 public:
-    /// @param wires  of `rods`: the line, whose arrays hold the rod's places and frames, then those that follow it with their own angles
+    /// @param wires  of `rods`: the line, whose arrays hold the rod's places and frames, then those that follow it with their own
+    /// angles
     RodNodes(RodArrays& rods, std::span<const int> wires, std::span<const RodClamp> clamps, bool rest_is_placed);
     virtual ~RodNodes() = default;
 
@@ -62,8 +64,8 @@ public:
     [[nodiscard]] virtual double clamp_angle(const RodClamp& clamp, int k) const = 0;
     /// Curvature of the rod at rest at its end, along the binormal (signs of rod/pair.h), if edge j is there; else 0 [1/m].
     [[nodiscard]] virtual Vec3 natural_at_end(int j) const = 0;
-    /// While the base edge is being split: gradient of the elastic energy by the place of the new node [N], and the tangent of the new
-    /// base edge. @return false where there is no such configuration
+    /// While the base edge is being split: gradient of the elastic energy by the place of the new node [N], and the tangent of
+    /// the new base edge. @return false where there is no such configuration
     [[nodiscard]] virtual bool pull_at_base(SplitScratch& scratch, Vec3& pull, Vec3& tangent) const = 0;
     /// Places, velocities and frames of the line into the arrays of the other instruments.
     virtual void follow_line() const {}

@@ -1,6 +1,6 @@
 #pragma once
-// Makes a wall of a file's mesh: welds, drops degenerate and double triangles, orients normals into the lumen, closes small holes,
-// finds the openings, and reports all of it.
+// Makes a wall of a file's mesh: welds, drops degenerate and double triangles, orients normals into the lumen, closes small
+// holes, finds the openings, and reports all of it.
 
 #include "vessel/wall_mesh.h"
 

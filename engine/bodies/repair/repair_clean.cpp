@@ -137,8 +137,8 @@ double median_edge(const WallMesh& mesh)
 
 namespace {
 
-/// Hash grid of representatives in one table, each with its place: a look-up is one line of memory, which whoever asks for many can ask
-/// for ahead. Cells are 4 tolerances wide.
+/// Hash grid of representatives in one table, each with its place: a look-up is one line of memory, which whoever asks for many
+/// can ask for ahead. Cells are 4 tolerances wide.
 class WeldGrid {
 public:
     WeldGrid(std::size_t vertices, double tolerance, const Vec3& low) : tolerance_(tolerance), cell_(4 * tolerance), low_(low)
@@ -226,7 +226,8 @@ std::vector<std::int32_t> weld_targets(const std::vector<Vec3>& vertices, double
     for (std::size_t begin = 0; begin < target.size(); begin += ahead) {
         const std::size_t end = std::min(begin + ahead, target.size());
         for (std::size_t v = begin; v < end; ++v) grid.expect(home[v - begin] = grid.home(vertices[v]));
-        for (std::size_t v = begin; v < end; ++v) target[v] = grid.representative(static_cast<std::int32_t>(v), vertices[v], home[v - begin]);
+        for (std::size_t v = begin; v < end; ++v)
+            target[v] = grid.representative(static_cast<std::int32_t>(v), vertices[v], home[v - begin]);
     }
     return target;
 }

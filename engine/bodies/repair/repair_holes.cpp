@@ -28,7 +28,8 @@ const char* hole_by(const BoundaryLoop& loop, double facing, double lumen_radius
 {
     if (loop.vertices.size() > kLongestHole) return nullptr;
     if (loop.vertices.size() <= 4) return "at most 4 edges";
-    if (loop.vertices.size() <= 12 && loop.radius < 0.35 * lumen_radius) return "at most 12 edges, below 0.35 of the lumen's radius";
+    if (loop.vertices.size() <= 12 && loop.radius < 0.35 * lumen_radius)
+        return "at most 12 edges, below 0.35 of the lumen's radius";
     return facing > 0.6 && loop.radius < 0.5 * lumen_radius ? "flat in the wall, below half of the lumen's radius" : nullptr;
 }
 
@@ -98,15 +99,16 @@ void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
         fill(mesh, chain);
         if (++report.hole_loops_closed <= most_named) {
             const Vec3& at = loop.centre;
-            places += fmt::format("{}at [{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm ({})", places.empty() ? "" : "; ", at.x(), at.y(), at.z(), 1e3 * loop.radius, rule);
+            places += fmt::format("{}at [{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm ({})", places.empty() ? "" : "; ", at.x(),
+                                  at.y(), at.z(), 1e3 * loop.radius, rule);
         }
     }
     const long closed = report.hole_loops_closed;
     if (closed == 0) return;
     edges = find_edges(mesh);
     if (closed > most_named) places += fmt::format("; and {} more", closed - most_named);
-    report.notes.push_back(fmt::format("{} small hole{} closed: {}. vessel.close_holes = false leaves {} open.", closed, closed == 1 ? " was" : "s were", places,
-                                       closed == 1 ? "it" : "them"));
+    report.notes.push_back(fmt::format("{} small hole{} closed: {}. vessel.close_holes = false leaves {} open.", closed,
+                                       closed == 1 ? " was" : "s were", places, closed == 1 ? "it" : "them"));
 }
 
 }  // namespace seldinger::repair_steps

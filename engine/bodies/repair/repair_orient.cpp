@@ -126,9 +126,10 @@ void note_components(const std::vector<MeshComponent>& parts, long nested, Repai
     if (parts.size() > 1) {
         double all = 0, largest = 0;
         for (const MeshComponent& part : parts) all += part.area, largest = std::max(largest, part.area);
-        report.notes.push_back(fmt::format("The surface falls into {} separate parts; each was turned on its own. The largest has {:.3g} % of the "
-                                           "surface; a wire stays in the part that it enters.",
-                                           parts.size(), all > 0 ? 100 * largest / all : 0));
+        report.notes.push_back(
+            fmt::format("The surface falls into {} separate parts; each was turned on its own. The largest has {:.3g} % of the "
+                        "surface; a wire stays in the part that it enters.",
+                        parts.size(), all > 0 ? 100 * largest / all : 0));
     }
     if (nested > 0)
         report.notes.push_back(fmt::format("{} part{} inside another and count{} as an obstacle in its lumen.", nested,

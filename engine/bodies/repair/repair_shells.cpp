@@ -78,7 +78,8 @@ bool encloses(const WallMesh& mesh, const Patch& outer, const std::vector<Vec3>&
     for (std::size_t k = 0; k < points.size(); k += std::max<std::size_t>(1, points.size() / 20), ++asked) {
         if (!outer.box.contains(points[k])) continue;
         double angle = 0;
-        for (const std::int32_t t : outer.triangles) angle += solid_angle(points[k], triangle_of(mesh, static_cast<std::size_t>(t)));
+        for (const std::int32_t t : outer.triangles)
+            angle += solid_angle(points[k], triangle_of(mesh, static_cast<std::size_t>(t)));
         inside += std::abs(angle) > 0.5 * 4 * std::numbers::pi;  // ends of open shells are seen, hence not all of 4 pi
     }
     return 4 * inside > 3 * asked;
@@ -110,9 +111,10 @@ void keep(WallMesh& mesh, const std::vector<bool>& kept, std::vector<std::array<
     beside.resize(to);
 }
 
-/// Of a mesh of one large part: its outer side and rims are labelled 0, its inner side 1, small parts 2. @return the mesh without noise;
-/// nothing where it is no wall of two sides
-std::optional<WallMesh> part_sides(const WallMesh& mesh, const MeshEdges& edges, const Patch& part, std::vector<std::int32_t>& label)
+/// Of a mesh of one large part: its outer side and rims are labelled 0, its inner side 1, small parts 2. @return the mesh without
+/// noise; nothing where it is no wall of two sides
+std::optional<WallMesh> part_sides(const WallMesh& mesh, const MeshEdges& edges, const Patch& part,
+                                   std::vector<std::int32_t>& label)
 {
     const bool all = part.triangles.size() == mesh.triangles.size();
     WallMesh own;
@@ -123,7 +125,8 @@ std::optional<WallMesh> part_sides(const WallMesh& mesh, const MeshEdges& edges,
     std::optional<WallSides> sides = all ? sides_of_wall(mesh, edges) : sides_of_wall(own, find_edges(own));
     if (!sides) return std::nullopt;
     std::fill(label.begin(), label.end(), 2);
-    for (std::size_t k = 0; k < part.triangles.size(); ++k) label[static_cast<std::size_t>(part.triangles[k])] = sides->inner[k] ? 1 : 0;
+    for (std::size_t k = 0; k < part.triangles.size(); ++k)
+        label[static_cast<std::size_t>(part.triangles[k])] = sides->inner[k] ? 1 : 0;
     sides->even.triangles = mesh.triangles;
     return std::move(sides->even);
 }
@@ -137,13 +140,17 @@ double root_mean_square_move(const WallMesh& from, const WallMesh& to)
 
 [[noreturn]] void refuse_wall()
 {
-    throw Error(ErrorKind::BadFile, "got a vessel's wall with its thickness, whose inner side could not be told for certain; expected the lumen's surface. Fix: "
-                                   "export the lumen (the blood) instead; in 3D Slicer, fill the wall's segment and subtract the wall from it (Logical operators)");
+    throw Error(ErrorKind::BadFile,
+                "got a vessel's wall with its thickness, whose inner side could not be told for certain; expected the lumen's "
+                "surface. Fix: "
+                "export the lumen (the blood) instead; in 3D Slicer, fill the wall's segment and subtract the wall from it "
+                "(Logical operators)");
 }
 
 }  // namespace
 
-bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read, RepairReport& report)
+bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read,
+                      RepairReport& report)
 {
     std::vector<std::int32_t> label = label_components(mesh, edges);
     std::vector<Patch> shells = shells_of(mesh, label);
@@ -164,10 +171,13 @@ bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::a
     for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = joined ? label[t] == shells[1].label : label[t] != shells[0].label;
     const auto dropped = std::count(kept.begin(), kept.end(), false);
     keep(mesh, kept, as_read);
-    report.notes.push_back(fmt::format("The wall has a thickness, of {:.3g} mm in the middle: the inner of its two shells is taken for the lumen, and the {} "
-                                       "triangles of the outer one{} are left out.",
-                                       1e3 * *thickness, dropped, joined ? " and of the rims" : ""));
-    if (noise > 0) report.notes.push_back(fmt::format("The wall is rough: noise of {:.2g} mm (root mean square) was averaged out of it.", 1e3 * noise));
+    report.notes.push_back(fmt::format(
+        "The wall has a thickness, of {:.3g} mm in the middle: the inner of its two shells is taken for the lumen, and the {} "
+        "triangles of the outer one{} are left out.",
+        1e3 * *thickness, dropped, joined ? " and of the rims" : ""));
+    if (noise > 0)
+        report.notes.push_back(
+            fmt::format("The wall is rough: noise of {:.2g} mm (root mean square) was averaged out of it.", 1e3 * noise));
     return true;
 }
 

@@ -1,4 +1,5 @@
-// The two sides of a wall that was exported as one surface: outer, inner and the rims that join them. Noise as of segmentations included.
+// The two sides of a wall that was exported as one surface: outer, inner and the rims that join them. Noise as of segmentations
+// included.
 #include "repair/repair_steps.h"
 #include "vessel/mesh_components.h"
 #include "vessel/tree.h"
@@ -16,15 +17,17 @@ namespace {
 
 constexpr double far = std::numeric_limits<double>::infinity();
 constexpr double least_sheet = 0.36;   // V/(A t) of a sheet of the thickness t is 1/2, of a round tube 1/4, of a ball 1/6
-constexpr double least_side = 0.15;    // difference of enclosure across a wall: half turns of view in a tube, hardly any across a lumen
+constexpr double least_side =
+    0.15;  // difference of enclosure across a wall: half turns of view in a tube, hardly any across a lumen
 constexpr double least_inner = 0.2, least_sided = 0.7;  // shares of the surface that are inner, and that are inner or outer
 constexpr double least_enclosed = 0.65;  // median of the inner side: 0.74 in the middle of a tube two diameters long
 constexpr double least_width = 1.25;     // of the lumen, in thicknesses: two lumens with a flap are the other way round
-constexpr double rough = 20;             // [degrees] median turn at an edge: of noise, and not of coarse facets, which turn at every second
+constexpr double rough = 20;  // [degrees] median turn at an edge: of noise, and not of coarse facets, which turn at every second
 constexpr int most_rounds = 12;          // of smoothing
 constexpr std::size_t asked_places = 300, few_places = 32, most_rays_from = 20000;
 
-constexpr double few_steps = 3e7, most_steps = 6e8;  // of rays through the tree, for the places and for all: 10 and 6 times those of noisy walls
+constexpr double few_steps = 3e7,
+                 most_steps = 6e8;  // of rays through the tree, for the places and for all: 10 and 6 times those of noisy walls
 
 /// Triangles of a wall that may be a sheet, with evened vertices, seen from without its material.
 struct Body {
@@ -61,7 +64,8 @@ void average(std::vector<T>& values, const WallMesh& mesh, const MeshEdges& edge
     std::vector<T> sum(values.size(), zero);
     std::vector<double> count(values.size(), 0);
     for (std::size_t k = 0; k < edges.count(); ++k) {
-        const auto a = static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0])), b = static_cast<std::size_t>(half_edge_to(mesh, edges.uses(k)[0]));
+        const auto a = static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0])),
+                   b = static_cast<std::size_t>(half_edge_to(mesh, edges.uses(k)[0]));
         sum[a] += values[b], sum[b] += values[a];
         ++count[a], ++count[b];
     }
@@ -93,8 +97,8 @@ struct Place {
 /// The middle of the triangle behind a share of the area.
 Place place_at(const Body& body, double share)
 {
-    const auto t = static_cast<std::size_t>(std::upper_bound(body.cumulated.begin(), body.cumulated.end(), share * body.cumulated.back()) -
-                                            body.cumulated.begin());
+    const auto t = static_cast<std::size_t>(
+        std::upper_bound(body.cumulated.begin(), body.cumulated.end(), share * body.cumulated.back()) - body.cumulated.begin());
     const Triangle3 c = triangle_of(body.mesh, std::min(t, body.cumulated.size() - 1));
     return {(c.a + c.b + c.c) / 3, body.facing * double_area(c).normalized()};
 }
@@ -132,7 +136,8 @@ public:
         int met = 0;
         for (int k = 0; k < rays; ++k) {
             const double r2 = (k + 0.5) / rays;
-            const Vec3 along = std::sqrt(r2) * (std::cos(golden * k) * frame.u + std::sin(golden * k) * frame.v) + std::sqrt(1 - r2) * p.out;
+            const Vec3 along =
+                std::sqrt(r2) * (std::cos(golden * k) * frame.u + std::sin(golden * k) * frame.v) + std::sqrt(1 - r2) * p.out;
             met += hit(p.at, along) < far;
         }
         return static_cast<double>(met) / rays;
@@ -170,7 +175,8 @@ bool is_wall(const Body& body, Rays& rays)
     }
     if (rays.tired(few_steps) || inner < least_inner * asked_places || sided < least_sided * asked_places) return false;
     const double middle = median(thickness);
-    return median(width) > least_width * middle && median(enclosed) > least_enclosed && body.volume > least_sheet * body.area * middle;
+    return median(width) > least_width * middle && median(enclosed) > least_enclosed &&
+           body.volume > least_sheet * body.area * middle;
 }
 
 /// Side of each vertex, averaged over its neighbourhood: > 0 inner.
@@ -178,7 +184,8 @@ std::vector<double> sides_of_vertices(const Body& body, const MeshEdges& edges, 
 {
     std::vector<Vec3> out(body.mesh.vertices.size(), Vec3::Zero());
     for (std::size_t t = 0; t < body.mesh.triangles.size(); ++t)
-        for (const std::int32_t v : body.mesh.triangles[t]) out[static_cast<std::size_t>(v)] += body.facing * double_area(triangle_of(body.mesh, t));
+        for (const std::int32_t v : body.mesh.triangles[t])
+            out[static_cast<std::size_t>(v)] += body.facing * double_area(triangle_of(body.mesh, t));
     std::vector<double> side(out.size(), 0), known(out.size(), 0);
     const std::size_t step = 1 + out.size() / most_rays_from;
     for (std::size_t v = 0; v < out.size(); ++v) {
@@ -197,7 +204,8 @@ std::vector<double> sides_of_vertices(const Body& body, const MeshEdges& edges, 
 std::vector<bool> largest_of(const WallMesh& mesh, const MeshEdges& edges, const std::vector<bool>& marked)
 {
     const auto has = [&](std::int32_t h) { return marked[static_cast<std::size_t>(h / 3)]; };
-    const std::vector<std::int32_t> set = label_sets(mesh, edges, [&](std::span<const std::int32_t> uses) { return std::all_of(uses.begin(), uses.end(), has); });
+    const std::vector<std::int32_t> set =
+        label_sets(mesh, edges, [&](std::span<const std::int32_t> uses) { return std::all_of(uses.begin(), uses.end(), has); });
     std::vector<double> area;
     for (std::size_t t = 0; t < set.size(); ++t) {
         area.resize(std::max(area.size(), static_cast<std::size_t>(set[t]) + 1), 0.0);
@@ -232,7 +240,8 @@ std::optional<WallSides> sides_of_wall(const WallMesh& mesh, const MeshEdges& ed
 {
     Body body = evened(mesh, edges);
     std::vector<double> thickness;
-    for (std::size_t k = 0; k < few_places; ++k) thickness.push_back(thickness_of_all(body, place_at(body, (static_cast<double>(k) + 0.5) / few_places)));
+    for (std::size_t k = 0; k < few_places; ++k)
+        thickness.push_back(thickness_of_all(body, place_at(body, (static_cast<double>(k) + 0.5) / few_places)));
     if (!(body.volume > least_sheet * body.area * median(thickness))) return std::nullopt;
     Rays rays(body);
     if (!is_wall(body, rays)) return std::nullopt;

@@ -31,17 +31,18 @@ struct WallSides {
     WallMesh even;            // the mesh without noise
     std::vector<bool> inner;  // [T] whether a triangle bounds the lumen
 };
-/// The sides of a wall that was modelled with its thickness and is one surface. Such a wall is a sheet (its volume is half of area times
-/// thickness), one side is enclosed much more than the other across it, and what that side encloses is wider than the wall. Rims count
-/// as outer. Noise is averaged out first. Nothing where the mesh is no such wall. Needs consistent orientation
+/// The sides of a wall that was modelled with its thickness and is one surface. Such a wall is a sheet (its volume is half of
+/// area times thickness), one side is enclosed much more than the other across it, and what that side encloses is wider than the
+/// wall. Rims count as outer. Noise is averaged out first. Nothing where the mesh is no such wall. Needs consistent orientation
 [[nodiscard]] std::optional<WallSides> sides_of_wall(const WallMesh& mesh, const MeshEdges& edges);
 
 // repair_shells.cpp
-/// Where a vessel's wall is modelled with its thickness, as printers, tissue models and segmentations give it, leaves the inner shell
-/// only. Shells run along each other, one inside the other, with areas of at most 1.8 to 1: separate parts; or the sides of one (3 to 1).
-/// Needs consistent orientation. @param as_read  triangles that stay beside the mesh's  @return whether any went
+/// Where a vessel's wall is modelled with its thickness, as printers, tissue models and segmentations give it, leaves the inner
+/// shell only. Shells run along each other, one inside the other, with areas of at most 1.8 to 1: separate parts; or the sides of
+/// one (3 to 1). Needs consistent orientation. @param as_read  triangles that stay beside the mesh's  @return whether any went
 /// @throws Error BadFile: a wall whose inner side cannot be told
-bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read, RepairReport& report);
+bool take_inner_shell(WallMesh& mesh, const MeshEdges& edges, std::vector<std::array<std::int32_t, 3>>& as_read,
+                      RepairReport& report);
 
 // repair_holes.cpp
 /// @param edges  in and out: the mesh's

@@ -1,19 +1,20 @@
 #pragma once
-// Instruments inside each other that share one centreline (D12): energy, gradient, Hessian, and the forces at the hand of each one.
+// Instruments inside each other that share one centreline (D12): energy, gradient, Hessian, and the forces at the hand of each
+// one.
 //
-// Clearance is zero. The centreline has nodes x_i and edges as a wire has (RodView), with one reference frame per edge. Instrument
-// k has its own spin angles theta_k in these frames and lies along the centreline by its offset o_k. At the centreline's coordinate
-// s (RodView::material_s, rising from the tip) is its material s + o_k, measured from its own tip. Where that is outside [0, its
-// length] it is not there and contributes nothing.
+// Clearance is zero. The centreline has nodes x_i and edges as a wire has (RodView), with one reference frame per edge.
+// Instrument k has its own spin angles theta_k in these frames and lies along the centreline by its offset o_k. At the
+// centreline's coordinate s (RodView::material_s, rising from the tip) is its material s + o_k, measured from its own tip. Where
+// that is outside [0, its length] it is not there and contributes nothing.
 //
 //     E = sum_k 1/2 int B_k |kappa - R(theta_k) kappa_k|^2 + C_k theta_k'^2 ds + 1/2 int EA strain^2 ds         (D12)
 //                                                       [Dupont10; Rucker10], discretised like D1-D3 [Bergou10]
 //
 // **A cell** (Voronoi: from the middle of one edge to the middle of the next) is cut where any instrument begins, ends or changes
 // its section. In a piece the instruments act as one of stiffness B = sum B_k and natural curvature r = sum B_k R_k kappa_k / B.
-// Forcing them into one shape costs 1/2 sum_{k<l} (B_k B_l/B) |R_k kappa_k - R_l kappa_l|^2. This does not depend on the shape: it
-// turns them against each other. Pieces are in series, as in rod/rest_shape.cpp, so that a jump of stiffness anywhere in a cell
-// keeps second order:
+// Forcing them into one shape costs 1/2 sum_{k<l} (B_k B_l/B) |R_k kappa_k - R_l kappa_l|^2. This does not depend on the shape:
+// it turns them against each other. Pieces are in series, as in rod/rest_shape.cpp, so that a jump of stiffness anywhere in a
+// cell keeps second order:
 //
 //     E_i = 1/2 |f kappa - int r ds|^2 / int ds/B + (what forcing costs) + sum_k 1/2 (f_k twist_k)^2 / int ds/C_k
 //
@@ -23,10 +24,10 @@
 // node. With one instrument this is the energy of rod/elastic.h.
 //
 // **Unknowns** of node i: x, y, z, then for each instrument the angle of the edge that begins there; 3 + K, half bandwidth
-// 2 (3 + K) + 2, 12 for two. The last node's angles are those of the hub's clamp, in the places that a wire leaves unused. They are
-// prescribed, or joined to the hand by the twist of the length still behind it (CoaxialBase). Angles of edges that an instrument
-// does not reach are of no account: coaxial_idle() says which; the solver holds them and follow_idle() keeps them level with the
-// rest.
+// 2 (3 + K) + 2, 12 for two. The last node's angles are those of the hub's clamp, in the places that a wire leaves unused. They
+// are prescribed, or joined to the hand by the twist of the length still behind it (CoaxialBase). Angles of edges that an
+// instrument does not reach are of no account: coaxial_idle() says which; the solver holds them and follow_idle() keeps them
+// level with the rest.
 
 #include "rod/clamp.h"
 
@@ -160,14 +161,15 @@ private:
 /// together: stretch_stiffness, bend_stiffness, mass, radius (of the widest). O(n + changes), no allocation after the first call.
 void prepare_coaxial(CoaxialRod& rod, const RodView& line);
 
-/// Stretch stiffness of all instruments together in [begin, end] of the centreline, as one edge [N]; prepare_coaxial() has been called for their offsets.
+/// Stretch stiffness of all instruments together in [begin, end] of the centreline, as one edge [N]; prepare_coaxial() has been
+/// called for their offsets.
 [[nodiscard]] double coaxial_stretch_stiffness(const CoaxialRod& rod, double begin, double end);
 
-/// The edge that material at s goes on with straight, one of the two of its cell. It is `edge`, which s lies on, unless the cell bends
-/// almost only beyond s, as at the tip of a catheter that a soft wire leaves: there the cell turns at its node all the same, and what
-/// acts on the catheter would turn the half edge that has left it. From less than half of what bends between s and the middle of the
-/// other edge, were the cell even, s is on the line of that other edge; what is left there to turn is no more than in an even cell.
-/// prepare_coaxial() has been called.
+/// The edge that material at s goes on with straight, one of the two of its cell. It is `edge`, which s lies on, unless the cell
+/// bends almost only beyond s, as at the tip of a catheter that a soft wire leaves: there the cell turns at its node all the
+/// same, and what acts on the catheter would turn the half edge that has left it. From less than half of what bends between s and
+/// the middle of the other edge, were the cell even, s is on the line of that other edge; what is left there to turn is no more
+/// than in an even cell. prepare_coaxial() has been called.
 [[nodiscard]] int coaxial_edge_of(const CoaxialRod& rod, const RodView& line, double s, int edge);
 
 /// What bends between two middles, on either side of a place between them.

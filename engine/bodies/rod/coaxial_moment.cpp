@@ -27,8 +27,8 @@ void measure_moments(const CoaxialShape& shape, CoaxialMoments& out)
     }
 }
 
-CoaxialShare share_in(const CoaxialRod& rod, const CoaxialPiece& piece, const CoaxialTrial& trial, const CoaxialMoments& moments, int j,
-                      int from, int until)
+CoaxialShare share_in(const CoaxialRod& rod, const CoaxialPiece& piece, const CoaxialTrial& trial, const CoaxialMoments& moments,
+                      int j, int from, int until)
 {
     CoaxialShare share;
     Complex wanted = 0, of_own = 0;  // sums of B_k R_k kappa_k

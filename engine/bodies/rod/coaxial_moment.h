@@ -1,8 +1,8 @@
 #pragma once
 // Splits the bending moment of a common centreline among its instruments, in a frame that is transported along the line.
 //
-// M(s), the line's, is linear between nodes. With B = sum B_k over the instruments there, the curvature of the line is r + M/B, r =
-// sum B_k R_k kappa_k / B. Instrument k carries M_k = B_k (r + M/B - R_k kappa_k): M_k jumps where B or r do, M does not.
+// M(s), the line's, is linear between nodes. With B = sum B_k over the instruments there, the curvature of the line is r + M/B, r
+// = sum B_k R_k kappa_k / B. Instrument k carries M_k = B_k (r + M/B - R_k kappa_k): M_k jumps where B or r do, M does not.
 
 #include "rod/coaxial.h"
 
@@ -13,7 +13,8 @@ namespace seldinger {
 struct CoaxialMoments {
     using Complex = CoaxialCell::Complex;
     std::vector<Complex> moment;   // [nodes] M [N m]
-    std::vector<double> parallel;  // [nodes] angle of the parallel frame in each edge's reference frame, the last one the clamp's [rad]
+    std::vector<double>
+        parallel;  // [nodes] angle of the parallel frame in each edge's reference frame, the last one the clamp's [rad]
 };
 
 /// Measures the moments of a configuration.

@@ -192,7 +192,8 @@ CoaxialBend coaxial_bend(const CoaxialRod& rod, int k, double from, double s, do
         bend.even = !last;
         // sliding brings material in at one end and out at the other, and up to where another instrument begins or ends
         if (!last) bend.before_rate = soft;
-        else if (last->section[k] == piece.section[k] && place != s) (place < s ? bend.before_rate : bend.after_rate) += soft - soft_last;
+        else if (last->section[k] == piece.section[k] && place != s)
+            (place < s ? bend.before_rate : bend.after_rate) += soft - soft_last;
         last = &piece;
         soft_last = soft;
         place += length;

@@ -130,8 +130,8 @@ void add_coupling(const CoaxialCell& cell, const Stencil& s, int k, int l, Hessi
     out.cross[k][l] -= second;
 }
 
-/// Positive semidefinite Hessian of bending: the wire's, blended by the effective natural curvature (rod/pair.h). For the part (1 -
-/// blend) it has the angles' part of Gauss-Newton with the residual f kappa - sum r_k in the reference frame.
+/// Positive semidefinite Hessian of bending: the wire's, blended by the effective natural curvature (rod/pair.h). For the part (1
+/// - blend) it has the angles' part of Gauss-Newton with the residual f kappa - sum r_k in the reference frame.
 void add_bend_safe(const CoaxialCell& cell, const Stencil& s, int instruments, StencilTerms& out)
 {
     const Pair& p = s.pair;

@@ -13,8 +13,8 @@
 //
 // Why the angle. In a plane B theta'' = P sin(theta) becomes B (delta^2 theta)/h^2 + 12 a B h^2 theta'^2 theta'' + ... = P
 // sin(theta), and its error is h^2 theta'' [C/12 + (12 a - 1/8) theta'^2], C a constant of the solution: seven times less with a
-// = 0 where bending is strong. An arc of natural curvature k turns by exactly k h a node. A localised helix, where bending balances
-// torque, has 1/3 of the error (docs/validation.md). [Bergou08] notes that the choice is free; 2 sin(phi/2), q = 1,
+// = 0 where bending is strong. An arc of natural curvature k turns by exactly k h a node. A localised helix, where bending
+// balances torque, has 1/3 of the error (docs/validation.md). [Bergou08] notes that the choice is free; 2 sin(phi/2), q = 1,
 // would fold without resistance.
 
 #include "rod/wire_spec.h"

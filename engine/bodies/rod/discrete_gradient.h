@@ -16,8 +16,8 @@
 // Linear momentum: G is made of pairs of opposite forces. Angular momentum: every product exerts no net moment about the mean
 // positions, and a moment's action along an edge is its spin's. So the sum of x x m v and of spins is kept up to two small terms.
 // The first is the turning of the spins' axes, whose gyroscopic moments (D4) leaves out. The second is the moment of products of
-// directors (natural curvature, twist) times an edge's relative change of length over the step, 1e-6 and less. A naturally straight
-// wire without twist keeps the sum exactly.
+// directors (natural curvature, twist) times an edge's relative change of length over the step, 1e-6 and less. A naturally
+// straight wire without twist keeps the sum exactly.
 
 #include "rod/elastic.h"
 

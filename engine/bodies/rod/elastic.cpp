@@ -2,8 +2,8 @@
 //
 // All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only. The Hessian
 // in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of the
-// nodes' Hessian is a signed sum of at most four of these. So the wire is walked once, from tip to hub, with two edges in hand, and
-// every entry of the band is touched once.
+// nodes' Hessian is a signed sum of at most four of these. So the wire is walked once, from tip to hub, with two edges in hand,
+// and every entry of the band is touched once.
 
 #include "rod/elastic.h"
 
@@ -75,8 +75,8 @@ struct StencilBlocks {
     Lanes aa, ab, bb;
 };
 
-/// Walks from tip to hub, as many nodes at a time as there are lanes. In step k the lanes have the stencils of nodes first + l and
-/// the edges before these. They write the nodes at which these edges begin, which need the last lane of the step before.
+/// Walks from tip to hub, as many nodes at a time as there are lanes. In step k the lanes have the stencils of nodes first + l
+/// and the edges before these. They write the nodes at which these edges begin, which need the last lane of the step before.
 struct Walk {
     const RodView& rod;
     std::span<const RodClamp> clamps;
@@ -314,8 +314,8 @@ struct Walk {
         return s;
     }
 
-    /// (D1). Hessian: EA/rest t t^T + N/|e| (1 - t t^T), N the axial force. Projected drops the second term in compression, where it
-    /// is negative: the buckling term.
+    /// (D1). Hessian: EA/rest t t^T + N/|e| (1 - t t^T), N the axial force. Projected drops the second term in compression, where
+    /// it is negative: the buckling term.
     void stretch_blocks(int first, Lanes (&xx)[9]) const
     {
         const int left = rod.n - 1 - first;
@@ -434,39 +434,44 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
     if (mode != HessianMode::None) walk.add_hessian(*hessian);
 }
 
-// E depends on the base edge's rest length l through its strain and through the cells of its two ends. Each has a natural angle theta and
-// a compliance C = int ds/B, and E = |kappa - theta|^2/(2 C) with the moment M = (kappa - theta)/C:
+// E depends on the base edge's rest length l through its strain and through the cells of its two ends. Each has a natural angle
+// theta and a compliance C = int ds/B, and E = |kappa - theta|^2/(2 C) with the moment M = (kappa - theta)/C:
 //
 //     stretch  E = (|e| - l)^2/(2 int ds/EA)         dE/dl = -N - N^2/(2 EA)
 //     bend     dE/dl = -M.dtheta/dl - M^2/2 dC/dl
 //
-// The hub's half cell gains what is fed, with the curvature k and the compliance 1/B; its other end, in the middle of the edge, loses half
-// as much of the material m there to the cell before:
+// The hub's half cell gains what is fed, with the curvature k and the compliance 1/B; its other end, in the middle of the edge,
+// loses half as much of the material m there to the cell before:
 //
 //     hub      dtheta/dl = k - k_m/2,   dC/dl = 1/B - 1/(2 B_m)
 //     before   dtheta/dl = k_m/2,       dC/dl = 1/(2 B_m)
 //
-// A clamp at the node before the hub shares its cell between both sides by length alone, so that the sum is exact where that cell has one material.
-// In a wire of one material both are k/2 and 1/(2 B): -B/4 ((kappa/a)^2 - k^2) in a cell of length a, and for k = 0 both together are
+// A clamp at the node before the hub shares its cell between both sides by length alone, so that the sum is exact where that cell
+// has one material. In a wire of one material both are k/2 and 1/(2 B): -B/4 ((kappa/a)^2 - k^2) in a cell of length a, and for k
+// = 0 both together are
 // -M^2/(2 B), the configurational force of a sleeve [Bosi14]. Twist has the same with its torque and without a natural angle.
 //
-// N is the force in the middle of the base edge. If a length dl enters at the inlet x_hub, half as much of the material in the middle goes
-// from the hub's mass to that of the node before. The weight does the work -rho A dl g.(x_hub - x_before)/2 less than at the inlet's height.
-double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
+// N is the force in the middle of the base edge. If a length dl enters at the inlet x_hub, half as much of the material in the
+// middle goes from the hub's mass to that of the node before. The weight does the work -rho A dl g.(x_hub - x_before)/2 less than
+// at the inlet's height.
+double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodClamp> clamps, const RodFrames& frames,
+                  const Vec3& gravity)
 {
     SEL_ASSERT(frames.spins);
     const int j = rod.n - 2, hub = j + 1;
     const WireSection &fed = spec.at(rod.material_s[hub]), &middle = spec.at(0.5 * (rod.material_s[j] + rod.material_s[hub]));
     const double tension = rod.stretch_stiffness[j] * stretch_strain(rod, frames, j);
     double force = -tension - tension * tension / (2 * fed.stretch_stiffness);
-    force += 0.5 * middle.density * std::numbers::pi * middle.radius * middle.radius * frames.edge_length[j] * gravity.dot(frames.tangent[j]);
+    force += 0.5 * middle.density * std::numbers::pi * middle.radius * middle.radius * frames.edge_length[j] *
+             gravity.dot(frames.tangent[j]);
 
     struct Rate {
         Vec2 angle;
         double bend, twist;  // compliance
     };
     const Rate before{0.5 * middle.rest_curvature, 0.5 / middle.bend_stiffness, 0.5 / middle.twist_stiffness};
-    const Rate at_hub{fed.rest_curvature - before.angle, 1 / fed.bend_stiffness - before.bend, 1 / fed.twist_stiffness - before.twist};
+    const Rate at_hub{fed.rest_curvature - before.angle, 1 / fed.bend_stiffness - before.bend,
+                      1 / fed.twist_stiffness - before.twist};
     const auto bend = [](double per_angle, double squared, const Vec2& strain, const Rate& rate) {
         return -per_angle * (strain.dot(rate.angle) + 0.5 * per_angle * squared * rate.bend);
     };
@@ -474,7 +479,8 @@ double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodC
     if (j > 0) {  // otherwise the tip is the other end, with no energy of its own
         const ClampedNode clamped = clamped_at(clamps, j);
         const double length = rod.voronoi_length(j);
-        const Vec2 strain = frames.material ? Vec2(frames.kappa1[j] - rod.rest_kappa1[j], frames.kappa2[j] - rod.rest_kappa2[j]) : Vec2::Zero();
+        const Vec2 strain =
+            frames.material ? Vec2(frames.kappa1[j] - rod.rest_kappa1[j], frames.kappa2[j] - rod.rest_kappa2[j]) : Vec2::Zero();
         if (!clamped.bend) force += bend(rod.bend_stiffness[j] / length, squared_bend(rod, frames, j), strain, before);
         if (!clamped.twist) force += twist(rod.twist_stiffness[j] / length * (frames.twist[j] - rod.rest_twist[j]), before);
     }
@@ -484,7 +490,8 @@ double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodC
         const ClampSide s = clamp_side(rod, clamps[k], frames, k, side);
         const Rate& rate = node == hub ? at_hub : before;
         if (clamps[k].direction) {
-            const Vec2 strain = s.material ? Vec2(kappa_in(s.pair, s.rest.n1) - Vec2(s.rest.kappa1, s.rest.kappa2)) : Vec2::Zero();
+            const Vec2 strain =
+                s.material ? Vec2(kappa_in(s.pair, s.rest.n1) - Vec2(s.rest.kappa1, s.rest.kappa2)) : Vec2::Zero();
             const double squared = s.material ? strain.squaredNorm() : squared_curvature(s.pair.q, s.pair.chi, s.pair.kb);
             force += bend(rod.bend_stiffness[node] / s.half, squared, strain, rate);
         }

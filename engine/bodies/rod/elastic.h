@@ -59,8 +59,8 @@ private:
 struct RodFrames {
     explicit RodFrames(int nodes = 0, int clamp_capacity = 16);
     int capacity = 0;  // nodes
-    // False: the wire is straight by nature and isotropic, and its spin angles do not change. Its gradient and Hessian need neither
-    // directors nor twist, and update_frames() leaves out d1, m1, m2, ref_twist, kappa1, kappa2, twist and the clamps'.
+    // False: the wire is straight by nature and isotropic, and its spin angles do not change. Its gradient and Hessian need
+    // neither directors nor twist, and update_frames() leaves out d1, m1, m2, ref_twist, kappa1, kappa2, twist and the clamps'.
     bool spins = true;
     bool material = true;  // False: the wire is straight by nature, and update_frames() leaves out m1, m2, kappa1 and kappa2.
     Vec3Array tangent, d1, m1, m2, kb;  // [n-1] tangents, reference director, material directors; [n] kb
@@ -98,12 +98,12 @@ enum class HessianMode { None, Exact, Projected };
 /// `hessian` (may be null). O(n), no allocation.
 ///
 /// dE/dx is the force for a change of shape in which no material frame spins about its own tangent. At the accepted state
-/// that is the derivative of E(x, theta). At another trial state, moving edge j also spins its frame by (t x t0).dt/(1 + t0.t), t0
-/// the accepted tangent (holonomy). So the derivative of the function E(x, theta) is dE/dx + (dE/dtheta_j) (that)/dx. The physical
-/// balance is the one without this term (all moments about t do the same extra work, inertia and contact included), and both
-/// vanish together where theta is free. A line search on E with theta prescribed against a torque M sees a slope wrong by M times
-/// half of the rotation since the accepted state. If that matters, accept the frames between iterations of a static solve, or
-/// test the residual instead.
+/// that is the derivative of E(x, theta). At another trial state, moving edge j also spins its frame by (t x t0).dt/(1 + t0.t),
+/// t0 the accepted tangent (holonomy). So the derivative of the function E(x, theta) is dE/dx + (dE/dtheta_j) (that)/dx. The
+/// physical balance is the one without this term (all moments about t do the same extra work, inertia and contact included), and
+/// both vanish together where theta is free. A line search on E with theta prescribed against a torque M sees a slope wrong by M
+/// times half of the rotation since the accepted state. If that matters, accept the frames between iterations of a static solve,
+/// or test the residual instead.
 ///
 /// `Exact` is the symmetric part of the derivative of this gradient, = d2E/dq2 at the accepted state.
 /// `Projected`: see rod/pair.h for bending and twist; stretch without the geometric term of a compressed edge.
@@ -126,8 +126,8 @@ void set_rest_shape(const RodView& rod, const WireSpec& spec, bool rest_is_place
 /// configurational force of bending and twist [Bosi14]. The weight, along the wire, of the half edge at the inlet, whose
 /// mass the hub carries, and the clamps at the hub are included.
 /// @param spec  the wire: what is fed is its material at the hub
-[[nodiscard]] double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodClamp> clamps, const RodFrames& frames,
-                                const Vec3& gravity);
+[[nodiscard]] double feed_force(const RodView& rod, const WireSpec& spec, std::span<const RodClamp> clamps,
+                                const RodFrames& frames, const Vec3& gravity);
 
 /// Torque that the clamp at `node` exerts on the wire about its tangent [N m] (+ = in the sense of increasing theta).
 [[nodiscard]] double clamp_torque(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, int clamp);

@@ -1,5 +1,6 @@
 #pragma once
-// Rejects states that missed the solver's tolerance and whose forces would be arbitrary: drawn apart, crushed, or far from balance.
+// Rejects states that missed the solver's tolerance and whose forces would be arbitrary: drawn apart, crushed, or far from
+// balance.
 
 #include "rod/rod_view.h"
 
@@ -8,8 +9,8 @@
 namespace seldinger {
 
 /// Whether an edge is longer or shorter by more than half of its rest length and by more than 0.01 radii. The second limit is for
-/// the base edge of a fed wire, which begins with length 0. A converged state of a soft band may meet both. A state that missed the
-/// tolerance is then unusable: the forces on its nodes are arbitrary, and so is the hand's work. A stiff wire thrown head-on
+/// the base edge of a fed wire, which begins with length 0. A converged state of a soft band may meet both. A state that missed
+/// the tolerance is then unusable: the forces on its nodes are arbitrary, and so is the hand's work. A stiff wire thrown head-on
 /// against a wall at 0.5 m/s came to 1e11 N in an edge that the hand drew out.
 [[nodiscard]] inline bool is_torn(const ConstRodView& rod)
 {

@@ -11,8 +11,8 @@
 // -tau/2, so that there is no twist left between these two, n_e and n_f):
 //     kappa1 = g kb.(n2e + n2f)/2 = g kb.n2e,   kappa2 = -g kb.(n1e + n1f)/2 = -g kb.n1e.
 // Both agree to O(tau^2); this one holds for any tau, several turns included, and an isotropic wire with no natural
-// curvature needs no frame at all: |kappa|^2 = 2 W. Derivatives with respect to e and f are those of [Bergou10] and [Jawed18] with
-// n for m (the twist's own variation cancels). For either angle d kappa1/d theta = kappa2/2, d kappa2/d theta = -kappa1/2.
+// curvature needs no frame at all: |kappa|^2 = 2 W. Derivatives with respect to e and f are those of [Bergou10] and [Jawed18]
+// with n for m (the twist's own variation cancels). For either angle d kappa1/d theta = kappa2/2, d kappa2/d theta = -kappa1/2.
 //
 // A clamp that holds only the direction has no director: its frame follows the edge's. That is the same formula with the frame
 // taken at a share lambda = 1/2 + mu of the twist, counted from e. Between edges mu = 0. At a clamp that is the tip-side partner
@@ -113,8 +113,8 @@ inline void add_bend_hessian_exact(const Pair& p, double stiffness, PairTerms& o
     out.ef += outer((d2 * p.inv_e * p.inv_f) * fe, ef) + d1 * chi.ef;
 }
 
-/// Projected Hessian: omega (projector on b) + alpha (projector on g) in each block. It is written so that nothing is singular in a
-/// straight wire: b b^T = 1 - t t^T - g g^T, sin^2 g_e g_e^T = fe fe^T, and gamma = (alpha - omega)/sin^2.
+/// Projected Hessian: omega (projector on b) + alpha (projector on g) in each block. It is written so that nothing is singular in
+/// a straight wire: b b^T = 1 - t t^T - g g^T, sin^2 g_e g_e^T = fe fe^T, and gamma = (alpha - omega)/sin^2.
 /// @param s      1: no natural curvature felt, projected exact Hessian; 0: Gauss-Newton
 /// @param share  1 between edges; 1 - |kb|^2/4 = 2 c/chi at a clamp whose frame follows the edge (Gauss-Newton's d kappa/dx
 ///               is that much smaller out of plane)

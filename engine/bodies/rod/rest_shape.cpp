@@ -1,8 +1,8 @@
 // Rest shape, stiffness and mass of nodes and edges: integrals of the wire's description over the material of each.
 //
 // A node has its Voronoi cell, from the middle of one edge to the middle of the next; an edge its own length.
-// Stiffnesses in series add their compliances, so a node at a jump of stiffness turns by M int ds/B under the moment M. B = length
-// / int ds/B keeps a jump of 1000:1 as accurate as a uniform wire wherever it lies in the cell.
+// Stiffnesses in series add their compliances, so a node at a jump of stiffness turns by M int ds/B under the moment M. B =
+// length / int ds/B keeps a jump of 1000:1 as accurate as a uniform wire wherever it lies in the cell.
 
 #include "rod/elastic.h"
 

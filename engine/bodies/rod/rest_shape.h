@@ -14,9 +14,9 @@ void set_rest_edge(const RodView& rod, const WireSpec& spec, int j);
 /// bend_stiffness, twist_stiffness, mass of node i, and unless `keep_shape` its rest curvature and twist.
 void set_rest_node(const RodView& rod, const WireSpec& spec, int i, bool keep_shape);
 
-/// By how much nodes have the displacement over edge j wrong, which have the angles of its halves at its ends: int q s ds over the edge, less its
-/// length times int q ds over its half away from the tip. q: natural curvature about the two directors, none with `rest_is_placed`; compliance 1/B. 0 of
-/// an edge of one material.
+/// By how much nodes have the displacement over edge j wrong, which have the angles of its halves at its ends: int q s ds over
+/// the edge, less its length times int q ds over its half away from the tip. q: natural curvature about the two directors, none
+/// with `rest_is_placed`; compliance 1/B. 0 of an edge of one material.
 struct EdgeOffset {
     Vec2 natural = Vec2::Zero();  // [m]
     double compliance = 0;        // [1/N]

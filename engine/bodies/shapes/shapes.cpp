@@ -72,7 +72,8 @@ struct Facets {
 };
 Facets facets_of(double radius, double length, int triangles, const char* key)
 {
-    const double edge = std::sqrt(2 * 2 * std::numbers::pi * radius * length / triangles), facets = 2 * std::numbers::pi * radius / edge;
+    const double edge = std::sqrt(2 * 2 * std::numbers::pi * radius * length / triangles),
+                 facets = 2 * std::numbers::pi * radius / edge;
     // as many around as there are triangles in all: half a row would be the whole tube
     if (!(facets <= std::max(8, triangles)))
         throw Error(ErrorKind::BadScene,

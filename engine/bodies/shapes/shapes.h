@@ -6,9 +6,9 @@
 // but a floor with bumps, each a facet long. They would be R (1 - cos(pi/n)) high, 16 um for 18 mm and 35,000 triangles. That is
 // many times the depth to which a wire sinks by its weight. Unturned, the floor of a straight tube is exactly straight.
 //
-// Vertices lie on the true radius, so facets cut inside by at most R (1 - cos(pi/n)), n the facets around. n is a multiple of four
-// with the first vertex towards `normal`. So a wire that gravity or a bend presses along +-normal or +-axis x normal lies in a line
-// of vertices, at exactly R.
+// Vertices lie on the true radius, so facets cut inside by at most R (1 - cos(pi/n)), n the facets around. n is a multiple of
+// four with the first vertex towards `normal`. So a wire that gravity or a bend presses along +-normal or +-axis x normal lies in
+// a line of vertices, at exactly R.
 
 #include "vessel/centreline.h"
 #include "vessel/vessel_spec.h"

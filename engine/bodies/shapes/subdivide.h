@@ -6,9 +6,9 @@
 
 namespace seldinger {
 
-/// One round of Loop's scheme [Loop87], with his own weights. Rims of openings follow the cubic B-spline of their own points alone,
-/// so an opening in a plane stays in it. Two kinds of vertices stay in place: those of a rim with more than two rim edges, and
-/// those of edges with more than two triangles. Orientation is kept. O(T).
+/// One round of Loop's scheme [Loop87], with his own weights. Rims of openings follow the cubic B-spline of their own points
+/// alone, so an opening in a plane stays in it. Two kinds of vertices stay in place: those of a rim with more than two rim edges,
+/// and those of edges with more than two triangles. Orientation is kept. O(T).
 [[nodiscard]] WallMesh subdivide_loop(const WallMesh& mesh);
 
 }  // namespace seldinger

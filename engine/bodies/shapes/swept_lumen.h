@@ -19,8 +19,8 @@ struct FieldValue {
 };
 
 /// f(p) = smooth minimum over the tubes of |p - c| - r(c), c the nearest point of the tube's axis. The smooth minimum is the
-/// quadratic one: min(a, b) - max(0, k - |a - b|)^2 / (4 k). It fills the crotch with a fillet about k wide and leaves all else as
-/// it is.
+/// quadratic one: min(a, b) - max(0, k - |a - b|)^2 / (4 k). It fills the crotch with a fillet about k wide and leaves all else
+/// as it is.
 class SweptLumen {
 public:
     SweptLumen(std::vector<SweptTube> tubes, double fillet);
@@ -50,9 +50,9 @@ struct LumenEnd {
     double reach;  // [m]
 };
 
-/// About `triangles` even triangles on f = 0, open at the ends, normals into the lumen (towards f < 0). Surface nets [Gibson 1998,
-/// doi:10.1007/BFb0056277], cut flat at the ends, then relaxed. Vertices move towards their neighbours' mean along the wall and
-/// back onto f = 0, rims stay in their planes, and edges flip while that helps the worse triangle.
+/// About `triangles` even triangles on f = 0, open at the ends, normals into the lumen (towards f < 0). Surface nets [Gibson
+/// 1998, doi:10.1007/BFb0056277], cut flat at the ends, then relaxed. Vertices move towards their neighbours' mean along the wall
+/// and back onto f = 0, rims stay in their planes, and edges flip while that helps the worse triangle.
 [[nodiscard]] WallMesh mesh_lumen(const SweptLumen& lumen, const std::vector<LumenEnd>& ends, int triangles);
 
 }  // namespace seldinger

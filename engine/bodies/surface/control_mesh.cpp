@@ -141,7 +141,8 @@ WallMesh make_control_mesh(const WallMesh& wall, const ControlMeshSpec& spec, Co
     check_one_piece(wall, sheet);
     check_control_edge(sample_wall(wall).area, spec.edge);
     static const Centreline none;
-    Remesher remesher(wall, std::move(sheet), EdgeField(spec.edge, spec.share, spec.centreline ? *spec.centreline : none, spec.path));
+    Remesher remesher(wall, std::move(sheet),
+                      EdgeField(spec.edge, spec.share, spec.centreline ? *spec.centreline : none, spec.path));
     remesher.run(rounds);
     WallMesh mesh = remesher.result();
     check_angles(mesh);

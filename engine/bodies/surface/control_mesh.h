@@ -28,11 +28,12 @@ struct ControlMeshReport {
     double distance = 0;  // largest from the fine surface, of corners, middles of edges and of triangles [m]
 };
 
-/// Isotropic triangles near to the wanted edge, vertices on the fine wall and on its rims (surface/remesh.h). The wall's topology,
-/// rims and orientation are kept, and so are corners of a rim that turn by more than 60 degrees. Same input, same bits.
+/// Isotropic triangles near to the wanted edge, vertices on the fine wall and on its rims (surface/remesh.h). The wall's
+/// topology, rims and orientation are kept, and so are corners of a rim that turn by more than 60 degrees. Same input, same bits.
 /// @param wall    repaired (repair/repair.h): welded, normals into the lumen
 /// @param report  out, may be null
-/// @throws Error BadFile if the wall is no sheet: edges of more than two triangles, inconsistent sides, more than one piece; or if
+/// @throws Error BadFile if the wall is no sheet: edges of more than two triangles, inconsistent sides, more than one piece; or
+/// if
 ///         memory does not suffice (check_control_edge)
 [[nodiscard]] WallMesh make_control_mesh(const WallMesh& wall, const ControlMeshSpec& spec, ControlMeshReport* report = nullptr);
 
@@ -54,8 +55,9 @@ struct WallEdge {
 /// is the typical radius of the lumen, and D = E t^3 / (12 (1 - nu^2)). For a plane E t/R^2 and R/3 are left out. If more than
 /// about 2,000 vertices would be needed, the edge is made longer, and with it the share of narrow branches.
 ///
-/// If VesselSpec::touched says where instruments touch, edges are half of the decay length up to one decay length from there. Elsewhere
-/// they are as long as 700 vertices for the whole wall make them. If more than about 3,000 would be needed, the short edges are longer.
+/// If VesselSpec::touched says where instruments touch, edges are half of the decay length up to one decay length from there.
+/// Elsewhere they are as long as 700 vertices for the whole wall make them. If more than about 3,000 would be needed, the short
+/// edges are longer.
 [[nodiscard]] WallEdge choose_wall_edge(const WallModel& wall);
 
 }  // namespace seldinger

@@ -19,7 +19,8 @@ constexpr double apart_share = 0.2;
 
 constexpr std::size_t stretch_points = 16;
 
-/// Whether a square of a distance is that of a greater one, and by more than rounding: without a root, which would take longer than all the rest.
+/// Whether a square of a distance is that of a greater one, and by more than rounding: without a root, which would take longer
+/// than all the rest.
 bool is_beyond(double square, double distance) { return distance <= 0 || square > distance * distance * (1 + 1e-9); }
 
 }  // namespace

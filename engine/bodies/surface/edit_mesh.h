@@ -1,8 +1,8 @@
 #pragma once
 // A triangle surface that can be changed edge by edge, and stays a surface: each change keeps its topology, rims and orientation.
 //
-// Half-edge h = 3 t + e runs from corner e of triangle t to corner e + 1 (vessel/mesh_edges.h). A removed element leaves a hole in
-// the arrays that compact() closes. No operation allocates but split().
+// Half-edge h = 3 t + e runs from corner e of triangle t to corner e + 1 (vessel/mesh_edges.h). A removed element leaves a hole
+// in the arrays that compact() closes. No operation allocates but split().
 
 #include "vessel/mesh_edges.h"
 

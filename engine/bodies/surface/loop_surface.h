@@ -12,8 +12,8 @@
 
 namespace seldinger {
 
-/// Control vertices of a point with their weights: place = sum n[k] x[vertex[k]]. Derivatives are by (u, v), the weights of corners
-/// 1 and 2 of a triangle (corner 0: 1 - u - v).
+/// Control vertices of a point with their weights: place = sum n[k] x[vertex[k]]. Derivatives are by (u, v), the weights of
+/// corners 1 and 2 of a triangle (corner 0: 1 - u - v).
 struct LoopStencil {
     static constexpr int capacity = 3 * LoopTopology::max_valence;
     int size = 0;

@@ -39,7 +39,8 @@ void check(const WallMesh& mesh)
             return "edge of vertices " + std::to_string(half_edge_from(mesh, uses[0])) + " and " +
                    std::to_string(half_edge_to(mesh, uses[0]));
         };
-        if (uses.size() > 2) refuse_mesh(edge() + " has " + std::to_string(uses.size()) + " triangles, two at most can share one");
+        if (uses.size() > 2)
+            refuse_mesh(edge() + " has " + std::to_string(uses.size()) + " triangles, two at most can share one");
         if (uses.size() == 2 && half_edge_from(mesh, uses[0]) == half_edge_from(mesh, uses[1]))
             refuse_mesh("the triangles at the " + edge() + " face opposite sides; orient the mesh first");
     }
@@ -116,7 +117,8 @@ void LoopTopology::connect(std::int32_t vertices)
         do ++walked, h = turn(h);
         while (h >= 0 && h != first[i] && walked <= count[i]);
         if (walked != count[i]) refuse_mesh("two sheets touch in " + name("vertex", v));
-        if (kind[i] == LoopVertex::Inner && count[i] < 3) refuse_mesh(name("vertex", v) + " has only two triangles, back to back");
+        if (kind[i] == LoopVertex::Inner && count[i] < 3)
+            refuse_mesh(name("vertex", v) + " has only two triangles, back to back");
         triangles_about[i] = static_cast<unsigned char>(count[i]);
     }
 }

@@ -64,8 +64,8 @@ public:
     [[nodiscard]] std::array<LoopPoint, 6> ring(std::int32_t v, std::int32_t towards_half_edge) const;
     /// The twelve of a triangle of three regular corners, in the order of loop_basis.h.
     [[nodiscard]] std::array<LoopPoint, 12> patch(std::int32_t triangle) const;
-    /// Those of a triangle whose corner 0 alone is irregular: corner 0, its fan, then the existing parts of the rings of corners 1,
-    /// 2.
+    /// Those of a triangle whose corner 0 alone is irregular: corner 0, its fan, then the existing parts of the rings of corners
+    /// 1, 2.
     /// @param place  place of corner 1 in the fan
     [[nodiscard]] std::vector<std::int32_t> corner_patch(std::int32_t triangle, int& place) const;
 

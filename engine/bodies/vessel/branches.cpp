@@ -11,7 +11,8 @@ namespace seldinger {
 namespace {
 
 constexpr double narrower = 0.75;  // a trunk goes on past a branch whose width is less than this share of its own
-constexpr double at_end = 2.5;     // an inlet within so many lumen radii of path from an end is that end's: a closed end's lies one radius in
+constexpr double at_end =
+    2.5;  // an inlet within so many lumen radii of path from an end is that end's: a closed end's lies one radius in
 
 std::vector<int> child_counts(const Centreline& line)
 {
@@ -31,7 +32,8 @@ double past_point(const Centreline& line, const std::vector<int>& own, int neare
         const Vec3 edge = at(to) - here;
         const double length = edge.norm();
         if (length == 0) return;
-        const double along = std::clamp((p - here).dot(edge) / length, 0.0, length), away = (p - here - (along / length) * edge).norm();
+        const double along = std::clamp((p - here).dot(edge) / length, 0.0, length),
+                     away = (p - here - (along / length) * edge).norm();
         if (away < closest) closest = away, past = sign * along;
     };
     if (line.parent[static_cast<std::size_t>(nearest)] >= 0) try_edge(line.parent[static_cast<std::size_t>(nearest)], -1);
@@ -51,7 +53,8 @@ std::string Stretch::words() const
     if (path.ends_with('+')) {
         const std::string past = path.substr(0, path.size() - 1);
         const std::size_t dot = past.rfind('.');
-        return fmt::format("{} past branch {}{}", dot == std::string::npos ? "the trunk" : fmt::format("branch \"{}\"", past.substr(0, dot)),
+        return fmt::format("{} past branch {}{}",
+                           dot == std::string::npos ? "the trunk" : fmt::format("branch \"{}\"", past.substr(0, dot)),
                            dot == std::string::npos ? past : fmt::format("\"{}\"", past), named);
     }
     if (path.empty() || path == fmt::format("{}", number)) return fmt::format("branch {}{}", number, named);
@@ -63,14 +66,18 @@ int end_at(const Centreline& line, const Vec3& inlet)
     const int nearest = line.nearest(inlet);
     if (nearest < 0) return -1;
     const double reach = at_end * line.radius[static_cast<std::size_t>(nearest)];
-    const auto step = [&](int a, int b) { return (line.points[static_cast<std::size_t>(a)] - line.points[static_cast<std::size_t>(b)]).norm(); };
+    const auto step = [&](int a, int b) {
+        return (line.points[static_cast<std::size_t>(a)] - line.points[static_cast<std::size_t>(b)]).norm();
+    };
     double up = 0, down = 0;
     int root = nearest, leaf = nearest;
     for (int next; (next = line.parent[static_cast<std::size_t>(root)]) >= 0 && up <= reach; root = next) up += step(root, next);
     std::vector<std::vector<int>> children(line.points.size());
     for (int i = 0; i < static_cast<int>(line.points.size()); ++i)
-        if (line.parent[static_cast<std::size_t>(i)] >= 0) children[static_cast<std::size_t>(line.parent[static_cast<std::size_t>(i)])].push_back(i);
-    for (; children[static_cast<std::size_t>(leaf)].size() == 1 && down <= reach; leaf = children[static_cast<std::size_t>(leaf)].front())
+        if (line.parent[static_cast<std::size_t>(i)] >= 0)
+            children[static_cast<std::size_t>(line.parent[static_cast<std::size_t>(i)])].push_back(i);
+    for (; children[static_cast<std::size_t>(leaf)].size() == 1 && down <= reach;
+         leaf = children[static_cast<std::size_t>(leaf)].front())
         down += step(leaf, children[static_cast<std::size_t>(leaf)].front());
     const bool is_leaf = children[static_cast<std::size_t>(leaf)].empty() && down <= reach;
     const bool is_root = line.parent[static_cast<std::size_t>(root)] < 0 && up <= reach;
@@ -121,9 +128,12 @@ void Branches::number_ends()
     for (int s = 0; s < static_cast<int>(stretches_.size()); ++s) {
         if (!leaving_[static_cast<std::size_t>(s)].empty()) continue;
         const int leaf = stretch(s).points.back();
-        ends.push_back({leaf == trunk_end ? std::numeric_limits<double>::infinity() : from_root(stretch(s).points.front()), leaf, s});
+        ends.push_back(
+            {leaf == trunk_end ? std::numeric_limits<double>::infinity() : from_root(stretch(s).points.front()), leaf, s});
     }
-    std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.leaves_at != b.leaves_at ? a.leaves_at < b.leaves_at : a.leaf < b.leaf; });
+    std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
+        return a.leaves_at != b.leaves_at ? a.leaves_at < b.leaves_at : a.leaf < b.leaf;
+    });
     for (const End& end : ends) {
         numbered_.push_back(end.stretch);
         stretches_[static_cast<std::size_t>(end.stretch)].number = count();
@@ -157,9 +167,11 @@ void Branches::take_names()
     for (Stretch& own : stretches_) {
         std::fill(points_with.begin(), points_with.end(), 0);
         for (const int i : own.points)
-            if (const int name = line_.name_of[static_cast<std::size_t>(i)]; name >= 0) ++points_with[static_cast<std::size_t>(name)];
+            if (const int name = line_.name_of[static_cast<std::size_t>(i)]; name >= 0)
+                ++points_with[static_cast<std::size_t>(name)];
         const auto most = std::max_element(points_with.begin(), points_with.end());
-        if (2 * *most > static_cast<int>(own.points.size())) own.name = line_.names[static_cast<std::size_t>(most - points_with.begin())];
+        if (2 * *most > static_cast<int>(own.points.size()))
+            own.name = line_.names[static_cast<std::size_t>(most - points_with.begin())];
     }
 }
 
@@ -184,7 +196,8 @@ void Branches::name_paths()
         if (stretches_[s].number > 0) first_end_[s] = last_end_[s] = stretches_[s].number;
         if (stretches_[s].from < 0) continue;
         const auto up = static_cast<std::size_t>(stretches_[s].from);
-        reach_[up] = std::max(reach_[up], reach_[s]), first_end_[up] = std::min(first_end_[up], first_end_[s]), last_end_[up] = std::max(last_end_[up], last_end_[s]);
+        reach_[up] = std::max(reach_[up], reach_[s]), first_end_[up] = std::min(first_end_[up], first_end_[s]),
+        last_end_[up] = std::max(last_end_[up], last_end_[s]);
     }
     // the trunk's piece first; of a centreline in pieces, the others are further branches of it
     int trunk = numbered_.back();
@@ -204,7 +217,9 @@ int Branches::name_vessel(int index, const std::string& path, int level)
     int k = leaving(index).empty() && path.empty() ? 1 : 0;
     while (!leaving(index).empty()) {
         std::vector<int> next = leaving(index);
-        std::stable_sort(next.begin(), next.end(), [&](int a, int b) { return first_end_[static_cast<std::size_t>(a)] < first_end_[static_cast<std::size_t>(b)]; });
+        std::stable_sort(next.begin(), next.end(), [&](int a, int b) {
+            return first_end_[static_cast<std::size_t>(a)] < first_end_[static_cast<std::size_t>(b)];
+        });
         const auto longest = std::max_element(next.begin(), next.end(), [&](int a, int b) {
             const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
             return reach_[i] != reach_[j] ? reach_[i] < reach_[j] : last_end_[i] < last_end_[j];

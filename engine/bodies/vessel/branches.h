@@ -1,16 +1,17 @@
 #pragma once
 // The branches of a vessel, one numbering for tasks, tables, Python and pages.
 //
-// Ends are numbered: a branch with a number is the part behind the last fork on the path from the root to an end of the centreline.
-// Numbers count from 1 in the order in which these branches leave on that path; the end of the trunk (the longest path) counts last.
+// Ends are numbered: a branch with a number is the part behind the last fork on the path from the root to an end of the
+// centreline. Numbers count from 1 in the order in which these branches leave on that path; the end of the trunk (the longest
+// path) counts last.
 //
 // Every stretch between two forks has a path, too: "0" is the trunk before its first branch, "1", "2" ... leave it in that order,
-// "2.1" leaves branch 2. A trunk goes on past a branch that is clearly narrower: "1+" is the trunk between branches 1 and 2, "2.1+"
-// branch 2 behind its first one. At a fork of like widths it ends, and both are branches. Behind its last branch a vessel's own end
-// is the last of them. Where no branch has branches, paths and numbers agree.
+// "2.1" leaves branch 2. A trunk goes on past a branch that is clearly narrower: "1+" is the trunk between branches 1 and 2,
+// "2.1+" branch 2 behind its first one. At a fork of like widths it ends, and both are branches. Behind its last branch a
+// vessel's own end is the last of them. Where no branch has branches, paths and numbers agree.
 //
-// A point belongs to a stretch from its mouth on, where it has left the lumen's ball about its fork; before that it is in the vessel
-// that the stretch leaves.
+// A point belongs to a stretch from its mouth on, where it has left the lumen's ball about its fork; before that it is in the
+// vessel that the stretch leaves.
 
 #include "vessel/centreline.h"
 

@@ -24,7 +24,9 @@ std::vector<double> Centreline::lengths() const
         for (; !climb.empty(); climb.pop_back()) {
             const auto k = static_cast<std::size_t>(climb.back());
             const int up = parent[k];
-            from_root[k] = up < 0 ? 0.0 : from_root[static_cast<std::size_t>(up)] + (points[k] - points[static_cast<std::size_t>(up)]).norm();
+            from_root[k] =
+                up < 0 ? 0.0
+                       : from_root[static_cast<std::size_t>(up)] + (points[k] - points[static_cast<std::size_t>(up)]).norm();
         }
     }
     return from_root;

@@ -23,7 +23,8 @@ bool faces(const WallTree& tree, std::int64_t triangle, const Vec3& ray)
 
 }  // namespace
 
-Enclosure::Enclosure(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen) : openings_(openings), lumen_(lumen)
+Enclosure::Enclosure(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen)
+    : openings_(openings), lumen_(lumen)
 {
     WallMesh lids;
     for (const BoundaryLoop& loop : openings) {

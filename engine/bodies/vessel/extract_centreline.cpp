@@ -65,8 +65,8 @@ public:
     /// Paths side by side in a flat lumen that are no part of the axis.
     [[nodiscard]] int left_out() const { return left_out_; }
 
-    /// One place in each piece of wall without a path that is a tube: branches too fine for their triangles. A tube of length L and area A has a
-    /// radius of A/(2 pi L) and faces its own middle; creases, folds and flaps do not.
+    /// One place in each piece of wall without a path that is a tube: branches too fine for their triangles. A tube of length L
+    /// and area A has a radius of A/(2 pi L) and faces its own middle; creases, folds and flaps do not.
     [[nodiscard]] std::vector<Vec3> unreached() const
     {
         std::vector<std::vector<std::size_t>> near(graph_.wall.size());
@@ -118,7 +118,8 @@ public:
             const double inward = piece.first.dot(piece.facing) / piece.area - piece.moment;
             const double round = inward / (piece.area * radius);
             const bool all_round = piece.facing.norm() < kOneSided * piece.area;
-            if (length > kLong * radius && all_round && round > kLeastRound && round < most_round) places.push_back(graph_.wall[piece.farthest]);
+            if (length > kLong * radius && all_round && round > kLeastRound && round < most_round)
+                places.push_back(graph_.wall[piece.farthest]);
         }
         return places;
     }
@@ -148,14 +149,22 @@ private:
     /// Most of the latest branches lie side by side in a flat lumen.
     [[nodiscard]] bool is_comb() const { return !leave_sheets_out_ && in_sheet_ >= kComb && 2 * in_sheet_ > branches_ - kComb; }
 
-    static constexpr int kComb = 12;  // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
+    static constexpr int kComb =
+        12;  // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
     static constexpr std::size_t kFewest = 8;
     static constexpr double kLong = 8;     // in radii: a branch of four diameters
     static constexpr double kLeastRound = 0.3, most_round = 3;  // a round tube has 1, a fold 0, a strip round a wide lumen more
-    static constexpr double kOneSided = 0.3;  // mean direction of its triangles: a tube's cancel; those of a corner (the rim of a cap) do not
-    [[nodiscard]] std::size_t sample_at(std::int32_t vertex) const { return static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(vertex)]); }
+    static constexpr double kOneSided =
+        0.3;  // mean direction of its triangles: a tube's cancel; those of a corner (the rim of a cap) do not
+    [[nodiscard]] std::size_t sample_at(std::int32_t vertex) const
+    {
+        return static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(vertex)]);
+    }
     /// Without a path, in the part of the surface that has the tree.
-    [[nodiscard]] bool is_missed(std::size_t sample) const { return !served_[sample] && length_to(graph_.ball_of_sample[sample]) >= 0; }
+    [[nodiscard]] bool is_missed(std::size_t sample) const
+    {
+        return !served_[sample] && length_to(graph_.ball_of_sample[sample]) >= 0;
+    }
     [[nodiscard]] double length_to(int ball) const { return paths_.length[static_cast<std::size_t>(ball)]; }
 
     [[nodiscard]] int farthest(const MedialPaths& paths) const
@@ -236,15 +245,15 @@ private:
             widest = std::max(widest, raw.radius[i]);
             if (i > 0) length += (raw.points[i] - raw.points[i - 1]).norm();
         }
-        // a branch half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off its
-        // root)
+        // a branch half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off
+        // its root)
         return widest > 0 &&
                (length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius));
     }
 
-    /// Whether most of a path, or of its narrow part, lies in a flat lumen that has an axis: wide across the path, and in sight of the axis,
-    /// not only straight back as along a branch. The two lumens of a dissection are such sheets; without this each would be combed by a
-    /// hundred paths.
+    /// Whether most of a path, or of its narrow part, lies in a flat lumen that has an axis: wide across the path, and in sight
+    /// of the axis, not only straight back as along a branch. The two lumens of a dissection are such sheets; without this each
+    /// would be combed by a hundred paths.
     [[nodiscard]] bool is_in_sheet(const Polyline& raw, const Vec3& join, double parent_radius) const
     {
         constexpr double kNarrow = 0.6;  // of the radius where the path joins the axis
@@ -260,7 +269,8 @@ private:
             for (double at = 0; at < length;) {
                 const Vec3 p = raw.points[i] + (at / length) * way;
                 if ((p - join).norm() <= parent_radius) break;
-                const double radius = std::sqrt(lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_).distance2);
+                const double radius =
+                    std::sqrt(lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_).distance2);
                 const bool here = is_flat(p, way / length) && sees_axis(p, way / length, kSight * radius + 3 * parent_radius);
                 ++all, flat += here;
                 if (radius <= kNarrow * parent_radius) ++narrow, narrow_flat += here;
@@ -270,7 +280,10 @@ private:
         return (all >= least && 2 * flat > all) || (narrow >= least && 2 * narrow_flat > narrow);
     }
 
-    [[nodiscard]] double free_way(const Vec3& p, const Vec3& direction) const { return first_hit(lumen_.tree(), p, direction, 0, &sheet_visits_); }
+    [[nodiscard]] double free_way(const Vec3& p, const Vec3& direction) const
+    {
+        return first_hit(lumen_.tree(), p, direction, 0, &sheet_visits_);
+    }
     /// Across the path, the lumen is this many times wider than high.
     [[nodiscard]] bool is_flat(const Vec3& p, const Vec3& along) const
     {
@@ -368,7 +381,8 @@ private:
         for (std::size_t b = 0; b < graph_.ball_count(); ++b) first_sample_[b + 1] += first_sample_[b];
         samples_.resize(graph_.ball_of_sample.size());
         std::vector<std::size_t> next(first_sample_.begin(), first_sample_.end() - 1);
-        for (std::size_t i = 0; i < samples_.size(); ++i) samples_[next[static_cast<std::size_t>(graph_.ball_of_sample[i])]++] = i;
+        for (std::size_t i = 0; i < samples_.size(); ++i)
+            samples_[next[static_cast<std::size_t>(graph_.ball_of_sample[i])]++] = i;
     }
     /// Every sample that the ball represents.
     void mark_served(int ball)
@@ -383,7 +397,8 @@ private:
     {
         Box3 box;
         for (std::size_t i = 0; i < line.points.size(); ++i)
-            for (const double sign : {-1.0, 1.0}) box.extend(Vec3(line.points[i] + sign * Vec3::Constant(kCover * line.radius[i])));
+            for (const double sign : {-1.0, 1.0})
+                box.extend(Vec3(line.points[i] + sign * Vec3::Constant(kCover * line.radius[i])));
         work_.spend(static_cast<double>(served_.size()));
         for (std::size_t sample = 0; sample < served_.size(); ++sample)
             for (std::size_t i = 0; !served_[sample] && box.contains(graph_.wall[sample]) && i < line.points.size(); ++i) {
@@ -534,7 +549,8 @@ private:
 
 }  // namespace
 
-Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen, CentrelineGaps* gaps)
+Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen,
+                              CentrelineGaps* gaps)
 {
     Extraction extraction(mesh, openings, lumen);
     Centreline line = extraction.run();

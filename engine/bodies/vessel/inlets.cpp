@@ -64,7 +64,8 @@ std::vector<Inlet> without_copies(const std::vector<Inlet>& all)
     std::vector<Inlet> kept;
     for (const Inlet& inlet : all) {
         const bool known = std::any_of(kept.begin(), kept.end(), [&](const Inlet& k) {
-            return (k.point - inlet.point).norm() < 0.5 * std::min(k.radius, inlet.radius) && k.direction.dot(inlet.direction) > 0.7;
+            return (k.point - inlet.point).norm() < 0.5 * std::min(k.radius, inlet.radius) &&
+                   k.direction.dot(inlet.direction) > 0.7;
         });
         if (!known) kept.push_back(inlet);
     }
@@ -107,9 +108,11 @@ int inlet_through(const std::vector<BoundaryLoop>& openings, const Centreline& c
 std::string describe(const Inlet& inlet)
 {
     const Vec3 &p = inlet.point, &d = inlet.direction;
-    return fmt::format("[{:.5f}, {:.5f}, {:.5f}] m = [{:.2f}, {:.2f}, {:.2f}] mm along [{:.3f}, {:.3f}, {:.3f}], lumen radius {:.5f} m = {:.2f} mm{}",
-                       p.x(), p.y(), p.z(), 1e3 * p.x(), 1e3 * p.y(), 1e3 * p.z(), d.x(), d.y(), d.z(), inlet.radius,
-                       1e3 * inlet.radius, inlet.opening >= 0 ? "" : " (a closed end)");
+    return fmt::format(
+        "[{:.5f}, {:.5f}, {:.5f}] m = [{:.2f}, {:.2f}, {:.2f}] mm along [{:.3f}, {:.3f}, {:.3f}], lumen radius {:.5f} m = {:.2f} "
+        "mm{}",
+        p.x(), p.y(), p.z(), 1e3 * p.x(), 1e3 * p.y(), 1e3 * p.z(), d.x(), d.y(), d.z(), inlet.radius, 1e3 * inlet.radius,
+        inlet.opening >= 0 ? "" : " (a closed end)");
 }
 
 Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& centreline)

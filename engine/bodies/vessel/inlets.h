@@ -17,8 +17,8 @@ struct Inlet {
     int opening = -1;                // index in RepairReport::loops, -1: a closed end
 };
 
-/// Openings, or for a closed vessel the tips of the centreline, widest first. Before them is the one that inlet = "auto" takes: the
-/// opening at the centreline's root (the widest, unless the centreline was given), or the closed end at its root. `inlet = n`
+/// Openings, or for a closed vessel the tips of the centreline, widest first. Before them is the one that inlet = "auto" takes:
+/// the opening at the centreline's root (the widest, unless the centreline was given), or the closed end at its root. `inlet = n`
 /// counts them from
 /// 1. A tip's inlet lies one lumen radius in from the end, where the lumen has its width; tips that lead to one place are listed
 /// once. Empty without centreline and openings.

@@ -64,7 +64,9 @@ Vec3 LumenQuery::vertex_normal(std::int32_t vertex, const std::vector<std::uint3
     for (const std::uint32_t t : triangles)
         for (std::size_t c = 0; c < 3; ++c) {
             if (mesh_.triangles[t][c] != vertex) continue;
-            const auto corner = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(mesh_.triangles[t][k % 3])]; };
+            const auto corner = [&](std::size_t k) {
+                return mesh_.vertices[static_cast<std::size_t>(mesh_.triangles[t][k % 3])];
+            };
             normal += corner_angle(corner(c), corner(c + 1), corner(c + 2)) * facet_normal(t);
         }
     return normal.norm() > 0 ? normal.normalized() : normal;
@@ -108,14 +110,16 @@ bool LumenQuery::is_border(const Around& at) const
 int LumenQuery::rim_of(const Around& at, bool border) const
 {
     if (at.from < 0 || (at.is_edge() && !border)) return -1;
-    const auto found = std::upper_bound(vertex_rim_.begin(), vertex_rim_.end(), std::pair(at.from, std::numeric_limits<std::int32_t>::max()));
+    const auto found =
+        std::upper_bound(vertex_rim_.begin(), vertex_rim_.end(), std::pair(at.from, std::numeric_limits<std::int32_t>::max()));
     return found == vertex_rim_.begin() || std::prev(found)->first != at.from ? -1 : std::prev(found)->second;
 }
 
 double LumenPlace::clearance(const Vec3& p) const
 {
     const double off = std::abs((p - nearest).dot(normal));  // less than the distance: past the border, and not behind the sheet
-    return opening >= 0 || (border && off < (1 - 1e-6) * -signed_distance) ? std::numeric_limits<double>::infinity() : signed_distance;
+    return opening >= 0 || (border && off < (1 - 1e-6) * -signed_distance) ? std::numeric_limits<double>::infinity()
+                                                                           : signed_distance;
 }
 
 LumenPlace LumenQuery::locate(const Vec3& p, std::uint64_t* visits) const

@@ -42,8 +42,8 @@ public:
     [[nodiscard]] bool inside(const Vec3& p) const { return locate(p).inside(); }
 
     /// nearest_on_wall(tree(), ...)
-    [[nodiscard]] TreeHit nearest(const Vec3& p, double limit = std::numeric_limits<double>::infinity(), std::uint64_t* visits = nullptr,
-                                  std::int64_t guess = -1) const
+    [[nodiscard]] TreeHit nearest(const Vec3& p, double limit = std::numeric_limits<double>::infinity(),
+                                  std::uint64_t* visits = nullptr, std::int64_t guess = -1) const
     {
         return nearest_on_wall(*tree_, p, limit, visits, guess, quads_);
     }

@@ -28,9 +28,9 @@ struct Ball {
     double radius = 0;
 };
 
-/// Places whose distance to the wall took long to find, because much of the wall is equally far from them: the middle of a sphere.
-/// Samples of such a wall ask for the same place again and again, and each would look at all of it. A point's distance bounds
-/// those of its neighbours.
+/// Places whose distance to the wall took long to find, because much of the wall is equally far from them: the middle of a
+/// sphere. Samples of such a wall ask for the same place again and again, and each would look at all of it. A point's distance
+/// bounds those of its neighbours.
 class TiedPlaces {
 public:
     static constexpr std::uint64_t kMany = 3000;  // nodes and triangles; a patient's wall takes dozens to hundreds
@@ -45,7 +45,8 @@ public:
     {
         constexpr double share = 0.97;  // such a ball is as good: those beside it are taken for one (keep_significant)
         for (const Ball& known : places_)
-            if (const double bound = known.radius - (known.centre - place).norm(); bound >= share * radius) return std::min(bound, radius);
+            if (const double bound = known.radius - (known.centre - place).norm(); bound >= share * radius)
+                return std::min(bound, radius);
         return 0;
     }
 
@@ -57,7 +58,8 @@ private:
 /// What balls of neighbours have found out.
 struct BallSearch {
     BallSearch() { met.fill(-1); }
-    std::array<std::int64_t, 40> met;  // triangle that the last ball met in each round of shrinking, where to look first; -1: none yet
+    std::array<std::int64_t, 40>
+        met;  // triangle that the last ball met in each round of shrinking, where to look first; -1: none yet
     TiedPlaces tied;
     std::uint64_t visits = 0;
 };
@@ -159,8 +161,10 @@ std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<i
     return seeds;
 }
 
-/// Where a patch is wide for the lumen there, each of its vertices becomes a sample: two samples a radius find the narrowest branch.
-void split_coarse_patches(const WallMesh& mesh, const std::vector<Ball>& balls, std::vector<int>& seeds, std::vector<int>& sample_of_vertex)
+/// Where a patch is wide for the lumen there, each of its vertices becomes a sample: two samples a radius find the narrowest
+/// branch.
+void split_coarse_patches(const WallMesh& mesh, const std::vector<Ball>& balls, std::vector<int>& seeds,
+                          std::vector<int>& sample_of_vertex)
 {
     constexpr double kFine = 0.5;  // of the ball's radius
     std::vector<bool> coarse(seeds.size(), false);
@@ -177,7 +181,8 @@ void split_coarse_patches(const WallMesh& mesh, const std::vector<Ball>& balls, 
     }
 }
 
-/// Samples in the order of the tree's leaves, so that those that follow each other meet the same wall, in whatever order a file has it.
+/// Samples in the order of the tree's leaves, so that those that follow each other meet the same wall, in whatever order a file
+/// has it.
 std::vector<int> along_the_wall(const WallTree& tree, const WallMesh& mesh, const std::vector<int>& seeds,
                                 const std::vector<int>& sample_of_vertex)
 {
@@ -201,7 +206,8 @@ class BallGrid {
 public:
     void add(int ball, const Vec3& centre, double radius)
     {
-        const int level = std::ilogb(radius) + 1;  // cells at least as wide as the radius: a point's sphere lies in its cell or in one beside it
+        const int level = std::ilogb(radius) +
+                          1;  // cells at least as wide as the radius: a point's sphere lies in its cell or in one beside it
         levels_[level][cell_of(centre, level)].push_back(ball);
     }
     /// The last added that `holds`, among those within whose radius p may lie; -1: none.
@@ -224,7 +230,9 @@ public:
         for (const auto& [level, cells] : levels_) {
             const Cell at = cell_of(p, level);
             for (int k = 0; k < 27; ++k)
-                if (const auto found = cells.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1}); found != cells.end()) each(found->second);
+                if (const auto found = cells.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
+                    found != cells.end())
+                    each(found->second);
             work.spend(27);
         }
     }
@@ -234,13 +242,16 @@ private:
     struct Hash {
         std::size_t operator()(const Cell& c) const
         {
-            return static_cast<std::size_t>(c[0]) * 73856093U ^ static_cast<std::size_t>(c[1]) * 19349663U ^ static_cast<std::size_t>(c[2]) * 83492791U;
+            return static_cast<std::size_t>(c[0]) * 73856093U ^ static_cast<std::size_t>(c[1]) * 19349663U ^
+                   static_cast<std::size_t>(c[2]) * 83492791U;
         }
     };
     /// Numbers beyond an integer's range share a cell.
     static Cell cell_of(const Vec3& p, int level)
     {
-        const auto number = [&](double x) { return static_cast<std::int64_t>(std::clamp(std::floor(std::ldexp(x, -level)), -1e18, 1e18)); };
+        const auto number = [&](double x) {
+            return static_cast<std::int64_t>(std::clamp(std::floor(std::ldexp(x, -level)), -1e18, 1e18));
+        };
         return {number(p.x()), number(p.y()), number(p.z())};
     }
     std::map<int, std::unordered_map<Cell, std::vector<int>, Hash>> levels_;
@@ -265,7 +276,8 @@ void keep_significant(std::vector<Ball>& balls, const Enclosure* enclosure, doub
         const Ball& ball = balls[static_cast<std::size_t>(i)];
         // the latest of them: they are of like size, and samples of one cross-section follow each other
         int keeper = kept.latest(ball.centre, work, [&](int k) {
-            const double radius = graph.radius[static_cast<std::size_t>(k)], reach = std::max(kNear * radius, kStandsOut * radius - ball.radius);
+            const double radius = graph.radius[static_cast<std::size_t>(k)],
+                         reach = std::max(kNear * radius, kStandsOut * radius - ball.radius);
             return (graph.centre[static_cast<std::size_t>(k)] - ball.centre).squaredNorm() < reach * reach;
         });
         if (std::uint64_t visits = 0; keeper < 0 && enclosure && ball.radius > least) {
@@ -311,7 +323,8 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
                 work.spend(400);  // paths go over each link several times
             }
         });
-        larger.add(static_cast<int>(i), graph.centre[i], 2 * graph.radius[i]);  // two overlap within twice the larger one's radius
+        larger.add(static_cast<int>(i), graph.centre[i],
+                   2 * graph.radius[i]);  // two overlap within twice the larger one's radius
     }
     graph.row.assign(1, 0);
     for (std::size_t i = 0; i < graph.ball_count(); ++i) {
@@ -324,8 +337,8 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
 }
 
 /// Marks the balls of stretches of lumen: sets of overlapping balls that represent two samples a ball or more. Loose balls in
-/// corners and folds of a rough wall represent only themselves; no path shall end there. Where one sample stands for a patch of vertices
-/// they are few for a narrow branch: there a long set is a lumen, too.
+/// corners and folds of a rough wall represent only themselves; no path shall end there. Where one sample stands for a patch of
+/// vertices they are few for a narrow branch: there a long set is a lumen, too.
 void mark_lumen(MedialGraph& graph, bool has_patches)
 {
     constexpr long kFewest = 30;   // samples of a stretch worth a path
@@ -353,8 +366,9 @@ void mark_lumen(MedialGraph& graph, bool has_patches)
             }
         }
         const bool lumen =
-            seed == 0 || (total >= kFewest && (total >= 2 * static_cast<long>(part.size()) ||
-                                               (has_patches && box.diagonal().norm() > kLong * graph.radius[seed])));  // ball 0 is the largest
+            seed == 0 ||
+            (total >= kFewest && (total >= 2 * static_cast<long>(part.size()) ||
+                                  (has_patches && box.diagonal().norm() > kLong * graph.radius[seed])));  // ball 0 is the largest
         for (const std::size_t i : part) graph.is_lumen[i] = lumen;
     }
 }

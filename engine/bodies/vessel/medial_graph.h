@@ -8,8 +8,8 @@
 
 namespace seldinger {
 
-/// Wall samples, each with the ball that represents its own medial ball, and the balls that remain when those made superfluous by a
-/// larger one are removed. Balls that overlap are linked: the line between their centres lies inside the lumen. Balls of
+/// Wall samples, each with the ball that represents its own medial ball, and the balls that remain when those made superfluous by
+/// a larger one are removed. Balls that overlap are linked: the line between their centres lies inside the lumen. Balls of
 /// neighbouring samples are linked too, so that the graph hangs together as the wall does; paths use such a link only where
 /// nothing else leads on. Links in compressed rows: ball i links to link_to[row[i] .. row[i + 1]).
 struct MedialGraph {

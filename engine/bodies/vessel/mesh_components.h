@@ -41,7 +41,8 @@ template <class Joins>
         }
     }
     std::int32_t count = 0;
-    for (std::size_t t = 0; t < earlier.size(); ++t) {  // numbers take the place of what points to earlier ones, which have theirs
+    for (std::size_t t = 0; t < earlier.size();
+         ++t) {  // numbers take the place of what points to earlier ones, which have theirs
         const auto up = static_cast<std::size_t>(earlier[t]);
         earlier[t] = up == t ? count++ : earlier[up];
     }

@@ -102,7 +102,9 @@ namespace {
 /// Centre, radius and direction of the loop through these vertices.
 void measure_loop(const WallMesh& mesh, const std::vector<std::int32_t>& vertices, BoundaryLoop& loop)
 {
-    auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(vertices[i % vertices.size()])]; };
+    auto at = [&](std::size_t i) -> const Vec3& {
+        return mesh.vertices[static_cast<std::size_t>(vertices[i % vertices.size()])];
+    };
     // centre weighted by edge length, so that uneven spacing does not pull it aside
     double perimeter = 0;
     Vec3 sum = Vec3::Zero();
@@ -127,7 +129,8 @@ void measure_loop(const WallMesh& mesh, const std::vector<std::int32_t>& vertice
 bool go_round(const WallMesh& mesh, const std::vector<std::int32_t>& vertices, const Vec3& normal)
 {
     Vec3 middle = Vec3::Zero();
-    for (const std::int32_t v : vertices) middle += mesh.vertices[static_cast<std::size_t>(v)] / static_cast<double>(vertices.size());
+    for (const std::int32_t v : vertices)
+        middle += mesh.vertices[static_cast<std::size_t>(v)] / static_cast<double>(vertices.size());
     const Vec3 u = normal.unitOrthogonal(), w = normal.cross(u);
     std::vector<double> turn;
     for (const std::int32_t v : vertices) {
@@ -147,7 +150,9 @@ std::vector<std::int32_t> without_flap(const WallMesh& mesh, const BoundaryLoop&
     constexpr double thickness = 0.15;  // of the plane, in radii: a cut between triangles is a zigzag
     constexpr double stands_out = 0.75;
     const std::size_t count = loop.vertices.size();
-    const auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(loop.vertices[i % count])]; };
+    const auto at = [&](std::size_t i) -> const Vec3& {
+        return mesh.vertices[static_cast<std::size_t>(loop.vertices[i % count])];
+    };
     std::vector<std::int32_t> best;
     for (const std::size_t part : {3, 4, 6, 8})
         for (std::size_t k = 0; k < std::min<std::size_t>(count, 48); ++k) {
@@ -163,7 +168,8 @@ std::vector<std::int32_t> without_flap(const WallMesh& mesh, const BoundaryLoop&
                 if (away < thickness * loop.radius) in.push_back(loop.vertices[v]);
                 out = std::max(out, away);
             }
-            if (in.size() > best.size() && in.size() >= 8 && out > stands_out * loop.radius && go_round(mesh, in, normal)) best = std::move(in);
+            if (in.size() > best.size() && in.size() >= 8 && out > stands_out * loop.radius && go_round(mesh, in, normal))
+                best = std::move(in);
         }
     return best;
 }

@@ -47,8 +47,9 @@ Spread spread_of(const std::vector<Vec3>& vertices, std::size_t left_out)
 
 std::int64_t first_unusable_vertex(const WallMesh& mesh)
 {
-    const auto unusable = std::find_if(mesh.vertices.begin(), mesh.vertices.end(),
-                                       [](const Vec3& v) { return !(std::abs(v.x()) <= most_coordinate && std::abs(v.y()) <= most_coordinate && std::abs(v.z()) <= most_coordinate); });
+    const auto unusable = std::find_if(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& v) {
+        return !(std::abs(v.x()) <= most_coordinate && std::abs(v.y()) <= most_coordinate && std::abs(v.z()) <= most_coordinate);
+    });
     return unusable == mesh.vertices.end() ? -1 : unusable - mesh.vertices.begin();
 }
 

@@ -10,7 +10,8 @@
 
 namespace seldinger {
 
-VesselParts::VesselParts(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings) : mesh_(mesh), part_of_vertex_(mesh.vertices.size(), -1)
+VesselParts::VesselParts(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings)
+    : mesh_(mesh), part_of_vertex_(mesh.vertices.size(), -1)
 {
     const MeshEdges edges = find_edges(mesh);
     const std::vector<std::int32_t> label = label_components(mesh, edges);
@@ -27,9 +28,11 @@ VesselParts::VesselParts(const WallMesh& mesh, const std::vector<BoundaryLoop>& 
         parts_.push_back({area > 0 ? part.area / area : 0, 0, part.volume > 0, part.box});
     }
     for (std::size_t t = 0; t < label.size(); ++t)
-        for (const std::int32_t v : mesh.triangles[t]) part_of_vertex_[static_cast<std::size_t>(v)] = rank[static_cast<std::size_t>(label[t])];
+        for (const std::int32_t v : mesh.triangles[t])
+            part_of_vertex_[static_cast<std::size_t>(v)] = rank[static_cast<std::size_t>(label[t])];
     for (const BoundaryLoop& loop : openings)
-        if (!loop.vertices.empty()) ++parts_[static_cast<std::size_t>(part_of_vertex_[static_cast<std::size_t>(loop.vertices[0])])].openings;
+        if (!loop.vertices.empty())
+            ++parts_[static_cast<std::size_t>(part_of_vertex_[static_cast<std::size_t>(loop.vertices[0])])].openings;
 }
 
 int VesselParts::part_at(const Vec3& p) const
@@ -50,22 +53,26 @@ std::vector<std::string> VesselParts::describe_choice(int part) const
     const auto words = [&](std::size_t k) {
         const VesselPart& p = parts_[k];
         const Vec3 at = 1e3 * p.box.center();
-        return fmt::format("part {} ({:.3g} % of the surface, {} opening{}, around [{:.1f}, {:.1f}, {:.1f}] mm{})", k + 1, 100 * p.share, p.openings,
-                           p.openings == 1 ? "" : "s", at.x(), at.y(), at.z(), p.obstacle ? ", inside another part" : "");
+        return fmt::format("part {} ({:.3g} % of the surface, {} opening{}, around [{:.1f}, {:.1f}, {:.1f}] mm{})", k + 1,
+                           100 * p.share, p.openings, p.openings == 1 ? "" : "s", at.x(), at.y(), at.z(),
+                           p.obstacle ? ", inside another part" : "");
     };
     const auto entered = static_cast<std::size_t>(part);
     double obstacles = 0;
     for (const VesselPart& p : parts_) obstacles += p.obstacle ? p.share : 0;
     const double left_out = 1 - parts_[entered].share - (parts_[entered].obstacle ? 0 : obstacles);
-    std::vector<std::string> lines = {fmt::format("the surface is in {} separate parts; the wire enters {}, and {:.2g} % of the surface is out of its reach",
-                                                  parts_.size(), words(entered), 100 * std::max(0.0, left_out))};
+    std::vector<std::string> lines = {
+        fmt::format("the surface is in {} separate parts; the wire enters {}, and {:.2g} % of the surface is out of its reach",
+                    parts_.size(), words(entered), 100 * std::max(0.0, left_out))};
     std::string others;
     for (std::size_t k = 0; k < std::min<std::size_t>(parts_.size(), 5); ++k)
         if (k != entered) others += (others.empty() ? "" : ", ") + words(k);
     if (parts_.size() > 5) others += fmt::format(" and {} smaller ones", parts_.size() - 5 - (entered >= 5 ? 1 : 0));
     lines.push_back("the others: " + others);
     if (entered > 0 && !parts_[0].obstacle)
-        lines.push_back(fmt::format("part 1 is larger than the part that is entered. Fix: take an inlet that leads into it, or join the parts in the segmentation"));
+        lines.push_back(
+            fmt::format("part 1 is larger than the part that is entered. Fix: take an inlet that leads into it, or join the "
+                        "parts in the segmentation"));
     return lines;
 }
 

@@ -10,8 +10,8 @@
 namespace seldinger {
 namespace {
 
-// Least width of an inlet, relative to the widest end: a common femoral artery (radius 4 mm) has 1/4 of an aortic root's (16 mm), a
-// coronary artery at its mouth (2 mm) 1/8.
+// Least width of an inlet, relative to the widest end: a common femoral artery (radius 4 mm) has 1/4 of an aortic root's (16 mm),
+// a coronary artery at its mouth (2 mm) 1/8.
 constexpr double least_width = 0.2;
 
 // Part of a lumen's cross section that a plane across its end must fill to be a cut. In a hemisphere 10 % lie in the layer that
@@ -29,7 +29,8 @@ bool ends_flat(const WallMesh& mesh, const LumenQuery& lumen, const Vec3& from, 
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle3 corners = triangle_of(mesh, t);
         const Vec3 away = (corners.a + corners.b + corners.c) / 3 - end.nearest, area = double_area(corners);
-        if (away.norm() < 1.5 * radius && std::abs(away.dot(end.normal)) < flat_layer * radius && area.dot(end.normal) > 0.98 * area.norm())
+        if (away.norm() < 1.5 * radius && std::abs(away.dot(end.normal)) < flat_layer * radius &&
+            area.dot(end.normal) > 0.98 * area.norm())
             twice_area += area.norm();
     }
     return twice_area > 2 * least_flat * std::numbers::pi * radius * radius;
@@ -81,7 +82,8 @@ void reroot_at_widest_end(Centreline& tree, const WallMesh& mesh, const LumenQue
         }
         const auto inner = std::find_if(order.begin(), order.end(), [&](std::size_t p) { return length[p] >= 2 * mouth; });
         const Vec3 back = tree.points[inner == order.end() ? order.back() : *inner];
-        ends.push_back({i, *std::max_element(length.begin(), length.end()), sum / number, mouth, (tree.points[i] - back).normalized()});
+        ends.push_back(
+            {i, *std::max_element(length.begin(), length.end()), sum / number, mouth, (tree.points[i] - back).normalized()});
     }
     const double longest =
         std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.reach < b.reach; })->reach;

@@ -280,7 +280,8 @@ bool is_division(const TreeDivision& division, std::size_t triangles)
             stack.push_back({left_or_first, depth + 1});
             continue;
         }
-        if (left_or_first != next_triangle || SEL_LEAF_TRIANGLES(count) == 0 || SEL_LEAF_TRIANGLES(count) > SEL_TREE_LEAF) return false;
+        if (left_or_first != next_triangle || SEL_LEAF_TRIANGLES(count) == 0 || SEL_LEAF_TRIANGLES(count) > SEL_TREE_LEAF)
+            return false;
         next_triangle += SEL_LEAF_TRIANGLES(count);
     }
     return visited == division.nodes.size() && next_triangle == triangles;

@@ -19,9 +19,9 @@
 namespace seldinger {
 
 /// Up to four descendants of a node: the children of its children, or children that are leaves. A point sees all of them at once.
-/// The triangles of one lie in a cylinder along their mean normal: lowest <= normal . (x - centre) <= highest, and at most `reach` from
-/// the axis. From the middle of a lumen all of the wall round it is equally near. A box round a slanting piece of wall is as thick as it is
-/// wide, and excludes few of thousands of leaves.
+/// The triangles of one lie in a cylinder along their mean normal: lowest <= normal . (x - centre) <= highest, and at most
+/// `reach` from the axis. From the middle of a lumen all of the wall round it is equally near. A box round a slanting piece of
+/// wall is as thick as it is wide, and excludes few of thousands of leaves.
 struct alignas(16) TreeQuad {
     static constexpr std::uint32_t leaf = 1u << 31, first_triangle = (1u << 29) - 1;
     static constexpr int count_shift = 29;
@@ -96,7 +96,8 @@ struct TreeHit {
 [[nodiscard]] double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip = 0,
                                std::uint64_t* visits = nullptr, std::int64_t* triangle = nullptr);
 
-/// Triangles (leaf order) in the leaves whose boxes the rounded world point lies in: all that have it for a corner, and few others.
+/// Triangles (leaf order) in the leaves whose boxes the rounded world point lies in: all that have it for a corner, and few
+/// others.
 /// @param visits  as above
 void triangles_around(const WallTree& tree, const Vec3& p, std::vector<std::uint32_t>& result, std::uint64_t* visits = nullptr);
 

@@ -11,8 +11,9 @@ namespace seldinger {
 namespace {
 
 constexpr std::uint32_t most_bounded = 4096;  // triangles below a node; a larger piece of a vessel's wall is bent too far
-// Queries compute in float. With u = 2^-24, E the sum of the tree's extents and no coordinate of a point beyond E (nearest_on_wall), the
-// height along a normal and the distance from an axis are each wrong by less than 17 u E. Twice that is added to every bound.
+// Queries compute in float. With u = 2^-24, E the sum of the tree's extents and no coordinate of a point beyond E
+// (nearest_on_wall), the height along a normal and the distance from an axis are each wrong by less than 17 u E. Twice that is
+// added to every bound.
 constexpr double slack_of_extent = 0x1p-19;
 constexpr double shorter = 2e-7;  // a plane's normal, rounded to float, is never longer than 1
 
@@ -107,7 +108,9 @@ Layout lay_out(const WallTree& tree)
         for (auto k = static_cast<std::uint32_t>(grandchildren(tree, next.node, found)); k-- > 0;) {
             const TreeNode& node = tree.nodes[found[k]];
             if (SEL_IS_INNER(node.count)) stack.push_back({found[k], here, k});
-            else quad.child[k] = TreeQuad::leaf | (SEL_LEAF_TRIANGLES(node.count) - 1) << TreeQuad::count_shift | node.left_or_first;
+            else
+                quad.child[k] =
+                    TreeQuad::leaf | (SEL_LEAF_TRIANGLES(node.count) - 1) << TreeQuad::count_shift | node.left_or_first;
         }
     }
     return layout;

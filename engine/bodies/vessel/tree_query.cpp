@@ -57,7 +57,10 @@ double ray_triangle(const Vec3& origin, const Vec3& direction, const Triangle3& 
 struct NearestSearch {
     using Four = Eigen::Array4f;
 
-    NearestSearch(const WallTree& wall, const Vec3& from, double limit) : tree(wall), local(from) { best.distance2 = limit * limit; }
+    NearestSearch(const WallTree& wall, const Vec3& from, double limit) : tree(wall), local(from)
+    {
+        best.distance2 = limit * limit;
+    }
 
     void look_at(std::uint32_t k)
     {
@@ -219,7 +222,8 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::
     return search.best;
 }
 
-double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip, std::uint64_t* visits, std::int64_t* triangle)
+double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip, std::uint64_t* visits,
+                 std::int64_t* triangle)
 {
     double best = std::numeric_limits<double>::infinity();
     if (tree.nodes.empty()) return best;

@@ -161,7 +161,8 @@ LostPeak ElasticWall::lost_peak(std::int32_t triangle, double load) const
 WallMechanics ElasticWall::mechanics() const
 {
     const WallCounts counts = compliance_->counts();
-    return {compliance_->vertex_count(), edge_, edge_touched_, decay_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
+    return {compliance_->vertex_count(), edge_,          edge_touched_, decay_, made_in_,
+            counts.factor_seconds,       counts.columns, counts.bytes};
 }
 
 ElasticWall::MemorySplit ElasticWall::memory_split(double h) const
@@ -222,7 +223,8 @@ double move_at(const LoopStencil& at, std::span<const double> w)
 void put_place(const ElasticWall& wall, const LoopStencil& at, double (&to)[3])
 {
     Vec3 place = Vec3::Zero();
-    for (int k = 0; k < at.size; ++k) place += at.n[k] * wall.surface().control().vertices[static_cast<std::size_t>(at.vertex[k])];
+    for (int k = 0; k < at.size; ++k)
+        place += at.n[k] * wall.surface().control().vertices[static_cast<std::size_t>(at.vertex[k])];
     for (int c = 0; c < 3; ++c) to[c] = place[c];
 }
 
@@ -285,7 +287,8 @@ WallReadings read_wall(const ElasticWall& wall, std::span<const double> displace
     now.loss = work - now.energy;
     const ShellStress at = wall.shell().stress(displaced, large);
     if (stress) stress->resize(at.mises_inner.size());
-    for (std::size_t v = 0; stress && v < at.mises_inner.size(); ++v) (*stress)[v] = std::max(at.mises_inner[v], at.mises_outer[v]);
+    for (std::size_t v = 0; stress && v < at.mises_inner.size(); ++v)
+        (*stress)[v] = std::max(at.mises_inner[v], at.mises_outer[v]);
     now.stress_max = at.mises_max;
     const ShellPoint& highest = wall.shell().points()[at.highest];
     highest.position.store(now.stress_at);

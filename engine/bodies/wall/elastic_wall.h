@@ -1,12 +1,12 @@
 #pragma once
-// An elastic wall as a body: a thin shell on its own control mesh in the surrounding tissue (D11; wall/shell.h), and its position.
-// Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
+// An elastic wall as a body: a thin shell on its own control mesh in the surrounding tissue (D11; wall/shell.h), and its
+// position. Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
 //
 //     C w' + K w + r(w) = f    w: displacement of the control vertices [3V] [m], f: force on them [N]
 //
-// by backward Euler (wall/wall_dynamics.h). r is what linear theory leaves out of the shell's forces (wall/large_shell.h). It is 0
-// while no control vertex has moved by more than 1/100 of the lumen's radius or 1/10 of the wall's thickness. Inertia of the wall
-// is small beside the tissue's damping, and left out.
+// by backward Euler (wall/wall_dynamics.h). r is what linear theory leaves out of the shell's forces (wall/large_shell.h). It is
+// 0 while no control vertex has moved by more than 1/100 of the lumen's radius or 1/10 of the wall's thickness. Inertia of the
+// wall is small beside the tissue's damping, and left out.
 
 #include "surface/control_mesh.h"
 #include "surface/loop_surface.h"
@@ -50,9 +50,11 @@ public:
     [[nodiscard]] double edge_of(std::int32_t triangle) const;
     /// Share by which displacement and stress in this triangle may be off for its size (wall/wall_resolution.h).
     [[nodiscard]] WallMeshBand band_of(std::int32_t triangle) const;
-    /// Stress that the mesh cuts off under a load per length q [N/m] in this triangle, and its band [Pa] (wall/wall_resolution.h).
+    /// Stress that the mesh cuts off under a load per length q [N/m] in this triangle, and its band [Pa]
+    /// (wall/wall_resolution.h).
     [[nodiscard]] LostPeak lost_peak(std::int32_t triangle, double load) const;
-    /// Share of displacement and stress that linear theory leaves out where it is used (wall/wall_resolution.h). @param move  the largest [m]
+    /// Share of displacement and stress that linear theory leaves out where it is used (wall/wall_resolution.h). @param move  the
+    /// largest [m]
     [[nodiscard]] double left_out(double move) const;
     /// Decay length of a dent where instruments are expected to touch [m].
     [[nodiscard]] double decay() const { return decay_; }

@@ -157,14 +157,17 @@ LargeShell::Energy LargeShell::energy(std::span<const double> displacement) cons
     return e;
 }
 
-bool LargeShell::is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2, double share) const
+bool LargeShell::is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2,
+                          double share) const
 {
     const std::span<const ShellPoint> points(shell_.points().data() + per_triangle * triangle, per_triangle);
     const double most = share * share * 8 * points.back().area;  // of an edge, about
-    const std::span<const std::int32_t> all(vertices_.data() + static_cast<std::size_t>(points.front().first_vertex) / per_triangle,
-                                            static_cast<std::size_t>(points.front().vertex_count));
+    const std::span<const std::int32_t> all(
+        vertices_.data() + static_cast<std::size_t>(points.front().first_vertex) / per_triangle,
+        static_cast<std::size_t>(points.front().vertex_count));
     // two that have each moved by less than half of it are within it of each other
-    if (std::all_of(all.begin(), all.end(), [&](std::int32_t v) { return moves2[static_cast<std::size_t>(v)] < 0.249 * most; })) return true;
+    if (std::all_of(all.begin(), all.end(), [&](std::int32_t v) { return moves2[static_cast<std::size_t>(v)] < 0.249 * most; }))
+        return true;
     const Vec3 first(displacement.data() + 3 * all.front());
     return std::all_of(all.begin(), all.end(), [&](std::int32_t v) {
         return (Vec3(displacement.data() + 3 * v) - first).squaredNorm() <= most;
@@ -204,7 +207,8 @@ void LargeShell::add_excess(std::span<const double> displacement, std::span<doub
             const Vec3 on = third * p.u_1.cross(p.u_2);
             const Vec3 on_1 = by.on_1 - by_linear.on_1 + p.x_2.cross(tilt) + third * p.u_2.cross(p.u);
             const Vec3 on_2 = by.on_2 - by_linear.on_2 + tilt.cross(p.x_1) + third * p.u.cross(p.u_1);
-            const Vec4d f = lanes_of(on), f_1 = lanes_of(on_1), f_2 = lanes_of(on_2), normal = lanes_of(p.normal), normal_rest = lanes_of(q.normal);
+            const Vec4d f = lanes_of(on), f_1 = lanes_of(on_1), f_2 = lanes_of(on_2), normal = lanes_of(p.normal),
+                        normal_rest = lanes_of(q.normal);
             const auto w = shell_.weights(q);
             for (std::size_t i = 0; i < w.size(); ++i) {
                 const Shell::Weight& v = w[i];
@@ -216,7 +220,8 @@ void LargeShell::add_excess(std::span<const double> displacement, std::span<doub
         const auto w = shell_.weights(shell_.points()[per_triangle * t]);
         for (std::size_t e = 0; e < edge_points; ++e) {
             const auto n_s = edge_weights(t, e);
-            const Vec4d on = lanes_of(rest.of_edge[e].dot(pulled) * (rest.edge[e] + now.u_s[e]) - rest.of_edge[e].dot(linear) * rest.edge[e]);
+            const Vec4d on =
+                lanes_of(rest.of_edge[e].dot(pulled) * (rest.edge[e] + now.u_s[e]) - rest.of_edge[e].dot(linear) * rest.edge[e]);
             for (std::size_t i = 0; i < w.size(); ++i) sum[i] += n_s[i] * on;
         }
         for (std::size_t i = 0; i < w.size(); ++i) add_to(&force[3 * static_cast<std::size_t>(w[i].vertex)], vector_of(sum[i]));

@@ -7,13 +7,13 @@
 //   R_ab = x_|ab . x_3 - B_ab - (B_a^c E_cb + B_b^c E_ca) / 2,    x_3 = x_,1 x x_,2 / |x_,1 x x_,2|
 //
 // St. Venant-Kirchhoff; A_ab of the rest shape throughout [Koiter66, doi:10.1007/978-3-662-29364-5; Kiendl09,
-// doi:10.1016/j.cma.2009.08.013 for the variations]. x_|ab is the covariant second derivative at rest: what it differs in from x_,ab
-// is tangential. No term is linearised, so a rigid motion of any size has no strain; for small u the strains are those of shell.h.
-// A triangle's membrane strain has the same two parts: the mean of E over its points, and the strain that changes |x_,s|^2 of its
-// edges as it is changed on average.
+// doi:10.1016/j.cma.2009.08.013 for the variations]. x_|ab is the covariant second derivative at rest: what it differs in from
+// x_,ab is tangential. No term is linearised, so a rigid motion of any size has no strain; for small u the strains are those of
+// shell.h. A triangle's membrane strain has the same two parts: the mean of E over its points, and the strain that changes
+// |x_,s|^2 of its edges as it is changed on average.
 //
-// The mean pressure's part of third order is the last one (the mesh faces the lumen): with K_pressure it follows the wall wherever
-// it goes. What carries it, N^ab E_ab, has no terms beyond K_pressure. Tissue stays linear in u.
+// The mean pressure's part of third order is the last one (the mesh faces the lumen): with K_pressure it follows the wall
+// wherever it goes. What carries it, N^ab E_ab, has no terms beyond K_pressure. Tissue stays linear in u.
 //
 // Strains must be small, for the material's law as for thin shells at all; displacements and rotations need not.
 
@@ -73,7 +73,8 @@ private:
 
     struct Local;
     /// @param moves2  [V] squares of the control vertices' displacements [m^2]
-    [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2, double share) const;
+    [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2,
+                                double share) const;
     [[nodiscard]] Moved move(std::size_t triangle, std::span<const double> displacement) const;
     [[nodiscard]] Point move_point(std::size_t triangle, std::size_t k, const Local& local) const;
     [[nodiscard]] std::span<const double> edge_weights(std::size_t triangle, std::size_t point) const;

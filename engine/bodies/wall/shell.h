@@ -12,8 +12,8 @@
 //   rho_ab = change of b_ab - (b_a^c eps_cb + b_b^c eps_ca) / 2 change of curvature [Koiter60, Sanders59]: 0 for a tube that
 //            widens evenly; Cirak leaves the second part out, which differs by h^2/(12 R^2) of the membrane's energy
 //
-// Both strains vanish for rigid motion. The given shape is the loaded equilibrium: N_theta = p R and N_z = p R / 2 [N/m] carry the
-// mean pressure p and stiffen the wall (N^ab). The pressure stays normal to the moving wall (second variation of the enclosed
+// Both strains vanish for rigid motion. The given shape is the loaded equilibrium: N_theta = p R and N_z = p R / 2 [N/m] carry
+// the mean pressure p and stiffen the wall (N^ab). The pressure stays normal to the moving wall (second variation of the enclosed
 // volume). The terms of open rims are left out; held rims have none. On a tube the two leave (n^2 - 1) p/R for the inextensional
 // modes: 0, 0, 3 p/R for n = 0, 1, 2. Inertia is left out: it is small beside the tissue's damping. [Cirak00; Moireau12 for the
 // tissue]
@@ -29,8 +29,8 @@
 // The membrane has one strain per triangle, or thin shells would lock: eps = a mean + (1 - a) tied. `mean` is that over the four
 // points; `tied` is the constant strain that stretches the three edges as they are stretched on average, t . eps . t = t . u_,s
 // [Lee04]. If a mean exists it is the better strain. But bending without strain then gets a membrane part that grows with l^2/(R
-// h). It stiffened a hemisphere by 3 % at l^2 = 2.5 R h, by 50 % at 10 R h. Tied strains are as many as unknowns (three per vertex)
-// and leave such bending free; for membrane bending in its plane they are too stiff. So
+// h). It stiffened a hemisphere by 3 % at l^2 = 2.5 R h, by 50 % at 10 R h. Tied strains are as many as unknowns (three per
+// vertex) and leave such bending free; for membrane bending in its plane they are too stiff. So
 //   a = 1 / (1 + (bow / 2h)^2),  bow = l^2/R, eight times the sagitta of the edge that bows most
 // which ends in the mean as the mesh is refined, and on a plane [as Arnold97 take a share of the membrane that grows so]. Either
 // strain is exact for rigid motion and for constant strain, so is the sum.
@@ -115,7 +115,8 @@ public:
 
     /// @param displacement  [3V] [m]  @param large  of this shell: under large displacements; null: linear theory
     [[nodiscard]] ShellStress stress(std::span<const double> displacement, const LargeShell* large = nullptr) const;
-    /// Largest von Mises stress of a triangle, of its points and both surfaces [Pa]; its control vertices' displacements are enough.
+    /// Largest von Mises stress of a triangle, of its points and both surfaces [Pa]; its control vertices' displacements are
+    /// enough.
     /// @param highest  out: the point
     [[nodiscard]] double stress_of(std::int32_t triangle, std::span<const double> displacement, std::size_t& highest,
                                    const LargeShell* large = nullptr) const;
@@ -164,8 +165,8 @@ private:
     ShellSpec spec_;
     std::vector<ShellPoint> points_;  // [Q]
     std::vector<Weight> weights_;
-    /// [Q/4 stencils] membrane strain (11, 22, 2 12) of a triangle per displacement of a control vertex [1/m], in the frame of its
-    /// last point
+    /// [Q/4 stencils] membrane strain (11, 22, 2 12) of a triangle per displacement of a control vertex [1/m], in the frame of
+    /// its last point
     std::vector<Mat3> membrane_;
     /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are
     /// made

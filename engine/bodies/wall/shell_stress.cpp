@@ -59,7 +59,8 @@ ShellStress Shell::stress(std::span<const double> displacement, const LargeShell
                                   bending = spec_.thickness / 2 * (h * at[k].bending);
             out.membrane[first + k] = membrane, out.bending[first + k] = bending;
             const double inner = mises(membrane - bending), outer = mises(membrane + bending);
-            if (const double larger = std::max(inner, outer); larger > out.mises_max) out.mises_max = larger, out.highest = first + k;
+            if (const double larger = std::max(inner, outer); larger > out.mises_max)
+                out.mises_max = larger, out.highest = first + k;
             const double share[3] = {1 - q.u - q.v, q.u, q.v};
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto v = static_cast<std::size_t>(corners[c]);

@@ -123,7 +123,8 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
         for (const auto& factor : kept_) sum += factor->bytes();
         return sum;
     };
-    while (kept_.size() > factors_kept || (kept_.size() > factors_least && bytes() > factor_bytes_kept)) kept_.erase(kept_.begin());
+    while (kept_.size() > factors_kept || (kept_.size() > factors_least && bytes() > factor_bytes_kept))
+        kept_.erase(kept_.begin());
     return kept_.back();
 }
 

@@ -67,8 +67,8 @@ public:
     [[nodiscard]] const SparseMatrix& damping() const { return damping_; }
 
     /// Factor of K + C/h; h = 0: K alone (equilibrium). The last few step lengths are kept, and as long as somebody holds them.
-    /// Null when the matrix is not positive definite: the wall could fly away, or the pressure buckles it. A shorter step may have one,
-    /// since C is not negative; a longer one has none.
+    /// Null when the matrix is not positive definite: the wall could fly away, or the pressure buckles it. A shorter step may
+    /// have one, since C is not negative; a longer one has none.
     [[nodiscard]] std::shared_ptr<const WallFactor> factor(double h) const;
     [[nodiscard]] WallCounts counts() const;
 

@@ -14,7 +14,8 @@ namespace seldinger {
 
 namespace {
 
-constexpr double small_memory = 0.1;  // of the displacement: what may be taken on through a block of block_steps; more through a shorter one
+constexpr double small_memory =
+    0.1;  // of the displacement: what may be taken on through a block of block_steps; more through a shorter one
 constexpr double small_excess = 0.03, most_excess = 0.5;  // of large displacements' forces, likewise, and at all
 constexpr double missed_excess = 1e-3;                    // of the displacement: by the extrapolation of a block
 constexpr std::size_t rounds_kept = 8;                    // of relax()
@@ -46,7 +47,8 @@ std::vector<double> WallDynamics::displacement() const
 {
     std::vector<double> w(start_);
     if (step_ == 0) return w;
-    for (std::size_t i = 0; i < w.size(); ++i) w[i] = keep_ * start_[i] + ahead_ * (memory_[i] + (load_.empty() ? 0.0 : load_[i])) + slope_ * change_[i];
+    for (std::size_t i = 0; i < w.size(); ++i)
+        w[i] = keep_ * start_[i] + ahead_ * (memory_[i] + (load_.empty() ? 0.0 : load_[i])) + slope_ * change_[i];
     for (std::size_t v = 0; !touched_.empty() && v < w.size() / 3; ++v) add_to(&w[3 * v], answer(static_cast<std::int32_t>(v)));
     return w;
 }
@@ -60,8 +62,8 @@ Vec3 WallDynamics::answer(std::int32_t vertex) const
     return w;
 }
 
-/// Contact asks for some three times the vertices that it pushes. A block of the patch takes up to 34 ns where the patch does not fit the cache, an
-/// entry of the factor 0.7 ns.
+/// Contact asks for some three times the vertices that it pushes. A block of the patch takes up to 34 ns where the patch does not
+/// fit the cache, an entry of the factor 0.7 ns.
 bool WallDynamics::solves_cheaper() const { return touched_.size() * touched_.size() > factor_->entries() / 100; }
 
 bool WallDynamics::begin_step(double h)
@@ -240,8 +242,8 @@ double WallDynamics::relax(std::span<const Push> pushed)
     return most;
 }
 
-/// Anderson's method [Walker11, doi:10.1137/10078356X]: of the last rounds, the combination that would lack least. A wall that stiffens a lot would
-/// swing, one that softens would hardly move. @param step  what y lacks; becomes the change of y
+/// Anderson's method [Walker11, doi:10.1137/10078356X]: of the last rounds, the combination that would lack least. A wall that
+/// stiffens a lot would swing, one that softens would hardly move. @param step  what y lacks; becomes the change of y
 void WallDynamics::accelerate(std::vector<double>& step)
 {
     if (rounds_.unmet.empty()) return;
@@ -249,14 +251,17 @@ void WallDynamics::accelerate(std::vector<double>& step)
     for (std::size_t i = 0; i < change.size(); ++i) change[i] -= rounds_.unmet[i];
     rounds_.steps.push_back(std::move(rounds_.step));
     rounds_.changes.push_back(std::move(change));
-    if (rounds_.steps.size() > rounds_kept) rounds_.steps.erase(rounds_.steps.begin()), rounds_.changes.erase(rounds_.changes.begin());
+    if (rounds_.steps.size() > rounds_kept)
+        rounds_.steps.erase(rounds_.steps.begin()), rounds_.changes.erase(rounds_.changes.begin());
     const auto size = static_cast<Eigen::Index>(step.size()), kept = static_cast<Eigen::Index>(rounds_.steps.size());
     Eigen::MatrixXd changes(size, kept);
-    for (Eigen::Index k = 0; k < kept; ++k) changes.col(k) = Eigen::Map<const Eigen::VectorXd>(rounds_.changes[static_cast<std::size_t>(k)].data(), size);
+    for (Eigen::Index k = 0; k < kept; ++k)
+        changes.col(k) = Eigen::Map<const Eigen::VectorXd>(rounds_.changes[static_cast<std::size_t>(k)].data(), size);
     Eigen::Map<Eigen::VectorXd> to(step.data(), size);
     const Eigen::VectorXd of = changes.colPivHouseholderQr().solve(to);
     to -= changes * of;
-    for (Eigen::Index k = 0; k < kept; ++k) to -= of[k] * Eigen::Map<const Eigen::VectorXd>(rounds_.steps[static_cast<std::size_t>(k)].data(), size);
+    for (Eigen::Index k = 0; k < kept; ++k)
+        to -= of[k] * Eigen::Map<const Eigen::VectorXd>(rounds_.steps[static_cast<std::size_t>(k)].data(), size);
 }
 
 void WallDynamics::walk_state(StateWalk& walk)
@@ -274,12 +279,14 @@ void WallDynamics::walk_state(StateWalk& walk)
     walk({name, "", "accept"}, std::span(numbers));
     walk({name, "", "accept", 0, std::max<double>(block_steps, vertices)}, std::span(counts));
     if (walk.reads()) {
-        StateWalk::need(numbers[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 && counts[1] <= block_steps && counts[2] <= vertices &&
-                            counts[3] <= block_steps && start_block(numbers[0]), name);
+        StateWalk::need(numbers[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 && counts[1] <= block_steps &&
+                            counts[2] <= vertices && counts[3] <= block_steps && start_block(numbers[0]),
+                        name);
         touched_.resize(static_cast<std::size_t>(counts[2]));
     }
     walk({name, "", "accept", 0, vertices - 1}, std::span(touched_));
-    if (walk.checks()) StateWalk::need(std::adjacent_find(touched_.begin(), touched_.end(), std::greater_equal<>()) == touched_.end(), name);
+    if (walk.checks())
+        StateWalk::need(std::adjacent_find(touched_.begin(), touched_.end(), std::greater_equal<>()) == touched_.end(), name);
     for (auto* list : {&start_, &memory_, &change_, &pushed_}) walk({name, "m, N", "accept"}, std::span(*list));
     if (!walk.reads()) return;
     answer_begun_ = false;

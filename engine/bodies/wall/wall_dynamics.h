@@ -6,21 +6,23 @@
 //     M w1 = C/h w0 + f,    C/h = s M + B,    s = tau/(h + tau),    B = (c_s - tau k_s)/(h + tau) A - s K_p
 //     w1 = s w0 + M^-1 B w0 + M^-1 f
 //
-// Under large displacements the right side has -r(w) too, what linear theory leaves out of the shell's forces (wall/large_shell.h),
-// at the start of a block: B w0 becomes B w0 - r(w0), y below. It takes part as slowly as the wall gives way, and where the wall
-// rests it is exact. In single steps a mode may be 1 + 2 tau/h times as stiff as in K, 41 times at the usual 1 ms, before this explicit
-// part makes it swing. A block of n steps extrapolates r; with x = n h/tau and b = (n - 1)/(2 n) it may be 2/(x (1 + 2 b)) times as
-// stiff: 13, 5.7, 2.7 times for 2, 4, 8 steps. r = a K w has M^-1 r = a w/(1 + tau/h): blocks of 8 steps are taken up to 3 % of w0
-// (a = 0.6), of 4 up to 6 % (1.3), of 2 up to 12 % (2.5), so that the tangent may be two to five times the secant. A block whose
-// extrapolation has missed M^-1 r at its end by 1e-3 of w0 is followed by single steps. M^-1 r is limited to half of w0, and steps in
-// which that happens are flagged (is_limited). An equilibrium (h = 0) is found by relax(), again and again with r of its last answers.
+// Under large displacements the right side has -r(w) too, what linear theory leaves out of the shell's forces
+// (wall/large_shell.h), at the start of a block: B w0 becomes B w0 - r(w0), y below. It takes part as slowly as the wall gives
+// way, and where the wall rests it is exact. In single steps a mode may be 1 + 2 tau/h times as stiff as in K, 41 times at the
+// usual 1 ms, before this explicit part makes it swing. A block of n steps extrapolates r; with x = n h/tau and b = (n - 1)/(2 n)
+// it may be 2/(x (1 + 2 b)) times as stiff: 13, 5.7, 2.7 times for 2, 4, 8 steps. r = a K w has M^-1 r = a w/(1 + tau/h): blocks
+// of 8 steps are taken up to 3 % of w0 (a = 0.6), of 4 up to 6 % (1.3), of 2 up to 12 % (2.5), so that the tangent may be two to
+// five times the secant. A block whose extrapolation has missed M^-1 r at its end by 1e-3 of w0 is followed by single steps. M^-1
+// r is limited to half of w0, and steps in which that happens are flagged (is_limited). An equilibrium (h = 0) is found by
+// relax(), again and again with r of its last answers.
 //
 // What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that
 // change slowly. It is solved for once in a block of `block_steps` steps, and extrapolated linearly in between from the last two
 // blocks (an error of the order of the scheme's own). If it exceeds 10 % of w0, it is solved for in every step. Forces of a block
 // are summed up, F = sum s^k f, and in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had
 // solved for anyway. So a full solve is needed twice in a block, not twice in a step, and whoever asks only for a few vertices
-// pays for these. Where contact touches so much of the wall that these sums read more memory than a solve, each step has its solve.
+// pays for these. Where contact touches so much of the wall that these sums read more memory than a solve, each step has its
+// solve.
 
 #include "math/block_cholesky.h"
 #include "wall/elastic_wall.h"
@@ -41,8 +43,8 @@ public:
 
     explicit WallDynamics(const ElasticWall& wall);
 
-    /// The step to come is of h [s]; 0: an equilibrium, whatever the wall was like before. @return false: the wall has none, because
-    /// nothing holds it in place or its pressure buckles it; it stays as it is
+    /// The step to come is of h [s]; 0: an equilibrium, whatever the wall was like before. @return false: the wall has none,
+    /// because nothing holds it in place or its pressure buckles it; it stays as it is
     bool begin_step(double h);
     /// Its compliance where it is touched, in this step.
     [[nodiscard]] WallPatch& patch() const { return patch_; }

@@ -23,7 +23,8 @@ constexpr double least_share = 0.6, most_share = 1.0;
 // where it is known where instruments touch
 constexpr double most_elsewhere = 700, most_along_path = 3000;
 constexpr double most_for_dent = 6000;                 // where edges would else be longer than a dent is resolved by
-constexpr double path_share = 0.5, reach_share = 1.0;  // of the decay length: an edge there, and how far from a contact it is wanted
+constexpr double path_share = 0.5,
+                 reach_share = 1.0;  // of the decay length: an edge there, and how far from a contact it is wanted
 constexpr double dent_share = 0.9;                     // of the decay length: the longest that is taken for less vertices
 const double vertex_area = 0.5 * std::sqrt(3.0);       // of equilateral triangles, per square of their edge
 
@@ -87,8 +88,8 @@ WallEdge even_edge(const WallModel& wall, const WallSamples& samples, double mos
     return choice;
 }
 
-/// Short where instruments touch. Two path edges give fields that differ by the same length everywhere along the path: one look at each
-/// sample is enough for all of them.
+/// Short where instruments touch. Two path edges give fields that differ by the same length everywhere along the path: one look
+/// at each sample is enough for all of them.
 void add_path(const WallModel& wall, WallEdge& choice)
 {
     const double decay = decay_length(wall);
@@ -109,13 +110,15 @@ void add_path(const WallModel& wall, WallEdge& choice)
             sum += each / (vertex_area * std::pow(std::min(of_even[k], edge + of_path[k]), 2));
         return sum;
     };
-    const auto edge_for = [&](double most) { return vertices(wanted) <= most ? wanted : solve_falling(wanted, choice.edge, most, vertices); };
+    const auto edge_for = [&](double most) {
+        return vertices(wanted) <= most ? wanted : solve_falling(wanted, choice.edge, most, vertices);
+    };
     path.edge = edge_for(most_along_path);
     if (path.edge > dent_share * decay) path.edge = std::max(dent_share * decay, edge_for(most_for_dent));
     if (!(path.edge < 0.9 * choice.edge)) return;
     choice.vertices = vertices(path.edge);
-    choice.why = fmt::format("{} where instruments touch in a trial run with a rigid wall, {} elsewhere ({} vertices{})", millimetres(path.edge),
-                             millimetres(choice.edge), about(choice.vertices),
+    choice.why = fmt::format("{} where instruments touch in a trial run with a rigid wall, {} elsewhere ({} vertices{})",
+                             millimetres(path.edge), millimetres(choice.edge), about(choice.vertices),
                              path.edge > wanted ? fmt::format("; {} would be wanted", millimetres(wanted)) : "");
     choice.path = std::move(path);
 }
@@ -146,9 +149,10 @@ void check_control_edge(double area, double edge)
     if (bytes <= most) return;
     throw Error(
         ErrorKind::BadScene,
-        fmt::format("vessel.wall_edge_m: {:.3g} m makes about {:.2g} vertices, whose matrix factor takes {:.3g} GB, more than half "
-                    "of this machine's memory; make it longer, or take it out to have it chosen",
-                    edge, vertices, 1e-9 * bytes));
+        fmt::format(
+            "vessel.wall_edge_m: {:.3g} m makes about {:.2g} vertices, whose matrix factor takes {:.3g} GB, more than half "
+            "of this machine's memory; make it longer, or take it out to have it chosen",
+            edge, vertices, 1e-9 * bytes));
 }
 
 }  // namespace seldinger

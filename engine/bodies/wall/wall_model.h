@@ -14,9 +14,9 @@ struct WallModel {
     const VesselSpec& spec;        // of what the wall is made
     const WallMesh& mesh;          // the shape that contact sees where the wall has not moved [m]
     const Centreline& centreline;  // may be empty
-    /// Half of the lumen is wider than this [m]; infinite without a centreline. The effective radius of (D6b) needs one number for
-    /// the law to be a function of depth alone. A change of 25 % in it changes the stiffness of a 0.035 inch wire in a 10 mm lumen
-    /// by 0.5 %.
+    /// Half of the lumen is wider than this [m]; infinite without a centreline. The effective radius of (D6b) needs one number
+    /// for the law to be a function of depth alone. A change of 25 % in it changes the stiffness of a 0.035 inch wire in a 10 mm
+    /// lumen by 0.5 %.
     double typical_lumen_radius;
 };
 

@@ -17,8 +17,9 @@ public:
     /// Uses this factor from now on and forgets the columns of another one.
     void use(std::shared_ptr<const WallFactor> factor);
     [[nodiscard]] const WallFactor& factor() const { return *factor_; }
-    /// Between steps: forgets vertices that have not been asked for since the last call, once they are more than a third. Those with
-    /// columns come first then, in order, so that WallDynamics::now and wall_compliance read memory from one end to the other.
+    /// Between steps: forgets vertices that have not been asked for since the last call, once they are more than a third. Those
+    /// with columns come first then, in order, so that WallDynamics::now and wall_compliance read memory from one end to the
+    /// other.
     void trim();
     /// Place of a vertex among those that have been asked for; holds until trim().
     [[nodiscard]] int slot(std::int32_t vertex)
@@ -33,7 +34,8 @@ public:
     {
         if (!solved_[static_cast<std::size_t>(slot)]) fill(slot);
     }
-    /// Displacement of vertex `at` [3] per force on vertex `from` [3], row by row; provide(at) must have run. A row lies as it is read.
+    /// Displacement of vertex `at` [3] per force on vertex `from` [3], row by row; provide(at) must have run. A row lies as it is
+    /// read.
     [[nodiscard]] const float* block(int at, int from) const
     {
         return &blocks_[place(at, from)];

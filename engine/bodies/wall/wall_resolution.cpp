@@ -51,7 +51,8 @@ double decay_length(const VesselSpec& spec, double lumen_radius)
     const double bed = (tube ? spec.youngs * spec.thickness / (lumen_radius * lumen_radius) : 0) + spec.support;
     const double tension = tube ? std::max(0.0, spec.pressure) * lumen_radius : 0;
     const double below = tension * tension - 4 * bend * bed;  // negative: the roots are complex
-    const double square = below > 0 ? (tension + std::sqrt(below)) / (2 * bend) : 0.5 * std::sqrt(bed / bend) + tension / (4 * bend);
+    const double square =
+        below > 0 ? (tension + std::sqrt(below)) / (2 * bend) : 0.5 * std::sqrt(bed / bend) + tension / (4 * bend);
     return 1 / std::sqrt(square);
 }
 
@@ -74,8 +75,9 @@ WallMechanics expected_mechanics(const VesselSpec& spec, const WallMesh& mesh, c
     WallMechanics made;
     made.decay = decay_length(wall);
     const WallSamples samples = sample_wall(mesh);
-    const double vertices = spec.wall_edge > 0 ? expected_vertices(samples, EdgeField(spec.wall_edge, ControlMeshSpec{}.share, centreline))
-                                            : choose_wall_edge(wall).vertices;
+    const double vertices = spec.wall_edge > 0
+                                ? expected_vertices(samples, EdgeField(spec.wall_edge, ControlMeshSpec{}.share, centreline))
+                                : choose_wall_edge(wall).vertices;
     made.vertices = static_cast<int>(std::lround(vertices));
     made.edge = made.edge_touched = std::sqrt(samples.area / (area_of_vertex * vertices));
     return made;

@@ -17,7 +17,8 @@ struct AnimatedTube {
     std::vector<double> radius;  // [M] stations, tip to hub [m]
     struct Pose {
         Vec3 place = Vec3::Zero();                   // [m]
-        std::array<double, 4> turn = {0, 0, 0, 1};  // unit quaternion x, y, z, w: takes z to the tube's axis; near its neighbours in time
+        std::array<double, 4> turn = {0, 0, 0,
+                                      1};  // unit quaternion x, y, z, w: takes z to the tube's axis; near its neighbours in time
     };
     std::vector<std::vector<Pose>> poses;  // [F][M]
 };

@@ -49,13 +49,16 @@ RadiusArray radius_of(const PolyData& data, const std::string& name)
         if (const auto* values = find(word)) return {values, 1};
     if (similar.size() == 1) return {&data.point_data.at(similar[0]).values, 1};
     if (const auto* values = similar.empty() ? find("diameter") : nullptr) return {values, 0.5};
-    fail_centreline(name, fmt::format("got point arrays {}; expected the lumen's radius at each point, in an array MaximumInscribedSphereRadius or "
-                           "Radius. Fix: rename the array that holds it{}",
-                           known.empty() ? "(none)" : known, similar.empty() ? "" : fmt::format(" ({} have \"radius\" in their names)", similar.size())));
+    fail_centreline(
+        name,
+        fmt::format("got point arrays {}; expected the lumen's radius at each point, in an array MaximumInscribedSphereRadius or "
+                    "Radius. Fix: rename the array that holds it{}",
+                    known.empty() ? "(none)" : known,
+                    similar.empty() ? "" : fmt::format(" ({} have \"radius\" in their names)", similar.size())));
 }
 
-/// The name of each line: strings of the cells called Name or Label, else the groups of VMTK's branch extractor, whose blanked lines lie across
-/// forks. -1: none; an empty list: no line has one.
+/// The name of each line: strings of the cells called Name or Label, else the groups of VMTK's branch extractor, whose blanked
+/// lines lie across forks. -1: none; an empty list: no line has one.
 std::vector<int> names_of_lines(const PolyData& data, std::vector<std::string>& names)
 {
     constexpr std::size_t longest = 64;
@@ -72,7 +75,8 @@ std::vector<int> names_of_lines(const PolyData& data, std::vector<std::string>& 
     };
     const auto *groups = numbers("groupids"), *blanking = numbers("blanking");
     for (std::size_t k = 0; groups && k < lines; ++k)
-        if (text[k].empty() && !(blanking && (*blanking)[before + k] != 0)) text[k] = fmt::format("group {}", (*groups)[before + k]);
+        if (text[k].empty() && !(blanking && (*blanking)[before + k] != 0))
+            text[k] = fmt::format("group {}", (*groups)[before + k]);
     std::vector<int> name_of;
     std::map<std::string, int> place_of;
     for (const std::string& name : text) {
@@ -109,7 +113,10 @@ public:
                 previous = at;
             }
         }
-        if (points_.empty()) fail_centreline(name, "got no line; expected the polylines of a centreline. Fix: export its lines (VMTK: Centerlines, ParaView: Save Data)");  // lines of no points are none
+        if (points_.empty())
+            fail_centreline(name,
+                            "got no line; expected the polylines of a centreline. Fix: export its lines (VMTK: Centerlines, "
+                            "ParaView: Save Data)");  // lines of no points are none
     }
 
     Centreline tree()
@@ -136,9 +143,10 @@ private:
     int add(std::size_t i, const std::array<double, 3>& at, double r, double scale, std::map<std::array<double, 3>, int>& known)
     {
         if (!(r > 0 && r <= most_) || !std::all_of(at.begin(), at.end(), [&](double x) { return std::abs(x) <= most_; }))
-            fail_centreline(name_, fmt::format("point {}: got [{:.6g}, {:.6g}, {:.6g}] with radius {:.6g}; expected coordinates within {:.0f} m and a radius above 0. Fix: check the "
-                                    "units, or export the centreline again",
-                                    i, at[0], at[1], at[2], r, most_coordinate));
+            fail_centreline(name_, fmt::format("point {}: got [{:.6g}, {:.6g}, {:.6g}] with radius {:.6g}; expected coordinates "
+                                               "within {:.0f} m and a radius above 0. Fix: check the "
+                                               "units, or export the centreline again",
+                                               i, at[0], at[1], at[2], r, most_coordinate));
         const auto [it, fresh] = known.try_emplace(at, count());
         if (fresh) {
             points_.push_back(scale * Vec3(at[0], at[1], at[2]));
@@ -156,7 +164,8 @@ private:
         near_[index(b)].push_back(a);
     }
 
-    /// All that leads away from it leads one way: one neighbour, or copies of one trunk that several lines share but for rounding.
+    /// All that leads away from it leads one way: one neighbour, or copies of one trunk that several lines share but for
+    /// rounding.
     [[nodiscard]] bool is_end(int i) const
     {
         const std::vector<int>& near = near_[index(i)];
@@ -186,7 +195,8 @@ private:
         return piece;
     }
 
-    /// An end in the lumen of another piece continues it: lines that begin a step off the trunk, or beside each other at one inlet.
+    /// An end in the lumen of another piece continues it: lines that begin a step off the trunk, or beside each other at one
+    /// inlet.
     void join_pieces(const std::vector<int>& piece, int pieces)
     {
         std::vector<int> joined(index(pieces));
@@ -285,7 +295,8 @@ Centreline read_centreline(const std::filesystem::path& path, const std::string&
 Centreline parse_centreline(const std::string& bytes, const std::string& name, const std::string& units)
 {
     const double scale = metres_per_unit(units);
-    const PolyData data = bytes.starts_with("# vtk DataFile") ? parse_legacy_vtk(bytes, name, PolyParts::All) : parse_poly_data(bytes, name);
+    const PolyData data =
+        bytes.starts_with("# vtk DataFile") ? parse_legacy_vtk(bytes, name, PolyParts::All) : parse_poly_data(bytes, name);
     try {
         return LineGraph(data, scale, name).tree();
     } catch (const Error& error) {

@@ -31,7 +31,8 @@ std::vector<std::uint32_t> label_runs(std::span<const std::uint8_t> mask, int wi
     bool inside = false;
     for (int column = 0; column < width; ++column)
         for (int row = 0; row < height; ++row) {
-            if ((mask[static_cast<std::size_t>(row) * width + column] == label) != inside) runs.push_back(length), length = 0, inside = !inside;
+            if ((mask[static_cast<std::size_t>(row) * width + column] == label) != inside)
+                runs.push_back(length), length = 0, inside = !inside;
             ++length;
         }
     runs.push_back(length);
@@ -69,7 +70,8 @@ int CocoWriter::add_image(const std::string& file, int width, int height)
     return static_cast<int>(images_.size());
 }
 
-void CocoWriter::add(int category, std::span<const std::uint8_t> mask, std::uint8_t label, const CocoPoint& tip, const CocoPoint& base)
+void CocoWriter::add(int category, std::span<const std::uint8_t> mask, std::uint8_t label, const CocoPoint& tip,
+                     const CocoPoint& base)
 {
     const Image& image = images_.back();
     const std::vector<std::uint32_t> runs = label_runs(mask, image.width, image.height, label);

@@ -10,7 +10,8 @@
 namespace seldinger {
 
 /// Lengths of runs without and with a label in turn, column after column, beginning without it (0 where it is in the corner).
-[[nodiscard]] std::vector<std::uint32_t> label_runs(std::span<const std::uint8_t> mask, int width, int height, std::uint8_t label);
+[[nodiscard]] std::vector<std::uint32_t> label_runs(std::span<const std::uint8_t> mask, int width, int height,
+                                                    std::uint8_t label);
 
 /// Their text: differences to the run before the last, five bits a letter from '0' on.
 [[nodiscard]] std::string coco_text(std::span<const std::uint32_t> runs);

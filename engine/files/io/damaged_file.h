@@ -20,8 +20,9 @@ namespace seldinger {
     const std::size_t comma = word.find(',');
     const auto is_digit = [&](std::size_t k) { return k < word.size() && word[k] >= '0' && word[k] <= '9'; };
     if (comma != std::string::npos && comma > 0 && is_digit(comma - 1) && is_digit(comma + 1))
-        throw Error(ErrorKind::BadFile, name + ": " + where + "got \"" + word + "\"; expected a number with a decimal point, not a comma. Fix: export it again with "
-                                       "the system's language set to English");
+        throw Error(ErrorKind::BadFile, name + ": " + where + "got \"" + word +
+                                            "\"; expected a number with a decimal point, not a comma. Fix: export it again with "
+                                            "the system's language set to English");
     refuse_damaged(name, where + "got \"" + word + "\"; expected a number");
 }
 

@@ -172,12 +172,12 @@ std::string dicom_file(const AngiographicImage& image)
 void write_dicom(const std::filesystem::path& path, const AngiographicImage& image)
 {
     if (std::filesystem::is_directory(path))
-        throw Error(ErrorKind::BadFile, path.string() + ": got a folder; expected the name of a DICOM file. Fix: name one, for example run.dcm");
+        throw Error(ErrorKind::BadFile,
+                    path.string() + ": got a folder; expected the name of a DICOM file. Fix: name one, for example run.dcm");
     if (2 * image.grey.size() > 0xfffffff0ull)
-        throw Error(
-            ErrorKind::BadFile,
-            fmt::format("{}: got {} GiB of pixels; expected less than the 4 GiB of a DICOM picture. Fix: give fewer --frames or a smaller --size",
-                                    path.string(), (2 * image.grey.size()) >> 30));
+        throw Error(ErrorKind::BadFile, fmt::format("{}: got {} GiB of pixels; expected less than the 4 GiB of a DICOM picture. "
+                                                    "Fix: give fewer --frames or a smaller --size",
+                                                    path.string(), (2 * image.grey.size()) >> 30));
     make_folder_of(path);
     write_file(path, dicom_file(image));
 }

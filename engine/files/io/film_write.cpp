@@ -24,16 +24,19 @@ std::vector<std::string> pixel_words(int width, int height, double rate, FilmPix
             "-r", fmt::format("{:.6g}", rate)};
 }
 
-std::vector<std::string> png_words(double rate) { return {"-f", "image2pipe", "-c:v", "png", "-framerate", fmt::format("{:.6g}", rate)}; }
+std::vector<std::string> png_words(double rate)
+{
+    return {"-f", "image2pipe", "-c:v", "png", "-framerate", fmt::format("{:.6g}", rate)};
+}
 
-/// ffmpeg's command line, from its standard input to the file that is its standard output. Opened by this name it is that file, and can
-/// be gone back in, as MP4 needs; pictures of odd size are padded by a pixel.
+/// ffmpeg's command line, from its standard input to the file that is its standard output. Opened by this name it is that file,
+/// and can be gone back in, as MP4 needs; pictures of odd size are padded by a pixel.
 std::vector<std::string> command_line(const std::vector<std::string>& input, const char* container)
 {
     std::vector<std::string> words = {"ffmpeg", "-y", "-loglevel", "error"};
     words.insert(words.end(), input.begin(), input.end());
-    for (const char* word : {"-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast", "-crf", "18", "-pix_fmt",
-                             "yuv420p", "-f", container, "file:/proc/self/fd/1"})
+    for (const char* word : {"-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast", "-crf",
+                             "18", "-pix_fmt", "yuv420p", "-f", container, "file:/proc/self/fd/1"})
         words.emplace_back(word);
     return words;
 }
@@ -53,7 +56,8 @@ std::string first_line(int& said)
     return all.substr(0, all.find('\n'));
 }
 
-/// @param input, said, output  its standard input, error and output. @throws Error BadFile: there is no ffmpeg, or no process for it
+/// @param input, said, output  its standard input, error and output. @throws Error BadFile: there is no ffmpeg, or no process for
+/// it
 pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::string>& words, int input, int said, int output)
 {
     const pid_t process = start_program(words, input, said, output);
@@ -66,7 +70,8 @@ pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::str
 
 std::string unfinished(const std::string& said)
 {
-    if (!said.empty()) return fmt::format("got \"{}\" from ffmpeg; expected a finished film. Fix: give another name or --size", said);
+    if (!said.empty())
+        return fmt::format("got \"{}\" from ffmpeg; expected a finished film. Fix: give another name or --size", said);
     return "got an unfinished film from ffmpeg; expected a whole one. Fix: free some space, and check that ffmpeg has libx264";
 }
 
@@ -76,7 +81,8 @@ const char* container_of(const std::filesystem::path& path)
     if (ending == ".mp4") return "mp4";
     if (ending == ".mov") return "mov";
     if (ending == ".mkv") return "matroska";
-    throw Error(ErrorKind::BadFile, fmt::format("{}: got the ending \"{}\"; expected .mp4, .mov or .mkv. Fix: rename the film", path.string(), ending));
+    throw Error(ErrorKind::BadFile, fmt::format("{}: got the ending \"{}\"; expected .mp4, .mov or .mkv. Fix: rename the film",
+                                                path.string(), ending));
 }
 
 }  // namespace
@@ -92,13 +98,19 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, const std::vector<std:
 {
     const char* container = container_of(path);
     if (std::filesystem::is_directory(path))
-        throw Error(ErrorKind::BadFile, path.string() + ": got a folder; expected the name of a film. Fix: name one, for example film.mp4");
+        throw Error(ErrorKind::BadFile,
+                    path.string() + ": got a folder; expected the name of a film. Fix: name one, for example film.mp4");
     make_folder_of(path);
     file_.emplace(path);
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorKind::BadFile, path.string() + ": got no pipe to ffmpeg; expected one. Fix: close other programs, or raise the limit of open files (ulimit -n)");
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        throw Error(
+            ErrorKind::BadFile,
+            path.string() +
+                ": got no pipe to ffmpeg; expected one. Fix: close other programs, or raise the limit of open files (ulimit -n)");
     pipe_ = ends[1];
-    // room for a picture of 1024 x 1024, so that the next one is drawn while ffmpeg encodes; where that is not allowed, it stays small
+    // room for a picture of 1024 x 1024, so that the next one is drawn while ffmpeg encodes; where that is not allowed, it stays
+    // small
     (void)fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);
     try {
         encoder_ = start_ffmpeg(path, command_line(input, container), ends[0], said_ = memory_file(), file_->fd());

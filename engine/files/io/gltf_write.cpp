@@ -209,7 +209,9 @@ private:
 void write_gltf(const std::filesystem::path& path, const AnimatedModel& model)
 {
     if (path.extension() != ".glb")
-        throw Error(ErrorKind::BadFile, fmt::format("{}: got the ending \"{}\"; expected .glb (binary glTF). Fix: rename the file", path.string(), path.extension().string()));
+        throw Error(ErrorKind::BadFile,
+                    fmt::format("{}: got the ending \"{}\"; expected .glb (binary glTF). Fix: rename the file", path.string(),
+                                path.extension().string()));
     make_folder_of(path);
     write_file(path, Gltf(model).file());
 }

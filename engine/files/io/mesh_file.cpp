@@ -144,7 +144,10 @@ void require_known(const std::filesystem::path& path)
         if (extension == known) return;
     std::string fix = "export the surface as one of these";
     for (const char* image : {".nii", ".gz", ".nrrd", ".mha", ".mhd", ".dcm"})
-        if (extension == image) fix = "segment the lumen and export its surface (3D Slicer: Segmentations, Export to files; ITK-SNAP: Export as Surface Mesh)";
+        if (extension == image)
+            fix =
+                "segment the lumen and export its surface (3D Slicer: Segmentations, Export to files; ITK-SNAP: Export as "
+                "Surface Mesh)";
     for (const char* cad : {".step", ".stp", ".iges", ".igs", ".sldprt", ".x_t", ".3mf", ".3dm", ".brep"})
         if (extension == cad) fix = "export it from the CAD program as binary STL, in millimetres";
     for (const char* grid : {".vtu", ".vtm", ".pvd", ".vts", ".msh", ".cas"})
@@ -157,7 +160,8 @@ void require_usable(const WallMesh& mesh, const std::filesystem::path& path, con
     const std::int64_t v = first_unusable_vertex(mesh);
     if (v < 0) return;
     const Vec3 at = mesh.vertices[static_cast<std::size_t>(v)] / metres_per_unit(units);
-    bad_file(path, fmt::format("vertex {} (counted from 1): got [{:.6g}, {:.6g}, {:.6g}] {}; expected numbers within {:.0f} m. Fix: check the units, or export "
+    bad_file(path, fmt::format("vertex {} (counted from 1): got [{:.6g}, {:.6g}, {:.6g}] {}; expected numbers within {:.0f} m. "
+                               "Fix: check the units, or export "
                                "the mesh again",
                                v + 1, at.x(), at.y(), at.z(), units, most_coordinate));
 }
@@ -178,7 +182,8 @@ double metres_per_unit(const std::string& units)
     if (units == "mm") return 1e-3;
     if (units == "um") return 1e-6;
     if (units == "in") return 0.0254;
-    throw Error(ErrorKind::BadScene, fmt::format("units: got \"{}\"; expected m, cm, mm, um or in. Fix: name the unit of the file's numbers", units));
+    throw Error(ErrorKind::BadScene,
+                fmt::format("units: got \"{}\"; expected m, cm, mm, um or in. Fix: name the unit of the file's numbers", units));
 }
 
 WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts)

@@ -115,7 +115,8 @@ void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const s
     if (extension == ".ply") return write_file(path, ply_bytes(mesh, scale, units));
     if (extension != ".vtp")
         throw Error(ErrorKind::BadFile,
-                    fmt::format("{}: got the ending \"{}\"; expected .stl, .obj, .ply or .vtp. Fix: rename the file", path.string(), extension));
+                    fmt::format("{}: got the ending \"{}\"; expected .stl, .obj, .ply or .vtp. Fix: rename the file",
+                                path.string(), extension));
     std::vector<std::int64_t> connectivity, offsets;
     for (const auto& t : mesh.triangles) {
         connectivity.insert(connectivity.end(), t.begin(), t.end());

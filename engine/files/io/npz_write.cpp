@@ -52,7 +52,8 @@ std::string common_header(const std::string& name, const std::string& content)
 
 }  // namespace
 
-void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape, std::string_view data)
+void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape,
+                          std::string_view data)
 {
     std::string sizes = fmt::format("{}", fmt::join(shape, ", "));
     if (shape.size() == 1) sizes += ",";
@@ -114,7 +115,8 @@ std::string NpzWriter::finish() const
         file += std::string("PK\x03\x04", 4) + header + entry.name + entry.content;
     }
     if (file.size() + directory.size() > 0xffffffffull || entries_.size() > 0xffff)
-        throw Error(ErrorKind::BadFile, ".npz file: got arrays of more than 4 GiB; expected less. Fix: split the sweep, or write fewer frames");
+        throw Error(ErrorKind::BadFile,
+                    ".npz file: got arrays of more than 4 GiB; expected less. Fix: split the sweep, or write fewer frames");
     const std::size_t at = file.size();
     file += directory + std::string("PK\x05\x06", 4);
     put_number(file, 0, 4);  // one disk

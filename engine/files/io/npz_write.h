@@ -25,7 +25,8 @@ private:
     struct Entry {
         std::string name, content;  // content: the .npy file
     };
-    void add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape, std::string_view data);
+    void add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape,
+                   std::string_view data);
     std::vector<Entry> entries_;
 };
 

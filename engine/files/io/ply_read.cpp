@@ -61,7 +61,8 @@ public:
         }
         for (const std::int64_t index : data.polys.connectivity)
             if (index < 0 || index >= static_cast<std::int64_t>(data.points.size()))
-                damaged(fmt::format("got vertex {} in a face; expected 0 to {}", index, static_cast<std::int64_t>(data.points.size()) - 1));
+                damaged(fmt::format("got vertex {} in a face; expected 0 to {}", index,
+                                    static_cast<std::int64_t>(data.points.size()) - 1));
         return data;
     }
 
@@ -80,7 +81,9 @@ private:
 
     void read_header()
     {
-        if (TextWords(words_.line()).word() != "ply") fail("got no \"ply\" in its first line; expected a PLY file. Fix: name the file after its format, or export it again");
+        if (TextWords(words_.line()).word() != "ply")
+            fail(
+                "got no \"ply\" in its first line; expected a PLY file. Fix: name the file after its format, or export it again");
         bool format = false, end = false;
         while (!end && !words_.at_end()) {
             const std::string_view line = words_.line();
@@ -96,7 +99,8 @@ private:
             } else if (key == "end_header") {
                 end = true;
             } else if (!key.empty() && key != "comment" && key != "obj_info") {
-                damaged(fmt::format("PLY header: got \"{}\"; expected format, element, property, comment or end_header", excerpt(line)));
+                damaged(fmt::format("PLY header: got \"{}\"; expected format, element, property, comment or end_header",
+                                    excerpt(line)));
             }
         }
         if (!end) damaged("PLY header: got no end_header; expected one in a line of its own");
@@ -115,7 +119,9 @@ private:
         if (word == "ascii") encoding_ = Encoding::Ascii;
         else if (word == "binary_little_endian") encoding_ = Encoding::Little;
         else if (word == "binary_big_endian") encoding_ = Encoding::Big;
-        else damaged(fmt::format("PLY header: got format \"{}\"; expected ascii, binary_little_endian or binary_big_endian", excerpt(word)));
+        else
+            damaged(fmt::format("PLY header: got format \"{}\"; expected ascii, binary_little_endian or binary_big_endian",
+                                excerpt(word)));
     }
 
     void read_element(TextWords& words, std::string_view line)
@@ -155,7 +161,8 @@ private:
         std::size_t each = 0;
         for (const Property& p : element.properties) each += least(p.count ? *p.count : p.type);
         if (each > 0 && element.count > room() / each)
-            damaged(fmt::format("got a header that announces {} x {}; expected no more than the file has bytes for", element.count, excerpt(element.name)));
+            damaged(fmt::format("got a header that announces {} x {}; expected no more than the file has bytes for",
+                                element.count, excerpt(element.name)));
     }
 
     double value(Scalar type)
@@ -226,7 +233,8 @@ private:
             for (int d = 0; d < 3; ++d)
                 if (!element.properties[p].count && element.properties[p].name == std::string(1, static_cast<char>('x' + d)))
                     axis_of[d] = static_cast<int>(p);
-        if (std::min({axis_of[0], axis_of[1], axis_of[2]}) < 0) fail("got vertices without x, y and z; expected all three. Fix: export the mesh again");
+        if (std::min({axis_of[0], axis_of[1], axis_of[2]}) < 0)
+            fail("got vertices without x, y and z; expected all three. Fix: export the mesh again");
         data.points.reserve(data.points.size() + element.count);
         for (std::uint64_t i = 0; i < element.count; ++i) {
             std::array<double, 3> point{};

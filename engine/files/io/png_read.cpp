@@ -28,14 +28,20 @@ LabelImage read_label_png(const std::filesystem::path& path)
     image.version = PNG_IMAGE_VERSION;
     const auto fail = [&](const std::string& what) -> void {
         png_image_free(&image);
-        throw Error(ErrorKind::BadFile, path.string() + ": got " + what + "; expected a mask of 8-bit grey as `render --labels` writes it. Fix: render it again");
+        throw Error(ErrorKind::BadFile,
+                    path.string() + ": got " + what +
+                        "; expected a mask of 8-bit grey as `render --labels` writes it. Fix: render it again");
     };
-    if (!png_image_begin_read_from_memory(&image, file.data(), file.size())) fail(fmt::format("\"{}\" from libpng", image.message));
+    if (!png_image_begin_read_from_memory(&image, file.data(), file.size()))
+        fail(fmt::format("\"{}\" from libpng", image.message));
     if (!is_grey_8(file)) fail("another kind of PNG");
-    if (image.width > most_side || image.height > most_side) fail(fmt::format("{} x {} pixels, more than 8192 x 8192", image.width, image.height));
+    if (image.width > most_side || image.height > most_side)
+        fail(fmt::format("{} x {} pixels, more than 8192 x 8192", image.width, image.height));
     image.format = PNG_FORMAT_GRAY;
-    LabelImage out{static_cast<int>(image.width), static_cast<int>(image.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
-    if (!png_image_finish_read(&image, nullptr, out.labels.data(), 0, nullptr)) fail(fmt::format("\"{}\" from libpng", image.message));
+    LabelImage out{static_cast<int>(image.width), static_cast<int>(image.height),
+                   std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
+    if (!png_image_finish_read(&image, nullptr, out.labels.data(), 0, nullptr))
+        fail(fmt::format("\"{}\" from libpng", image.message));
     return out;
 }
 

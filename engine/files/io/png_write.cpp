@@ -35,8 +35,8 @@ bool encode_grey(png_structp png, png_infop info, const GreyRows& grey, std::str
     png_set_compression_level(png, 1);  // noise does not compress: more takes time, not bytes
     if (grey.long_runs) png_set_compression_strategy(png, Z_RLE);
     png_set_filter(png, 0, grey.bits == 16 ? PNG_FILTER_SUB : PNG_FILTER_NONE);
-    png_set_IHDR(png, info, grey.width, grey.height, grey.bits, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, grey.width, grey.height, grey.bits, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (grey.significant > 0) {
         png_color_8 bits{};
         bits.gray = static_cast<png_byte>(grey.significant);
@@ -56,7 +56,10 @@ void write_grey(const FilePlace& place, const GreyRows& grey)
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     const bool whole = info && encode_grey(png, info, grey, file);
     png_destroy_write_struct(&png, &info);
-    if (!whole) throw Error(ErrorKind::BadFile, place.path().string() + ": got a picture that libpng cannot encode; expected a PNG. Fix: give a smaller --size");
+    if (!whole)
+        throw Error(
+            ErrorKind::BadFile,
+            place.path().string() + ": got a picture that libpng cannot encode; expected a PNG. Fix: give a smaller --size");
     write_file(place, file);
 }
 
@@ -102,7 +105,8 @@ void write_label_png(const FilePlace& place, int width, int height, std::span<co
     SEL_ASSERT(values.size() == static_cast<std::size_t>(width) * height);
     std::vector<png_byte> rows;
     rows.reserve(2 * values.size());
-    for (const std::uint16_t v : values) rows.push_back(static_cast<png_byte>(v >> 8)), rows.push_back(static_cast<png_byte>(v & 255));
+    for (const std::uint16_t v : values)
+        rows.push_back(static_cast<png_byte>(v >> 8)), rows.push_back(static_cast<png_byte>(v & 255));
     write_grey(place, {width, height, 16, rows.data(), 0, false});
 }
 

@@ -10,7 +10,8 @@
 
 namespace seldinger {
 
-/// 8-bit RGB, or RGBA (straight) where there are 4 bytes a pixel; rows from the top. The file appears under its name only when it is complete.
+/// 8-bit RGB, or RGBA (straight) where there are 4 bytes a pixel; rows from the top. The file appears under its name only when it
+/// is complete.
 /// @throws Error BadFile
 void write_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint8_t>& pixels);
 
@@ -19,7 +20,8 @@ void write_png(const std::filesystem::path& path, int width, int height, const s
 /// @throws Error BadFile
 void write_grey_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint16_t>& grey);
 
-/// Numbers, not shades: 8 or 16 bits a pixel as they are, rows from the top. The file appears under its name only when it is complete.
+/// Numbers, not shades: 8 or 16 bits a pixel as they are, rows from the top. The file appears under its name only when it is
+/// complete.
 /// @throws Error BadFile
 void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint8_t> labels);
 void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint16_t> values);

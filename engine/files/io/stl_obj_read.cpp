@@ -54,20 +54,25 @@ std::uint64_t binary_triangles(const std::string& bytes, const std::string& name
 {
     if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
         fail(name, "got text in UTF-16; expected plain text or binary STL. Fix: save it as UTF-8 or ASCII");
-    if (bytes.size() < stl_header) refuse_damaged(name, fmt::format("got {} bytes; expected {} or more in an STL file", bytes.size(), stl_header + stl_record));
+    if (bytes.size() < stl_header)
+        refuse_damaged(name,
+                       fmt::format("got {} bytes; expected {} or more in an STL file", bytes.size(), stl_header + stl_record));
     const std::uint32_t announced = announced_triangles(bytes);
     const std::uint64_t there = (bytes.size() - stl_header) / stl_record, left_over = (bytes.size() - stl_header) % stl_record;
     const bool unknown = announced == 0 || announced == ~std::uint32_t{0};
     if (left_over == 0 && (unknown || announced < there)) {
         if (there > 0)
-            note = fmt::format("The file's header announces {} triangles, its body holds {}: all of these were read.", announced, there);
+            note = fmt::format("The file's header announces {} triangles, its body holds {}: all of these were read.", announced,
+                               there);
         return there;
     }
     if (left_over > 0 && announced == there && there > 0)
         note = fmt::format("The file has {} bytes behind its {} triangles; they were left out.", left_over, there);
     else if (left_over > 0 || announced != there)
-        refuse_damaged(name, fmt::format("got a header that announces {} triangles and {} bytes behind it; expected {} bytes for each triangle",
-                                         announced, bytes.size() - stl_header, stl_record));
+        refuse_damaged(
+            name,
+            fmt::format("got a header that announces {} triangles and {} bytes behind it; expected {} bytes for each triangle",
+                        announced, bytes.size() - stl_header, stl_record));
     return there;
 }
 
@@ -98,7 +103,8 @@ PolyData parse_binary_stl(const std::string& bytes, const std::string& name)
 PolyData parse_ascii_stl(const std::string& bytes, const std::string& name)
 {
     // looked for from the end, where it is, before capitals are looked for everywhere
-    if (bytes.rfind("endsolid") == std::string::npos && !has_word(bytes, "endsolid")) refuse_damaged(name, "got no \"endsolid\"; expected one at the end of an ASCII STL");
+    if (bytes.rfind("endsolid") == std::string::npos && !has_word(bytes, "endsolid"))
+        refuse_damaged(name, "got no \"endsolid\"; expected one at the end of an ASCII STL");
     PolyData data;
     TextWords words(without_mark(bytes));
     for (std::string_view word = words.word(); !word.empty(); word = words.word()) {
@@ -138,7 +144,8 @@ std::string_view obj_line(TextWords& lines, std::string& joined)
 
 PolyData parse_stl(const std::string& bytes, const std::string& name)
 {
-    const bool fits = bytes.size() >= stl_header && bytes.size() == stl_header + stl_record * std::uint64_t{announced_triangles(bytes)};
+    const bool fits =
+        bytes.size() >= stl_header && bytes.size() == stl_header + stl_record * std::uint64_t{announced_triangles(bytes)};
     return !fits && is_ascii_stl(bytes) ? parse_ascii_stl(bytes, name) : parse_binary_stl(bytes, name);
 }
 

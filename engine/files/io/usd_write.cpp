@@ -123,7 +123,9 @@ private:
 void write_usd(const std::filesystem::path& path, const AnimatedModel& model)
 {
     if (path.extension() != ".usda")
-        throw Error(ErrorKind::BadFile, fmt::format("{}: got the ending \"{}\"; expected .usda (USD as text). Fix: rename the file", path.string(), path.extension().string()));
+        throw Error(ErrorKind::BadFile,
+                    fmt::format("{}: got the ending \"{}\"; expected .usda (USD as text). Fix: rename the file", path.string(),
+                                path.extension().string()));
     make_folder_of(path);
     write_file(path, Usd(model).file());
 }

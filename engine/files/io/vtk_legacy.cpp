@@ -78,7 +78,9 @@ private:
         if (error != std::errc{} || end != text.data() + text.size())
             damaged(fmt::format("{}: got \"{}\"; expected a count", section, excerpt(text)));
         // even a digit and a blank per item would not fit: the count lies, and must not size a buffer
-        if (value > file_.size() / 2) damaged(fmt::format("got {}, which announces {} items; expected no more than the file has bytes for", section, value));
+        if (value > file_.size() / 2)
+            damaged(
+                fmt::format("got {}, which announces {} items; expected no more than the file has bytes for", section, value));
         return value;
     }
     [[noreturn]] void refuse_section(const std::string& key) const
@@ -110,7 +112,10 @@ private:
 
     void read_header(PolyData& data)
     {
-        if (line().rfind("# vtk DataFile", 0) != 0) fail("got no \"# vtk DataFile\" in its first line; expected a legacy VTK file. Fix: name the file after its format, or export it again");
+        if (line().rfind("# vtk DataFile", 0) != 0)
+            fail(
+                "got no \"# vtk DataFile\" in its first line; expected a legacy VTK file. Fix: name the file after its format, "
+                "or export it again");
         data.remarks = line() + "\n";  // the title
         const std::string encoding = lower(word());
         if (encoding != "ascii" && encoding != "binary")
@@ -205,7 +210,8 @@ private:
             {"vtktypefloat64", Scalar::Float64}};
         for (const auto& [name, kind] : names)
             if (type == name) return kind;
-        damaged(fmt::format("{}: got type \"{}\"; expected one of VTK's (float, double, int, vtktypeint64, unsigned_char, ...)", section, excerpt(type)));
+        damaged(fmt::format("{}: got type \"{}\"; expected one of VTK's (float, double, int, vtktypeint64, unsigned_char, ...)",
+                            section, excerpt(type)));
     }
     static constexpr Scalar id_type = Scalar::Int32;  // VTK writes its own indices as int, whatever their width in memory
 
@@ -273,7 +279,8 @@ private:
             if (name.empty()) damaged(fmt::format("FIELD is cut off: got no name; expected {} more arrays", left));
             const std::size_t components = count("FIELD"), tuples = count("FIELD");
             if (components > 0 && tuples > 8 * file_.size() / components)
-                damaged(fmt::format("got FIELD, which announces {} x {} items; expected no more than the file has bytes for", components, tuples));
+                damaged(fmt::format("got FIELD, which announces {} x {} items; expected no more than the file has bytes for",
+                                    components, tuples));
             const std::size_t n = components * tuples;
             const std::string type = lower(word());
             if (type == "string" || type == "vtkstdstring" || type == "utf8_string") {
@@ -312,7 +319,9 @@ private:
     bool read_attribute(const std::string& key, std::size_t n, std::map<std::string, PolyArray>& into)
     {
         const auto take = [&](const std::string& name, const std::string& type, std::size_t components) {
-            if (components > 8 * file_.size() / std::max<std::size_t>(n, 1)) damaged(fmt::format("got {}, which announces {} components; expected no more than the file has bytes for", excerpt(name), components));
+            if (components > 8 * file_.size() / std::max<std::size_t>(n, 1))
+                damaged(fmt::format("got {}, which announces {} components; expected no more than the file has bytes for",
+                                    excerpt(name), components));
             into[decoded(name)] = {static_cast<int>(components), values<double>(n * components, type, "POINT_DATA")};
         };
         if (key == "scalars") {
@@ -328,15 +337,18 @@ private:
             const std::string name = word();
             const std::size_t second = count("COLOR_SCALARS");
             const bool table = key == "lookup_table";
-            if (!table && second > 8 * file_.size() / std::max<std::size_t>(n, 1)) damaged(fmt::format("got COLOR_SCALARS, which announces {} components; expected no more than the file has bytes for", second));
+            if (!table && second > 8 * file_.size() / std::max<std::size_t>(n, 1))
+                damaged(fmt::format(
+                    "got COLOR_SCALARS, which announces {} components; expected no more than the file has bytes for", second));
             skip_values(table ? 4 * second : n * second, "unsigned_char");
         } else if (key == "texture_coordinates") {
             const std::string name = word();
             const std::size_t dimension = count("TEXTURE_COORDINATES");
             take(name, lower(word()), dimension);
         } else {
-            constexpr std::pair<std::string_view, std::size_t> plain[] = {{"vectors", 3},    {"normals", 3},      {"tensors", 9}, {"tensors6", 6},
-                                                                          {"global_ids", 1}, {"pedigree_ids", 1}, {"edge_flags", 1}};
+            constexpr std::pair<std::string_view, std::size_t> plain[] = {
+                {"vectors", 3},    {"normals", 3},      {"tensors", 9},   {"tensors6", 6},
+                {"global_ids", 1}, {"pedigree_ids", 1}, {"edge_flags", 1}};
             const auto* at = std::find_if(std::begin(plain), std::end(plain), [&](const auto& p) { return p.first == key; });
             if (at == std::end(plain)) return false;
             const std::string name = word();
@@ -364,7 +376,8 @@ private:
         const std::size_t back = at_;
         if (lower(word()) == "offsets") {  // 5.1: first = offsets, second = connectivity
             cells.offsets = values<std::int64_t>(first, lower(word()), section);
-            if (lower(word()) != "connectivity") damaged(fmt::format("{}: got no CONNECTIVITY; expected it after OFFSETS", section));
+            if (lower(word()) != "connectivity")
+                damaged(fmt::format("{}: got no CONNECTIVITY; expected it after OFFSETS", section));
             cells.connectivity = values<std::int64_t>(second, lower(word()), section);
             if (!cells.offsets.empty()) cells.offsets.erase(cells.offsets.begin());  // they begin with 0; PolyCells does not
             return;

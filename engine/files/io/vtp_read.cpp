@@ -42,7 +42,8 @@ struct FileFacts {
 void charge(const FileFacts& file, std::uint64_t bytes)
 {
     if (bytes > file.room)
-        fail(file, fmt::format("got arrays that unpack to more than {0} times the file's size; expected {0} times at most: damaged, or made to fill "
+        fail(file, fmt::format("got arrays that unpack to more than {0} times the file's size; expected {0} times at most: "
+                               "damaged, or made to fill "
                                "the memory. Fix: export the mesh again",
                                most_unpacked));
     file.room -= bytes;
@@ -90,7 +91,8 @@ public:
         } else {
             out += bytes_.substr(0, used);
         }
-        if (out.size() < count) refuse_damaged(file_.name, fmt::format("got an array of {} bytes; expected {}", out.size(), count));
+        if (out.size() < count)
+            refuse_damaged(file_.name, fmt::format("got an array of {} bytes; expected {}", out.size(), count));
         charge(file_, used);
         bytes_.remove_prefix(std::min(used, bytes_.size()));
         surplus_ += out.substr(count);
@@ -122,14 +124,17 @@ std::string take_compressed(const FileFacts& file, ByteSource& source)
                         last = read_length(head, 2, width);
     if (blocks == 0) return {};
     if (blocks > most_blocks || full > (1ull << 32))
-        refuse_damaged(file.name, fmt::format("got a compressed array of {} x {} bytes; expected {} blocks of 4 GiB at most", blocks, full, most_blocks));
+        refuse_damaged(file.name, fmt::format("got a compressed array of {} x {} bytes; expected {} blocks of 4 GiB at most",
+                                              blocks, full, most_blocks));
     const std::string sizes = source.take(blocks * width);
     std::string out;
     for (std::uint64_t i = 0; i < blocks; ++i) {
         const std::string packed = source.take(read_length(sizes, i, width));
         uLongf size = static_cast<uLongf>(i + 1 == blocks && last ? last : full);
         // zlib unpacks at most 1032-fold: a larger promise is a damaged length, and would ask for absurd memory
-        if (size > 1032 * packed.size() + 64) refuse_damaged(file.name, fmt::format("got {} bytes that unpack to {}; expected 1032 times as many at most", packed.size(), size));
+        if (size > 1032 * packed.size() + 64)
+            refuse_damaged(file.name, fmt::format("got {} bytes that unpack to {}; expected 1032 times as many at most",
+                                                  packed.size(), size));
         charge(file, size);
         const std::size_t start = out.size();
         out.resize(start + size);
@@ -147,10 +152,12 @@ std::string take_block(const FileFacts& file, std::string_view bytes, bool base6
     ByteSource source(file, bytes, base64);
     if (file.compressor == "vtkZLibDataCompressor") return take_compressed(file, source);
     if (!file.compressor.empty())
-        fail(file, fmt::format("got data compressed by {}; expected zlib or none. Fix: save it again with \"Compressor Type\" ZLib or None (ParaView)",
+        fail(file, fmt::format("got data compressed by {}; expected zlib or none. Fix: save it again with \"Compressor Type\" "
+                               "ZLib or None (ParaView)",
                                excerpt(file.compressor)));
     const std::uint64_t count = read_length(source.take(file.header_bytes), 0, file.header_bytes);
-    if (count > bytes.size()) refuse_damaged(file.name, fmt::format("got an array that announces {} bytes; expected no more than the file has", count));
+    if (count > bytes.size())
+        refuse_damaged(file.name, fmt::format("got an array that announces {} bytes; expected no more than the file has", count));
     return source.take(count);
 }
 
@@ -180,7 +187,9 @@ void convert_named(const FileFacts& file, const std::string& type, const std::st
     if (type == "UInt16") return convert<std::uint16_t>(file, bytes, values);
     if (type == "Int8") return convert<std::int8_t>(file, bytes, values);
     if (type == "UInt8") return convert<std::uint8_t>(file, bytes, values);
-    refuse_damaged(file.name, fmt::format("got an array of type \"{}\"; expected one of VTK's (Float64, Float32, Int64, UInt8, ...)", excerpt(type)));
+    refuse_damaged(
+        file.name,
+        fmt::format("got an array of type \"{}\"; expected one of VTK's (Float64, Float32, Int64, UInt8, ...)", excerpt(type)));
 }
 
 template <typename Wanted>
@@ -216,7 +225,9 @@ std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& arr
         convert_named(file, type, take_block(file, text, true), values);
     } else if (format == "appended") {
         const auto offset = array.attribute("offset").as_ullong();
-        if (offset >= file.appended.size()) refuse_damaged(file.name, fmt::format("got an array at offset {}, beyond the end of the file; expected less than {}", offset, file.appended.size()));
+        if (offset >= file.appended.size())
+            refuse_damaged(file.name, fmt::format("got an array at offset {}, beyond the end of the file; expected less than {}",
+                                                  offset, file.appended.size()));
         convert_named(file, type, take_block(file, file.appended.substr(offset), file.appended_base64), values);
     } else {
         refuse_damaged(file.name, fmt::format("got array format \"{}\"; expected ascii, binary or appended", excerpt(format)));
@@ -289,19 +300,24 @@ void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* 
     const auto shift = static_cast<std::int64_t>(cells.connectivity.size()),
                count = static_cast<std::int64_t>(connectivity.size());
     for (const std::int64_t v : connectivity) {
-        if (v < 0 || v >= points) refuse_damaged(file.name, fmt::format("{}: got point {}, which is not there; expected 0 to {}", kind, v, points - 1));
+        if (v < 0 || v >= points)
+            refuse_damaged(file.name, fmt::format("{}: got point {}, which is not there; expected 0 to {}", kind, v, points - 1));
         cells.connectivity.push_back(v + first_point);
     }
     std::int64_t before = 0;
     for (const std::int64_t offset : offsets) {
-        if (offset < before || offset > count) refuse_damaged(file.name, fmt::format("{}: got offset {}; expected {} to {}", kind, offset, before, count));
+        if (offset < before || offset > count)
+            refuse_damaged(file.name, fmt::format("{}: got offset {}; expected {} to {}", kind, offset, before, count));
         cells.offsets.push_back(offset + shift);
         before = offset;
     }
-    if (before != count) refuse_damaged(file.name, fmt::format("{}: got offsets that end at {}; expected the number of indices, {}", kind, before, count));
+    if (before != count)
+        refuse_damaged(file.name,
+                       fmt::format("{}: got offsets that end at {}; expected the number of indices, {}", kind, before, count));
     const pugi::xml_attribute announced = piece.attribute((std::string("NumberOf") + kind).c_str());
     if (announced && announced.as_ullong() != offsets.size())
-        refuse_damaged(file.name, fmt::format("NumberOf{}: got {}; expected {}, as many as there are", kind, excerpt(announced.value()), offsets.size()));
+        refuse_damaged(file.name, fmt::format("NumberOf{}: got {}; expected {}, as many as there are", kind,
+                                              excerpt(announced.value()), offsets.size()));
 }
 
 void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyParts parts, PolyData& data)
@@ -343,12 +359,18 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name, Poly
     pugi::xml_document document;
     const pugi::xml_parse_result parsed = document.load_buffer(xml.data(), xml.size());
     const pugi::xml_node root = document.child("VTKFile");
-    if (!parsed || !root) fail(file, fmt::format("got no VTK XML file ({}); expected one. Fix: name the file after its format, or export it again", parsed.description()));
+    if (!parsed || !root)
+        fail(file, fmt::format("got no VTK XML file ({}); expected one. Fix: name the file after its format, or export it again",
+                               parsed.description()));
     if (const std::string type = root.attribute("type").as_string(); type != "PolyData")
-        fail(file, fmt::format("got \"{}\"; expected PolyData. Fix: extract its surface (ParaView: Extract Surface) and save that as .vtp",
-                               excerpt(type)));
+        fail(file,
+             fmt::format(
+                 "got \"{}\"; expected PolyData. Fix: extract its surface (ParaView: Extract Surface) and save that as .vtp",
+                 excerpt(type)));
     if (root.attribute("byte_order").as_string("LittleEndian") != std::string("LittleEndian"))
-        fail(file, "got big-endian data; expected little-endian. Fix: open it in ParaView and save it again with \"Byte Order\" little-endian");
+        fail(file,
+             "got big-endian data; expected little-endian. Fix: open it in ParaView and save it again with \"Byte Order\" "
+             "little-endian");
     file.header_bytes = root.attribute("header_type").as_string() == std::string("UInt64") ? 8 : 4;
     file.compressor = root.attribute("compressor").as_string();
 

@@ -36,8 +36,8 @@ struct PolyData {
 
 constexpr std::size_t most_remarks = 4096;  // a file may be nothing but comments [bytes]
 
-/// Geometry leaves point, cell and field data packed: nobody asks for them, and a constant array packs a thousandfold. Remarks stops
-/// before the first point.
+/// Geometry leaves point, cell and field data packed: nobody asks for them, and a constant array packs a thousandfold. Remarks
+/// stops before the first point.
 enum class PolyParts { All, Geometry, Remarks };
 
 /// Times the file's size that its arrays may take in memory, every value as eight bytes, with the bytes that are read to find

@@ -76,7 +76,10 @@ void VtpWriter::add_point_data(std::string_view name, int components, std::span<
     point_data_.push_back({std::string(name), components, {values.begin(), values.end()}});
 }
 
-void VtpWriter::add_point_vectors(std::string_view name, std::span<const Vec3> values) { add_point_data(name, 3, numbers_of(values)); }
+void VtpWriter::add_point_vectors(std::string_view name, std::span<const Vec3> values)
+{
+    add_point_data(name, 3, numbers_of(values));
+}
 
 std::string VtpWriter::bytes() const
 {

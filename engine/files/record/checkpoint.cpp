@@ -78,9 +78,15 @@ bool is_sum(double value) { return std::isfinite(value) && value >= 0; }
 
 bool is_real(double value) { return std::isfinite(value); }
 
-bool is_sound(const LoadTally& t) { return all_of<double>(static_cast<const LoadNumbers&>(t), is_sum) && is_count(t.regions) && t.widened <= 1; }
+bool is_sound(const LoadTally& t)
+{
+    return all_of<double>(static_cast<const LoadNumbers&>(t), is_sum) && is_count(t.regions) && t.widened <= 1;
+}
 
-bool is_sound(const Greatest& g) { return is_sum(g.value) && is_place(g.at) && is_time(g.time) && all_of<double>(g.band, is_sum); }
+bool is_sound(const Greatest& g)
+{
+    return is_sum(g.value) && is_place(g.at) && is_time(g.time) && all_of<double>(g.band, is_sum);
+}
 
 bool is_sound(const EndTouch& t)
 {
@@ -91,7 +97,8 @@ bool is_sound(const ExitTally& t)
 {
     if (t.count < 0 || t.count > ExitTally::most_exits) return false;
     for (int w = 0; w < ExitTally::most_wires; ++w)
-        if (t.seen[w] > 1 || !is_place(t.tip[w]) || (t.seen[w] == 0 && (t.tip[w][0] != 0 || t.tip[w][1] != 0 || t.tip[w][2] != 0)))
+        if (t.seen[w] > 1 || !is_place(t.tip[w]) ||
+            (t.seen[w] == 0 && (t.tip[w][0] != 0 || t.tip[w][1] != 0 || t.tip[w][2] != 0)))
             return false;
     for (int k = 0; k < t.count; ++k) {
         const ExitTally::Exit& exit = t.exit[k];
@@ -107,15 +114,17 @@ bool is_sound(const ExitTally& t)
 
 bool is_sound(const ScoreNumbers& s)
 {
-    return all_of<double>(static_cast<const ScoreSums&>(s), is_sum) && all_of<double>(static_cast<const ScoreReals&>(s), is_real) &&
-           s.direction >= -1 && s.direction <= 1 && s.reached <= 1 && s.failed <= 1 && s.has_tip <= 1 && s.begun <= 1;
+    return all_of<double>(static_cast<const ScoreSums&>(s), is_sum) &&
+           all_of<double>(static_cast<const ScoreReals&>(s), is_real) && s.direction >= -1 && s.direction <= 1 &&
+           s.reached <= 1 && s.failed <= 1 && s.has_tip <= 1 && s.begun <= 1;
 }
 
 bool is_sound(const RunTally& t, std::int64_t most)
 {
-    return all_of<std::int64_t>(static_cast<const TallyCounts&>(t), is_count) && all_of<double>(static_cast<const TallySums&>(t), is_sum) &&
-           is_sound(t.wall_move) && is_sound(t.wall_stress) && is_sound(t.on_wall) && is_sound(t.on_instruments) && is_place(t.overlap_at) &&
-           is_sound(t.exits) && is_sound(t.score) && t.end.is_sound() && is_sound(t.end_touch) && t.steps <= most && t.rest_steps <= t.steps &&
+    return all_of<std::int64_t>(static_cast<const TallyCounts&>(t), is_count) &&
+           all_of<double>(static_cast<const TallySums&>(t), is_sum) && is_sound(t.wall_move) && is_sound(t.wall_stress) &&
+           is_sound(t.on_wall) && is_sound(t.on_instruments) && is_place(t.overlap_at) && is_sound(t.exits) &&
+           is_sound(t.score) && t.end.is_sound() && is_sound(t.end_touch) && t.steps <= most && t.rest_steps <= t.steps &&
            t.row_steps <= t.steps;
 }
 

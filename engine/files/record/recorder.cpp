@@ -20,8 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd", "wire.npz",
-                                     "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png",  "score.json", "score.html"};
+constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",    "wire.csv",  "contacts.csv",
+                                     "wire.pvd",       "wire.npz",     "contacts.pvd", "wall.pvd",  "vessel.vtp",
+                                     "scene.toml",     "picture.png",  "score.json",   "score.html"};
 constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 
 /// Adds the time until its end to a sum.
@@ -348,7 +349,8 @@ void Recorder::write_shapes()
 {
     if (wire_frames_.empty()) return;
     std::vector<std::string> series, names;
-    for (int k = 0; k < scene_.instrument_count(); ++k) series.push_back(series_of(scene_, k)), names.push_back(scene_.instrument(k).label);
+    for (int k = 0; k < scene_.instrument_count(); ++k)
+        series.push_back(series_of(scene_, k)), names.push_back(scene_.instrument(k).label);
     std::string shapes;
     try {
         shapes = wire_npz(dir_, wire_frames_, series, names);
@@ -369,8 +371,8 @@ void Recorder::checkpoint(const World& world, RunStatus status, double wall)
         trace.sync();
         sizes.push_back(trace.size());
     }
-    write_checkpoint(dir_ / "checkpoint.bin", {version(), world.device_name(), resolved_, vessel_hash_, status, tally_, std::move(sizes),
-                                               wire_frames_, contact_frames_, world.save_state()});
+    write_checkpoint(dir_ / "checkpoint.bin", {version(), world.device_name(), resolved_, vessel_hash_, status, tally_,
+                                               std::move(sizes), wire_frames_, contact_frames_, world.save_state()});
 }
 
 std::string Recorder::finish(const World& world, RunStatus status, double wall)

@@ -39,8 +39,8 @@ public:
     Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
              const Checkpoint& checkpoint);
 
-    /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes, if one is the largest so far. It is
-    /// found for each per cent that the largest grows by; in between it is that of the last one, as a share.
+    /// Before readings of an elastic wall are taken in: the error of its load by the wire's nodes, if one is the largest so far.
+    /// It is found for each per cent that the largest grows by; in between it is that of the last one, as a share.
     void gauge(const World& world, const Output& now);
     /// At an intermediate equilibrium of a static run: takes its readings in, and writes a row. @param now  Output::Everything
     void passed(const Output& now);

@@ -62,7 +62,8 @@ struct Recording::Data {
 
 Recording::Recording(const LoadedScene& scene, const World& world, const std::filesystem::path& dir, bool overwrite)
 {
-    if (!scene.source) throw Error(ErrorKind::BadScene, "Recording: got a scene that was not read; expected what load_scene() returned");
+    if (!scene.source)
+        throw Error(ErrorKind::BadScene, "Recording: got a scene that was not read; expected what load_scene() returned");
     check_run_folder(dir, overwrite ? FolderUse::Overwrite : FolderUse::Refuse, scene.source->scene);
     data_ = std::make_unique<Data>(scene.source, world, dir);
 }
@@ -86,9 +87,13 @@ void Recording::stepped(const World& world, const StepReport& report, double sec
     const Scene& scene = d.source->scene;
     const double due = scene.step_length(static_cast<long>(d.recorder.tally().steps));
     if (report.failed())
-        throw Error(ErrorKind::BadScene, fmt::format("Recording: got the report of a step that failed (flags {}); expected one that was accepted", report.flags));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("Recording: got the report of a step that failed (flags {}); expected one that was accepted",
+                                report.flags));
     if (std::abs(dt - due) > 1e-6 * due)
-        throw Error(ErrorKind::BadScene, fmt::format("Recording: got a step of {} s; expected {} s, dt of the scene. Fix: record every step", dt, due));
+        throw Error(
+            ErrorKind::BadScene,
+            fmt::format("Recording: got a step of {} s; expected {} s, dt of the scene. Fix: record every step", dt, due));
     d.time = world.time();
     world.read(d.output, d.recorder.wants(world));
     d.recorder.gauge(world, d.output);
@@ -105,6 +110,9 @@ TaskProgress Recording::task() const
             verdict_of(data_->source->scene.task, s)};
 }
 
-std::string Recording::finish(const World& world) { return data_->recorder.finish(world, RunStatus::Done, seconds_since(data_->start)); }
+std::string Recording::finish(const World& world)
+{
+    return data_->recorder.finish(world, RunStatus::Done, seconds_since(data_->start));
+}
 
 }  // namespace seldinger

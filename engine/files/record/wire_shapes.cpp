@@ -28,8 +28,8 @@ void put_stations(std::span<const Vec3> line, std::size_t count, std::vector<dou
     }
 }
 
-std::string wire_npz(const std::filesystem::path& dir, const std::vector<FrameMark>& frames, const std::vector<std::string>& series,
-                     const std::vector<std::string>& names)
+std::string wire_npz(const std::filesystem::path& dir, const std::vector<FrameMark>& frames,
+                     const std::vector<std::string>& series, const std::vector<std::string>& names)
 {
     const Folder folder(dir);
     NpzWriter file;
@@ -44,7 +44,9 @@ std::string wire_npz(const std::filesystem::path& dir, const std::vector<FrameMa
             const std::string name = frame_name(series[k], frame.step);
             std::vector<Vec3> line;
             for (const auto& p : parse_poly_data(read_file(folder / name), name).points) line.emplace_back(p[0], p[1], p[2]);
-            if (line.empty()) throw Error(ErrorKind::BadFile, name + ": got no points; expected the shape of an instrument. Fix: run again with --overwrite");
+            if (line.empty())
+                throw Error(ErrorKind::BadFile,
+                            name + ": got no points; expected the shape of an instrument. Fix: run again with --overwrite");
             put_stations(line, shape_stations, positions);
         }
         file.add(names[k].empty() ? "position_m" : names[k] + ".position_m", positions, {frames.size(), shape_stations, 3});

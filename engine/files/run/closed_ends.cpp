@@ -15,8 +15,8 @@ namespace {
 
 constexpr double facing = 0.7;  // cosine: within 45 degrees of straight into the vessel
 
-/// Whether the wall is near in all directions out of the vessel: in a tube's round or flat end it is 2.2 radii away at most, straight into
-/// the corner; twice that for ends that are not round.
+/// Whether the wall is near in all directions out of the vessel: in a tube's round or flat end it is 2.2 radii away at most,
+/// straight into the corner; twice that for ends that are not round.
 bool is_closed(const WallTree& tree, const Inlet& end)
 {
     constexpr double reach = 4.5;
@@ -69,9 +69,11 @@ std::string describe(const EndTouch& touch, const Scene& scene)
 {
     if (touch.rows == 0) return {};
     const std::string& label = scene.instrument(static_cast<int>(touch.wire)).label;
-    return fmt::format("the tip{} pressed on a closed end of the vessel from {:.4g} s on, near [{:.4g}, {:.4g}, {:.4g}] m: forces from then on come "
-                       "from the end of the mesh. Cut the mesh open there, or stop the feed before",
-                       label.empty() ? "" : " of " + label, touch.time, touch.tip[0], touch.tip[1], touch.tip[2]);
+    return fmt::format(
+        "the tip{} pressed on a closed end of the vessel from {:.4g} s on, near [{:.4g}, {:.4g}, {:.4g}] m: forces from then on "
+        "come "
+        "from the end of the mesh. Cut the mesh open there, or stop the feed before",
+        label.empty() ? "" : " of " + label, touch.time, touch.tip[0], touch.tip[1], touch.tip[2]);
 }
 
 }  // namespace seldinger

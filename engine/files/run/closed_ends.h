@@ -24,9 +24,10 @@ static_assert(std::is_trivially_copyable_v<EndTouch>);
 class ClosedEnds {
 public:
     ClosedEnds() = default;
-    /// Tips of the centreline where the lumen ends without an opening, except where instruments enter. Of a lumen that goes on beyond
-    /// the tip (the rim of a tear, the edge of a flat lumen) it is no end. @param inlets  points [m]
-    ClosedEnds(const std::vector<BoundaryLoop>& openings, const WallMesh& mesh, const Centreline& centreline, const std::vector<Vec3>& inlets);
+    /// Tips of the centreline where the lumen ends without an opening, except where instruments enter. Of a lumen that goes on
+    /// beyond the tip (the rim of a tear, the edge of a flat lumen) it is no end. @param inlets  points [m]
+    ClosedEnds(const std::vector<BoundaryLoop>& openings, const WallMesh& mesh, const Centreline& centreline,
+               const std::vector<Vec3>& inlets);
 
     /// A tip presses on an end if it is within a radius of it and a contact near the tip faces into the vessel there.
     /// @param now  with Output::Contacts

@@ -51,13 +51,15 @@ void note(ExitTally& tally, int wire, int opening, int way, double time)
 
 }  // namespace
 
-void watch_exits(ExitTally& tally, std::span<const Vec3> tips, std::span<const BoundaryLoop> openings, const WallMesh& mesh, double time)
+void watch_exits(ExitTally& tally, std::span<const Vec3> tips, std::span<const BoundaryLoop> openings, const WallMesh& mesh,
+                 double time)
 {
     if (openings.empty()) return;
     for (std::size_t w = 0; w < std::min<std::size_t>(tips.size(), ExitTally::most_wires); ++w) {
         const Vec3 before(tally.tip[w][0], tally.tip[w][1], tally.tip[w][2]), now = tips[w];
         for (std::size_t k = 0; k < openings.size() && tally.seen[w]; ++k)
-            if (const int way = crossing(openings[k], mesh, before, now)) note(tally, static_cast<int>(w), static_cast<int>(k), way, time);
+            if (const int way = crossing(openings[k], mesh, before, now))
+                note(tally, static_cast<int>(w), static_cast<int>(k), way, time);
         tally.seen[w] = 1;
         for (int c = 0; c < 3; ++c) tally.tip[w][c] = now[c];
     }
@@ -70,8 +72,8 @@ int outside_through(const ExitTally& tally, int wire)
     return -1;
 }
 
-std::vector<std::string> exit_sentences(const ExitTally& tally, const std::vector<BoundaryLoop>& openings, const Centreline& centreline,
-                                        const Scene& scene)
+std::vector<std::string> exit_sentences(const ExitTally& tally, const std::vector<BoundaryLoop>& openings,
+                                        const Centreline& centreline, const Scene& scene)
 {
     std::vector<std::string> list;
     for (int k = 0; k < tally.count; ++k) {
@@ -79,9 +81,10 @@ std::vector<std::string> exit_sentences(const ExitTally& tally, const std::vecto
         const BoundaryLoop& rim = openings[static_cast<std::size_t>(exit.opening)];
         const std::string& label = scene.instrument(exit.wire).label;
         const int inlet = inlet_through(openings, centreline, exit.opening);
-        std::string text = fmt::format("the tip{} left through {} ([{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm) at {:.4g} s",
-                                       label.empty() ? "" : " of " + label, inlet > 0 ? fmt::format("inlet {}", inlet) : "an opening",
-                                       rim.centre.x(), rim.centre.y(), rim.centre.z(), 1e3 * rim.radius, exit.left);
+        std::string text =
+            fmt::format("the tip{} left through {} ([{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm) at {:.4g} s",
+                        label.empty() ? "" : " of " + label, inlet > 0 ? fmt::format("inlet {}", inlet) : "an opening",
+                        rim.centre.x(), rim.centre.y(), rim.centre.z(), 1e3 * rim.radius, exit.left);
         if (exit.back > 0) text += fmt::format(" and came back at {:.4g} s", exit.back);
         else text += ": the part beyond the opening touches nothing";
         list.push_back(std::move(text));

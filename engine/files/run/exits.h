@@ -1,6 +1,6 @@
 #pragma once
-// Records tips that left the vessel through an opening, with the time. A tip that leaves through a side branch has left the model,
-// not passed its wall.
+// Records tips that left the vessel through an opening, with the time. A tip that leaves through a side branch has left the
+// model, not passed its wall.
 //
 // A tip leaves through an opening when its path since the last check crosses the polygon of the opening's rim from inside to
 // outside, and comes back when it crosses it the other way. A tip that enters at an inlet has not left before.
@@ -33,7 +33,8 @@ struct ExitTally {
 static_assert(std::is_trivially_copyable_v<ExitTally>);
 
 /// @param tips  of each wire [m]  @param openings  of `mesh`, before it has moved
-void watch_exits(ExitTally& tally, std::span<const Vec3> tips, std::span<const BoundaryLoop> openings, const WallMesh& mesh, double time);
+void watch_exits(ExitTally& tally, std::span<const Vec3> tips, std::span<const BoundaryLoop> openings, const WallMesh& mesh,
+                 double time);
 
 /// Opening beyond which a wire's tip is, -1: none.
 [[nodiscard]] int outside_through(const ExitTally& tally, int wire);

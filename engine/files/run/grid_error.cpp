@@ -34,7 +34,8 @@ Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x)
     const Vec3 normal = (b - a).cross(c - a);
     const double area = normal.squaredNorm();
     if (!(area > 0)) return Vec3::Constant(1.0 / 3);
-    Vec3 at(normal.dot((c - b).cross(x - b)) / area, normal.dot((a - c).cross(x - c)) / area, normal.dot((b - a).cross(x - a)) / area);
+    Vec3 at(normal.dot((c - b).cross(x - b)) / area, normal.dot((a - c).cross(x - c)) / area,
+            normal.dot((b - a).cross(x - a)) / area);
     at = at.cwiseMax(Vec3::Zero());
     return at / at.sum();
 }
@@ -73,7 +74,8 @@ double free_span(const World& run, int wire)
 double turning_of(const ConstRodView& rod)
 {
     double sum = 0;
-    for (int j = 1; j < rod.n - 1; ++j) sum += std::atan2(rod.tangent(j - 1).cross(rod.tangent(j)).norm(), rod.tangent(j - 1).dot(rod.tangent(j)));
+    for (int j = 1; j < rod.n - 1; ++j)
+        sum += std::atan2(rod.tangent(j - 1).cross(rod.tangent(j)).norm(), rod.tangent(j - 1).dot(rod.tangent(j)));
     return sum;
 }
 
@@ -106,9 +108,11 @@ double split_load(const World& run, const ConstRodView& rod, std::span<const Tou
 
 void GridErrors::widen(const GridErrors& other)
 {
-    for (double GridErrors::*entry : {&GridErrors::axial, &GridErrors::normal, &GridErrors::rise, &GridErrors::tip, &GridErrors::split})
+    for (double GridErrors::*entry :
+         {&GridErrors::axial, &GridErrors::normal, &GridErrors::rise, &GridErrors::tip, &GridErrors::split})
         this->*entry = std::max(this->*entry, other.*entry);
-    for (GridShare GridErrors::*share : {&GridErrors::energy, &GridErrors::missed, &GridErrors::pressed, &GridErrors::patch, &GridErrors::placed}) {
+    for (GridShare GridErrors::*share :
+         {&GridErrors::energy, &GridErrors::missed, &GridErrors::pressed, &GridErrors::patch, &GridErrors::placed}) {
         (this->*share).nodes = std::max((this->*share).nodes, (other.*share).nodes);
         (this->*share).facets = std::max((this->*share).facets, (other.*share).facets);
     }
@@ -123,7 +127,8 @@ void GridErrorGauge::find_normals(const WallMesh& mesh)
     for (const auto& triangle : mesh.triangles) {
         const Vec3 corner[] = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]]};
         const Vec3 normal = normal_of(mesh, triangle);
-        for (int k = 0; k < 3; ++k) normals_[triangle[k]] += angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * normal;
+        for (int k = 0; k < 3; ++k)
+            normals_[triangle[k]] += angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * normal;
     }
     for (Vec3& normal : normals_) normal.normalize();
 }
@@ -185,7 +190,8 @@ void GridErrorGauge::find_regions(const World& run, int first, int end, GridErro
         if (row.length > 0) region.half_edge += row.normal_force * std::max(rod.rest_length[edge], row.length) / 2;
         if (!faceted) continue;
         const auto& triangle = mesh.triangles[static_cast<std::size_t>(row.b.element)];
-        const Vec3 at = barycentric(mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]], row.point);
+        const Vec3 at =
+            barycentric(mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]], row.point);
         Vec3 smooth = Vec3::Zero();
         double offset = 0;
         for (int k = 0; k < 3; ++k) {
@@ -203,7 +209,9 @@ void GridErrorGauge::find_regions(const World& run, int first, int end, GridErro
     }
     regions_.clear();
     for (const auto& [key, region] : found) regions_.push_back(region);
-    std::ranges::sort(regions_, [](const TouchedRegion& a, const TouchedRegion& b) { return std::pair(a.wire, a.at()) < std::pair(b.wire, b.at()); });
+    std::ranges::sort(regions_, [](const TouchedRegion& a, const TouchedRegion& b) {
+        return std::pair(a.wire, a.at()) < std::pair(b.wire, b.at());
+    });
     creases_ = creases / errors.normal;
     places_ = {};
     errors.axial = std::abs(axial) / errors.normal;
@@ -216,7 +224,8 @@ GridShare GridErrorGauge::beside(const World& run, int wire, std::size_t k) cons
     double work = 0;
     const auto take_in = [&](std::size_t spans, double weight) {
         const std::size_t first = k >= spans ? k - spans : 0, last = std::min(k + spans, regions_.size() - 1);
-        const BendingError bending = bending_error_between(run, wire, k >= spans ? regions_[first].at() : 0, k + spans == last ? regions_[last].at() : length);
+        const BendingError bending = bending_error_between(run, wire, k >= spans ? regions_[first].at() : 0,
+                                                           k + spans == last ? regions_[last].at() : length);
         sum.energy += weight * bending.energy;
         sum.missed += weight * bending.missed;
         for (std::size_t r = first; r <= last; ++r) work += weight * regions_[r].inwards;
@@ -229,7 +238,8 @@ GridShare GridErrorGauge::beside(const World& run, int wire, std::size_t k) cons
 GridShare GridErrorGauge::placed(const World& run, int wire, std::size_t k) const
 {
     const TouchedRegion& region = regions_[k];
-    const double at = region.at(), by_nodes = region.half_edge / region.load, by_facets = std::abs(region.lengthways) / region.load;
+    const double at = region.at(), by_nodes = region.half_edge / region.load,
+                 by_facets = std::abs(region.lengthways) / region.load;
     const double same = neighbouring * 2 * by_nodes;
     double before = 0, after = run.rod(wire).material_s[run.rod(wire).n - 1] - at;  // spans; 0: none
     for (const TouchedRegion& other : regions_) {
@@ -251,7 +261,8 @@ void GridErrorGauge::add_spans(const World& run, int first, int end, const Bendi
     errors.rise = work / errors.normal;
     errors.pressed = errors.patch = errors.energy;
     if (regions_.empty()) return;
-    const auto of_first = std::span(regions_).first(static_cast<std::size_t>(std::ranges::count(regions_, first, &TouchedRegion::wire)));
+    const auto of_first =
+        std::span(regions_).first(static_cast<std::size_t>(std::ranges::count(regions_, first, &TouchedRegion::wire)));
     errors.tip = tip_on(run.rod(first), of_first, errors.rise);
     if (end - first > 1) {  // instruments that bend together have no spans of their own
         const auto largest = std::ranges::max_element(regions_, {}, &TouchedRegion::load);
@@ -275,10 +286,12 @@ void GridErrorGauge::add_spans(const World& run, int first, int end, const Bendi
         errors.placed = place;
         errors.split = split_load(run, run.rod(first), regions_, region);
     }
-    places_ = {std::sqrt(squares.nodes / 3), std::sqrt(squares.facets / 3)};  // a place that is as likely anywhere within half an edge
+    places_ = {std::sqrt(squares.nodes / 3),
+               std::sqrt(squares.facets / 3)};  // a place that is as likely anywhere within half an edge
 }
 
-double GridErrorGauge::sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const
+double GridErrorGauge::sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off,
+                                const Vec3& across) const
 {
     double turns = 0, spans = 0, widest = 0;  // curvature across, by least squares over the edges
     for (int k = 0; k < 3; ++k) {

@@ -1,12 +1,13 @@
 #pragma once
-// Error bands of a run's forces and tip (D17): the shares of the edges' lengths and of the wall's facets, from the run's state at one moment.
+// Error bands of a run's forces and tip (D17): the shares of the edges' lengths and of the wall's facets, from the run's state at
+// one moment.
 //
-// In a lumen the wall prescribes the wire's shape, so that forces are derivatives of its bending energy. D17 has the formula of each
-// share: energy, work of the normal forces over the distance from a smooth wall, push along the wire, creases, places of loads, patch,
-// weight, and the tip on its two nearest regions of contact.
+// In a lumen the wall prescribes the wire's shape, so that forces are derivatives of its bending energy. D17 has the formula of
+// each share: energy, work of the normal forces over the distance from a smooth wall, push along the wire, creases, places of
+// loads, patch, weight, and the tip on its two nearest regions of contact.
 //
-// The smooth wall goes through the mesh's vertices with the normals there (means over their triangles by angle). Each contact is borne
-// by the spans beside it, up to the next regions of contact, and by passes_span (nodes/adapt.h) of those behind them.
+// The smooth wall goes through the mesh's vertices with the normals there (means over their triangles by angle). Each contact is
+// borne by the spans beside it, up to the next regions of contact, and by passes_span (nodes/adapt.h) of those behind them.
 //
 // Elastic walls: their facets move, and the mesh has bands of its own (wall/wall_resolution.h); none here.
 
@@ -44,7 +45,7 @@ struct GridErrors {
 struct TouchedRegion {
     int wire = 0;
     double load = 0, along = 0, inwards = 0, sideways = 0;  // [N]; distance from the tip, and what facets move it by [N m]
-    double half_edge = 0, lengthways = 0;                   // how far along the wire it may lie by edges, and lies by facets [N m]
+    double half_edge = 0, lengthways = 0;  // how far along the wire it may lie by edges, and lies by facets [N m]
     [[nodiscard]] double at() const { return along / load; }
     [[nodiscard]] double by() const { return std::hypot(inwards, sideways) / load; }
 };
@@ -62,9 +63,10 @@ private:
     /// Of the forces of region k of a wire by where along it they lie, relative.
     [[nodiscard]] GridShare placed(const World& run, int wire, std::size_t k) const;
     void add_spans(const World& run, int first, int end, const BendingError& whole, GridErrors& errors);
-    /// How far a normal that is off by `off` moves the place of a load across the wire: over the wall's curvature there, and no farther than the
-    /// triangle is wide [m].
-    [[nodiscard]] double sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off, const Vec3& across) const;
+    /// How far a normal that is off by `off` moves the place of a load across the wire: over the wall's curvature there, and no
+    /// farther than the triangle is wide [m].
+    [[nodiscard]] double sideways(const WallMesh& mesh, const std::array<std::int32_t, 3>& triangle, const Vec3& off,
+                                  const Vec3& across) const;
     std::vector<Vec3> normals_;  // of the mesh's vertices; made when first needed
     // of the moment that is looked at
     std::vector<TouchedRegion> regions_;  // by wire, from the tip on

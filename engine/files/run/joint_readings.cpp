@@ -28,8 +28,8 @@ void add(WireReadings& to, const WireReadings& r)
     to.nodes += r.nodes;
     to.contacts += r.contacts;
     for (double WireReadings::*sum :
-         {&WireReadings::contact_length, &WireReadings::normal, &WireReadings::normal_between, &WireReadings::friction, &WireReadings::sliding,
-          &WireReadings::sticking, &WireReadings::rolling, &WireReadings::kinetic, &WireReadings::elastic,
+         {&WireReadings::contact_length, &WireReadings::normal, &WireReadings::normal_between, &WireReadings::friction,
+          &WireReadings::sliding, &WireReadings::sticking, &WireReadings::rolling, &WireReadings::kinetic, &WireReadings::elastic,
           &WireReadings::gravitational, &WireReadings::remesh_energy, &WireReadings::energy_made})
         to.*sum += r.*sum;
     for (double WireReadings::*worst : {&WireReadings::overlap, &WireReadings::outside, &WireReadings::force_residual})

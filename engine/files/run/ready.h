@@ -1,5 +1,6 @@
 #pragma once
-// From a scene to the setup of a world that nothing refuses before its first step: the one check of `check`, `run` and all that step.
+// From a scene to the setup of a world that nothing refuses before its first step: the one check of `check`, `run` and all that
+// step.
 
 #include "setup/scene_setup.h"
 

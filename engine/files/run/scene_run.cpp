@@ -39,7 +39,8 @@ const char* status_word(RunStatus status)
 SceneRun::SceneRun(World& world, std::span<const Scene> scenes, RunHooks* hooks)
     : world_(world), hooks_(hooks ? *hooks : none_), keys_(scenes), first_(scenes.front()), running_(world.system_count())
 {
-    for (const Scene& scene : scenes) systems_.push_back({scene.until, scene.steps(), prescribed_until(scene), 0, 0, RunStatus::Running});
+    for (const Scene& scene : scenes)
+        systems_.push_back({scene.until, scene.steps(), prescribed_until(scene), 0, 0, RunStatus::Running});
 }
 
 void SceneRun::resume(int system, long steps, long rest_steps, bool over)
@@ -58,7 +59,8 @@ bool SceneRun::is_over(int system, bool reached) const
 {
     const System& own = systems_[static_cast<std::size_t>(system)];
     if (own.steps >= own.last_step || (own.until == Until::Reached && reached)) return true;
-    return own.until == Until::Rest && own.rest_steps >= steps_at_rest && world_.time(world_.wires_of(system).first) >= own.moving_until;
+    return own.until == Until::Rest && own.rest_steps >= steps_at_rest &&
+           world_.time(world_.wires_of(system).first) >= own.moving_until;
 }
 
 void SceneRun::end(int system, RunStatus status)

@@ -1,6 +1,6 @@
 #pragma once
-// The one loop over the steps of scenes: where a run begins, what is stepped, how each system fares and when it is over. The command, a
-// batch, Python and the golden tests use it, and record through RunHooks.
+// The one loop over the steps of scenes: where a run begins, what is stepped, how each system fares and when it is over. The
+// command, a batch, Python and the golden tests use it, and record through RunHooks.
 
 #include "run/key_frames.h"
 #include "scene/scene.h"
@@ -17,7 +17,10 @@ enum class RunStatus : std::int32_t { Running, Done, TimeLimit, Interrupted, Sto
 [[nodiscard]] const char* status_word(RunStatus status);  // "done", "time-limit", ...
 
 /// Whether a run begins with a static equilibrium.
-[[nodiscard]] inline bool settles_first(const Scene& scene) { return scene.start_settled || scene.integrator.scheme == Scheme::Static; }
+[[nodiscard]] inline bool settles_first(const Scene& scene)
+{
+    return scene.start_settled || scene.integrator.scheme == Scheme::Static;
+}
 
 /// Questions and reports of a run, for those who record it.
 class RunHooks {

@@ -80,7 +80,10 @@ WorldBranches::WorldBranches(const World& world)
     }
 }
 
-Branches::Place WorldBranches::tip(const World& world, int system) const { return of(system).locate(world.rod(leading_wire(world, system)).pos(0)); }
+Branches::Place WorldBranches::tip(const World& world, int system) const
+{
+    return of(system).locate(world.rod(leading_wire(world, system)).pos(0));
+}
 
 TaskTarget::TaskTarget(const TaskSpec& task, Branches branches, const std::string& source) : branches_(std::move(branches))
 {
@@ -92,17 +95,20 @@ void TaskTarget::enter_branch(const TaskSpec& task, const std::string& source)
 {
     const Centreline& line = branches_.line();
     if (task.branch > branches_.count())
-        throw Error(ErrorKind::BadScene, fmt::format("{}: task.target.branch: got {}; expected 1 to {}, the branches of the vessel's centreline",
-                                                    source, task.branch, branches_.count()));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("{}: task.target.branch: got {}; expected 1 to {}, the branches of the vessel's centreline",
+                                source, task.branch, branches_.count()));
     stretch_ = task.branch > 0 ? branches_.numbered(task.branch) : branches_.find(task.branch_path);
     if (stretch_ < 0)
-        throw Error(ErrorKind::BadScene, fmt::format("{}: task.target.branch: got \"{}\"; expected a path of the vessel's centreline{}",
-                                                    source, task.branch_path, known_paths(branches_)));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("{}: task.target.branch: got \"{}\"; expected a path of the vessel's centreline{}", source,
+                                task.branch_path, known_paths(branches_)));
     const std::vector<int>& own = branches_.stretch(stretch_).points;
     const auto first = std::find_if(own.begin(), own.end(), [&](int i) { return branches_.depth(stretch_, i) >= task.beyond; });
     if (first == own.end())
-        throw Error(ErrorKind::BadScene, fmt::format("{}: task.target.beyond_m: got {} m; expected at most {:.4g} m, from the mouth of {} to its end",
-                                                    source, task.beyond, branches_.depth(stretch_, own.back()), branches_.stretch(stretch_).words()));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("{}: task.target.beyond_m: got {} m; expected at most {:.4g} m, from the mouth of {} to its end",
+                                source, task.beyond, branches_.depth(stretch_, own.back()), branches_.stretch(stretch_).words()));
     const auto at = [&](int i) { return line.points[static_cast<std::size_t>(i)]; };
     const int before = line.parent[static_cast<std::size_t>(*first)];
     mark_ = at(*first);
@@ -176,7 +182,8 @@ void ScoreWatch::begin(const World& world, int system, ScoreNumbers& score) cons
     score.distance = target(system).distance(world.rod(wire).pos(0));
 }
 
-/// No patch bears more than the sum of all forces but for rounding (LoadTally::may_rise): most steps need no pass over the contacts.
+/// No patch bears more than the sum of all forces but for rounding (LoadTally::may_rise): most steps need no pass over the
+/// contacts.
 double ScoreWatch::patch_force(const World& world, int first, int end, double wall_force, const ScoreNumbers& score)
 {
     const double most = (1 + 1e-9) * wall_force;
@@ -221,7 +228,8 @@ const char* verdict_of(const TaskSpec& task, const ScoreNumbers& score)
 std::string target_name(const TaskSpec& task)
 {
     if (task.target != TaskSpec::Target::Branch) return task.target_name.empty() ? "the point" : task.target_name;
-    const std::string branch = task.branch > 0 ? fmt::format("branch {}", task.branch) : fmt::format("branch \"{}\"", task.branch_path);
+    const std::string branch =
+        task.branch > 0 ? fmt::format("branch {}", task.branch) : fmt::format("branch \"{}\"", task.branch_path);
     // with its number: a name stays when --set asks for another branch
     return task.target_name.empty() ? branch : fmt::format("{} ({})", task.target_name, branch);
 }

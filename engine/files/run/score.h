@@ -1,5 +1,6 @@
 #pragma once
-// [task]: where the tip is to go, within which limits, and how it went. One implementation for runs, batches, Python and live sessions.
+// [task]: where the tip is to go, within which limits, and how it went. One implementation for runs, batches, Python and live
+// sessions.
 
 #include "engine.h"
 #include "run/score_numbers.h"

@@ -42,7 +42,11 @@ struct ScoreNumbers : ScoreSums, ScoreReals {
 };
 static_assert(std::is_trivially_copyable_v<ScoreNumbers>);
 
-/// Whether the force on the worst patch was still rising when the target was reached: a target a little farther in has a larger one.
-[[nodiscard]] inline bool is_rising(double patch_force_max_time, double reached_at_s) { return patch_force_max_time > reached_at_s - 0.02; }
+/// Whether the force on the worst patch was still rising when the target was reached: a target a little farther in has a larger
+/// one.
+[[nodiscard]] inline bool is_rising(double patch_force_max_time, double reached_at_s)
+{
+    return patch_force_max_time > reached_at_s - 0.02;
+}
 
 }  // namespace seldinger

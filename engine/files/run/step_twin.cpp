@@ -54,11 +54,15 @@ double usual_difference(const std::vector<double>& run, const std::vector<double
 // history nor slips that come earlier or later. The shares are calibrated, not derived, on the scenes of bench/readings.py and of
 // the tests. There, windows of some runs agreed to 0.1 %. Their 20 ms means still differed by up to 2.6 % (hand force) and 6.6 %
 // (friction) from those with 4 to 67 x shorter steps.
-// Where forces only rise there is no history to differ: with less falling than the largest value itself, the shares are in proportion.
+// Where forces only rise there is no history to differ: with less falling than the largest value itself, the shares are in
+// proportion.
 constexpr double hand_history = 0.03, friction_history = 0.07;
 
 /// What a difference from steps that are shorter by a ratio is multiplied by.
-double margin(double ratio) { return StepTwin::safety * std::max(ratio, StepTwin::least_ratio) / (std::max(ratio, StepTwin::least_ratio) - 1); }
+double margin(double ratio)
+{
+    return StepTwin::safety * std::max(ratio, StepTwin::least_ratio) / (std::max(ratio, StepTwin::least_ratio) - 1);
+}
 
 ErrorBand band_of(double value, double twin, int parts, double ratio, double least, double history)
 {
@@ -75,8 +79,8 @@ void widen(ErrorBand& band, double bound)
     band.step = band.band = bound;
 }
 
-/// The band of a force that lets go at its largest is what the time of the release leaves, where that is more: a bound, of which no more is expected
-/// than before.
+/// The band of a force that lets go at its largest is what the time of the release leaves, where that is more: a bound, of which
+/// no more is expected than before.
 void widen(ErrorBand& band, const ReleaseWatch& release)
 {
     if (release.bound() <= band.step) return;
@@ -84,8 +88,8 @@ void widen(ErrorBand& band, const ReleaseWatch& release)
     band.let_go = true;
 }
 
-/// Where along the wire the load lies, and whether that of the next node lies on the same patch: the band holds all of it. These are bounds and no expected
-/// errors, and so no reason for a warning.
+/// Where along the wire the load lies, and whether that of the next node lies on the same patch: the band holds all of it. These
+/// are bounds and no expected errors, and so no reason for a warning.
 void add_places(ErrorBand& band, const GridErrors& e)
 {
     band.nodes = std::hypot(band.nodes, e.placed.nodes * band.value) + e.split * band.value;
@@ -117,7 +121,8 @@ StepTwin::StepTwin(const Scene& scene, const World& run, long taken)
     estimate_.window_steps = std::max(least_steps, mean_steps(scene.dt));
     estimate_.adaptive = scene.wire.nodes == 0;
     estimate_.others.resize(static_cast<std::size_t>(run.wire_count() - 1));
-    for (std::size_t k = 0; k < estimate_.others.size(); ++k) estimate_.others[k].name = scene.instrument(static_cast<int>(k) + 1).label;
+    for (std::size_t k = 0; k < estimate_.others.size(); ++k)
+        estimate_.others[k].name = scene.instrument(static_cast<int>(k) + 1).label;
     others_.resize(estimate_.others.size());
     open(run, taken);
 }
@@ -188,17 +193,23 @@ void StepTwin::gauge(const World& run)
     window_.grid = grid_;
     window_.grid.widen(now);
     grid_ = now;
-    for (double GridShare::*by : {&GridShare::nodes, &GridShare::facets}) work_errors_.*by += window_.grid.pressed.*by * window_rubbed_;
+    for (double GridShare::*by : {&GridShare::nodes, &GridShare::facets})
+        work_errors_.*by += window_.grid.pressed.*by * window_rubbed_;
     window_rubbed_ = 0;
     if (closed_ > 0) work_errors_.nodes += std::max(0.0, motion_loss_ - motion_loss_then_);
     motion_loss_then_ = motion_loss_;
 }
 
-double StepTwin::last_length(const Window& window) const { return scene_.step_length(window.first + window.steps - 1) / scene_.dt; }
+double StepTwin::last_length(const Window& window) const
+{
+    return scene_.step_length(window.first + window.steps - 1) / scene_.dt;
+}
 
 void StepTwin::set_peaks(Window& window) const
 {
-    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) { return largest_mean(values, scene_.dt, 1, last); };
+    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) {
+        return largest_mean(values, scene_.dt, 1, last);
+    };
     window.peaks.hand = peak_of(window.hand);
     window.peaks.friction = peak_of(window.friction);
     for (std::size_t k = 0; k < window.others.size(); ++k) window.peaks.others[k] = peak_of(window.others[k]);
@@ -223,7 +234,8 @@ void StepTwin::close()
 const StepTwin::Examined& StepTwin::examine(const Window& window, int parts, long lead)
 {
     for (const std::unique_ptr<Examined>& known : examined_)
-        if (known->first == window.first && known->steps == window.steps && known->parts == parts && known->lead == lead) return *known;
+        if (known->first == window.first && known->steps == window.steps && known->parts == parts && known->lead == lead)
+            return *known;
     examined_.push_back(std::make_unique<Examined>(take_again(window, parts, lead)));
     return *examined_.back();
 }
@@ -265,7 +277,8 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
         const WireReadings now = joint_readings(*world_, 0);
         twin.hand.push_back(now.hand_force);
         twin.friction.push_back(now.friction);
-        for (std::size_t o = 0; o < others_.size(); ++o) twin.others[o].push_back(world_->readings(static_cast<int>(o) + 1).hand_force);
+        for (std::size_t o = 0; o < others_.size(); ++o)
+            twin.others[o].push_back(world_->readings(static_cast<int>(o) + 1).hand_force);
         if (window.has_wall) {
             world_->read(under_, Output::WallUnder);  // stress everywhere takes as long as some steps
             const WallReadings& wall = under_.walls.front().readings;
@@ -285,8 +298,12 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
     }
     twin.swing = swing.largest();
     // a window that has not the run's largest has one that differs from the twin's as far as its strikes do
-    twin.run.patch = window.has_patch ? window.largest.patch : std::clamp(twin.largest.patch + window.struck.largest() - struck.largest(), 0.0, window.largest.patch);
-    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) { return largest_mean(values, scene_.dt / parts, parts, last); };
+    twin.run.patch = window.has_patch
+                         ? window.largest.patch
+                         : std::clamp(twin.largest.patch + window.struck.largest() - struck.largest(), 0.0, window.largest.patch);
+    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) {
+        return largest_mean(values, scene_.dt / parts, parts, last);
+    };
     twin.peaks.hand = peak_of(twin.hand);
     twin.peaks.friction = peak_of(twin.friction);
     twin.peaks.patch = twin.largest.patch;
@@ -328,7 +345,8 @@ const StepTwin::Examined& StepTwin::examine_largest(const Window& window, Finer 
     return fine;
 }
 
-EndMean::Mean StepTwin::end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction, int parts) const
+EndMean::Mean StepTwin::end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction,
+                               int parts) const
 {
     EndMean mean;
     for (std::size_t k = 0; k < hand.size(); ++k)
@@ -342,14 +360,16 @@ void StepTwin::set_end(const Window& end, const Examined& twin)
     estimate_.end_seconds = value.seconds;
     const EndMean::Mean other = end_of(end, twin.hand, twin.friction, twin.parts);
     set_end_band(estimate_.hand, value.hand, other.hand, twin, end.hand, twin.hand, hand_, hand_history * hand_falls_.share());
-    set_end_band(estimate_.friction, value.friction, other.friction, twin, end.friction, twin.friction, friction_, friction_history * friction_falls_.share());
+    set_end_band(estimate_.friction, value.friction, other.friction, twin, end.friction, twin.friction, friction_,
+                 friction_history * friction_falls_.share());
 }
 
 void StepTwin::set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run,
                             const std::vector<double>& fine, const MeanSquare& others, double history) const
 {
     const double usual = twin.found ? margin(twin.ratio) * usual_difference(run, fine, scene_.dt, twin.parts) : 0;
-    band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.ratio, std::max(others.root(), usual), history) : ErrorBand{of_run, 0, 0, false};
+    band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.ratio, std::max(others.root(), usual), history)
+                      : ErrorBand{of_run, 0, 0, false};
 }
 
 double StepTwin::bound_by(const Examined& twin, const Reading& reading)
@@ -372,7 +392,8 @@ StepTwin::Reached StepTwin::reached(const Reading& reading) const
     return most;
 }
 
-ErrorBand StepTwin::peak_band(double value, const Examined& twin, const Reading& reading, Kind kind, const MeanSquare& windows, double history) const
+ErrorBand StepTwin::peak_band(double value, const Examined& twin, const Reading& reading, Kind kind, const MeanSquare& windows,
+                              double history) const
 {
     if (!twin.found) return {value, 0, 0, false};
     ErrorBand band = band_of(value, reading(twin.peaks), twin.parts, twin.ratio, windows.root(), history);
@@ -396,12 +417,14 @@ void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_en
     if (other.best.steps == 0) return;
     const double history = hand_history * other.falls.share();
     const auto at_end = [&](const std::vector<double>& force, int parts) { return end_of(end, force, force, parts).hand; };
-    set_end_band(bands.end, at_end(end.others[k], 1), of_end.found ? at_end(of_end.others[k], of_end.parts) : 0, of_end, end.others[k],
-                 of_end.found ? of_end.others[k] : end.others[k], other.means, history);
+    set_end_band(bands.end, at_end(end.others[k], 1), of_end.found ? at_end(of_end.others[k], of_end.parts) : 0, of_end,
+                 end.others[k], of_end.found ? of_end.others[k] : end.others[k], other.means, history);
     const bool same = best_hand_.steps > 0 && other.best.is(best_hand_);
     const Examined& of_peak = same ? of_hand : examine_largest(other.best, finer);
     const double peak = other.best.peaks.others[k];
-    bands.peak = peak_band(peak, of_peak, [k](const Peaks& peaks) { return k < peaks.others.size() ? peaks.others[k] : 0; }, Kind::Mean, other.peaks, history);
+    bands.peak = peak_band(
+        peak, of_peak, [k](const Peaks& peaks) { return k < peaks.others.size() ? peaks.others[k] : 0; }, Kind::Mean, other.peaks,
+        history);
     if (of_peak.found) widen(bands.peak, other.release);
     complete(bands.end, times(end.grid.energy, bands.end.value), end.grid.normal, of_hand_at(end.grid, k + 1));
     complete(bands.peak, times(other.best.grid.energy, peak), other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
@@ -426,7 +449,9 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
         band.known = largest_.patch == 0;
         return;
     }
-    const Examined& twin = best_patch_.is(best_hand_) ? hand : best_patch_.is(best_friction_) ? friction : examine_halved(best_patch_);
+    const Examined& twin = best_patch_.is(best_hand_)       ? hand
+                           : best_patch_.is(best_friction_) ? friction
+                                                            : examine_halved(best_patch_);
     const double patch = largest_.patch;
     band = peak_band(patch, twin, &Peaks::patch, Kind::Single, {}, hand_history * hand_falls_.share());
     if (twin.found) widen(band, twin.swing);
@@ -445,7 +470,9 @@ void StepTwin::set_wall()
     if (!twin.found) return;
     estimate_.wall_known = true;
     const double history = friction_history * friction_falls_.share();
-    const auto share = [&](double run, double of_twin) { return std::max(margin(twin.ratio) * std::abs(run - of_twin), history * run); };
+    const auto share = [&](double run, double of_twin) {
+        return std::max(margin(twin.ratio) * std::abs(run - of_twin), history * run);
+    };
     estimate_.wall_move = share(largest_.wall_move, twin.largest.wall_move);
     estimate_.wall_stress = share(largest_.wall_stress, twin.largest.wall_stress);
 }
@@ -495,14 +522,17 @@ ErrorEstimate StepTwin::finish(Finer finer)
     const Examined& of_friction = same ? twin_of_hand : examine_largest(best_friction_, finer);
     estimate_.tip = std::max(tips_.root(), of_end.found ? margin(of_end.ratio) * of_end.tip : 0.0);
     set_end(end, of_end);
-    estimate_.hand_peak = peak_band(best_hand_.peaks.hand, twin_of_hand, &Peaks::hand, Kind::Mean, hand_peaks_, hand_history * hand_falls_.share());
-    estimate_.friction_peak =
-        peak_band(best_friction_.peaks.friction, of_friction, &Peaks::friction, Kind::Mean, friction_peaks_, friction_history * friction_falls_.share());
+    estimate_.hand_peak =
+        peak_band(best_hand_.peaks.hand, twin_of_hand, &Peaks::hand, Kind::Mean, hand_peaks_, hand_history * hand_falls_.share());
+    estimate_.friction_peak = peak_band(best_friction_.peaks.friction, of_friction, &Peaks::friction, Kind::Mean, friction_peaks_,
+                                        friction_history * friction_falls_.share());
     if (twin_of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
     const GridErrors &at_end = end.grid, &at_hand = best_hand_.grid, &at_friction = best_friction_.grid;
-    complete(estimate_.hand, of_hand(at_end, estimate_.hand.value, estimate_.friction.value), at_end.normal, of_hand_at(at_end, 0));
-    complete(estimate_.hand_peak, of_hand(at_hand, best_hand_.peaks.hand, best_hand_.peaks.friction), at_hand.normal, of_hand_at(at_hand, 0));
+    complete(estimate_.hand, of_hand(at_end, estimate_.hand.value, estimate_.friction.value), at_end.normal,
+             of_hand_at(at_end, 0));
+    complete(estimate_.hand_peak, of_hand(at_hand, best_hand_.peaks.hand, best_hand_.peaks.friction), at_hand.normal,
+             of_hand_at(at_hand, 0));
     for (std::size_t k = 0; k < others_.size(); ++k) set_other(k, end, of_end, twin_of_hand, finer);
     complete(estimate_.friction, times(at_end.pressed, estimate_.friction.value), estimate_.friction.value);
     complete(estimate_.friction_peak, times(at_friction.pressed, best_friction_.peaks.friction), best_friction_.peaks.friction);
@@ -513,7 +543,8 @@ ErrorEstimate StepTwin::finish(Finer finer)
     return estimate_;
 }
 
-ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand, double friction, double patch)
+ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand,
+                                   double friction, double patch)
 {
     ErrorEstimate estimate;
     estimate.equilibrium = true;
@@ -528,7 +559,8 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
         band.resolved = StepTwin::is_resolved(band);
         return band;
     };
-    estimate.hand = band_of_grid(readings.hand_force, of_hand(e, readings.hand_force, readings.friction), e.normal, of_hand_at(e, 0));
+    estimate.hand =
+        band_of_grid(readings.hand_force, of_hand(e, readings.hand_force, readings.friction), e.normal, of_hand_at(e, 0));
     estimate.hand_peak = band_of_grid(hand, of_hand(e, hand, friction), e.normal, of_hand_at(e, 0));
     estimate.friction = band_of_grid(readings.friction, times(e.pressed, readings.friction), readings.friction, 0);
     estimate.friction_peak = band_of_grid(friction, times(e.pressed, friction), friction, 0);
@@ -538,7 +570,8 @@ ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const W
     const auto [first, end] = run.wires_of(0);
     for (int w = first + 1; w < end; ++w) {
         const double force = run.readings(w).hand_force;
-        const ErrorBand band = band_of_grid(force, times(e.energy, force), e.normal, of_hand_at(e, static_cast<std::size_t>(w - first)));
+        const ErrorBand band =
+            band_of_grid(force, times(e.energy, force), e.normal, of_hand_at(e, static_cast<std::size_t>(w - first)));
         estimate.others.push_back({scene.instrument(w - first).label, band, band});
     }
     estimate.tip_nodes = run.node_error(first);
@@ -561,15 +594,18 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
         if (band.resolved || !band.known) return;
         const std::string_view source = band.largest_source();
         if (band.band == 0 || StepTwin::is_resolved(band))  // what is known of it would not be said
-            list.push_back(fmt::format("{} of {:.3g} N: its error is unknown, because shorter steps did not converge there", what, band.value));
+            list.push_back(fmt::format("{} of {:.3g} N: its error is unknown, because shorter steps did not converge there", what,
+                                       band.value));
         else if (source != "step")
-            list.push_back(fmt::format("{} of {:.3g} N is not resolved by the {}: the band is +- {:.2g} N, {:.2g} N of it by them. Fix: {}", what, band.value,
-                                       source == "nodes" ? "wire's nodes" : "wall's facets", band.band, source == "nodes" ? band.nodes : band.facets,
-                                       advice_for(e, band.largest_source())));
+            list.push_back(
+                fmt::format("{} of {:.3g} N is not resolved by the {}: the band is +- {:.2g} N, {:.2g} N of it by them. Fix: {}",
+                            what, band.value, source == "nodes" ? "wire's nodes" : "wall's facets", band.band,
+                            source == "nodes" ? band.nodes : band.facets, advice_for(e, band.largest_source())));
         else
-            list.push_back(fmt::format("{} of {:.3g} N is not resolved by steps of {:.3g} ms: steps of {:.3g} ms give {:.3g} N from the same "
-                                       "state, the band is +- {:.2g} N; make scene.dt_s smaller",
-                                       what, band.value, 1e3 * e.dt, 1e3 * e.dt / band.parts, band.twin, band.band));
+            list.push_back(fmt::format(
+                "{} of {:.3g} N is not resolved by steps of {:.3g} ms: steps of {:.3g} ms give {:.3g} N from the same "
+                "state, the band is +- {:.2g} N; make scene.dt_s smaller",
+                what, band.value, 1e3 * e.dt, 1e3 * e.dt / band.parts, band.twin, band.band));
     };
     look("the hand force at the end (20 ms mean)", e.hand);
     look("the largest hand force (20 ms mean)", e.hand_peak);

@@ -1,14 +1,17 @@
 #pragma once
-// Error bands of a run's forces and tip (D17): the share of the step, by windows of the run that are computed again with shorter ones.
+// Error bands of a run's forces and tip (D17): the share of the step, by windows of the run that are computed again with shorter
+// ones.
 //
-// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Computed again, in a world of its own and from
-// the state at their beginning, are: every periodic-th window, the last, those with the largest hand force and friction so far, and the
-// run's first 2 mean_time. A twin has the run's nodes and wall and half its step. The windows of the largest forces are taken again with
-// fine_step too, from one window earlier: halved steps agree where both damp the oscillations after a slip. The window in which the sum
-// of normal forces falls most within mean_time is taken again with quarters of the step, for strikes.
+// The run is cut into windows of least_steps steps, or of mean_time where that is longer. Computed again, in a world of its own
+// and from the state at their beginning, are: every periodic-th window, the last, those with the largest hand force and friction
+// so far, and the run's first 2 mean_time. A twin has the run's nodes and wall and half its step. The windows of the largest
+// forces are taken again with fine_step too, from one window earlier: halved steps agree where both damp the oscillations after a
+// slip. The window in which the sum of normal forces falls most within mean_time is taken again with quarters of the step, for
+// strikes.
 //
-// The shares of nodes and facets come from the state at the end of each window (run/grid_error.h); a release has a bound of its own
-// (run/release_watch.h). Of several instruments the first one's hand is read (run/joint_readings.h), the others' from the same windows.
+// The shares of nodes and facets come from the state at the end of each window (run/grid_error.h); a release has a bound of its
+// own (run/release_watch.h). Of several instruments the first one's hand is read (run/joint_readings.h), the others' from the
+// same windows.
 //
 // A band cannot see a history that differed before the window began. `seldinger plan`, or a run with a shorter step, does.
 
@@ -32,8 +35,9 @@ namespace seldinger {
 
 struct Scene;
 
-/// What the shares of a band are together: independent errors, with the safety that shares by nodes do not have (those by the step do), and a
-/// coverage factor. Both are calibrated by bench/audit.py: of 490 readings of 70 draws 95.5 % lie inside, 92.6 % without them.
+/// What the shares of a band are together: independent errors, with the safety that shares by nodes do not have (those by the
+/// step do), and a coverage factor. Both are calibrated by bench/audit.py: of 490 readings of 70 draws 95.5 % lie inside, 92.6 %
+/// without them.
 inline constexpr double band_coverage = 1.1, node_safety = 1.5;
 [[nodiscard]] inline double band_of_shares(double step, double nodes, double facets)
 {
@@ -53,7 +57,9 @@ struct ErrorBand {
     bool let_go = false;   // the band is that of a release
     int parts = 2;
     double step = 0, nodes = 0, facets = 0;  // shares of the band
-    double step_part = 1 / 1.5;              // of `step`, that the value is believed to be off by: without StepTwin::safety, and without what a release may do
+    double step_part =
+        1 /
+        1.5;  // of `step`, that the value is believed to be off by: without StepTwin::safety, and without what a release may do
     bool known = true;                       // the run has seen where the value comes from
     void sum_up() { band = band_of_shares(step, nodes, facets); }
     [[nodiscard]] double expected() const;   // what the value is believed to be off by
@@ -81,8 +87,8 @@ struct ErrorEstimate {
     double wall_move = 0, wall_stress = 0;               // of the largest of an elastic wall, by the step [m], [Pa]
     bool wall_known = false;                             // these two are
     double tip = 0;                                      // by the step [m]
-    double tip_nodes = 0;                                // by the length of edges, largest at the ends of windows (World::node_error) [m]
-    double tip_facets = 0;                               // by the facets of the wall, largest at the ends of windows (GridErrors::tip) [m]
+    double tip_nodes = 0;   // by the length of edges, largest at the ends of windows (World::node_error) [m]
+    double tip_facets = 0;  // by the facets of the wall, largest at the ends of windows (GridErrors::tip) [m]
     bool adaptive = false;                               // the wire's nodes
     /// Of the tip's position, by all of them [m].
     [[nodiscard]] double tip_band() const { return band_of_shares(tip, tip_nodes, tip_facets); }
@@ -115,11 +121,13 @@ private:
     double last_ = 0, most_ = 0, fallen_ = 0;
 };
 
-/// Of a static run: what nodes and facets do to the readings of its last equilibrium, which no step has made. Larger ones on its way have
-/// the relative bands of that. @param hand, friction, patch  the largest on its way [N]
-[[nodiscard]] ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand, double friction, double patch);
+/// Of a static run: what nodes and facets do to the readings of its last equilibrium, which no step has made. Larger ones on its
+/// way have the relative bands of that. @param hand, friction, patch  the largest on its way [N]
+[[nodiscard]] ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand,
+                                                 double friction, double patch);
 
-/// The largest fall of a force of single steps within a time. A strike rises and falls within one; a force that only rises has none.
+/// The largest fall of a force of single steps within a time. A strike rises and falls within one; a force that only rises has
+/// none.
 class LargestFall {
 public:
     explicit LargestFall(double time) : span_(time) {}
@@ -155,7 +163,8 @@ struct LargestReadings {
 
 class StepTwin {
 public:
-    /// Whether the largest forces are taken again with fine_step too: a run of a thousand steps of 17 ms costs two to three times as much with it.
+    /// Whether the largest forces are taken again with fine_step too: a run of a thousand steps of 17 ms costs two to three times
+    /// as much with it.
     enum class Finer { Never, WhereCheap, Always };
     static constexpr long least_steps = 50;  // of a window
     static constexpr int periodic = 20;  // a twin of a window costs two: a tenth of the run's time
@@ -170,15 +179,19 @@ public:
     static constexpr double cheap = 0.1;            // of the run's steps
     static constexpr double mean_time = EndMean::span;  // [s]
     // Resolved is what is believed to be off by less than that
-    // bench/audit.py: of readings that are believed to be off by 20 to 33 % one in seven was off by more than 20 %, by 33 to 100 % two in five
+    // bench/audit.py: of readings that are believed to be off by 20 to 33 % one in seven was off by more than 20 %, by 33 to 100
+    // % two in five
     static constexpr double wanted = 1.0 / 3;     // of the value
     static constexpr double least_force = 1e-3;   // forces that no hand feels [N]
-    // Shares of GridErrors are bounds of errors that swing with the place of a load in its edge or facet. Where the place is as likely as any other, their
-    // root mean square is that part of the bound
+    // Shares of GridErrors are bounds of errors that swing with the place of a load in its edge or facet. Where the place is as
+    // likely as any other, their root mean square is that part of the bound
     static constexpr double usual_share = 0.57735026918962576;  // 1/sqrt(3)
 
     /// Whether what a reading is believed to be off by is at most `wanted` or `least_force`.
-    [[nodiscard]] static bool is_resolved(const ErrorBand& band) { return band.expected() <= std::max(wanted * std::abs(band.value), least_force); }
+    [[nodiscard]] static bool is_resolved(const ErrorBand& band)
+    {
+        return band.expected() <= std::max(wanted * std::abs(band.value), least_force);
+    }
 
     /// @param scene, run  outlive this   @param taken  steps of the run so far
     StepTwin(const Scene& scene, const World& run, long taken);
@@ -193,7 +206,8 @@ public:
     [[nodiscard]] ErrorEstimate finish(Finer finer);
 
 private:
-    /// Largest values in a window: means of hand force and friction, force on a patch if it is the largest so far, hands of the other instruments [N].
+    /// Largest values in a window: means of hand force and friction, force on a patch if it is the largest so far, hands of the
+    /// other instruments [N].
     struct Peaks {
         double hand = 0, friction = 0, patch = 0;
         std::vector<double> others;
@@ -241,10 +255,11 @@ private:
     void set_peaks(Window& window) const;
     /// Of a window's last step, over dt: less than 1 where the run ends in it.
     [[nodiscard]] double last_length(const Window& window) const;
-    [[nodiscard]] EndMean::Mean end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction, int parts) const;
+    [[nodiscard]] EndMean::Mean end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction,
+                                       int parts) const;
     /// At the end: a force of the run against that of the twin. @param history  least share of it that the band is
-    void set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run, const std::vector<double>& fine,
-                      const MeanSquare& others, double history) const;
+    void set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run,
+                      const std::vector<double>& fine, const MeanSquare& others, double history) const;
     /// Hand force and friction at the end, with their bands.
     void set_end(const Window& end, const Examined& twin);
     void close();
@@ -256,8 +271,8 @@ private:
     void complete(ErrorBand& band, const GridShare& grid, double pushing, double more = 0) const;
     using Reading = std::function<double(const Peaks&)>;
     enum class Kind { Mean, Single };  // single values of a wire that sticks, slips and strikes have no order in the step
-    /// Over all windows compared, with the finest twin of each: the largest that a reading may be with any step, its value in the run plus margin times the
-    /// difference of the twin; and the largest of the twins.
+    /// Over all windows compared, with the finest twin of each: the largest that a reading may be with any step, its value in the
+    /// run plus margin times the difference of the twin; and the largest of the twins.
     struct Reached {
         double bound = 0, twin = 0;
     };
@@ -265,13 +280,14 @@ private:
     /// The largest that a reading may be with any step in a window.
     [[nodiscard]] static double bound_by(const Examined& twin, const Reading& reading);
     /// @param twin  of the window with the largest value   @param windows  differences of all windows
-    [[nodiscard]] ErrorBand peak_band(double value, const Examined& twin, const Reading& reading, Kind kind, const MeanSquare& windows, double history) const;
+    [[nodiscard]] ErrorBand peak_band(double value, const Examined& twin, const Reading& reading, Kind kind,
+                                      const MeanSquare& windows, double history) const;
     void set_patch(const Examined& hand, const Examined& friction);
     void set_wall();
     void set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer);
     void set_work();
-    /// Once for each window, number of parts and lead. @param parts  of each of the run's steps   @param lead  steps of the window before that are taken
-    /// again too
+    /// Once for each window, number of parts and lead. @param parts  of each of the run's steps   @param lead  steps of the
+    /// window before that are taken again too
     const Examined& examine(const Window& window, int parts, long lead);
     [[nodiscard]] Examined take_again(const Window& window, int parts, long lead);
     /// Half the step, or a quarter where many were divided.
@@ -294,7 +310,8 @@ private:
     double path_ = 0, work_ = 0, pushed_ = 0;  // of the hand: its length [m], its work, the sum of magnitudes of that [J]
     GridShare work_errors_;                    // of the loss by friction, and all that springing took [J]
     double window_rubbed_ = 0;                 // the first within the window [J]
-    double motion_loss_ = 0, motion_loss_then_ = 0;  // to scheme, contacts and damping: so far, at the beginning of the window [J]
+    double motion_loss_ = 0,
+           motion_loss_then_ = 0;              // to scheme, contacts and damping: so far, at the beginning of the window [J]
     double mean_differences_ = 0;              // sum over compared windows of margin |mean - mean of the twin| [N]
     bool starting_ = false;  // the twin is of the run's start: it tells of largest values, nothing of other windows
     std::vector<std::unique_ptr<Examined>> examined_;
@@ -307,6 +324,9 @@ private:
     ErrorEstimate estimate_;
 };
 
-inline double ErrorBand::expected() const { return std::hypot(step_part * step, StepTwin::usual_share * nodes, StepTwin::usual_share * facets); }
+inline double ErrorBand::expected() const
+{
+    return std::hypot(step_part * step, StepTwin::usual_share * nodes, StepTwin::usual_share * facets);
+}
 
 }  // namespace seldinger

@@ -19,7 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& openings, const Centreline& centreline, const Scene& scene)
+Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& openings, const Centreline& centreline,
+                const Scene& scene)
 {
     Json list = Json::array();
     for (int k = 0; k < exits.count; ++k) {
@@ -39,12 +40,21 @@ Json estimate_json(const ErrorEstimate& e)
 {
     const auto band = [](const ErrorBand& b) -> Json {
         // let_go: the old name of sudden_release, until 0.3.0
-        return {{"value", b.value},       {"twin", b.twin},     {"parts", b.parts},          {"band", b.known ? Json(b.band) : Json()},
-                {"step", b.step},         {"nodes", b.nodes},   {"facets", b.facets},        {"largest_source", b.largest_source()},
-                {"resolved", b.resolved}, {"let_go", b.let_go}, {"sudden_release", b.let_go}};
+        return {{"value", b.value},
+                {"twin", b.twin},
+                {"parts", b.parts},
+                {"band", b.known ? Json(b.band) : Json()},
+                {"step", b.step},
+                {"nodes", b.nodes},
+                {"facets", b.facets},
+                {"largest_source", b.largest_source()},
+                {"resolved", b.resolved},
+                {"let_go", b.let_go},
+                {"sudden_release", b.let_go}};
     };
     Json others = Json::array();
-    for (const HandBands& hand : e.others) others.push_back({{"name", hand.name}, {"hand_force_n", band(hand.end)}, {"hand_force_peak_n", band(hand.peak)}});
+    for (const HandBands& hand : e.others)
+        others.push_back({{"name", hand.name}, {"hand_force_n", band(hand.end)}, {"hand_force_peak_n", band(hand.peak)}});
     const char* of_tip = largest_share(e.tip, e.tip_nodes, e.tip_facets);
     return {{"equilibrium", e.equilibrium},
             {"windows", e.windows},
@@ -201,8 +211,12 @@ Json shares_json(const WallBand& band, const ErrorEstimate& steps)
                               {"linear theory", "", band.geometry},
                               {"nodes", advice_for(steps, "nodes"), band.nodes},
                               {"step", advice_for(steps, "step"), band.step}};
-    const Source& largest = *std::max_element(std::begin(sources), std::end(sources), [](const Source& a, const Source& b) { return a.share < b.share; });
-    Json by = {{"mesh", band.mesh}, {"geometry", band.geometry}, {"nodes", band.nodes}, {"step", steps.wall_known ? Json(band.step) : Json()}};
+    const Source& largest = *std::max_element(std::begin(sources), std::end(sources),
+                                              [](const Source& a, const Source& b) { return a.share < b.share; });
+    Json by = {{"mesh", band.mesh},
+               {"geometry", band.geometry},
+               {"nodes", band.nodes},
+               {"step", steps.wall_known ? Json(band.step) : Json()}};
     by["largest_source"] = largest.name;
     by["advice"] = largest.advice;
     return by;
@@ -223,8 +237,8 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     out["wall_columns"] = made.columns;
     number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
     number.set("wall_edge_touched_m", made.edge_touched);
-    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3],
-                                  const WallBand& band, double by_step) {
+    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value,
+                                  const double(&at)[3], const WallBand& band, double by_step) {
         most.take_in(value, at, band, world.time());
         most.band.step = by_step;
         number.set(name + "_max_" + unit, most.value);
@@ -272,9 +286,10 @@ Json hubs_of(const World& world, const Scene& scene, std::vector<std::string>& l
         Json one = {{"name", series_of(scene, k)}};
         Numbers number(one);
         const std::pair<const char*, double> entries[] = {
-            {"speed_m_s", r.speed},          {"force_n", r.force},          {"work_j", r.work},         {"instrument_work_j", r.wire},
-            {"kinetic_j", r.kinetic},        {"friction_loss_j", r.friction}, {"damping_loss_j", r.damping}, {"stop_loss_j", r.stopped},
-            {"scheme_loss_j", r.scheme},     {"energy_open_j", r.open()}};
+            {"speed_m_s", r.speed},        {"force_n", r.force},       {"work_j", r.work},
+            {"instrument_work_j", r.wire}, {"kinetic_j", r.kinetic},   {"friction_loss_j", r.friction},
+            {"damping_loss_j", r.damping}, {"stop_loss_j", r.stopped}, {"scheme_loss_j", r.scheme},
+            {"energy_open_j", r.open()}};
         for (const auto& [key, value] : entries) number.set(key, value);
         for (const std::string& key : number.lost()) lost.push_back(series_of(scene, k) + ".hub." + key);
         list.push_back(std::move(one));
@@ -301,58 +316,76 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
         list.push_back(fmt::format("contact samples are {:.3g} mm apart: force per length is taken over {:.3g} mm, twice that; "
                                    "more samples (contact.samples_per_edge) make it finer",
                                    5e2 * tally.on_wall.window, 1e3 * tally.on_wall.window));
-    // Divided steps are solved as well as others. But half the step has nothing to compare in them. Bands allow for that (step_twin.h); without
-    // bands, this share of them makes a difference too small by the factor that those have for safety.
+    // Divided steps are solved as well as others. But half the step has nothing to compare in them. Bands allow for that
+    // (step_twin.h); without bands, this share of them makes a difference too small by the factor that those have for safety.
     const bool has_windows = notes.estimate && notes.estimate->windows > 0;
     const double frequent = has_windows ? StepTwin::most_divided : 1 - 1 / StepTwin::safety;
     if (static_cast<double>(tally.halved_steps) > frequent * static_cast<double>(tally.steps))
-        list.push_back(share(tally.halved_steps) + " were halved to converge: a comparison with half the step says little of the error. Fix: a smaller scene.dt_s");
-    // a snap multiplies the error of float (docs/performance.md): bands are wider than that, but what is read at one instant has none
+        list.push_back(
+            share(tally.halved_steps) +
+            " were halved to converge: a comparison with half the step says little of the error. Fix: a smaller scene.dt_s");
+    // a snap multiplies the error of float (docs/performance.md): bands are wider than that, but what is read at one instant has
+    // none
     if (notes.scene->contact.precision == Precision::Float32 && tally.halved_steps > 0)
-        list.push_back(fmt::format("contact in float32 and {} divided steps: where a wire snaps, readings of one instant without a band, such as "
-                                   "contact_pressure_max_pa, may be off by a quarter. Fix: take contact.precision out", tally.halved_steps));
+        list.push_back(fmt::format(
+            "contact in float32 and {} divided steps: where a wire snaps, readings of one instant without a band, such as "
+            "contact_pressure_max_pa, may be off by a quarter. Fix: take contact.precision out",
+            tally.halved_steps));
     if (tally.missed_steps > 0)
-        list.push_back(share(tally.missed_steps) + " missed the tolerance even in the smallest parts: their forces are not in equilibrium. Fix: a smaller scene.dt_s");
-    constexpr double deep = 0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
+        list.push_back(
+            share(tally.missed_steps) +
+            " missed the tolerance even in the smallest parts: their forces are not in equilibrium. Fix: a smaller scene.dt_s");
+    constexpr double deep =
+        0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
     if (tally.overlap_share > deep)
-        list.push_back(fmt::format("the wire overlapped the wall by {:.3g} of its radius at {:.4g} s near [{:.4g}, {:.4g}, {:.4g}] m: "
-                                   "what it weighs on there is not resolved; make scene.dt_s smaller, or look for a crease of the "
-                                   "mesh at that place",
-                                   tally.overlap_share, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
-                                   tally.overlap_at[2]));
+        list.push_back(
+            fmt::format("the wire overlapped the wall by {:.3g} of its radius at {:.4g} s near [{:.4g}, {:.4g}, {:.4g}] m: "
+                        "what it weighs on there is not resolved; make scene.dt_s smaller, or look for a crease of the "
+                        "mesh at that place",
+                        tally.overlap_share, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1], tally.overlap_at[2]));
     // a wall whose stiffness the scene gives is as soft as it is meant to be
     constexpr double felt = 0.1;  // of the forces
     const double sunk = tally.normal_max > 0 ? tally.sunk_force / tally.normal_max : 0;
-    if (!notes.scene->vessel.elastic && !notes.scene->vessel.youngs_given && notes.scene->contact.stiffness_from_wall && sunk > felt && tally.overlap_share <= deep)
-        list.push_back(fmt::format("the wire sinks into the rigid wall by up to {:.2g} of its radius ({:.3g} um), at {:.4g} s near [{:.4g}, {:.4g}, "
-                                   "{:.4g}] m. That is much of the deflection that the wall gives it: forces are too small by up to {:.0f} %. Fix: vessel.youngs_pa above its "
-                                   "default of {:g}, with a smaller scene.dt_s; or the wall's own modulus, if it is meant to be soft",
-                                   tally.overlap_share, 1e6 * tally.overlap_max, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
-                                   tally.overlap_at[2], 1e2 * std::min(sunk, 1.0), notes.scene->vessel.youngs));
+    if (!notes.scene->vessel.elastic && !notes.scene->vessel.youngs_given && notes.scene->contact.stiffness_from_wall &&
+        sunk > felt && tally.overlap_share <= deep)
+        list.push_back(fmt::format(
+            "the wire sinks into the rigid wall by up to {:.2g} of its radius ({:.3g} um), at {:.4g} s near [{:.4g}, {:.4g}, "
+            "{:.4g}] m. That is much of the deflection that the wall gives it: forces are too small by up to {:.0f} %. Fix: "
+            "vessel.youngs_pa above its "
+            "default of {:g}, with a smaller scene.dt_s; or the wall's own modulus, if it is meant to be soft",
+            tally.overlap_share, 1e6 * tally.overlap_max, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
+            tally.overlap_at[2], 1e2 * std::min(sunk, 1.0), notes.scene->vessel.youngs));
     if (notes.vessel)
-        for (const std::string& sentence : exit_sentences(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene)) list.push_back(sentence);
+        for (const std::string& sentence :
+             exit_sentences(tally.exits, notes.vessel->loops, world.setup().centreline, *notes.scene))
+            list.push_back(sentence);
     if (const std::string touch = describe(tally.end_touch, *notes.scene); !touch.empty()) list.push_back(touch);
     if (notes.estimate)
         for (const std::string& sentence : unresolved(*notes.estimate)) list.push_back(sentence);
     if (notes.estimate && notes.estimate->from_step > 0)
-        list.push_back(fmt::format("bands, and the largest forces as means of 20 ms, are those from step {} on, where the run was resumed; "
-                                   "hand_force_max_n and friction_max_n are of all steps", notes.estimate->from_step));
+        list.push_back(
+            fmt::format("bands, and the largest forces as means of 20 ms, are those from step {} on, where the run was resumed; "
+                        "hand_force_max_n and friction_max_n are of all steps",
+                        notes.estimate->from_step));
     if (tally.outside_steps > 0)
         list.push_back(
             share(tally.outside_steps) +
             fmt::format(" had a point of the wire's axis beyond the wall (through it, not out of an opening), {:.3g} mm at most",
                         1e3 * tally.outside_max) +
-            (tally.far_steps > 0 ? ". Where a wire fills an elastic lumen, its nearest side of the wall is not unique: do not use this run's numbers. Fix: "
+            (tally.far_steps > 0 ? ". Where a wire fills an elastic lumen, its nearest side of the wall is not unique: do not "
+                                   "use this run's numbers. Fix: "
                                    "vessel.wall = \"rigid\", or a wire that fits the narrowest place (docs/failures.md)"
                                  : ""));
     if (const std::string thick = describe_thick_wall(world.setup().vessel, world.setup().centreline); !thick.empty())
         list.push_back(thick);
-    if (const std::string coarse = describe_coarse_wall(wall_where_read(world, tally.wall_move), world.setup().vessel); !coarse.empty())
+    if (const std::string coarse = describe_coarse_wall(wall_where_read(world, tally.wall_move), world.setup().vessel);
+        !coarse.empty())
         list.push_back(coarse);
     if (tally.unequal_steps > 0)
-        list.push_back(share(tally.unequal_steps) +
-                       " have contact samples that do not add up to the forces on the nodes: do not trust readings of contact in this "
-                       "run, and report it with the scene");
+        list.push_back(
+            share(tally.unequal_steps) +
+            " have contact samples that do not add up to the forces on the nodes: do not trust readings of contact in this "
+            "run, and report it with the scene");
     if (tally.far_steps > 0)
         list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("contact")) +
                        " moved the wall by more than 20 % of the lumen's radius, or its large displacements did not "
@@ -379,7 +412,10 @@ std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
              {"energy_open_j", ledger.open()}}};
 }
 
-std::string task_json(const World& world, const Scene& scene, const ScoreNumbers& score) { return json_text(task_of(world, scene, score)); }
+std::string task_json(const World& world, const Scene& scene, const ScoreNumbers& score)
+{
+    return json_text(task_of(world, scene, score));
+}
 
 EndMean::Mean RunTally::at_end(const WireReadings& last) const
 {
@@ -403,7 +439,8 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     normal_max = std::max(normal_max, readings.normal);
     constexpr double hard = 0.025;  // of the radius, of which the default wall aims at 0.02
     if (readings.overlap_share > hard && readings.elastic > 0)
-        sunk_force = std::max(sunk_force, readings.normal * std::min(1.0, readings.normal * readings.overlap / (2 * readings.elastic)));
+        sunk_force =
+            std::max(sunk_force, readings.normal * std::min(1.0, readings.normal * readings.overlap / (2 * readings.elastic)));
     outside_max = std::max(outside_max, readings.outside);
 }
 

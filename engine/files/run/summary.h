@@ -20,8 +20,8 @@
 
 namespace seldinger {
 
-/// The most of what contacts along the wire came to (contact/force_per_length.h): forces over every step, places and extent over the
-/// rows of trace.csv.
+/// The most of what contacts along the wire came to (contact/force_per_length.h): forces over every step, places and extent over
+/// the rows of trace.csv.
 struct LoadNumbers {
     double per_length = 0, per_length_at = 0, per_length_time = 0;  // [N/m], from the tip [m], [s]
     double patch_force = 0, patch_at = 0, patch_time = 0;           // [N], from the tip [m], [s]
@@ -84,8 +84,9 @@ struct RunTally : TallyCounts, TallySums {
 
     /// Adds one wire's step to counts, maxima and means; `steps` and times are the caller's. @param dt  0: an equilibrium [s]
     ///
-    /// A wall that prescribes the wire's deflection d bends it with the energy U = K d^2/2 and the forces N = K d. Where the surface gives
-    /// way by o, d is smaller by o, and the forces by dN/N = o/d = N o/(2 U). With the deepest overlap of all contacts for o, this is a bound.
+    /// A wall that prescribes the wire's deflection d bends it with the energy U = K d^2/2 and the forces N = K d. Where the
+    /// surface gives way by o, d is smaller by o, and the forces by dN/N = o/d = N o/(2 U). With the deepest overlap of all
+    /// contacts for o, this is a bound.
     void take_in(const WireReadings& readings, unsigned flags, int newton_iterations, double dt);
     /// Hand force and friction over the last 20 ms; of an equilibrium its own.
     [[nodiscard]] EndMean::Mean at_end(const WireReadings& last) const;
@@ -119,7 +120,8 @@ struct SummaryNotes {
 /// What became of [task], as `task` of summary.json.
 [[nodiscard]] std::string task_json(const World& world, const Scene& scene, const ScoreNumbers& score);
 
-/// Five lines from the JSON of a run in `dir` and its warnings; the last line is the answer: where the tip is, or what became of the task.
+/// Five lines from the JSON of a run in `dir` and its warnings; the last line is the answer: where the tip is, or what became of
+/// the task.
 /// @param verbose  more lines: model, numerics, what the bands come from
 [[nodiscard]] std::string summary_for_people(const std::string& json, const std::filesystem::path& dir, bool verbose = false);
 

@@ -29,7 +29,8 @@ public:
         for (const ContactRow& row : contacts) {
             if (row.b.kind != BodyKind::Wall || !(row.normal_force > 0)) continue;
             std::array<long, 3> place;
-            for (int c = 0; c < 3; ++c) place[static_cast<std::size_t>(c)] = std::lround(row.point[static_cast<std::size_t>(c)] / cell_);
+            for (int c = 0; c < 3; ++c)
+                place[static_cast<std::size_t>(c)] = std::lround(row.point[static_cast<std::size_t>(c)] / cell_);
             if (seen_.insert(place).second) points.push_back(row.point);
         }
     }

@@ -12,7 +12,8 @@ Scene read_run_scene(const Folder& run, std::span<const std::string> overrides)
     const std::string text = read_scene_file(file);
     const toml::table root = parse_toml(text, file.path());
     if (const toml::node* include = root.get("include"))
-        fail_at(include->source(), "include", "the scene of a run is whole and includes nothing; take it out, or run the scene again");
+        fail_at(include->source(), "include",
+                "the scene of a run is whole and includes nothing; take it out, or run the scene again");
     return read_scene_text(text, file.path(), overrides);
 }
 

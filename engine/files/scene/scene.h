@@ -32,7 +32,8 @@ struct SceneFeed {
     bool along_centreline = false;  // what is inside at t = 0 lies along the vessel's centreline; else straight ahead
     double behind = 0;          // FeedSpec::behind [m]
     HubSpec hub;
-    // piecewise linear, times strictly increasing; held constant outside. Of a driven hub all have the `advance` that it starts with
+    // piecewise linear, times strictly increasing; held constant outside. Of a driven hub all have the `advance` that it starts
+    // with
     std::vector<FeedKey> keys;
 
     /// The inlet, with the hub where the keys have it at t = 0.
@@ -88,17 +89,20 @@ struct Scene : SceneInstrument {
     [[nodiscard]] double step_length(long taken) const;
     [[nodiscard]] int instrument_count() const { return 1 + static_cast<int>(others.size()); }
     [[nodiscard]] SceneInstrument& instrument(int k) { return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1]; }
-    [[nodiscard]] const SceneInstrument& instrument(int k) const { return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1]; }
+    [[nodiscard]] const SceneInstrument& instrument(int k) const
+    {
+        return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1];
+    }
 };
 
 /// When the last thing that the scene prescribes has come to its end [s]; rest before that is a pause.
 [[nodiscard]] double prescribed_until(const Scene& scene);
 
-/// The wall's modulus where the scene gives none. An elastic wall is soft tissue, 1 MPa. A rigid one is as hard as a fortieth of the
-/// hardest instrument, to a power of ten: a guidewire bent through a vessel then sinks in by some 0.02 of its radius,
+/// The wall's modulus where the scene gives none. An elastic wall is soft tissue, 1 MPa. A rigid one is as hard as a fortieth of
+/// the hardest instrument, to a power of ten: a guidewire bent through a vessel then sinks in by some 0.02 of its radius,
 /// and a harder wall would cost steps and show nothing. Beams of one shape carry loads of 4 B/(pi r^4), an instrument's modulus
-/// as a solid one, times lengths; so their share of overlap goes by the ratio of the two moduli. Between 1 MPa and 1 GPa: below, a wall
-/// that is called rigid would be softer than tissue; above, steps are halved.
+/// as a solid one, times lengths; so their share of overlap goes by the ratio of the two moduli. Between 1 MPa and 1 GPa: below,
+/// a wall that is called rigid would be softer than tissue; above, steps are halved.
 void choose_wall_youngs(Scene& scene);
 // A moving wire can stand still for a step where it turns round; that it does so for this many in a row is rest.
 inline constexpr long steps_at_rest = 10;

@@ -1,6 +1,7 @@
 #pragma once
-// A key of a scene file, declared once: name, unit, value with its range, meaning. scene_keys.h has all of them, bound to the members of a
-// Scene. The reader (TableReader::read), the writer (write_scene), the page docs/scene-file.md and the tests go through these lists.
+// A key of a scene file, declared once: name, unit, value with its range, meaning. scene_keys.h has all of them, bound to the
+// members of a Scene. The reader (TableReader::read), the writer (write_scene), the page docs/scene-file.md and the tests go
+// through these lists.
 
 #include "scene/scene_names.h"
 
@@ -79,7 +80,8 @@ struct Special {
     const char* range;
     std::string text = {};  // as it is written; empty: not at all
 };
-using Value = std::variant<Number, Count, std::int64_t*, bool*, std::string*, std::filesystem::path*, Numbers, Rows, Words, Tables, Special>;
+using Value = std::variant<Number, Count, std::int64_t*, bool*, std::string*, std::filesystem::path*, Numbers, Rows, Words,
+                           Tables, Special>;
 
 /// Quiet: left out of a written scene. Unused: that, and an error in a scene that is read (TableReader::refuse_unused).
 enum class Use { Written, Quiet, Unused };
@@ -90,7 +92,8 @@ struct Key {
     std::string_view name, unit;
     Value value;
     std::string_view meaning;      // Markdown; a message cites it up to the first ";" or "."
-    std::string_view absent = {};  // in the page's column "default", where that is not the value of the member; `needed`: an error
+    std::string_view absent =
+        {};  // in the page's column "default", where that is not the value of the member; `needed`: an error
     Use use = Use::Written;
 };
 inline constexpr std::string_view needed = "*needed*", none = "*none*";
@@ -99,7 +102,10 @@ inline constexpr std::string_view needed = "*needed*", none = "*none*";
 [[nodiscard]] std::string text_of(const Key& key, const std::filesystem::path& folder);
 
 [[nodiscard]] inline Value number(double& value, const Range& range) { return Number{&value, range}; }
-[[nodiscard]] inline Value number(double& value, const Range& range, Words words) { return Number{&value, range, std::move(words)}; }
+[[nodiscard]] inline Value number(double& value, const Range& range, Words words)
+{
+    return Number{&value, range, std::move(words)};
+}
 [[nodiscard]] inline Value degrees(double& value, const Range& range) { return Number{&value, range, {}, true}; }
 [[nodiscard]] inline Value count(int& value, int least, int most, Words words = {}, const char* says = nullptr)
 {

@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t deepest_include = 8;
-// Limits on all included files, each counted as often as it is named: ten files that include ten others, eight deep, would be read
-// for hours.
+// Limits on all included files, each counted as often as it is named: ten files that include ten others, eight deep, would be
+// read for hours.
 constexpr std::size_t most_includes = 100, most_included_bytes = 16u << 20;
 constexpr std::string_view material_keys[] = {"youngs_pa", "poisson"};
 constexpr std::string_view instrument_kinds[] = {"wire", "catheter", "sheath"};
@@ -57,7 +57,8 @@ void lay_under(toml::table& upper, toml::table&& lower)
 {
     for (auto&& [key, node] : lower)
         if (!upper.contains(key.str()))
-            std::move(node).visit([&, &name = key](auto&& value) { upper.insert_or_assign(name, std::forward<decltype(value)>(value)); });
+            std::move(node).visit(
+                [&, &name = key](auto&& value) { upper.insert_or_assign(name, std::forward<decltype(value)>(value)); });
 }
 
 /// The same of [wire]: stiffness is a material or three numbers, and either takes the place of the other below it.
@@ -114,7 +115,8 @@ toml::table wire_of_preset(const toml::node& preset, const std::string& path)
     return std::move(*file["wire"].as_table());
 }
 
-/// [wire], or each [[instrument]], with its path; not those that are more than a scene may have, which are refused when they are read.
+/// [wire], or each [[instrument]], with its path; not those that are more than a scene may have, which are refused when they are
+/// read.
 void for_each_wire(toml::table& root, const std::function<void(toml::table&, const std::string&)>& visit)
 {
     if (toml::table* wire = root["wire"].as_table()) visit(*wire, "wire");
@@ -292,7 +294,8 @@ double rest_angle(toml::array* sections)
     return angle;
 }
 
-/// Sections replace all of an instrument's, the ones that shape its tip, too. @param path  of the wire @param name  of its instrument
+/// Sections replace all of an instrument's, the ones that shape its tip, too. @param path  of the wire @param name  of its
+/// instrument
 void warn_of_lost_tip(LayeredScene& scene, toml::table& wire, const std::string& path, const std::string& name)
 {
     toml::array* sections = wire["section"].as_array();
@@ -300,9 +303,11 @@ void warn_of_lost_tip(LayeredScene& scene, toml::table& wire, const std::string&
     toml::table own = read_instrument(instrument_file(name));
     const double angle = rest_angle(own["wire"]["section"].as_array());
     if (angle > 0)
-        scene.warnings.push_back(fmt::format("{}.section: replaces all sections of \"{}\", the tip that they bend by {:.0f} degrees, too: this tip is straight. "
-                                             "Fix: give a section with rest_curvature_1_m ({} has it), or change its sections key by key, as --set {}.section.0.bend_nm2=1e-5",
-                                             path, name, angle * 180 / std::numbers::pi, instrument_file(name).string(), path));
+        scene.warnings.push_back(fmt::format(
+            "{}.section: replaces all sections of \"{}\", the tip that they bend by {:.0f} degrees, too: this tip is straight. "
+            "Fix: give a section with rest_curvature_1_m ({} has it), or change its sections key by key, as --set "
+            "{}.section.0.bend_nm2=1e-5",
+            path, name, angle * 180 / std::numbers::pi, instrument_file(name).string(), path));
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ void read_scene_table(const toml::table& table, Scene& scene)
     const double steps = scene.duration / scene.dt;
     if (timed && !(steps >= 0.5)) t.fail("duration_s", "expected at least one step; make duration_s longer or dt_s shorter");
     if (!(steps <= keys::most_steps))
-        t.fail("dt_s", fmt::format("makes {:.3g} steps, expected at most {:.0e}; make it longer", steps, double{keys::most_steps}));
+        t.fail("dt_s",
+               fmt::format("makes {:.3g} steps, expected at most {:.0e}; make it longer", steps, double{keys::most_steps}));
 }
 
 /// What the laws of kernels/shared/multiplier_law.h cannot be joined with.
@@ -126,10 +127,12 @@ void take_remarks_of_mesh(const toml::table& root, Scene& scene)
     if (remarks.units.empty() || remarks.units == scene.vessel.units) return;
     if (!root.at_path("vessel.units")) {
         scene.vessel.units = remarks.units;
-        scene.notes.emplace_back("units", fmt::format("the mesh's header says {}: vessel.units = \"{}\"", remarks.units, remarks.units));
+        scene.notes.emplace_back("units",
+                                 fmt::format("the mesh's header says {}: vessel.units = \"{}\"", remarks.units, remarks.units));
     } else {
-        scene.warnings.push_back(fmt::format("vessel.units: got \"{}\"; the mesh's header says \"{}\". Fix: check which of the two is right",
-                                             scene.vessel.units, remarks.units));
+        scene.warnings.push_back(
+            fmt::format("vessel.units: got \"{}\"; the mesh's header says \"{}\". Fix: check which of the two is right",
+                        scene.vessel.units, remarks.units));
     }
 }
 
@@ -175,7 +178,8 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
                    [&](const toml::table& load, const std::string& path) { read_wall_load(load, path, scene); });
     if (const toml::table* task = find_table(root, "task")) read_task_table(*task, scene);
     if (scene.until == Until::Reached && scene.task.target == TaskSpec::Target::None)
-        fail_at(table("scene").get("until")->source(), "scene.until", "got \"reached\" without a target; expected [task] target. Fix: add one, or until = \"time\"");
+        fail_at(table("scene").get("until")->source(), "scene.until",
+                "got \"reached\" without a target; expected [task] target. Fix: add one, or until = \"time\"");
     if (const toml::table* arm = find_table(root, "carm")) read_carm_table(*arm, scene);
     if (const toml::table* contrast = find_table(root, "contrast")) read_contrast_table(*contrast, scene);
     read_output(table("output"), scene);

@@ -22,10 +22,11 @@ struct FeedPlace {
     bool merged = false;  // it shares its centreline with others
 };
 /// Reads the place where an instrument enters, and its key frames.
-void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene);
+void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into,
+                     const Scene& scene);
 
-/// A contact cannot need less force to start sliding than to continue. A mu_static of the table below mu_sliding is refused; one that
-/// nobody gave is raised, for the summary and with a warning. @param path  of the table
+/// A contact cannot need less force to start sliding than to continue. A mu_static of the table below mu_sliding is refused; one
+/// that nobody gave is raised, for the summary and with a warning. @param path  of the table
 void order_friction(const TableReader& t, const std::string& path, double& mu_static, double mu_sliding, Scene& scene);
 
 void read_carm_table(const toml::table& table, Scene& scene);      // [carm]

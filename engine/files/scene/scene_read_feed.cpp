@@ -10,7 +10,8 @@ FeedKey read_feed_key(const toml::node& node, const std::string& path, const Fee
 {
     const toml::table* table = node.as_table();
     if (!table)
-        fail_at(node.source(), path, fmt::format("expected {{t_s = ..., {} = ..., turn_rad = ...}}", driven ? "force_n" : "advance_m"));
+        fail_at(node.source(), path,
+                fmt::format("expected {{t_s = ..., {} = ..., turn_rad = ...}}", driven ? "force_n" : "advance_m"));
     FeedKey key;
     key.turn = before.turn;
     if (driven) key.advance = before.advance;
@@ -19,9 +20,10 @@ FeedKey read_feed_key(const toml::node& node, const std::string& path, const Fee
                     "is of a hub that a force drives; give hub_mass_kg in the feed's table, or take it out");
     t.read(keys::feed_key(key, driven));
     if (driven && !first && key.advance != before.advance)
-        t.fail("advance_m", fmt::format("got {} m after {} m, of a hub that a force drives (hub_mass_kg); expected one start for all keys. "
-                                        "Fix: force_n instead",
-                                        key.advance, before.advance));
+        t.fail("advance_m",
+               fmt::format("got {} m after {} m, of a hub that a force drives (hub_mass_kg); expected one start for all keys. "
+                           "Fix: force_n instead",
+                           key.advance, before.advance));
     if (!first && key.t <= before.t) t.fail("t_s", "expected times that increase; sort the keys");
     return key;
 }
@@ -41,24 +43,28 @@ void check_behind(const TableReader& t, FeedPlace place, const SceneInstrument& 
     const SceneFeed& feed = into.feed;
     if (feed.behind == 0) return;
     if (!place.merged)
-        t.fail("behind_m",
-               "is of instruments in one centreline only ([coaxial] with model = \"merged\"): elsewhere the hand is at the inlet; "
-               "take it out");
+        t.fail(
+            "behind_m",
+            "is of instruments in one centreline only ([coaxial] with model = \"merged\"): elsewhere the hand is at the inlet; "
+            "take it out");
     const double inside = feed.at(0).advance;
     if (feed.behind + inside > into.wire.length)
-        t.fail("behind_m", fmt::format("{} m behind the inlet and {} m inside at the start are more than the whole instrument, {} m; "
-                                       "make length_m longer or take less",
-                                       feed.behind, inside, into.wire.length));
+        t.fail("behind_m",
+               fmt::format("{} m behind the inlet and {} m inside at the start are more than the whole instrument, {} m; "
+                           "make length_m longer or take less",
+                           feed.behind, inside, into.wire.length));
 }
 
 }  // namespace
 
-void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene)
+void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into,
+                     const Scene& scene)
 {
     SceneFeed& feed = into.feed;
     feed.on = true;
     const TableReader t(table, path, keys::feed(feed, place.inside));
-    t.refuse_unused(keys::feed(feed, place.inside), "is that of the outer instrument: those inside each other enter at one place; take it out");
+    t.refuse_unused(keys::feed(feed, place.inside),
+                    "is that of the outer instrument: those inside each other enter at one place; take it out");
     if (!place.inside) check_inlet(t, scene);
     t.need("keys", "key frames of the feed");
     t.read(keys::feed(feed, place.inside));
@@ -74,8 +80,9 @@ void read_feed_table(const toml::table& table, const std::string& path, FeedPlac
     }
     const IntegratorSpec& integrator = scene.integrator;
     if (feed.hub.driven() && (integrator.scheme != Scheme::Newton || integrator.newmark || integrator.conserve))
-        t.fail("hub_mass_kg", "a hub that a force drives is solved with integrator.scheme = \"newton\" and backward Euler; take beta, gamma "
-                              "and conserve out, or give the hub's way with advance_m in place of hub_mass_kg");
+        t.fail("hub_mass_kg",
+               "a hub that a force drives is solved with integrator.scheme = \"newton\" and backward Euler; take beta, gamma "
+               "and conserve out, or give the hub's way with advance_m in place of hub_mass_kg");
     for (const char* key : {"hub_damping_n_s_m", "hub_friction_n"})
         if (!feed.hub.driven()) t.refuse(key, "is of a hub that a force drives; give hub_mass_kg, or take it out");
     check_behind(t, place, into);

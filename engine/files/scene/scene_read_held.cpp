@@ -75,7 +75,8 @@ void refuse_free_moves(const TableReader& t, const HoldSpec& hold)
 /// An equilibrium has no times.
 void refuse_until(const TableReader& t, const Scene& scene)
 {
-    if (scene.integrator.scheme == Scheme::Static) t.refuse("until_s", "needs a run in time; scheme = \"static\" looks for the state at the end");
+    if (scene.integrator.scheme == Scheme::Static)
+        t.refuse("until_s", "needs a run in time; scheme = \"static\" looks for the state at the end");
 }
 
 void read_hold(const toml::table& table, const std::string& path, Scene& scene)

@@ -64,7 +64,8 @@ void read_names_of(const TableReader& t, std::string_view key, std::size_t least
 {
     const toml::array* names = t.node(key)->as_array();
     if (!names || names->size() < least)
-        t.fail(key, least == 2 ? "expected two names of instruments at least, outer first" : "expected one name of an instrument");
+        t.fail(key,
+               least == 2 ? "expected two names of instruments at least, outer first" : "expected one name of an instrument");
     std::vector<std::string_view> known;
     for (int k = 0; k < scene.instrument_count(); ++k) known.push_back(scene.instrument(k).label);
     const std::string path = fmt::format("coaxial.{}", key);
@@ -97,9 +98,10 @@ void read_coaxial(const toml::table& table, Scene& scene)
     // a written scene names the defaults, and 0 is what the model does
     const bool meant = spec.mu_sliding > 0 && spec.mu_sliding != CoaxialSpec().mu_sliding;
     if (spec.model == CoaxialSpec::Model::Merged && !spec.lumen_friction && meant)
-        scene.warnings.push_back(fmt::format("coaxial.mu_sliding: got {:g} for model = \"merged\", which has no effect there without lumen_friction. Fix: "
-                                             "coaxial.lumen_friction = true, model = \"separate\", or leave it out",
-                                             spec.mu_sliding));
+        scene.warnings.push_back(fmt::format(
+            "coaxial.mu_sliding: got {:g} for model = \"merged\", which has no effect there without lumen_friction. Fix: "
+            "coaxial.lumen_friction = true, model = \"separate\", or leave it out",
+            spec.mu_sliding));
     order_friction(t, "coaxial", spec.mu_static, spec.mu_sliding, scene);
     scene.coaxial = std::move(spec);
 }
@@ -159,10 +161,12 @@ void check_exchange(const toml::table& table, const Scene& scene, int before, in
     for (std::size_t i = 1; i < times.size(); ++i) {
         const double middle = 0.5 * (times[i - 1] + times[i]);
         if (times[i] > times[i - 1] && a.at(middle).advance > 0 && b.at(middle).advance > 0)
-            fail_in(table, "feed", after,
-                    fmt::format("is inside after {} s, as \"{}\" is (advance_m above 0); those of coaxial.exchange take turns: pull one out "
-                                "to advance_m = 0 before the next goes in",
-                                times[i - 1], scene.instrument(before).label));
+            fail_in(
+                table, "feed", after,
+                fmt::format(
+                    "is inside after {} s, as \"{}\" is (advance_m above 0); those of coaxial.exchange take turns: pull one out "
+                    "to advance_m = 0 before the next goes in",
+                    times[i - 1], scene.instrument(before).label));
     }
 }
 
@@ -200,8 +204,9 @@ void check_several(const toml::table& root, const Scene& scene)
         if (driven >= 0)
             fail_at(root.at_path(fmt::format("instrument[{}].feed.hub_mass_kg", k)).node()->source(),
                     fmt::format("instrument.{}.feed.hub_mass_kg", k),
-                    fmt::format("a force drives the hub of \"{}\" already; give this one's way with advance_m in place of hub_mass_kg",
-                                scene.instrument(driven).label));
+                    fmt::format(
+                        "a force drives the hub of \"{}\" already; give this one's way with advance_m in place of hub_mass_kg",
+                        scene.instrument(driven).label));
         driven = k;
     }
     const bool merged = scene.coaxial && scene.coaxial->model == CoaxialSpec::Model::Merged;
@@ -210,7 +215,8 @@ void check_several(const toml::table& root, const Scene& scene)
         const std::string path = fmt::format("{}.{}", table, key);
         fail_at(root.at_path(path).node()->source(), path, message);  // it is there: no default is refused
     };
-    const std::string_view who = merged ? "instruments of one centreline (coaxial.model = \"merged\")" : "instruments that touch each other";
+    const std::string_view who =
+        merged ? "instruments of one centreline (coaxial.model = \"merged\")" : "instruments that touch each other";
     const IntegratorSpec& integrator = scene.integrator;
     if (integrator.scheme == Scheme::Linearised || integrator.scheme == Scheme::Explicit)
         refuse("integrator", "scheme", fmt::format("does not solve {}; expected \"newton\" or \"static\"", who));
@@ -222,13 +228,17 @@ void check_several(const toml::table& root, const Scene& scene)
     const auto held = [&](int k) { return !scene.instrument(k).holds.empty(); };
     if (integrator.newmark && std::any_of(scene.coaxial->order.begin(), scene.coaxial->order.end(), held))
         refuse("integrator", root.at_path("integrator.gamma") ? "gamma" : "beta",
-               "is not for a hold on one of these instruments, where a velocity that the hold removes changes its sign at every step; take beta "
+               "is not for a hold on one of these instruments, where a velocity that the hold removes changes its sign at every "
+               "step; take beta "
                "and gamma out, or put a stiff [[link]] in place of the hold");
-    if (integrator.conserve) refuse("integrator", "conserve", fmt::format("is not for {}; take it out, or give beta and gamma", who));
-    if (integrator.damping_stiffness > 0) refuse("integrator", "damping_stiffness_s", fmt::format("is not for {}; take it out", who));
+    if (integrator.conserve)
+        refuse("integrator", "conserve", fmt::format("is not for {}; take it out, or give beta and gamma", who));
+    if (integrator.damping_stiffness > 0)
+        refuse("integrator", "damping_stiffness_s", fmt::format("is not for {}; take it out", who));
     if (scene.instruments_touch)
         refuse("contact", "instruments", fmt::format("is not for {}; take it out, or set coaxial.model = \"separate\"", who));
-    if (scene.vessel.shape != VesselShape::None && scene.contact.detection != Detection::Swept && scene.contact.detection != Detection::Capsule)
+    if (scene.vessel.shape != VesselShape::None && scene.contact.detection != Detection::Swept &&
+        scene.contact.detection != Detection::Capsule)
         refuse("contact", "detection", fmt::format("does not serve {}; expected \"swept\" or \"capsule\"", who));
 }
 

@@ -26,7 +26,8 @@ void read_task_table(const toml::table& table, Scene& scene)
     t.read(keys::task(task));
     const toml::node* target = t.node("target");
     if (!target) return;
-    if (!target->is_table()) t.fail("target", "expected { point = [x, y, z], radius_m = 0.005 } or { branch = 1, beyond_m = 0.01 }");
+    if (!target->is_table())
+        t.fail("target", "expected { point = [x, y, z], radius_m = 0.005 } or { branch = 1, beyond_m = 0.01 }");
     read_target(*target->as_table(), task);
     if (task.target == TaskSpec::Target::Branch && scene.vessel.shape == VesselShape::None)
         t.fail("target", "a branch is of a vessel, and the scene has none; give a point");

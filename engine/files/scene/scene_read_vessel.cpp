@@ -54,7 +54,8 @@ void read_vessel_table(const toml::table& table, Scene& scene)
     t.read(keys::vessel(vessel), scene.source);
     vessel.youngs_given = t.has("youngs_pa");
     for (const char* key : {"centreline_units", "centreline_space"})
-        if (t.has(key) && vessel.centreline.empty()) t.fail(key, "is of a given centreline, and the scene has none; take it out, or give vessel.centreline");
+        if (t.has(key) && vessel.centreline.empty())
+            t.fail(key, "is of a given centreline, and the scene has none; take it out, or give vessel.centreline");
     if (vessel.shape == VesselShape::Arc && vessel.bend_radius <= vessel.radius)
         t.fail("bend_radius_m", "expected more than radius_m, or the tube cuts itself");
     check_axes(t, vessel);

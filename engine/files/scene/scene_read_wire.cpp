@@ -28,7 +28,8 @@ void read_properties(const TableReader& t, const std::vector<Key>& keys, const s
     order_friction(t, path, s.mu_static, s.mu_sliding, scene);
 }
 
-/// Contact is looked for once a radius: a key given too small makes more places than there is memory for. The vessel has been read.
+/// Contact is looked for once a radius: a key given too small makes more places than there is memory for. The vessel has been
+/// read.
 void check_slender(const TableReader& t, const Scene& scene, double length, double radius)
 {
     if (scene.vessel.shape != VesselShape::None && length > most_slender * radius)
@@ -70,14 +71,18 @@ void check_points(const TableReader& t, const WireSpec& wire)
     }
     // chords are shorter than their arc; more than this is a wire placed under strain
     if (!wire.place.stretched && std::abs(length - wire.length) > 0.05 * wire.length)
-        t.fail("points",
-               fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %. Fix: other points, or stretch = "
-                           "\"as-placed\" for a wire that is under tension",
-                           length, wire.length));
+        t.fail(
+            "points",
+            fmt::format(
+                "the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %. Fix: other points, or stretch = "
+                "\"as-placed\" for a wire that is under tension",
+                length, wire.length));
     if (wire.place.stretched && std::abs(length / wire.length - 1) > most_placed_strain)
-        t.fail("points", fmt::format("the points are {:.6g} m long, the wire {:.6g} m: a strain of {:.3g}; expected at most {}. Fix: length_m is "
-                                     "the length without stress",
-                                     length, wire.length, length / wire.length - 1, most_placed_strain));
+        t.fail("points",
+               fmt::format(
+                   "the points are {:.6g} m long, the wire {:.6g} m: a strain of {:.3g}; expected at most {}. Fix: length_m is "
+                   "the length without stress",
+                   length, wire.length, length / wire.length - 1, most_placed_strain));
 }
 
 /// The first director of a wire whose scene gives none: z, or x for a wire along z.
@@ -92,7 +97,8 @@ void read_place(const toml::table& table, const std::string& path, WireSpec& wir
     const bool is_based = place.shape != PlaceShape::Points && place.shape != PlaceShape::Centreline;
     for (const auto key : {"base", "direction"})
         if (!is_based) t.refuse(key, fmt::format("follows from shape = \"{}\"; take it out", word_of(place_words, place.shape)));
-    t.refuse_unused(keys::place(place), fmt::format("is not used by shape = \"{}\"; take it out", word_of(place_words, place.shape)));
+    t.refuse_unused(keys::place(place),
+                    fmt::format("is not used by shape = \"{}\"; take it out", word_of(place_words, place.shape)));
     if (place.shape == PlaceShape::Arc) t.need("bend_radius_m", "the radius of the circle that the wire follows");
     if (place.shape == PlaceShape::Points) t.need("points", "shape = \"points\" follows them from base to tip");
     t.read(keys::place(place));
@@ -107,8 +113,8 @@ void check_nodes(const TableReader& t, const WireSpec& wire)
     if (wire.nodes == 0 && wire.min_edge >= wire.max_edge)
         t.fail("min_edge_m", fmt::format("expected less than max_edge_m, {} m", wire.max_edge));
     if (wire.nodes == 0 && wire.length / wire.min_edge > keys::most_nodes)
-        t.fail("min_edge_m", fmt::format("makes up to {:.3g} nodes, expected at most {}; make it longer", wire.length / wire.min_edge,
-                                         keys::most_nodes));
+        t.fail("min_edge_m", fmt::format("makes up to {:.3g} nodes, expected at most {}; make it longer",
+                                         wire.length / wire.min_edge, keys::most_nodes));
 }
 
 /// A fed wire starts straight and at rest at the inlet: what places another wire contradicts [feed].
@@ -133,9 +139,10 @@ void order_friction(const TableReader& t, const std::string& path, double& mu_st
 {
     if (friction_in_order(mu_static, mu_sliding)) return;
     if (t.has("mu_static"))
-        t.fail("mu_static", fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to continue; "
-                                        "make it {} or more, or take it out",
-                                        mu_static, mu_sliding, mu_sliding));
+        t.fail("mu_static",
+               fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to continue; "
+                           "make it {} or more, or take it out",
+                           mu_static, mu_sliding, mu_sliding));
     const std::string key = path + ".mu_static";
     const std::string what = fmt::format("{} (raised from {}: not below mu_sliding, and not given)", mu_sliding, mu_static);
     scene.notes.emplace_back(key, what);
@@ -152,7 +159,8 @@ void read_wire_table(const toml::table& table, const std::string& path, bool fed
     const TableReader t(table, path, keys::wire(into));
     if (fed) refuse_placement(t);
     if (!t.has("youngs_pa"))
-        for (const auto key : keys::stiffness) t.need(key, "stiffness is youngs_pa and poisson, or bend_nm2, twist_nm2 and stretch_n");
+        for (const auto key : keys::stiffness)
+            t.need(key, "stiffness is youngs_pa and poisson, or bend_nm2, twist_nm2 and stretch_n");
     read_properties(t, keys::wire(into), path, wire.shaft, scene);
     if (wire.shaft.radius * 2 > wire.length)
         t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");

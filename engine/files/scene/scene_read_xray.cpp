@@ -9,7 +9,8 @@ namespace {
 
 /// Tables of a list `keys` in their order: a key that is absent is as in the one before.
 template <class Row>
-void read_keys(const TableReader& t, const std::string& path, std::vector<Key> (*keys_of)(Row&), const char* form, std::vector<Row>& rows)
+void read_keys(const TableReader& t, const std::string& path, std::vector<Key> (*keys_of)(Row&), const char* form,
+               std::vector<Row>& rows)
 {
     if (!t.has("keys")) return;
     const toml::array* list = t.node("keys")->as_array();

@@ -53,7 +53,8 @@ std::string inline_table(const std::vector<Key>& keys, const std::filesystem::pa
 {
     std::vector<std::string> entries;
     for (const Key& key : keys)
-        if (const std::string text = keys::text_of(key, folder); !text.empty()) entries.push_back(fmt::format("{} = {}", key.name, text));
+        if (const std::string text = keys::text_of(key, folder); !text.empty())
+            entries.push_back(fmt::format("{} = {}", key.name, text));
     return fmt::format("{{ {} }}", fmt::join(entries, ", "));
 }
 
@@ -116,7 +117,8 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     for (const keys::Table& table : keys::tables(own)) {
         out += fmt::format("{}{}\n", out.empty() ? "" : "\n", table.header);
         for (const Key& key : table.keys)
-            if (const std::string text = keys::text_of(key, folder); !text.empty()) out += fmt::format("{} = {}\n", key.name, text);
+            if (const std::string text = keys::text_of(key, folder); !text.empty())
+                out += fmt::format("{} = {}\n", key.name, text);
     }
     return out;
 }

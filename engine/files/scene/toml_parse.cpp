@@ -33,7 +33,8 @@ void refuse_utf16(std::string_view text, const std::string& name)
     const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
     const bool ascii_in_pairs = text.size() > 1 && ((text[0] == '\0') != (text[1] == '\0'));
     if (marked || ascii_in_pairs)
-        throw Error(ErrorKind::BadScene, name + ": got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
+        throw Error(ErrorKind::BadScene,
+                    name + ": got text in UTF-16; expected UTF-8. Fix: save the file again with the encoding UTF-8");
 }
 
 }  // namespace
@@ -69,7 +70,8 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
         return toml::parse(text, name);
     } catch (const toml::parse_error& error) {
         const bool is_escape = error.description().find("escape") != std::string_view::npos;
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; {}", error.description(), is_escape ? backslash_advice : "fix the syntax"));
+        fail_at(error.source(), "",
+                fmt::format("is not TOML: {}; {}", error.description(), is_escape ? backslash_advice : "fix the syntax"));
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// TOML of files and of --set may be hostile. Size and depth are checked before the parser (toml++ 3.3), which has no limits of its own.
+// TOML of files and of --set may be hostile. Size and depth are checked before the parser (toml++ 3.3), which has no limits of
+// its own.
 
 #include "core/folder.h"
 
@@ -15,7 +16,8 @@ namespace seldinger {
 inline constexpr int most_toml_depth = 32;
 
 /// The fix for paths that were written as on Windows.
-inline constexpr const char* backslash_advice = "in double quotes a backslash begins an escape: write paths with /, or in single quotes";
+inline constexpr const char* backslash_advice =
+    "in double quotes a backslash begins an escape: write paths with /, or in single quotes";
 
 /// Where `text` is nested deeper, as a byte; npos where it is not.
 [[nodiscard]] std::size_t too_deep(std::string_view text);

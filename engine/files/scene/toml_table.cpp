@@ -93,7 +93,8 @@ bool has_word(std::string_view key, std::string_view word)
     for (std::size_t at = key.find(word); at != std::string_view::npos; at = key.find(word, at + 1)) {
         const bool begins = at == 0 || key[at - 1] == '_' || key[at - 1] == '-';
         const std::size_t end = at + word.size();
-        if (begins && (end == key.size() || key[end] == '_' || key[end] == '-' || (word.size() > 3 && key[end] == 's'))) return true;
+        if (begins && (end == key.size() || key[end] == '_' || key[end] == '-' || (word.size() > 3 && key[end] == 's')))
+            return true;
     }
     return false;
 }
@@ -239,7 +240,8 @@ double TableReader::checked(const toml::node& at, std::string_view key, const Ra
     if (!std::isfinite(value) || !range.contains(value)) wrong(at, key, range.says);
     if (range.low == 0 && range.low_open && value < smallest && !key.ends_with("_s"))
         wrong(at, key, fmt::format("{}, at least {:g}", range.says, smallest));
-    if (const double most = largest(key); std::abs(value) > most) wrong(at, key, fmt::format("{}, at most {:g}", range.says, most));
+    if (const double most = largest(key); std::abs(value) > most)
+        wrong(at, key, fmt::format("{}, at most {:g}", range.says, most));
     return value;
 }
 
@@ -306,7 +308,8 @@ bool TableReader::take_word(std::string_view key, const keys::Words& words, std:
     const toml::node& at = *node(key);
     if (words.list.empty()) return false;
     const auto found = std::find(words.list.begin(), words.list.end(), at.value<std::string>().value_or(""));
-    if (found == words.list.end() && !at.is_number()) wrong(at, key, fmt::format("\"{}\" or {}", fmt::join(words.list, "\", \""), otherwise));
+    if (found == words.list.end() && !at.is_number())
+        wrong(at, key, fmt::format("\"{}\" or {}", fmt::join(words.list, "\", \""), otherwise));
     words.set(found == words.list.end() ? -1 : static_cast<int>(found - words.list.begin()));
     return found != words.list.end();
 }
@@ -360,7 +363,8 @@ void TableReader::take_file(std::string_view key, std::filesystem::path& value, 
     if (std::filesystem::is_regular_file(value, ignored)) return;
     try {
         const bool escaped = written.find_first_of("\b\t\n\f\r\x1b") != std::string::npos;
-        const char* advice = escaped || written.find('\\') != std::string::npos ? backslash_advice : "check the path (relative to the scene file)";
+        const char* advice =
+            escaped || written.find('\\') != std::string::npos ? backslash_advice : "check the path (relative to the scene file)";
         fail(key, fmt::format("no file at {}; {}", printable(value.string()), advice));
     } catch (const Error& error) {
         throw Error(ErrorKind::BadFile, error.what());
@@ -371,13 +375,15 @@ void TableReader::read(const std::vector<Key>& keys, const std::filesystem::path
 {
     for (const Key& key : keys) {
         // the first clause of its meaning
-        if (key.absent == keys::needed && key.use != keys::Use::Unused) need(key.name, key.meaning.substr(0, key.meaning.find_first_of(";.")));
+        if (key.absent == keys::needed && key.use != keys::Use::Unused)
+            need(key.name, key.meaning.substr(0, key.meaning.find_first_of(";.")));
         if (!has(key.name)) continue;
         std::visit(
             [&](const auto& value) {
                 using Kind = std::decay_t<decltype(value)>;
                 if constexpr (std::is_same_v<Kind, std::filesystem::path*>) take_file(key.name, *value, scene_file);
-                else if constexpr (!std::is_same_v<Kind, keys::Tables> && !std::is_same_v<Kind, keys::Special>) take(key.name, value);
+                else if constexpr (!std::is_same_v<Kind, keys::Tables> && !std::is_same_v<Kind, keys::Special>)
+                    take(key.name, value);
             },
             key.value);
     }

@@ -1,6 +1,6 @@
 #pragma once
-// Reads one table of a scene file by the list of its keys, and turns every mistake into one line with place, expected value and fix. Knows
-// TOML and messages, nothing of wires.
+// Reads one table of a scene file by the list of its keys, and turns every mistake into one line with place, expected value and
+// fix. Knows TOML and messages, nothing of wires.
 
 #include "scene/scene_key.h"
 

@@ -37,7 +37,8 @@ End measure(const Inlet& inlet, const Centreline& line, const Vec3& head, const 
         if (way.at[i] > inlet.radius && way.at[i] <= 4 * inlet.radius) end.narrowest = std::min(end.narrowest, way.radius[i]);
     }
     end.width = std::max(end.width, 0.0);
-    if (inlet.opening < 0 && end.narrowest < 0.5 * std::max(widest, inlet.radius)) end.out = "a pocket: the lumen narrows behind it";
+    if (inlet.opening < 0 && end.narrowest < 0.5 * std::max(widest, inlet.radius))
+        end.out = "a pocket: the lumen narrows behind it";
     end.height = inlet.point.dot(head), end.depth = inlet.point.dot(back);
     return end;
 }
@@ -79,7 +80,8 @@ Access choose_access(const std::vector<Inlet>& inlets, const std::vector<int>& p
     std::vector<std::size_t> candidates;
     for (std::size_t k = 0; k < ends.size(); ++k) {
         if (part[k] != 0) ends[k].out = "it leads into a smaller part of the surface";
-        else if (ends[k].out.empty() && ends[k].length < 0.4 * longest) ends[k].out = fmt::format("the longest way from here is only {}", mm(ends[k].length));
+        else if (ends[k].out.empty() && ends[k].length < 0.4 * longest)
+            ends[k].out = fmt::format("the longest way from here is only {}", mm(ends[k].length));
         else if (ends[k].out.empty() && aorta && ends[k].width < sheath_radius) ends[k].out = "too narrow for a sheath";
         if (ends[k].out.empty()) candidates.push_back(k);
     }
@@ -103,13 +105,17 @@ Access choose_access(const std::vector<Inlet>& inlets, const std::vector<int>& p
         const End &a = ends[k], &b = ends[best];
         std::string& text = access.reason[k];
         if (k == best)
-            text = aorta && upright ? fmt::format("femoral access to an aorta: the lowest end wide enough, {} in radius", mm(a.width))
-                   : aorta          ? "the first of the list: this aorta does not lie along the head's direction, so that none of its ends is known as the lower one"
-                                    : fmt::format("the widest end, {} in radius", mm(a.width));
+            text = aorta && upright
+                       ? fmt::format("femoral access to an aorta: the lowest end wide enough, {} in radius", mm(a.width))
+                   : aorta ? "the first of the list: this aorta does not lie along the head's direction, so that none of its "
+                             "ends is known as the lower one"
+                           : fmt::format("the widest end, {} in radius", mm(a.width));
         else if (!a.out.empty()) text = a.out;
         else if (aorta && !upright) text = fmt::format("{} in radius", mm(a.width));
-        else if (aorta && a.height > b.height + alike * height) text = fmt::format("{} nearer to the head", mm(a.height - b.height));
-        else if (aorta && a.depth < b.depth - alike * height) text = fmt::format("at the same height, {} nearer to the front", mm(b.depth - a.depth));
+        else if (aorta && a.height > b.height + alike * height)
+            text = fmt::format("{} nearer to the head", mm(a.height - b.height));
+        else if (aorta && a.depth < b.depth - alike * height)
+            text = fmt::format("at the same height, {} nearer to the front", mm(b.depth - a.depth));
         else if (a.width < (1 - alike) * b.width) text = fmt::format("narrower, {} in radius", mm(a.width));
         else text = fmt::format("about as wide, {} in radius, and not lower", mm(a.width));
     }

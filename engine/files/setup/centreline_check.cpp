@@ -19,9 +19,11 @@
 namespace seldinger {
 namespace {
 
-constexpr double most_off = 0.1;           // share of its length that may lie off: a smoothed line cuts a corner, a mesh ends earlier
+constexpr double most_off = 0.1;  // share of its length that may lie off: a smoothed line cuts a corner, a mesh ends earlier
 constexpr double least_in = 0.25;          // and that must lie in the mesh at all: the line may go on beyond openings
-constexpr double alike_low = 0.6, alike_high = 1.7;  // median ratio of distance and radius: mean radii of oval lumens are 1.4 times as large, diameters 2
+constexpr double alike_low = 0.6,
+                 alike_high =
+                     1.7;  // median ratio of distance and radius: mean radii of oval lumens are 1.4 times as large, diameters 2
 constexpr double like_low = 1.0 / 3, like_high = 3;  // the same at one point
 constexpr std::size_t most_points = 400;   // that are looked at in axes and units that nobody has named
 
@@ -71,7 +73,8 @@ public:
         const std::vector<double> to_end = from_ends(line);
         for (std::size_t i = 0; i < line.points.size(); i += every) {
             const Vec3& p = line.points[i];
-            const double length = line.parent[i] < 0 ? 0 : (p - line.points[static_cast<std::size_t>(line.parent[i])]).norm(), r = line.radius[i];
+            const double length = line.parent[i] < 0 ? 0 : (p - line.points[static_cast<std::size_t>(line.parent[i])]).norm(),
+                         r = line.radius[i];
             fit.all += length;
             const LumenPlace at = lumen_.locate(p);
             if (at.opening >= 0 || is_beside_opening(p)) continue;
@@ -82,7 +85,8 @@ public:
             (in && like ? fit.in : fit.off) += length;
             if ((in && like) || fit.points_off++ > 0) continue;
             fit.first = p;
-            fit.why = in ? fmt::format("has a radius of {:.3g} mm, {:.3g} mm from the wall", 1e3 * r, 1e3 * std::abs(at.signed_distance))
+            fit.why = in ? fmt::format("has a radius of {:.3g} mm, {:.3g} mm from the wall", 1e3 * r,
+                                       1e3 * std::abs(at.signed_distance))
                          : fmt::format("lies {:.3g} mm outside of the lumen", 1e3 * std::abs(at.signed_distance));
         }
         if (ratios.empty()) return fit;
@@ -93,7 +97,10 @@ public:
     }
 
 private:
-    [[nodiscard]] bool is_in(const Vec3& p, const LumenPlace& at) const { return at.inside() && (!enclosure_ || enclosure_->holds(p)); }
+    [[nodiscard]] bool is_in(const Vec3& p, const LumenPlace& at) const
+    {
+        return at.inside() && (!enclosure_ || enclosure_->holds(p));
+    }
 
     /// Lines of a mesh with longer ends go on straight beyond an opening, or stop just before a lid.
     [[nodiscard]] bool is_beside_opening(const Vec3& p) const
@@ -179,7 +186,9 @@ private:
         const bool by_key = !spec_.centreline_space.empty();
         const std::string space = by_key ? spec_.centreline_space : own_space_;
         const std::string mesh = mesh_space_.empty() ? "LPS" : mesh_space_;
-        const Cure header = {!spec_.centreline_units.empty() ? spec_.centreline_units : !own_unit_.empty() ? own_unit_ : spec_.units,
+        const Cure header = {!spec_.centreline_units.empty() ? spec_.centreline_units
+                             : !own_unit_.empty()            ? own_unit_
+                                                             : spec_.units,
                              !space.empty() && space != mesh};
         if (by_key) return {header};
         std::vector<Cure> list = {header};
@@ -200,23 +209,31 @@ private:
         const std::string name = spec_.centreline.filename().string();
         const bool keys = !spec_.centreline_space.empty() || !spec_.centreline_units.empty();
         if (cure.turned || cure.unit != spec_.units)
-            notes.push_back(fmt::format("{} is read{}{}, as {}.", name, cure.turned ? " with x and y turned round" : "",
-                                        cure.unit != spec_.units ? fmt::format("{} in {}", cure.turned ? " and" : "", cure.unit) : "",
-                                        keys ? "the scene says" : "its header says"));
-        if (!keys && ((!own_space_.empty() && !mesh_space_.empty() && own_space_ != mesh_space_ && !cure.turned) || (!own_unit_.empty() && own_unit_ != cure.unit)))
+            notes.push_back(
+                fmt::format("{} is read{}{}, as {}.", name, cure.turned ? " with x and y turned round" : "",
+                            cure.unit != spec_.units ? fmt::format("{} in {}", cure.turned ? " and" : "", cure.unit) : "",
+                            keys ? "the scene says" : "its header says"));
+        if (!keys && ((!own_space_.empty() && !mesh_space_.empty() && own_space_ != mesh_space_ && !cure.turned) ||
+                      (!own_unit_.empty() && own_unit_ != cure.unit)))
             notes.push_back(fmt::format("{} says{}{} in its header, but it fits the mesh as it stands, and is read so.", name,
-                                        own_space_.empty() ? "" : " SPACE=" + own_space_, own_unit_.empty() ? "" : " unit " + own_unit_));
+                                        own_space_.empty() ? "" : " SPACE=" + own_space_,
+                                        own_unit_.empty() ? "" : " unit " + own_unit_));
         if (fit.points_off > 0)
-            notes.push_back(fmt::format("{} points of {} do not fit the mesh, the first near {}: it {}.", fit.points_off, name, place(fit.first), fit.why));
+            notes.push_back(fmt::format("{} points of {} do not fit the mesh, the first near {}: it {}.", fit.points_off, name,
+                                        place(fit.first), fit.why));
     }
 
     [[noreturn]] void refuse(const Cure& tried) const
     {
         const Fit fit = meter_.measure(cured(raw_, tried), 1);
-        std::string got = fmt::format("{}: got a centreline of which {:.0f} % does not fit the mesh: the first point, near {}, {}", spec_.centreline.string(),
-                                      100 * (1 - fit.in / std::max(fit.all, 1e-300)), place(fit.first), fit.why);
-        if (fit.lies_in()) got = fmt::format("{}: got radii of {:.2g} times the distance to the wall (median)", spec_.centreline.string(), 1 / fit.ratio);
-        else if (fit.points_off == 0) got = fmt::format("{}: got a centreline that lies beyond the openings of the mesh", spec_.centreline.string());
+        std::string got =
+            fmt::format("{}: got a centreline of which {:.0f} % does not fit the mesh: the first point, near {}, {}",
+                        spec_.centreline.string(), 100 * (1 - fit.in / std::max(fit.all, 1e-300)), place(fit.first), fit.why);
+        if (fit.lies_in())
+            got = fmt::format("{}: got radii of {:.2g} times the distance to the wall (median)", spec_.centreline.string(),
+                              1 / fit.ratio);
+        else if (fit.points_off == 0)
+            got = fmt::format("{}: got a centreline that lies beyond the openings of the mesh", spec_.centreline.string());
         constexpr const char* expected = "expected points in its lumen, with the distance to the wall as radius";
         const std::size_t every = raw_.points.size() / most_points + 1;
         std::optional<Cure> best;
@@ -231,10 +248,17 @@ private:
             }
         if (best) throw Error(ErrorKind::BadScene, fmt::format("{}; {}. {}", got, expected, fix_of(*best, tried, mesh_space_)));
         if (fit.lies_in())
-            throw Error(ErrorKind::BadFile, fmt::format("{}; {}. Fix: name an array of diameters \"Diameter\", or leave vessel.centreline out: the axis is found "
-                                                       "from the mesh", got, expected));
-        throw Error(ErrorKind::BadFile, fmt::format("{}; {}. No usual change of axes or unit makes it fit. Fix: export it from this very mesh, or leave "
-                                                   "vessel.centreline out: the axis is found from the mesh", got, expected));
+            throw Error(
+                ErrorKind::BadFile,
+                fmt::format(
+                    "{}; {}. Fix: name an array of diameters \"Diameter\", or leave vessel.centreline out: the axis is found "
+                    "from the mesh",
+                    got, expected));
+        throw Error(
+            ErrorKind::BadFile,
+            fmt::format("{}; {}. No usual change of axes or unit makes it fit. Fix: export it from this very mesh, or leave "
+                        "vessel.centreline out: the axis is found from the mesh",
+                        got, expected));
     }
 
     const VesselSpec& spec_;
@@ -252,8 +276,10 @@ void note_flaps(LoadedVessel& vessel)
         std::int32_t vertex = 0;
         const double height = rim_height(vessel.mesh, loop, &vertex);
         if (height < 0.75 * loop.radius) continue;
-        vessel.report.notes.push_back(fmt::format("The opening near {} has a ragged rim: triangles stand out of it by {:.3g} mm, near {}. Fix: cut the vessel there anew.",
-                                                  place(loop.centre), 1e3 * height, place(vessel.mesh.vertices[static_cast<std::size_t>(vertex)])));
+        vessel.report.notes.push_back(
+            fmt::format("The opening near {} has a ragged rim: triangles stand out of it by {:.3g} mm, near {}. Fix: cut the "
+                        "vessel there anew.",
+                        place(loop.centre), 1e3 * height, place(vessel.mesh.vertices[static_cast<std::size_t>(vertex)])));
     }
 }
 
@@ -275,9 +301,11 @@ void note_centreline(LoadedVessel& vessel)
     if (line.empty()) return;
     const std::size_t fine = report.unreached.size();
     if (fine > 0)
-        report.notes.push_back(fmt::format("The centreline does not reach {}, the first near {}: too few triangles for the lumen there. They are no targets, no inlets, and "
-                                           "no contrast comes into them. Fix: a finer mesh there (two edges to a lumen radius).",
-                                           count_of(fine, "stretch of narrow lumen", "stretches of narrow lumen"), place(report.unreached.front())));
+        report.notes.push_back(
+            fmt::format("The centreline does not reach {}, the first near {}: too few triangles for the lumen there. They are no "
+                        "targets, no inlets, and "
+                        "no contrast comes into them. Fix: a finer mesh there (two edges to a lumen radius).",
+                        count_of(fine, "stretch of narrow lumen", "stretches of narrow lumen"), place(report.unreached.front())));
     std::string places;
     std::size_t openings = 0;
     for (const BoundaryLoop& loop : report.loops) {
@@ -287,7 +315,8 @@ void note_centreline(LoadedVessel& vessel)
         report.unreached.push_back(loop.centre);
     }
     if (openings > 0)
-        report.notes.push_back(fmt::format("The centreline does not reach {}: near {}{}.", count_of(openings, "opening of the mesh", "openings of the mesh"), places,
+        report.notes.push_back(fmt::format("The centreline does not reach {}: near {}{}.",
+                                           count_of(openings, "opening of the mesh", "openings of the mesh"), places,
                                            openings > 8 ? " and others" : ""));
 }
 

@@ -5,9 +5,10 @@
 
 namespace seldinger {
 
-/// Reads VesselSpec::centreline into the axes and the unit of the mesh. These are the ones that the scene says, else the header of the
-/// centreline's file, where they make it fit. A centreline that fits only otherwise (x and y turned round, another unit) is refused with the key
-/// that says so; one that fits in no way, without. Adds what was done, and points outside of the lumen, to the notes of `vessel`.
+/// Reads VesselSpec::centreline into the axes and the unit of the mesh. These are the ones that the scene says, else the header
+/// of the centreline's file, where they make it fit. A centreline that fits only otherwise (x and y turned round, another unit)
+/// is refused with the key that says so; one that fits in no way, without. Adds what was done, and points outside of the lumen,
+/// to the notes of `vessel`.
 /// @param vessel  its mesh and report are there
 /// @throws Error BadFile, BadScene
 void read_given_centreline(const VesselSpec& spec, LoadedVessel& vessel);

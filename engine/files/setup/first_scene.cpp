@@ -19,7 +19,8 @@ namespace {
 
 constexpr double least_lumen = 0.3e-3, most_lumen = 20e-3, least_extent = 5e-3, most_extent = 1.5;  // [m]
 // What costs nothing: from a cerebral artery to an aorta, from a piece of carotid artery to an aorta with its legs.
-constexpr double low_usual = 1.2e-3, high_usual = 13e-3, small_usual = 18e-3, large_usual = 0.5;  // median lumen radius, extent [m]
+constexpr double low_usual = 1.2e-3, high_usual = 13e-3, small_usual = 18e-3,
+                 large_usual = 0.5;  // median lumen radius, extent [m]
 constexpr double usual_ratio = 80;  // of a vessel's extent to its lumen radius, where nothing else is known
 constexpr double in_doubt = 2.5;    // difference of misfits below which the second unit is worth naming
 // A wire's diameter in lumen radii where it still turns and passes freely.
@@ -119,32 +120,37 @@ std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVess
 std::string describe_unit(const std::vector<UnitGuess>& guesses, const UnitGuess& taken, const std::string& source)
 {
     const auto sizes = [](const UnitGuess& g) {
-        return fmt::format("a lumen of {:.3g} mm radius (median along the axis; 10 to 90 %: {:.3g} to {:.3g} mm) in {:.4g} mm from corner to corner",
-                           1e3 * g.lumen, 1e3 * g.low, 1e3 * g.high, 1e3 * g.extent);
+        return fmt::format(
+            "a lumen of {:.3g} mm radius (median along the axis; 10 to 90 %: {:.3g} to {:.3g} mm) in {:.4g} mm from corner to "
+            "corner",
+            1e3 * g.lumen, 1e3 * g.low, 1e3 * g.high, 1e3 * g.extent);
     };
     std::string text = fmt::format("{}: {}", source, sizes(taken));
     if (!taken.plausible) text += "; no vessel in the body is like that";
     std::string others;
     for (const UnitGuess& other : guesses)
         if (other.plausible && other.unit != taken.unit && other.misfit < taken.misfit + in_doubt)
-            others += fmt::format("{}in {} it would be {:.3g} mm in {:.4g} mm", others.empty() ? "" : ", ", other.unit == "in" ? "inches" : other.unit, 1e3 * other.lumen, 1e3 * other.extent);
+            others += fmt::format("{}in {} it would be {:.3g} mm in {:.4g} mm", others.empty() ? "" : ", ",
+                                  other.unit == "in" ? "inches" : other.unit, 1e3 * other.lumen, 1e3 * other.extent);
     if (!others.empty()) text += fmt::format("; in doubt: {}; --units decides", others);
     return text;
 }
 
 std::string describe_no_vessel(const LoadedVessel& vessel)
 {
-    // An opening is where a vessel was cut: three of its radii in, the lumen is about as wide as the opening. Behind a hole in the
-    // side of a body the nearest wall there is the hole's own rim, 3.2 radii away.
+    // An opening is where a vessel was cut: three of its radii in, the lumen is about as wide as the opening. Behind a hole in
+    // the side of a body the nearest wall there is the hole's own rim, 3.2 radii away.
     const std::vector<BoundaryLoop>& loops = vessel.report.loops;
     std::size_t holes = 0;
     if (loops.size() > 1) {
         const LumenQuery lumen(vessel.mesh, loops, LumenQuery::Expect::Few);
-        for (const BoundaryLoop& loop : loops) holes += lumen.locate(loop.centre + 3 * loop.radius * loop.inward).signed_distance > 2.2 * loop.radius;
+        for (const BoundaryLoop& loop : loops)
+            holes += lumen.locate(loop.centre + 3 * loop.radius * loop.inward).signed_distance > 2.2 * loop.radius;
     }
     // nearly all: an aorta whose branches were cut off flush has such holes, too, but also ends
     if (holes > 1 && 10 * holes >= 9 * loops.size())
-        return fmt::format("{} of its {} openings are holes in the side of something wide, not ends of a lumen", holes, loops.size());
+        return fmt::format("{} of its {} openings are holes in the side of something wide, not ends of a lumen", holes,
+                           loops.size());
     std::vector<double> radius = vessel.centreline.radius;
     if (radius.empty()) return {};
     std::nth_element(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2), radius.end());
@@ -218,9 +224,11 @@ std::string narrowest_words(const WayThrough& way)
     if (way.narrowest >= closed)
         return fmt::format("the narrowest lumen on the longest way has a radius of {:.2g} mm", 1e3 * way.narrowest);
     const Vec3 at = 1e3 * way.narrowest_place;
-    return fmt::format("the longest way is as good as closed {:.0f} mm from its beginning, at [{:.2f}, {:.2f}, {:.2f}] mm, where the lumen has a "
-                       "radius of {:.2g} mm: look whether two parts of the mesh only touch there",
-                       1e3 * way.narrowest_at, at.x(), at.y(), at.z(), 1e3 * way.narrowest);
+    return fmt::format(
+        "the longest way is as good as closed {:.0f} mm from its beginning, at [{:.2f}, {:.2f}, {:.2f}] mm, where the lumen has "
+        "a "
+        "radius of {:.2g} mm: look whether two parts of the mesh only touch there",
+        1e3 * way.narrowest_at, at.x(), at.y(), at.z(), 1e3 * way.narrowest);
 }
 
 }  // namespace
@@ -233,9 +241,10 @@ WireChoice choose_wire(const WayThrough& way, const std::string& asked)
         if (at == all.end()) {
             std::vector<std::string_view> names;
             for (const Instrument& i : all) names.push_back(i.name);
-            throw Error(ErrorKind::BadScene, fmt::format("--instrument {}: no such instrument; the nearest is {} (`seldinger instruments` "
-                                                        "lists them)",
-                                                        name, nearest_word(name, names)));
+            throw Error(ErrorKind::BadScene,
+                        fmt::format("--instrument {}: no such instrument; the nearest is {} (`seldinger instruments` "
+                                    "lists them)",
+                                    name, nearest_word(name, names)));
         }
         WireChoice choice;
         choice.name = name;
@@ -259,11 +268,14 @@ WireChoice choose_wire(const WayThrough& way, const std::string& asked)
             too_thick = fmt::format(" (thicker ones, from {:.2f} mm on, do not pass)", 1e3 * choice.diameter);
         }
     }
-    if (choice.reach < 0.9 * way.length) choice.why += fmt::format("; it gets {:.0f} mm far before that is too narrow for it", 1e3 * choice.reach);
+    if (choice.reach < 0.9 * way.length)
+        choice.why += fmt::format("; it gets {:.0f} mm far before that is too narrow for it", 1e3 * choice.reach);
     if (choice.reach < 0.002)
-        throw Error(ErrorKind::BadScene,
-                    fmt::format("{}: too thick for this vessel, {}; choose a thinner one with --instrument, or the right unit with --units",
-                                size(choice), lumen));
+        throw Error(
+            ErrorKind::BadScene,
+            fmt::format(
+                "{}: too thick for this vessel, {}; choose a thinner one with --instrument, or the right unit with --units",
+                size(choice), lumen));
     return choice;
 }
 
@@ -297,21 +309,27 @@ std::string first_scene_text(const FirstScene& first)
     const std::string path = mesh.lexically_proximate(folder).generic_string();
     std::string text = fmt::format("# {}: a first scene, as `seldinger init` proposes it. Every key: docs/scene-file.md.\n\n",
                                    one_line(first.mesh.filename().string()));
-    const auto list = [](const Vec3& v) { return fmt::format("[{:.12g}, {:.12g}, {:.12g}]", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };
-    text += fmt::format("[scene]\nname = {}\ngravity = {}  # m/s^2: the patient lies on the back (docs/axes.md)\nduration_s = {:.2f}\n"
-                        "dt_s = 0.001\n\n",
-                        toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
-    text += fmt::format("[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
-                        "it yields, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
-                        toml_quoted(path), first.unit, first.unit_why);
+    const auto list = [](const Vec3& v) {
+        return fmt::format("[{:.12g}, {:.12g}, {:.12g}]", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
+    };
+    text += fmt::format(
+        "[scene]\nname = {}\ngravity = {}  # m/s^2: the patient lies on the back (docs/axes.md)\nduration_s = {:.2f}\n"
+        "dt_s = 0.001\n\n",
+        toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
+    text += fmt::format(
+        "[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
+        "it yields, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
+        toml_quoted(path), first.unit, first.unit_why);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
                         first.wire.why, first.wire.name, length);
-    text += fmt::format("# Inlets, numbered as `seldinger vessel` lists them:\n{}# {}: {}.\n[feed]\ninlet = {}\n"
-                        "# Pushed at {:.0f} mm/s without turning; the longest way from here is {:.0f} mm.\n"
-                        "keys = [\n    {{ t_s = 0.0, advance_m = 0.0, turn_rad = 0.0 }},\n"
-                        "    {{ t_s = {:.2f}, advance_m = {:.3f}, turn_rad = 0.0 }},\n]\n",
-                        inlets_comment(first), first.inlet, first.inlet_why, first.inlet, 1e3 * feed_speed, 1e3 * first.way.length, duration, advance);
+    text += fmt::format(
+        "# Inlets, numbered as `seldinger vessel` lists them:\n{}# {}: {}.\n[feed]\ninlet = {}\n"
+        "# Pushed at {:.0f} mm/s without turning; the longest way from here is {:.0f} mm.\n"
+        "keys = [\n    {{ t_s = 0.0, advance_m = 0.0, turn_rad = 0.0 }},\n"
+        "    {{ t_s = {:.2f}, advance_m = {:.3f}, turn_rad = 0.0 }},\n]\n",
+        inlets_comment(first), first.inlet, first.inlet_why, first.inlet, 1e3 * feed_speed, 1e3 * first.way.length, duration,
+        advance);
     text += fmt::format("\n# {}.\n[carm]\nhead = {}\nback = {}\n", first.axes_why, list(first.head), list(first.back));
     return text;
 }

@@ -28,8 +28,8 @@ struct UnitGuess {
 /// The unit, its sizes and the doubt, one line. @param source  "given", "guessed from its size", ...
 [[nodiscard]] std::string describe_unit(const std::vector<UnitGuess>& guesses, const UnitGuess& taken, const std::string& source);
 
-/// Why the mesh is the surface of no vessel: openings that are nearly all holes in a side, or an axis hardly longer than the lumen is wide.
-/// Empty: it may be one. A check of shape, without units.
+/// Why the mesh is the surface of no vessel: openings that are nearly all holes in a side, or an axis hardly longer than the
+/// lumen is wide. Empty: it may be one. A check of shape, without units.
 [[nodiscard]] std::string describe_no_vessel(const LoadedVessel& vessel);
 
 /// The longest way through the tree from an inlet.

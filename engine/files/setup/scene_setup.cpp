@@ -28,7 +28,8 @@ constexpr double narrowest_ratio = 0.05, widest_ratio = 1000;
 constexpr double widest_lumen = 0.1, largest_vessel = 3.0;
 constexpr double far_apart = std::numeric_limits<double>::infinity();
 
-[[noreturn]] void fail(const Scene& scene, const std::string& key, const std::string& message, ErrorKind code = ErrorKind::BadScene)
+[[noreturn]] void fail(const Scene& scene, const std::string& key, const std::string& message,
+                       ErrorKind code = ErrorKind::BadScene)
 {
     throw Error(code, fmt::format("{}: {}: {}", scene.source.string(), key, message));
 }
@@ -114,7 +115,8 @@ std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, Fe
     return fmt::format("{} of {}{}: {}", number, inlets.size(), asked.inlet_number == 0 ? " (\"auto\")" : "", describe(inlet));
 }
 
-/// From the inlet along the centreline, the way that the inlet points: towards the root, or away from it along the longest branch.
+/// From the inlet along the centreline, the way that the inlet points: towards the root, or away from it along the longest
+/// branch.
 std::vector<Vec3> path_along_centreline(const Centreline& line, const FeedSpec& feed)
 {
     const Vec3 ahead = feed.direction.normalized();
@@ -157,10 +159,11 @@ public:
         if (place.inside()) return check_inside_at_start(scene, k, feed, radius);
         if (!has_lumen_) return;  // behind a plane, which does not push from there
         const Vec3& p = feed.point;
-        const std::string where = place.opening >= 0 ? fmt::format("beyond inlet {} of the vessel, {:.4g} mm from its rim",
-                                                                   inlet_through(vessel_.report.loops, vessel_.centreline, place.opening),
-                                                                   1e3 * (place.nearest - p).norm())
-                                                     : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
+        const std::string where = place.opening >= 0
+                                      ? fmt::format("beyond inlet {} of the vessel, {:.4g} mm from its rim",
+                                                    inlet_through(vessel_.report.loops, vessel_.centreline, place.opening),
+                                                    1e3 * (place.nearest - p).norm())
+                                      : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
         fail(scene, key_of(scene, k, scene.instrument(k).feed.inlet_auto ? "feed.inlet" : "feed.point"),
              fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)",
                          p.x(), p.y(), p.z(), where));
@@ -175,8 +178,8 @@ public:
     }
 
 private:
-    /// The inserted length at t = 0 lies along feed.path, or straight ahead of the inlet (solve/feed.cpp). Contact cannot bring back a
-    /// wire from behind a wall.
+    /// The inserted length at t = 0 lies along feed.path, or straight ahead of the inlet (solve/feed.cpp). Contact cannot bring
+    /// back a wire from behind a wall.
     void check_inside_at_start(const Scene& scene, int k, const FeedSpec& feed, double radius)
     {
         const bool bent = !feed.path.empty();
@@ -184,7 +187,8 @@ private:
         double from = 0;  // of the present piece along the path
         for (std::size_t i = 0; i < path.size() && from < feed.advance; ++i) {
             const bool last = i + 1 == path.size();
-            const Vec3 along = last ? (i > 0 ? Vec3(path[i] - path[i - 1]) : feed.direction).normalized() : Vec3((path[i + 1] - path[i]).normalized());
+            const Vec3 along = last ? (i > 0 ? Vec3(path[i] - path[i - 1]) : feed.direction).normalized()
+                                    : Vec3((path[i + 1] - path[i]).normalized());
             const double until = last ? feed.advance : std::min(feed.advance, from + (path[i + 1] - path[i]).norm());
             for (double s = from; s < until;) {
                 const Vec3 p = path[i] + (s - from) * along;
@@ -207,7 +211,9 @@ private:
     LumenQuery& lumen()
     {
         // a plane's border is no opening
-        if (!lumen_) lumen_.emplace(vessel_.mesh, has_lumen_ ? vessel_.report.loops : std::vector<BoundaryLoop>{}, LumenQuery::Expect::Few);
+        if (!lumen_)
+            lumen_.emplace(vessel_.mesh, has_lumen_ ? vessel_.report.loops : std::vector<BoundaryLoop>{},
+                           LumenQuery::Expect::Few);
         return *lumen_;
     }
 
@@ -246,8 +252,8 @@ double start_distance(const WireSetup& a, const WireSetup& b, std::span<const Ve
     return axis_distance(rods.view(0), rods.view(1));
 }
 
-/// Two instruments that are not inside each other start beside each other. Axes closer than half of their thickness coincide; they
-/// do not touch.
+/// Two instruments that are not inside each other start beside each other. Axes closer than half of their thickness coincide;
+/// they do not touch.
 void check_apart(const Scene& scene, std::span<const WireSetup> wires, std::span<const Vec3> path)
 {
     for (int b = 1; b < scene.instrument_count(); ++b)
@@ -286,7 +292,8 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
                 wire.inlet = place_feed(scene, k, vessel, wire.feed);
                 if (from.feed.along_centreline && scene.coaxial)
                     fail(scene, key_of(scene, k, "feed.start"),
-                         "got \"centreline\" in a group of instruments; expected a single instrument. Fix: start with advance_m = 0 and feed the rest");
+                         "got \"centreline\" in a group of instruments; expected a single instrument. Fix: start with advance_m "
+                         "= 0 and feed the rest");
                 if (from.feed.along_centreline) wire.feed.path = path_along_centreline(vessel.centreline, wire.feed);
                 if (first.vessel.shape != VesselShape::None) places.check(scene, k, wire.feed, wire.wire.shaft.radius);
             } else if (first.vessel.shape != VesselShape::None) {

@@ -110,9 +110,9 @@ private:
 template <class Report, class Each>
 void each_count(Report& r, const Each& each)
 {
-    for (auto* n : {&r.triangles_read, &r.triangles, &r.vertices, &r.vertices_welded, &r.non_finite_dropped, &r.degenerate_dropped,
-                    &r.duplicates_dropped, &r.flipped, &r.non_manifold_edges, &r.boundary_edges, &r.components,
-                    &r.hole_loops_closed, &r.slivers})
+    for (auto* n : {&r.triangles_read, &r.triangles, &r.vertices, &r.vertices_welded, &r.non_finite_dropped,
+                    &r.degenerate_dropped, &r.duplicates_dropped, &r.flipped, &r.non_manifold_edges, &r.boundary_edges,
+                    &r.components, &r.hole_loops_closed, &r.slivers})
         each(*n);
 }
 
@@ -250,7 +250,8 @@ LoadedVessel opened(const std::string& key, std::string_view file)
 {
     const std::size_t head = vessel_magic.size() + key.size() + 1;
     ContentHash hash;
-    if (file.size() < head + sizeof hash || !file.starts_with(vessel_magic) || file.substr(vessel_magic.size(), key.size() + 1) != std::string_view(key.c_str(), key.size() + 1))
+    if (file.size() < head + sizeof hash || !file.starts_with(vessel_magic) ||
+        file.substr(vessel_magic.size(), key.size() + 1) != std::string_view(key.c_str(), key.size() + 1))
         throw Damaged{};
     std::memcpy(&hash, file.data() + head, sizeof hash);
     const std::string_view payload = file.substr(head + sizeof hash);
@@ -272,9 +273,10 @@ std::uint64_t vessel_cache_limit()
     std::uint64_t megabytes = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), megabytes);
     if (error != std::errc() || end != text.data() + text.size() || megabytes > ~std::uint64_t{0} / megabyte)
-        throw Error(ErrorKind::BadScene, fmt::format("SELDINGER_VESSEL_CACHE: got \"{}\"; expected \"off\" or a number of megabytes. "
-                                                    "Fix: unset it, or give one of these.",
-                                                    printable(text)));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("SELDINGER_VESSEL_CACHE: got \"{}\"; expected \"off\" or a number of megabytes. "
+                                "Fix: unset it, or give one of these.",
+                                printable(text)));
     return megabytes * megabyte;
 }
 
@@ -283,8 +285,9 @@ std::string vessel_key(std::string_view bytes, const std::string& extension, con
     const std::string build = build_id();
     if (build.empty()) return {};
     const ContentHash content = content_hash(bytes);
-    return fmt::format("seldinger {} build {}\n{} bytes of \"{}\" in {}, content {:016x}{:016x}\ncentreline {}\n", version(), build,
-                       bytes.size(), printable(extension), units, content.high, content.low, with_centreline ? "found" : "given");
+    return fmt::format("seldinger {} build {}\n{} bytes of \"{}\" in {}, content {:016x}{:016x}\ncentreline {}\n", version(),
+                       build, bytes.size(), printable(extension), units, content.high, content.low,
+                       with_centreline ? "found" : "given");
 }
 
 std::optional<LoadedVessel> find_prepared(const std::string& key)

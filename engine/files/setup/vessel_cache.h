@@ -1,5 +1,6 @@
 #pragma once
-// Prepared vessels (repaired mesh, openings, centreline, tree) kept on disk, so that the next start with the same mesh skips the work.
+// Prepared vessels (repaired mesh, openings, centreline, tree) kept on disk, so that the next start with the same mesh skips the
+// work.
 //
 // An entry belongs to the content of the mesh file, its unit, and this very build of the program: another build makes its own.
 // Its bytes carry the key and a checksum; an entry that is damaged or not ours is removed with a note and made again.

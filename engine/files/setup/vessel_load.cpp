@@ -46,9 +46,10 @@ std::string describe_remarks(const FileRemarks& remarks, const std::string& unit
     std::string text;
     if (remarks.axes != FileAxes::Unsaid)
         text = remarks.axes == FileAxes::Ras ? "The file says SPACE=RAS: x to the patient's right, y to the front, z to the head."
-                                                : "The file says SPACE=LPS: x to the patient's left, y to the back, z to the head.";
+                                             : "The file says SPACE=LPS: x to the patient's left, y to the back, z to the head.";
     if (!remarks.units.empty() && remarks.units != units)
-        text += fmt::format("{}The file says that its unit is {}; it was read in {}.", text.empty() ? "" : " ", remarks.units, units);
+        text +=
+            fmt::format("{}The file says that its unit is {}; it was read in {}.", text.empty() ? "" : " ", remarks.units, units);
     return text;
 }
 
@@ -56,14 +57,18 @@ Centreline found_centreline(LoadedVessel& vessel)
 {
     try {
         CentrelineGaps gaps;
-        Centreline line = extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops), &gaps);
+        Centreline line =
+            extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops), &gaps);
         vessel.report.unreached = std::move(gaps.unreached);
         if (gaps.side_by_side > 0)
-            vessel.report.notes.push_back("The lumen is flat in long stretches, as the two lumens of a dissection are: one path along each is its axis, others beside it are "
-                                          "left out.");
+            vessel.report.notes.push_back(
+                "The lumen is flat in long stretches, as the two lumens of a dissection are: one path along each is its axis, "
+                "others beside it are "
+                "left out.");
         return line;
     } catch (const Error& error) {
-        throw Error(error.kind(), fmt::format("{}. Fix: remesh it evenly, or give an axis of your own with vessel.centreline", error.what()));
+        throw Error(error.kind(),
+                    fmt::format("{}. Fix: remesh it evenly, or give an axis of your own with vessel.centreline", error.what()));
     }
 }
 
@@ -95,7 +100,8 @@ LoadedVessel from_file(const VesselSpec& spec)
     std::string key;
     std::optional<LoadedVessel> vessel;
     if (vessel_cache_limit() > 0) {
-        key = vessel_key(bytes, spec.mesh.extension().string() + (spec.close_holes ? "" : ", holes open"), spec.units, spec.centreline.empty());
+        key = vessel_key(bytes, spec.mesh.extension().string() + (spec.close_holes ? "" : ", holes open"), spec.units,
+                         spec.centreline.empty());
         vessel = find_prepared(key);
     }
     if (!vessel) {
@@ -132,23 +138,28 @@ std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centre
     const auto narrowest = std::min_element(centreline.radius.begin(), centreline.radius.end());
     if (!spec.elastic || narrowest == centreline.radius.end() || *narrowest >= spec.thickness) return {};
     const Vec3& at = centreline.points[static_cast<std::size_t>(narrowest - centreline.radius.begin())];
-    return fmt::format("the lumen narrows to a radius of {:.3g} mm near [{:.4g}, {:.4g}, {:.4g}] m, in a wall of {:.3g} mm: that is not a "
-                       "thin shell, and a wire cannot open it there; make vessel.thickness_m smaller, or set vessel.wall = "
-                       "\"rigid\"",
-                       1e3 * *narrowest, at.x(), at.y(), at.z(), 1e3 * spec.thickness);
+    return fmt::format(
+        "the lumen narrows to a radius of {:.3g} mm near [{:.4g}, {:.4g}, {:.4g}] m, in a wall of {:.3g} mm: that is not a "
+        "thin shell, and a wire cannot open it there; make vessel.thickness_m smaller, or set vessel.wall = "
+        "\"rigid\"",
+        1e3 * *narrowest, at.x(), at.y(), at.z(), 1e3 * spec.thickness);
 }
 
 std::string describe_coarse_wall(const WallMechanics& wall, const VesselSpec& spec)
 {
     if (wall.vertices == 0 || !(wall.edge_touched > wall.decay)) return {};
     const WallMeshBand band = wall_mesh_band(wall.edge_touched, wall.decay, spec.shape == VesselShape::Plane);
-    const auto share = [](double of) { return of < 0.9 ? fmt::format("about {:.0f} %", 1e2 * of) : std::string("more than 90 %"); };
+    const auto share = [](double of) {
+        return of < 0.9 ? fmt::format("about {:.0f} %", 1e2 * of) : std::string("more than 90 %");
+    };
     const double fine = 0.5 * wall.decay;
-    return fmt::format("vessel.wall_edge_m: got control edges of {:.3g} mm where instruments touch, {:.2g} decay lengths; expected at most one decay "
-                       "length of {:.3g} mm. Displacement then reads up to {} too low and stress up to {} too low. Fix: {}",
-                       1e3 * wall.edge_touched, wall.edge_touched / wall.decay, 1e3 * wall.decay, share(band.move), share(0.5 * band.stress),
-                       spec.wall_edge > 0 ? fmt::format("leave vessel.wall_edge_m out, or set it to {:.2g}", fine)
-                                          : fmt::format("vessel.wall_edge_m = {:.2g}", fine));
+    return fmt::format(
+        "vessel.wall_edge_m: got control edges of {:.3g} mm where instruments touch, {:.2g} decay lengths; expected at most one "
+        "decay "
+        "length of {:.3g} mm. Displacement then reads up to {} too low and stress up to {} too low. Fix: {}",
+        1e3 * wall.edge_touched, wall.edge_touched / wall.decay, 1e3 * wall.decay, share(band.move), share(0.5 * band.stress),
+        spec.wall_edge > 0 ? fmt::format("leave vessel.wall_edge_m out, or set it to {:.2g}", fine)
+                           : fmt::format("vessel.wall_edge_m = {:.2g}", fine));
 }
 
 void load_vessel(WorldSetup& setup)

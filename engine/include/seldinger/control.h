@@ -15,19 +15,19 @@ public:
     Control() = default;
 
     /// Sets the end of the step for the hub of `instrument` (an index of WorldSetup::wires, one that is fed). `advance` metres of
-    /// wire are then pushed in, and the hub is turned by `turn` [rad], right-handed about the direction of insertion. It goes there
-    /// steadily.
+    /// wire are then pushed in, and the hub is turned by `turn` [rad], right-handed about the direction of insertion. It goes
+    /// there steadily.
     /// @throws Error BadScene: a negative index
     Control& move_to(int instrument, double advance, double turn);
 
-    /// Pushes a hub that a force drives (HubSpec), and turns it. With `spring` the force is `force` where the hub is at the start of
-    /// the step, and falls by that much per metre that it goes on: a spring to a hand, taken at the end of the step.
+    /// Pushes a hub that a force drives (HubSpec), and turns it. With `spring` the force is `force` where the hub is at the start
+    /// of the step, and falls by that much per metre that it goes on: a spring to a hand, taken at the end of the step.
     /// @throws Error BadScene: a negative index
     Control& push(int instrument, double force, double turn, double spring = 0);
 
-    /// The hub follows a path that is known beforehand: keys of increasing times of the world [s], between which it goes steadily;
-    /// before the first and after the last it stays. Keys beyond the step let the engine look ahead. Of a hub that a force drives
-    /// they are forces and turns.
+    /// The hub follows a path that is known beforehand: keys of increasing times of the world [s], between which it goes
+    /// steadily; before the first and after the last it stays. Keys beyond the step let the engine look ahead. Of a hub that a
+    /// force drives they are forces and turns.
     /// @param keys  must outlive the step. @throws Error BadScene: a negative index, no keys
     Control& follow(int instrument, std::span<const FeedKey> keys);
 

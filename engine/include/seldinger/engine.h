@@ -39,7 +39,8 @@ class World {
 public:
     /// @throws Error: a setup that contradicts itself or is out of range (one line that names the member), no usable device
     explicit World(WorldSetup setup);
-    /// Another world of the same setup, as it begins. It shares what is constant of an elastic wall: control mesh, matrices, factors.
+    /// Another world of the same setup, as it begins. It shares what is constant of an elastic wall: control mesh, matrices,
+    /// factors.
     [[nodiscard]] World twin() const;
     ~World();
     World(World&&) noexcept;
@@ -63,22 +64,23 @@ public:
     /// From now on every step says in WireReadings::hand_stiffness how stiff its end is to the hand: one more solve of the step's
     /// own equations per fed wire. Changes no state.
     void watch_hand_stiffness();
-    /// `asked` is called between the trials of Newton's method. When it returns true, the step ends there with StepStopped, and the
-    /// state is that before the step, bit for bit. A step that is divided many times can take minutes. Not part of the saved state.
+    /// `asked` is called between the trials of Newton's method. When it returns true, the step ends there with StepStopped, and
+    /// the state is that before the step, bit for bit. A step that is divided many times can take minutes. Not part of the saved
+    /// state.
     void stop_when(std::function<bool()> asked);
-    /// `due` is called between the trials of Newton's method. Once it returns true, the step ends with StepCutShort at the next trial that
-    /// can be a state: contact admits it, holds are met, and the residual moves no node by more than its radius.
-    /// The next step takes the forces that were left back, so momentum is late by a step and not lost. Part of the saved state where
-    /// there are such forces; `due` is not. Instruments that share a centreline are always solved to the end.
+    /// `due` is called between the trials of Newton's method. Once it returns true, the step ends with StepCutShort at the next
+    /// trial that can be a state: contact admits it, holds are met, and the residual moves no node by more than its radius.
+    /// The next step takes the forces that were left back, so momentum is late by a step and not lost. Part of the saved state
+    /// where there are such forces; `due` is not. Instruments that share a centreline are always solved to the end.
     void cut_when(std::function<bool()> due);
-    /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so. Between a restored state and
-    /// the next step stress is without what the mesh cuts off under the instruments (wall/wall_resolution.h).
+    /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so. Between a restored
+    /// state and the next step stress is without what the mesh cuts off under the instruments (wall/wall_resolution.h).
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
     /// How far the finite length of a wire's edges has its tip from its position, estimated from its shape (nodes/adapt.h) [m].
     [[nodiscard]] double node_error(int wire) const;
-    /// Bending energy of a wire, and how far the finite length of its edges has it from that of a smooth one (nodes/adapt.h). Zeros for an
-    /// instrument without nodes, because it shares another's centreline.
+    /// Bending energy of a wire, and how far the finite length of its edges has it from that of a smooth one (nodes/adapt.h).
+    /// Zeros for an instrument without nodes, because it shares another's centreline.
     [[nodiscard]] BendingError bending_error(int wire) const;
     /// How the last step() or settle() went.
     [[nodiscard]] const WireReport& report(int wire) const;
@@ -123,15 +125,15 @@ private:
 };
 
 /// Advances every system by dt [s]. Numerical failure is reported in the StepReport, never thrown.
-/// @throws Error: dt is not a positive number, or the control is impossible (no such instrument, one that is not fed, a value that
-/// is not finite or not on the wire). The world is then unchanged
+/// @throws Error: dt is not a positive number, or the control is impossible (no such instrument, one that is not fed, a value
+/// that is not finite or not on the wire). The world is then unchanged
 [[nodiscard]] StepReport step(World& world, const Control& control, double dt);
 /// The same without a control: every hub stays where it is.
 [[nodiscard]] StepReport step(World& world, double dt);
 
 /// Static equilibrium of every system (scheme = "static", and start = "settled").
-/// @param passed  called at each equilibrium on a system's path but the last, with the system and the time of its keys [s]; the world
-/// may be read then
+/// @param passed  called at each equilibrium on a system's path but the last, with the system and the time of its keys [s]; the
+/// world may be read then
 [[nodiscard]] StepReport settle(World& world, const std::function<void(int system, double time)>& passed = {});
 
 /// Reads or generates what setup.vessel describes, repairs it, and sets setup.mesh and setup.centreline. @throws Error BadFile,
@@ -147,7 +149,8 @@ struct LoadedScene {
     std::shared_ptr<const SceneSource> source;  // for a Recording (record/recording.h)
 };
 
-/// Reads a scene (docs/scene-file.md) and loads its vessel. @param file  or the name of a scene that comes with the program, "aortic-arch"
+/// Reads a scene (docs/scene-file.md) and loads its vessel. @param file  or the name of a scene that comes with the program,
+/// "aortic-arch"
 /// @param overrides  as of --set, "table.key=value"  @throws Error BadFile, BadScene
 [[nodiscard]] LoadedScene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 

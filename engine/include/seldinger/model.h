@@ -45,11 +45,12 @@ struct CoaxialSpec {
     [[nodiscard]] std::span<const int> turns() const { return std::span(order).last(static_cast<std::size_t>(exchanged)); }
     Model model = Model::Merged;  // as in scene files
     double mu_static = 0.06, mu_sliding = 0.05;  // between an instrument and the lumen that it is in [-]
-    double stiffness = 0;                        // of that contact, force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall
+    double stiffness = 0;  // of that contact, force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall
     // Merged, between instruments next to each other and per length of overlap: dry friction [N/m], resistance of a film
     // [N s/m per m]
     double drag = 0, viscous = 0;
-    bool lumen_friction = false;  // merged: also mu times the force between them at their clearance (contact/rods/coaxial_friction.h)
+    bool lumen_friction =
+        false;  // merged: also mu times the force between them at their clearance (contact/rods/coaxial_friction.h)
 };
 
 /// What a world is made from. The vessel has been read and repaired already (io/mesh_file.h, repair/repair.h, shapes/shapes.h).

@@ -20,13 +20,14 @@ enum StepFlag : unsigned {
         1u << 2,  // the wall has moved by more than a fifth of the lumen's radius, or its large displacements did not settle
     StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
     StepNonFinite = 1u << 4,        // not finite: the state (that before the step was kept), or a reading of it
-    StepBestEffort = 1u << 5,  // smallest sub-step missed the tolerance, its last accepted iterate was taken: scene.dt_s, friction
-    StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
-                           // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
-    StepStopped = 1u << 8,     // ended from outside (World::stop_when): the state is that before the step
-    StepCutShort = 1u << 9,    // ended before its equations held, because its time was up (World::cut_when)
-    StepWallBuckles = 1u << 10,  // with StepNotConverged: the elastic wall has no stable state in the smallest sub-step: vessel.pressure_pa,
-                                 // support_pa_m, rims
+    StepBestEffort =
+        1u << 5,            // smallest sub-step missed the tolerance, its last accepted iterate was taken: scene.dt_s, friction
+    StepEnergy = 1u << 6,   // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
+                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
+    StepStopped = 1u << 8,  // ended from outside (World::stop_when): the state is that before the step
+    StepCutShort = 1u << 9,      // ended before its equations held, because its time was up (World::cut_when)
+    StepWallBuckles = 1u << 10,  // with StepNotConverged: the elastic wall has no stable state in the smallest sub-step:
+                                 // vessel.pressure_pa, support_pa_m, rims
     StepContactSums = 1u << 7,  // contact samples do not add up to the forces on the nodes (contact/contact_sums.h): do not trust
                                 // readings of contact in this step, and report it
 };
@@ -149,7 +150,8 @@ struct Output {
         Wall = 1u << 2,       // readings of elastic walls
         WallShape = 1u << 3,  // and where they are
         Loads = 1u << 4,      // greatest loads of contact along each wire, without its rows; of Contacts, too
-        WallUnder = 1u << 5,  // of elastic walls the largest displacement and stress under the instruments; of Wall, those of all of it
+        WallUnder =
+            1u << 5,  // of elastic walls the largest displacement and stress under the instruments; of Wall, those of all of it
         Everything = Shape | Contacts | Wall | WallShape
     };
     double time = 0;  // [s]

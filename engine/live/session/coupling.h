@@ -7,25 +7,26 @@
 //
 //   f' = k (x_h' - x - d) + b (x_h' - x_h - d)/T  =  F_s + K_s d + M (d - d_before)
 //
-// On the right is the predicted response of the wire, as known at the step's start. F_s is its response at the end of the last step
-// less its inertia. The response grows within a step by WireReadings::hand_stiffness, K_s + M. The part M = m/T^2, the inertia of
-// the wire's own mass m, acts on changes of speed only. The equation is solved for d, and the world is stepped to x + d.
+// On the right is the predicted response of the wire, as known at the step's start. F_s is its response at the end of the last
+// step less its inertia. The response grows within a step by WireReadings::hand_stiffness, K_s + M. The part M = m/T^2, the
+// inertia of the wire's own mass m, acts on changes of speed only. The equation is solved for d, and the world is stepped to x +
+// d.
 //
 // Why it is passive. Both sides are taken at the end of the step. On the left, the hand's energy is exactly the sum of stored
 // energy, work on the hub and loss:
 //
 //   f'(x_h' - x_h) = [k e'^2/2 - k e^2/2] + f' d + k (e' - e)^2/2 + b (e' - e)^2/T,      e = x_h - x
 //
-// and backward Euler does the same on the wire's side. The remainder is the difference between F' of the wire and the f' predicted
-// for it. The observer counts that too, energy() = brought in - stored - work done on the wire. Should it fall below zero, the
-// damper dissipates the difference in the following steps [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002,
+// and backward Euler does the same on the wire's side. The remainder is the difference between F' of the wire and the f'
+// predicted for it. The observer counts that too, energy() = brought in - stored - work done on the wire. Should it fall below
+// zero, the damper dissipates the difference in the following steps [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002,
 // doi:10.1109/70.988969].
 //
-// A hub that a force drives (D16) is pulled by the spring itself: f' = pull() - spring_of() d. The world solves for d together with
-// its instrument, nothing is predicted, and the hand's energy is accounted for exactly.
+// A hub that a force drives (D16) is pulled by the spring itself: f' = pull() - spring_of() d. The world solves for d together
+// with its instrument, nothing is predicted, and the hand's energy is accounted for exactly.
 //
-// A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2 +
-// b of negative damping. Its friction and the hand's must exceed that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,
+// A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2
+// + b of negative damping. Its friction and the hand's must exceed that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,
 // doi:10.1002/(SICI)1097-4563(199701)14:1<37::AID-ROB4>3.0.CO;2-V].
 
 namespace seldinger {

@@ -145,9 +145,9 @@ void HandChannel::answer(const SelHandRequest& request, unsigned char* bytes)
     answer.advance_m = it.advance;
     answer.late = static_cast<std::uint32_t>(now.late);
     const bool cut = answer.force_n != it.force || answer.torque_nm != it.torque;
-    answer.flags = (now.paused ? SEL_HAND_PAUSED : 0) | (now.stopped ? SEL_HAND_STOPPED : 0) | (now.was_late ? SEL_HAND_LATE : 0) |
-                   (now.was_cut_short ? SEL_HAND_SHORT : 0) |
-                   (cut ? SEL_HAND_CUT : 0) | (now.score.reached ? SEL_HAND_REACHED : 0);
+    answer.flags = (now.paused ? SEL_HAND_PAUSED : 0) | (now.stopped ? SEL_HAND_STOPPED : 0) |
+                   (now.was_late ? SEL_HAND_LATE : 0) | (now.was_cut_short ? SEL_HAND_SHORT : 0) | (cut ? SEL_HAND_CUT : 0) |
+                   (now.score.reached ? SEL_HAND_REACHED : 0);
     sel_write_answer(&answer, bytes);
 }
 

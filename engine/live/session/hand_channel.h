@@ -1,6 +1,6 @@
 #pragma once
-// The hand's UDP port and its thread: takes requests through the gate, hands the newest hands to the physics, answers from its newest
-// step. No packet makes it wait or allocate.
+// The hand's UDP port and its thread: takes requests through the gate, hands the newest hands to the physics, answers from its
+// newest step. No packet makes it wait or allocate.
 
 #include "session/hand_gate.h"
 #include "session/snapshot.h"
@@ -28,7 +28,8 @@ public:
     HandChannel& operator=(const HandChannel&) = delete;
 
     [[nodiscard]] int port() const { return port_; }
-    /// Listens from now on. @param clock  the session's [s]  @param lockstep  each answer waits for the step that its request makes
+    /// Listens from now on. @param clock  the session's [s]  @param lockstep  each answer waits for the step that its request
+    /// makes
     void start(std::function<double()> clock, bool lockstep = false);
     void stop();
     /// Waits for a request that `input` does not hold yet, or for wake(). One reader.

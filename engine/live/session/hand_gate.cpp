@@ -38,8 +38,9 @@ HandGate::Verdict HandGate::judge(const SelHandRequest& request, std::uint64_t s
         next.turn_zero = owner.hand.turn - request.rotation_rad;
     }
     const bool returns = !same || (!owned && now.session - owner.hand.arrived >= silence);
-    const HandState to{request.advance_m + next.advance_zero, request.rotation_rad + next.turn_zero, request.flags, now.session, true,
-                       owner.hand.returns + (returns ? 1 : 0)};
+    const HandState to{
+        request.advance_m + next.advance_zero, request.rotation_rad + next.turn_zero, request.flags, now.session, true,
+        owner.hand.returns + (returns ? 1 : 0)};
     if (!within(next, to, now.session)) return Verdict::Jump;
     next.hand = to;
     next.sender = sender;

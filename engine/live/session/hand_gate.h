@@ -1,10 +1,11 @@
 #pragma once
 // Accepts the datagrams of a device; all others are counted and ignored. Knows packets and times, no sockets.
 //
-// A device, told apart by its address, owns an instrument while it is heard. After a silence another device may take over, and so may
-// the same one with any sequence number: it was restarted. Sequence numbers of the owner rise, from 2^64 - 1 on to 0 [RFC 1982,
-// 3.2]. On average a hand goes no faster than speed_limit. Each instrument has an allowance of travel, filled at that speed up to
-// allowance_time's worth; every move is taken off. So late packets in a bunch are as good as prompt ones, and a jump is not.
+// A device, told apart by its address, owns an instrument while it is heard. After a silence another device may take over, and so
+// may the same one with any sequence number: it was restarted. Sequence numbers of the owner rise, from 2^64 - 1 on to 0 [RFC
+// 1982, 3.2]. On average a hand goes no faster than speed_limit. Each instrument has an allowance of travel, filled at that speed
+// up to allowance_time's worth; every move is taken off. So late packets in a bunch are as good as prompt ones, and a jump is
+// not.
 
 #include "session/hand_packet.h"
 #include "session/session_limits.h"
@@ -35,8 +36,8 @@ public:
 
     explicit HandGate(int instruments) : instruments_(instruments) {}
 
-    /// When a datagram came [s], both rising. In lockstep session time stands still while requests are refused, so that silence is
-    /// measured by the clock.
+    /// When a datagram came [s], both rising. In lockstep session time stands still while requests are refused, so that silence
+    /// is measured by the clock.
     struct Now {
         double session, clock;
         Now(double both) : session(both), clock(both) {}  // NOLINT(google-explicit-constructor)

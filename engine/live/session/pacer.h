@@ -2,8 +2,8 @@
 // When the next step is due, and whether the last one was late. It has no clock: the caller passes the time, so that a test can
 // choose it.
 //
-// Step k begins at its due time d and is to be over by d + T. A step that ends later is late: session time stretches by the delay, and the
-// next one is due at once. Later steps never run faster to catch up, because the hand would feel a wire that runs.
+// Step k begins at its due time d and is to be over by d + T. A step that ends later is late: session time stretches by the
+// delay, and the next one is due at once. Later steps never run faster to catch up, because the hand would feel a wire that runs.
 
 #include <algorithm>
 #include <cstdint>

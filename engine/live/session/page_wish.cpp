@@ -30,8 +30,9 @@ bool read_wish(std::string_view text, PageWish& wish, bool& reset)
     PageWish said = wish;
     double instrument = wish.instrument;
     bool again = false;
-    const bool good = number("push", 0.2, said.push) && number("turn", 20, said.turn) && number("instrument", most_instruments - 1, instrument) &&
-                      flag("fluoro", said.fluoroscopy) && flag("contrast", said.contrast) && flag("pause", said.paused) && flag("reset", again);
+    const bool good = number("push", 0.2, said.push) && number("turn", 20, said.turn) &&
+                      number("instrument", most_instruments - 1, instrument) && flag("fluoro", said.fluoroscopy) &&
+                      flag("contrast", said.contrast) && flag("pause", said.paused) && flag("reset", again);
     if (!good || instrument < 0 || instrument != std::floor(instrument)) return false;
     said.instrument = static_cast<int>(instrument);
     wish = said;

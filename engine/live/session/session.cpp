@@ -20,7 +20,8 @@ namespace {
 constexpr double view_period = 1.0 / 60;           // [s]
 constexpr double shortest_twisted = 0.01;          // length of wire that torque is thought to act on, at least [m]
 constexpr double page_force = 6, page_torque = 0.05;  // more, and a page's push goes no further [N], [N m]
-// A hand that comes back from a silence may be elsewhere. The hub follows at these speeds [m/s], [rad/s], up to these forces [N], [N m].
+// A hand that comes back from a silence may be elsewhere. The hub follows at these speeds [m/s], [rad/s], up to these forces [N],
+// [N m].
 constexpr double ease_speed = 0.05, ease_turn_speed = 6;
 constexpr double ease_force = 1, ease_torque = 0.01;
 
@@ -69,7 +70,8 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
       watch_(scene_, *world_, ScoreWatch::Patch::Always),
       pacer_(dt_)
 {
-    for (const int w : live_instruments(world_->setup())) instruments_.emplace_back(w, world_->setup().wires[static_cast<std::size_t>(w)], options);
+    for (const int w : live_instruments(world_->setup()))
+        instruments_.emplace_back(w, world_->setup().wires[static_cast<std::size_t>(w)], options);
     if (instruments_.empty())
         throw Error(ErrorKind::BadScene, fmt::format("{}: nothing is fed; a live session needs a [feed]", scene.source.string()));
     if (options.lockstep && hand == nullptr)
@@ -117,9 +119,8 @@ Session::~Session()
 
 void Session::prepare_record(const SessionOptions& options)
 {
-    writer_.emplace(options.record,
-                    RecordHeader{version(), scene_.name, world_->device_name(), record_hash(scene_), hash_of(world_->setup().mesh), dt_,
-                                 world_->wire_count()});
+    writer_.emplace(options.record, RecordHeader{version(), scene_.name, world_->device_name(), record_hash(scene_),
+                                                 hash_of(world_->setup().mesh), dt_, world_->wire_count()});
 }
 
 double Session::clock() const
@@ -240,7 +241,8 @@ void Session::ask(Instrument& it)
     it.hand = hand;
     it.behind = ease(it.behind, ease_speed, it.advance.force(), ease_force);
     it.turn_behind = ease(it.turn_behind, ease_turn_speed, it.turn.force(), ease_torque);
-    const double to = hand.advance - it.hand_zero + it.behind + it.page_way, turned = hand.turn - it.turn_zero + it.turn_behind + it.page_turn;
+    const double to = hand.advance - it.hand_zero + it.behind + it.page_way,
+                 turned = hand.turn - it.turn_zero + it.turn_behind + it.page_turn;
     const double endless = 1e9;
     const double turn = it.start_turn + it.turn.next(turned, it.turn_load, -endless, endless);
     double asked = 0;
@@ -261,7 +263,8 @@ bool Session::is_due()
 {
     ++trials_;
     if (due_at_ > 0) return true;
-    const bool due = options_.due ? options_.due(trials_) : !options_.lockstep && clock() >= pacer_.due() + options_.deadline * dt_;
+    const bool due =
+        options_.due ? options_.due(trials_) : !options_.lockstep && clock() >= pacer_.due() + options_.deadline * dt_;
     if (due) due_at_ = trials_;
     return due;
 }
@@ -272,7 +275,8 @@ void Session::step_once()
     was_cut_short_ = false;
     for (Instrument& it : instruments_) ask(it);
     entry_.clear();
-    const auto flags = static_cast<std::uint8_t>((fluoroscopy_ ? RecordEntry::fluoroscopy : 0) | (contrast_ ? RecordEntry::contrast : 0));
+    const auto flags =
+        static_cast<std::uint8_t>((fluoroscopy_ ? RecordEntry::fluoroscopy : 0) | (contrast_ ? RecordEntry::contrast : 0));
     put_step(entry_, flags, hubs_.data(), world_->wire_count());
     if (writer_ && !ring_.put(entry_)) record_lost_ = true;
     try {

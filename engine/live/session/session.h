@@ -1,8 +1,9 @@
 #pragma once
 // A live session: a separate thread steps the world's first system in real time, with input from hands and page.
 //
-// Physics (this file) takes the newest wishes, steps, publishes; hand_channel.h and web_server.h talk to the outside; a clerk writes the
-// record. They meet in triple buffers and a ring: none ever waits for another, and the loop neither locks nor allocates.
+// Physics (this file) takes the newest wishes, steps, publishes; hand_channel.h and web_server.h talk to the outside; a clerk
+// writes the record. They meet in triple buffers and a ring: none ever waits for another, and the loop neither locks nor
+// allocates.
 
 #include "core/clock.h"
 #include "session/byte_ring.h"
@@ -28,7 +29,7 @@ struct SessionOptions {
     double rate = 1000;    // steps a second
     double duration = 0;   // session time [s]; 0: until it is stopped
     bool lockstep = false;  // a step for each request of the hand, whenever it comes: the same session on any machine
-    double deadline = 0;    // share of the period after which a step ends at the next state that can be (World::cut_when); 0: never
+    double deadline = 0;  // share of the period after which a step ends at the next state that can be (World::cut_when); 0: never
     std::function<bool(std::uint32_t trials)> due;  // in place of the clock: asked before each trial of a step, counted from 1 on
     CouplingSpec advance = advance_coupling, turn = turn_coupling;
     std::filesystem::path record;

@@ -143,7 +143,8 @@ RecordWriter::RecordWriter(const std::filesystem::path& path, const RecordHeader
         const bool is_record = std::filesystem::is_regular_file(path, missing) && read_file(path).starts_with(magic);
         if (!is_record)
             throw Error(ErrorKind::BadScene,
-                        fmt::format("{}: exists, is not a record and would be overwritten; choose another file with --record", path.string()));
+                        fmt::format("{}: exists, is not a record and would be overwritten; choose another file with --record",
+                                    path.string()));
     }
     make_folder_of(path);
     file_ = AppendFile(path, 0);
@@ -207,7 +208,9 @@ SessionRecord read_record(const std::filesystem::path& path)
 void check_record(const SessionRecord& record, const std::filesystem::path& path, const Scene& scene, std::uint64_t vessel_hash)
 {
     const RecordHeader& h = record.header;
-    const auto wrong = [&](const std::string& what) { throw Error(ErrorKind::BadScene, fmt::format("{}: {}", path.string(), what)); };
+    const auto wrong = [&](const std::string& what) {
+        throw Error(ErrorKind::BadScene, fmt::format("{}: {}", path.string(), what));
+    };
     if (h.version != version())
         wrong(fmt::format("was recorded by version {}, this is {}; replay it with that one", h.version, version()));
     if (h.scene_hash != record_hash(scene))

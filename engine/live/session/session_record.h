@@ -1,7 +1,7 @@
 #pragma once
 // The record of a live session: the input of every hub in every step, to the bit. A run with the same input ends with the same
-// bits. A file that grows in blocks of a fraction of a second, each with its checksum: what a killed session leaves is whole up to
-// the last block.
+// bits. A file that grows in blocks of a fraction of a second, each with its checksum: what a killed session leaves is whole up
+// to the last block.
 //
 //   "SELLIVE1" · u32 length · header (JSON) · blocks: u32 length · u64 FNV-1a · entries, packed
 //   entry: u8 kind · u8 flags · [Step: per instrument f64 advance or force, f64 turn] · [CutShort: u32 trials] ·
@@ -30,7 +30,8 @@ struct RecordEntry {
     Kind kind = Kind::Step;
     std::uint8_t flags = 0;
     std::vector<double> hubs;  // Step: advance (of a driven hub: Coupling::pull), turn of each as the world was asked, from 0 on
-    std::uint32_t trials = 0;  // CutShort, of the step before: at which call World::cut_when() was told that its time is up, from 1 on
+    std::uint32_t trials =
+        0;  // CutShort, of the step before: at which call World::cut_when() was told that its time is up, from 1 on
     std::string hash;          // End
 };
 
@@ -41,7 +42,8 @@ struct SessionRecord {
     [[nodiscard]] long steps() const;
 };
 
-/// What of a scene a record depends on: everything but how long and how finely it is run and recorded, and its key frames after the start.
+/// What of a scene a record depends on: everything but how long and how finely it is run and recorded, and its key frames after
+/// the start.
 [[nodiscard]] std::uint64_t record_hash(const Scene& scene);
 
 /// Packs an entry at the end of `bytes`.

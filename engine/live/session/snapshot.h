@@ -1,5 +1,6 @@
 #pragma once
-// What a session shows of its newest step to the threads beside it: copies of fixed size or of kept capacity, nothing to wait for.
+// What a session shows of its newest step to the threads beside it: copies of fixed size or of kept capacity, nothing to wait
+// for.
 
 #include "run/score_numbers.h"
 #include "session/session_limits.h"

@@ -26,7 +26,8 @@ void put(std::string& into, const T* data, std::size_t count)
 
 nlohmann::json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, const Branches& branches, double rate)
+std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, const Branches& branches,
+                       double rate)
 {
     nlohmann::json instruments = nlohmann::json::array();
     for (const int k : live_instruments(setup)) {
@@ -34,11 +35,19 @@ std::string scene_json(const Scene& scene, const WorldSetup& setup, const TaskTa
         instruments.push_back({{"name", wire.name}, {"length", wire.wire.length}, {"radius", wire.wire.shaft.radius}});
     }
     const TaskSpec& task = scene.task;
-    nlohmann::json json{{"name", scene.name},       {"instruments", instruments},
-                        {"rate", rate},             {"dt", 1 / rate},
+    nlohmann::json json{{"name", scene.name},
+                        {"instruments", instruments},
+                        {"rate", rate},
+                        {"dt", 1 / rate},
                         {"inlet", list(setup.wires[0].feed.point)},
-                        {"task", task.text},        {"target", nullptr},
-                        {"limits", {{"wall_force", task.wall_force}, {"patch_force", task.patch_force}, {"patch", scene.force_patch}, {"time", task.time}, {"fluoroscopy", task.fluoroscopy}}}};
+                        {"task", task.text},
+                        {"target", nullptr},
+                        {"limits",
+                         {{"wall_force", task.wall_force},
+                          {"patch_force", task.patch_force},
+                          {"patch", scene.force_patch},
+                          {"time", task.time},
+                          {"fluoroscopy", task.fluoroscopy}}}};
     // the patient's axes: an arch has its own, else those of docs/live.md
     const bool arch = setup.vessel.shape == VesselShape::Arch;
     json["head"] = list(arch ? setup.vessel.axis : Vec3(Vec3::UnitZ()));
@@ -58,10 +67,23 @@ nlohmann::json instrument_json(const InstrumentNumbers& n)
 
 nlohmann::json score_for_page(const ScoreNumbers& s)
 {
-    return {{"time", s.time},           {"path", s.path_length}, {"advanced", s.advanced},       {"back", s.pulled_back},
-            {"pushes", s.pushes},       {"backs", s.pull_backs}, {"wall", s.wall_force},         {"wall_mean", s.wall_force_mean},
-            {"wall_max", s.wall_force_max}, {"patch", s.patch_force}, {"patch_max", s.patch_force_max}, {"above", s.time_above}, {"fluoroscopy", s.fluoroscopy}, {"contrast", s.contrast},
-            {"distance", s.distance},   {"reached", s.reached != 0}, {"failed", s.failed != 0}};
+    return {{"time", s.time},
+            {"path", s.path_length},
+            {"advanced", s.advanced},
+            {"back", s.pulled_back},
+            {"pushes", s.pushes},
+            {"backs", s.pull_backs},
+            {"wall", s.wall_force},
+            {"wall_mean", s.wall_force_mean},
+            {"wall_max", s.wall_force_max},
+            {"patch", s.patch_force},
+            {"patch_max", s.patch_force_max},
+            {"above", s.time_above},
+            {"fluoroscopy", s.fluoroscopy},
+            {"contrast", s.contrast},
+            {"distance", s.distance},
+            {"reached", s.reached != 0},
+            {"failed", s.failed != 0}};
 }
 
 }  // namespace
@@ -76,20 +98,23 @@ std::string three_js()
 std::string mesh_bytes(const WallMesh& mesh)
 {
     std::string bytes;
-    const std::uint32_t counts[] = {static_cast<std::uint32_t>(mesh.vertices.size()), static_cast<std::uint32_t>(mesh.triangles.size())};
+    const std::uint32_t counts[] = {static_cast<std::uint32_t>(mesh.vertices.size()),
+                                    static_cast<std::uint32_t>(mesh.triangles.size())};
     put(bytes, counts, 2);
     for (const Vec3& v : mesh.vertices) {
         const float p[] = {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
         put(bytes, p, 3);
     }
     for (const auto& t : mesh.triangles) {
-        const std::uint32_t corners[] = {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])};
+        const std::uint32_t corners[] = {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
+                                         static_cast<std::uint32_t>(t[2])};
         put(bytes, corners, 3);
     }
     return bytes;
 }
 
-std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, const Branches& branches, double rate)
+std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const TaskTarget& target,
+                                                      const Branches& branches, double rate)
 {
     const fs::path folder = assets_folder() / "web";
     std::map<std::string, WebFile, std::less<>> files;
@@ -108,11 +133,23 @@ void put_frame(const ViewFrame& frame, double wall_clock, int clients, std::stri
     const StepNumbers& n = frame.numbers;
     nlohmann::json instruments = nlohmann::json::array();
     for (int k = 0; k < n.instruments; ++k) instruments.push_back(instrument_json(n.instrument[static_cast<std::size_t>(k)]));
-    std::string json = json_text(nlohmann::json{{"step", n.step},       {"time", n.time},         {"clock", wall_clock},     {"late", n.late},
-                                               {"cut_short", n.cut_short},
-                                      {"stretched", n.stretched}, {"step_ms", 1e3 * n.step_time}, {"paused", n.paused}, {"stopped", n.stopped},
-                                      {"fluoro", n.fluoroscopy}, {"contrast", n.contrast}, {"resets", n.resets}, {"clients", clients},
-                                      {"branch", n.stretch}, {"branch_depth", n.branch_depth}, {"instruments", instruments}, {"score", score_for_page(n.score)}});
+    std::string json = json_text(nlohmann::json{{"step", n.step},
+                                                {"time", n.time},
+                                                {"clock", wall_clock},
+                                                {"late", n.late},
+                                                {"cut_short", n.cut_short},
+                                                {"stretched", n.stretched},
+                                                {"step_ms", 1e3 * n.step_time},
+                                                {"paused", n.paused},
+                                                {"stopped", n.stopped},
+                                                {"fluoro", n.fluoroscopy},
+                                                {"contrast", n.contrast},
+                                                {"resets", n.resets},
+                                                {"clients", clients},
+                                                {"branch", n.stretch},
+                                                {"branch_depth", n.branch_depth},
+                                                {"instruments", instruments},
+                                                {"score", score_for_page(n.score)}});
     json.resize((json.size() + 3) / 4 * 4, ' ');
     into.clear();
     const auto length = static_cast<std::uint32_t>(json.size());

@@ -16,8 +16,9 @@ struct WebFile {
 };
 
 /// Everything that can be asked for, by its path; read once. @throws Error BadFile: the page or three.js is not there
-[[nodiscard]] std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const TaskTarget& target, const Branches& branches,
-                                                                     double rate);
+[[nodiscard]] std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup,
+                                                                    const TaskTarget& target, const Branches& branches,
+                                                                    double rate);
 
 /// three.js as Debian's libjs-three has it. @throws Error BadFile: not installed
 [[nodiscard]] std::string three_js();

@@ -106,7 +106,8 @@ bool WrongTokens::may_try(const std::string& address, double now)
 void WrongTokens::count(const std::string& address, double now)
 {
     if (of_.size() >= most_addresses && !of_.contains(address))
-        of_.erase(std::min_element(of_.begin(), of_.end(), [](const auto& a, const auto& b) { return a.second.last() < b.second.last(); }));
+        of_.erase(std::min_element(of_.begin(), of_.end(),
+                                   [](const auto& a, const auto& b) { return a.second.last() < b.second.last(); }));
     (void)of_.try_emplace(address, per_second, at_once, now).first->second.allow(now);
 }
 

@@ -41,7 +41,10 @@ enum class Admission { Welcome, WrongHost, WrongOrigin, WrongToken };
 class RateLimit {
 public:
     explicit RateLimit(double per_second) : RateLimit(per_second, per_second, 0) {}
-    RateLimit(double per_second, double at_once, double now) : per_second_(per_second), at_once_(at_once), left_(at_once), last_(now) {}
+    RateLimit(double per_second, double at_once, double now)
+        : per_second_(per_second), at_once_(at_once), left_(at_once), last_(now)
+    {
+    }
     /// @param now  [s], rising
     bool allow(double now)
     {

@@ -73,8 +73,9 @@ struct Hub {
             return std::string_view(value.data(), value.size());
         };
         const auto target = request.target();
-        return admit({{target.data(), target.size()}, text(http::field::host), text(http::field::origin), text(http::field::cookie)},
-                     options.address, options.token);
+        return admit(
+            {{target.data(), target.size()}, text(http::field::host), text(http::field::origin), text(http::field::cookie)},
+            options.address, options.token);
     }
 
     /// Whether `who` may have another connection. At the limit the connection that has waited longest without a whole request is
@@ -182,7 +183,8 @@ private:
         read();
     }
 
-    websocket::stream<beast::tcp_stream, false> stream_;  // without compression, which nobody asks for: half of what this file takes to compile
+    websocket::stream<beast::tcp_stream, false>
+        stream_;  // without compression, which nobody asks for: half of what this file takes to compile
     Hub& hub_;
     std::unique_ptr<Place> place_;
     http::request<http::empty_body> request_;
@@ -242,7 +244,8 @@ private:
         }
         if (!hub_.wrong_tokens.may_try(who(), seconds_of_the_clock())) {
             ++hub_.counts.refused;
-            return refuse(request, http::status::too_many_requests, "too many wrong tokens came from this address; wait a second");
+            return refuse(request, http::status::too_many_requests,
+                          "too many wrong tokens came from this address; wait a second");
         }
         const Admission admission = hub_.admitted(request);
         if (admission == Admission::WrongToken) hub_.wrong_tokens.count(who(), seconds_of_the_clock());
@@ -288,12 +291,14 @@ private:
         response_.keep_alive(request.keep_alive() && status == http::status::ok);
         response_.set(http::field::content_type, file.type);
         response_.set(http::field::cache_control, "no-store");
-        response_.set("Content-Security-Policy", "default-src 'self'; img-src 'self' data:; connect-src 'self' ws: wss:; frame-ancestors 'none'");
+        response_.set("Content-Security-Policy",
+                      "default-src 'self'; img-src 'self' data:; connect-src 'self' ws: wss:; frame-ancestors 'none'");
         response_.set("X-Content-Type-Options", "nosniff");
         response_.set("Referrer-Policy", "no-referrer");
         const auto target = request.target();
         const std::string token = query_value({target.data(), target.size()}, "token");
-        if (status == http::status::ok && !token.empty() && same_secret(token, hub_.options.token))  // another's text is no cookie of ours
+        if (status == http::status::ok && !token.empty() &&
+            same_secret(token, hub_.options.token))  // another's text is no cookie of ours
             response_.set(http::field::set_cookie, "seldinger_token=" + token + "; HttpOnly; SameSite=Strict; Path=/");
         response_.content_length(file.body.size());
         if (request.method() != http::verb::head) response_.body() = {file.body.data(), file.body.size()};
@@ -341,7 +346,11 @@ bool Hub::give_way(const std::string* of)
 
 struct WebServer::Impl {
     Impl(const WebOptions& options, const Scene& scene, Session& session)
-        : hub{session, web_files(scene, session.world().setup(), session.target(), session.branches(), 1 / session.step_length()), options, {}, {}, {}, 0, {}, {}, {}}
+        : hub{session, web_files(scene, session.world().setup(), session.target(), session.branches(), 1 / session.step_length()),
+              options, {},
+              {},      {},
+              0,       {},
+              {},      {}}
     {
     }
 
@@ -394,18 +403,23 @@ struct WebServer::Impl {
 WebServer::WebServer(const WebOptions& given, const Scene& scene, Session& session)
 {
     WebOptions options = given;
-    if (options.address.starts_with('[') && options.address.ends_with(']')) options.address = options.address.substr(1, options.address.size() - 2);
+    if (options.address.starts_with('[') && options.address.ends_with(']'))
+        options.address = options.address.substr(1, options.address.size() - 2);
     error_code error;
     const auto address = asio::ip::make_address(options.address, error);
     if (error)
-        throw Error(ErrorKind::BadScene, fmt::format("--bind: \"{}\": expected an address such as 127.0.0.1 or 0.0.0.0", options.address));
-    if (!address.is_loopback() && options.token.empty())
-        throw Error(ErrorKind::BadScene, fmt::format("--bind {}: others can reach this address; give a token with --token", options.address));
-    if (!options.token.empty() && !is_token(options.token))
         throw Error(ErrorKind::BadScene,
-                    fmt::format("--token: got {} characters; expected at least {} of A-Z a-z 0-9 - . _ ~ and no others. Fix: leave --token "
-                                "out, and one is made where others can reach the page",
-                                options.token.size(), least_token));
+                    fmt::format("--bind: \"{}\": expected an address such as 127.0.0.1 or 0.0.0.0", options.address));
+    if (!address.is_loopback() && options.token.empty())
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("--bind {}: others can reach this address; give a token with --token", options.address));
+    if (!options.token.empty() && !is_token(options.token))
+        throw Error(
+            ErrorKind::BadScene,
+            fmt::format(
+                "--token: got {} characters; expected at least {} of A-Z a-z 0-9 - . _ ~ and no others. Fix: leave --token "
+                "out, and one is made where others can reach the page",
+                options.token.size(), least_token));
     impl_ = std::make_unique<Impl>(options, scene, session);
     tcp::acceptor& acceptor = impl_->acceptor;
     const tcp::endpoint endpoint(address, static_cast<unsigned short>(options.port));
@@ -414,8 +428,8 @@ WebServer::WebServer(const WebOptions& given, const Scene& scene, Session& sessi
     if (!error) acceptor.bind(endpoint, error);
     if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
     if (error)
-        throw Error(ErrorKind::BadFile, fmt::format("{}:{}: cannot be opened: {}; choose another port with --port", options.address,
-                                                   options.port, error.message()));
+        throw Error(ErrorKind::BadFile, fmt::format("{}:{}: cannot be opened: {}; choose another port with --port",
+                                                    options.address, options.port, error.message()));
     impl_->port = acceptor.local_endpoint().port();
 }
 

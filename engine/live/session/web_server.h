@@ -1,6 +1,6 @@
 #pragma once
-// The session's web server in a separate thread: the page over HTTP, frames and wishes over a WebSocket. Clients that are slow lose
-// frames, clients that are wrong lose the connection; the physics notices neither.
+// The session's web server in a separate thread: the page over HTTP, frames and wishes over a WebSocket. Clients that are slow
+// lose frames, clients that are wrong lose the connection; the physics notices neither.
 
 #include <cstdint>
 #include <memory>
@@ -25,8 +25,8 @@ struct WebCounts {
 
 class WebServer {
 public:
-    /// Opens the port and reads the page. @throws Error BadScene: an address that others reach without a token, a weak token; BadFile: port in use,
-    /// the page's files missing
+    /// Opens the port and reads the page. @throws Error BadScene: an address that others reach without a token, a weak token;
+    /// BadFile: port in use, the page's files missing
     WebServer(const WebOptions& options, const Scene& scene, Session& session);
     ~WebServer();
     WebServer(const WebServer&) = delete;

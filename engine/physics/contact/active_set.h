@@ -59,8 +59,8 @@ private:
     device::Buffer edge_buffer_, last_edge_buffer_;  // of sums_.edges, last_edges_
 };
 
-/// Below some count the caller's thread is faster than waking the pool (15 us). The choice depends on the item count only, so it is
-/// the same on every machine.
+/// Below some count the caller's thread is faster than waking the pool (15 us). The choice depends on the item count only, so it
+/// is the same on every machine.
 [[nodiscard]] device::Queue queue_for(std::size_t points);
 
 }  // namespace seldinger

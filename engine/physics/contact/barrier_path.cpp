@@ -35,7 +35,8 @@ void BarrierPath::measure_gaps(device::Queue at, ContactParams par, const Quadra
 {
     if (count == 0) return;
     par.item_count = static_cast<uint>(count);
-    gaps_.launch(at, count, par, b.list, b.models, b.places, b.near_cells, b.counts, b.wall, b.nodes, b.states_t0, result_buffer_);
+    gaps_.launch(at, count, par, b.list, b.models, b.places, b.near_cells, b.counts, b.wall, b.nodes, b.states_t0,
+                 result_buffer_);
     context_.read(at, result_buffer_, result_.data(), count * sizeof(real));
 }
 

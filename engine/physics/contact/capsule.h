@@ -34,7 +34,8 @@ public:
         quadrature_.wires[wire].exposed = exposed;
     }
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
-    /// For those who look into a step: records of the last evaluation, two for each point; those of a wire that it wrote have this epoch.
+    /// For those who look into a step: records of the last evaluation, two for each point; those of a wire that it wrote have
+    /// this epoch.
     [[nodiscard]] std::span<const ContactState> at_trial() const { return states_.at_trial(); }
     [[nodiscard]] std::uint32_t epoch(int wire) const { return quadrature_.wires[static_cast<std::size_t>(wire)].epoch; }
     void add_loads(RodArrays& rods, std::span<WireLoads> loads) override;  // cheap enough for every step

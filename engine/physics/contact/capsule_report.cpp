@@ -58,8 +58,8 @@ void CapsuleContact::add_loads(RodArrays& rods, std::span<WireLoads> loads)
         own.samples.reserve(2 * static_cast<std::size_t>(wire.capacity));  // steps allocate nothing
         states_.for_each_contact(w, [&](int point, const ContactState& state) {
             const double* f = state.friction;
-            own.add({wire.s[static_cast<std::size_t>(point - wire.begin)], quadrature_.models[static_cast<std::size_t>(point)].length,
-                     state.normal_force},
+            own.add({wire.s[static_cast<std::size_t>(point - wire.begin)],
+                     quadrature_.models[static_cast<std::size_t>(point)].length, state.normal_force},
                     std::hypot(f[0], f[1], f[2]));
         });
     });

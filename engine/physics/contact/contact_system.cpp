@@ -8,8 +8,8 @@ namespace seldinger {
 
 namespace {
 
-// Of the bound. The bound takes all samples of an edge to be off by four roundings to the same side; distances of a few samples, each
-// off by half a rounding to either side, leave about a tenth of it.
+// Of the bound. The bound takes all samples of an edge to be off by four roundings to the same side; distances of a few samples,
+// each off by half a rounding to either side, leave about a tenth of it.
 constexpr double usual_rounding = 0.1;
 
 }  // namespace

@@ -3,8 +3,8 @@
 // `nodes` is the same with one quadrature point at each control node). Implements what the solver asks for.
 //
 // Per step: begin_step remembers the start of the step. prepare puts quadrature points on the edges and renews candidates if a
-// quadrature point has moved by its skin. Each Newton iteration calls evaluate: three small writes, two launches, one read-back of
-// the edges' sums. commit makes the trial's anchors the state. The wall's geometry stays on the device.
+// quadrature point has moved by its skin. Each Newton iteration calls evaluate: three small writes, two launches, one read-back
+// of the edges' sums. commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
 #include "contact/contact_setup.h"
 #include "contact/device_views.h"

@@ -71,8 +71,8 @@ template <class Record>
     return context.float32() ? float_size<Record>() : sizeof(Record);
 }
 
-/// A buffer of the vector's own memory, where its records are the device's own: what the host writes costs nothing there. The vector must
-/// outlive it and stay where it is.
+/// A buffer of the vector's own memory, where its records are the device's own: what the host writes costs nothing there. The
+/// vector must outlive it and stay where it is.
 /// @param count  of records, where the device has its own
 template <class Record>
 [[nodiscard]] device::Buffer record_buffer(device::Context& context, std::vector<Record>& host, std::size_t count)
@@ -90,8 +90,8 @@ struct NarrowParams {
 };
 [[nodiscard]] NarrowParams narrow(const ContactParams& par);
 
-/// Writes records from the first-th on, narrowed where the context asks for it. `scratch` must stay as it is until the next read()
-/// or finish() on the queue.
+/// Writes records from the first-th on, narrowed where the context asks for it. `scratch` must stay as it is until the next
+/// read() or finish() on the queue.
 template <class Record>
 void write_records(device::Context& context, device::Queue queue, const device::Buffer& to, const std::vector<Record>& from,
                    std::vector<std::uint32_t>& scratch, std::size_t first = 0)

@@ -26,8 +26,8 @@ struct DeviceWall {
     }
 };
 
-/// Node positions of all wires as the kernels take them: hi + lo relative to the wall's centre. The buffers are the vectors' own memory on
-/// a CPU (Buffer).
+/// Node positions of all wires as the kernels take them: hi + lo relative to the wall's centre. The buffers are the vectors' own
+/// memory on a CPU (Buffer).
 struct DeviceNodes {
     DeviceNodes(device::Context& context, int total_capacity);
     std::vector<float> hi;          // [nodes][3]

@@ -1,6 +1,6 @@
 #pragma once
-// Result of the device's reduction on the host: force, moment and tangent summed per edge of wire with contact, in the form of the
-// solver's banded system. The same for every detection method.
+// Result of the device's reduction on the host: force, moment and tangent summed per edge of wire with contact, in the form of
+// the solver's banded system. The same for every detection method.
 
 #include "math/band_matrix.h"
 #include "rod/rod_arrays.h"

@@ -26,7 +26,8 @@ Evaluation::Evaluation(device::Context& context, std::span<const QuadratureModel
       barys_(context, models.size() * device_size<double>(context)),
       no_multipliers_(context, sizeof(MultiplierState)),
       // stages have none
-      memories_(context, (context.workgroup(device::Items::Branching) == 1 ? models.size() : 1) * device_size<WallMemory>(context))
+      memories_(context,
+                (context.workgroup(device::Items::Branching) == 1 ? models.size() : 1) * device_size<WallMemory>(context))
 {
 }
 

@@ -55,7 +55,8 @@ ForceKernels::ForceKernels(device::Context& context, const std::string& program,
     provide_records(points);
 }
 
-GapKernels::GapKernels(device::Context& context, std::size_t points) : StagedKernel(context, programs::barrier, "contact_clearance")
+GapKernels::GapKernels(device::Context& context, std::size_t points)
+    : StagedKernel(context, programs::barrier, "contact_clearance")
 {
     if (is_whole()) return;
     program_ = programs::quadrature;

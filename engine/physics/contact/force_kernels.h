@@ -1,6 +1,6 @@
 #pragma once
-// Kernels that are one where an item is a work-group, that is on a CPU; else a chain of stages, the later ones over the items that the
-// first has put on a list. The bits are the same.
+// Kernels that are one where an item is a work-group, that is on a CPU; else a chain of stages, the later ones over the items
+// that the first has put on a list. The bits are the same.
 //   ForceKernels       forces of quadrature points (kernels/contact/evaluation.cl, kernels/shared/contact_stages.h)
 //   GapKernels         gaps of quadrature points: contact_clearance, or the stages of forces that find the wall
 //   InstrumentKernels  forces between instruments (kernels/contact/instruments.cl, kernels/shared/instrument_stages.h)
@@ -51,7 +51,8 @@ private:
 
 class ForceKernels : public StagedKernel {
 public:
-    /// @param program  with contact/evaluation.cl     points  listed at most     rolling  some model rolls, which is a separate stage
+    /// @param program  with contact/evaluation.cl     points  listed at most     rolling  some model rolls, which is a separate
+    /// stage
     ForceKernels(device::Context& context, const std::string& program, std::size_t points, bool rolling);
 };
 

@@ -319,7 +319,8 @@ void LayerContact::walk_state(StateWalk& walk, int wire)
     for (Key& key : keys) key = {0, key.edge - node, key.triangle};  // as in a world of this wire alone
     std::vector<ContactState> own(keys.size());
     context_.enter(light);
-    context_.read(light, states_t0_, own.data(), own.size() * sizeof(ContactState), static_cast<std::size_t>(at) * sizeof(ContactState));
+    context_.read(light, states_t0_, own.data(), own.size() * sizeof(ContactState),
+                  static_cast<std::size_t>(at) * sizeof(ContactState));
     walk.list<std::uint64_t>({"a contact's edge", "", "accept"}, keys);
     own.resize(keys.size());
     walk({"a contact", "", "accept"}, std::span(own));

@@ -1,7 +1,7 @@
 #pragma once
-// Caches the wall near every quadrature point: the nodes of the tree round it (kernels/shared/walk.h), or that no wall is near. An
-// entry holds while the quadrature point stays near the place of the search, usually for many steps. Beside a rigid wall an entry
-// also serves the neighbours of its point. Most of a wire is far from any wall: there one distance serves a stretch of it.
+// Caches the wall near every quadrature point: the nodes of the tree round it (kernels/shared/walk.h), or that no wall is near.
+// An entry holds while the quadrature point stays near the place of the search, usually for many steps. Beside a rigid wall an
+// entry also serves the neighbours of its point. Most of a wire is far from any wall: there one distance serves a stretch of it.
 
 #include "contact/device_views.h"
 #include "contact/point_states.h"

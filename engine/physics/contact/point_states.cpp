@@ -55,7 +55,8 @@ PointStates::PointStates(device::Context& context, QuadratureSet& quadrature)
       states_t0_(record_buffer(context, host_t0_, host_t0_.size())),
       states_(record_buffer(context, host_, host_t0_.size()))
 {
-    for (std::size_t w = 0; w < evaluated_.size(); ++w) evaluated_[w].reserve(static_cast<std::size_t>(quadrature.wires[w].capacity));
+    for (std::size_t w = 0; w < evaluated_.size(); ++w)
+        evaluated_[w].reserve(static_cast<std::size_t>(quadrature.wires[w].capacity));
     write_records(context_, device::Queue::Inline, models_, quadrature.models, narrow_);
     context_.finish(device::Queue::Inline);
 }
@@ -106,7 +107,8 @@ std::vector<ContactState> PointStates::living(int wire)
     const WireQuadrature& own = quadrature_.wires[static_cast<std::size_t>(wire)];
     std::vector<ContactState> states(2 * static_cast<std::size_t>(own.capacity));
     context_.enter(device::Queue::Inline);
-    read_records(context_, device::Queue::Inline, states_t0_, states.data(), states.size(), 2 * static_cast<std::size_t>(own.begin), narrow_);
+    read_records(context_, device::Queue::Inline, states_t0_, states.data(), states.size(),
+                 2 * static_cast<std::size_t>(own.begin), narrow_);
     for (ContactState& state : states)
         if (state.epoch + 1 != own.epoch) std::memset(&state, 0, sizeof state);
     return states;

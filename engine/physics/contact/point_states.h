@@ -42,7 +42,8 @@ public:
         for (const std::uint32_t point : evaluated_[static_cast<std::size_t>(wire)])
             for (std::uint32_t side = 0; side < 2; ++side) {
                 const ContactState& state = host_t0_[2 * point + side];
-                if (state.epoch + 1 == quadrature_.wires[static_cast<std::size_t>(wire)].epoch && (state.flags & SEL_CONTACT_ACTIVE))
+                if (state.epoch + 1 == quadrature_.wires[static_cast<std::size_t>(wire)].epoch &&
+                    (state.flags & SEL_CONTACT_ACTIVE))
                     f(static_cast<int>(point), state);
             }
     }
@@ -61,8 +62,8 @@ public:
 
 private:
     void commit(std::span<const std::uint8_t> active);
-    /// Two records for each point of a wire. States that no contact of the last step wrote are zeros: leftovers must neither affect
-    /// later steps nor the saved bytes.
+    /// Two records for each point of a wire. States that no contact of the last step wrote are zeros: leftovers must neither
+    /// affect later steps nor the saved bytes.
     [[nodiscard]] std::vector<ContactState> living(int wire);
     void note_living(int wire, std::span<const ContactState> states);
 

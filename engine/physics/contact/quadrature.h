@@ -1,13 +1,13 @@
 #pragma once
 // Points at which contact is evaluated: quadrature points fixed in the material, whatever the nodes do.
 //
-// Quadrature point 0 of a wire is its tip (point law). Quadrature point k >= 1 represents the k-th stretch of `spacing` metres from
-// the tip and lies at its middle. Detection `nodes` puts the points at the control nodes. Uniform feeding keeps these at whole
-// multiples of the edge length. The default spacing is one wire radius. If every quadrature point is farther than r/2 from the wall
-// (the hardening law never lets the axis nearer), the straight axis between two of them cannot meet the wall at all.
+// Quadrature point 0 of a wire is its tip (point law). Quadrature point k >= 1 represents the k-th stretch of `spacing` metres
+// from the tip and lies at its middle. Detection `nodes` puts the points at the control nodes. Uniform feeding keeps these at
+// whole multiples of the edge length. The default spacing is one wire radius. If every quadrature point is farther than r/2 from
+// the wall (the hardening law never lets the axis nearer), the straight axis between two of them cannot meet the wall at all.
 //
-// A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a rod.
-// While one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The
+// A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a
+// rod. While one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The
 // integral over the wire has no such axial part, by symmetry, but a quadrature has, once its points are too few on the wire's
 // length that the ridge presses. Where the mesh's ridges are sharp, mean_ridge_angle (vessel/ridges.h), the default spacing is
 // finer, down to r/4.

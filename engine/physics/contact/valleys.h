@@ -1,17 +1,17 @@
 #pragma once
 // Contacts that Newton's method has carried over a valley of the wall, from one facet to another.
 //
-// Between two facets that meet in a valley the force turns from f n_a to f n_b within a micron (smooth_maximum.h), and a wire that
-// lies in the valley finds its balance there. From a trial on facet b the tangent knows nothing of a: the next trial is on a
-// again, and so on until a shortened one happens to end in the valley. But both facets are planes, known from the two trials. With
-// the smooth maximum of these two continued without bounds,
+// Between two facets that meet in a valley the force turns from f n_a to f n_b within a micron (smooth_maximum.h), and a wire
+// that lies in the valley finds its balance there. From a trial on facet b the tangent knows nothing of a: the next trial is on a
+// again, and so on until a shortened one happens to end in the valley. But both facets are planes, known from the two trials.
+// With the smooth maximum of these two continued without bounds,
 //
 //     f(p) = f (n_b + z w),   w = n_a - n_b,   z = (eps - (depth_b - depth_a)) / (2 eps),
 //
-// with the eps of these facets, which is the law itself for 0 < z < 1, the direction leads into the valley. What the law lacks of it
-// (z < 0) is added to the residual that the direction is taken from, and f w w^T / (2 eps) to the tangent. Whether the balance is there is for the next
-// trial to say; residuals of trials, and so results, are those of the law. If that trial is beyond the valley again, the balance is
-// not there, and the direction from it is that of its facet alone.
+// with the eps of these facets, which is the law itself for 0 < z < 1, the direction leads into the valley. What the law lacks of
+// it (z < 0) is added to the residual that the direction is taken from, and f w w^T / (2 eps) to the tangent. Whether the balance
+// is there is for the next trial to say; residuals of trials, and so results, are those of the law. If that trial is beyond the
+// valley again, the balance is not there, and the direction from it is that of its facet alone.
 
 #include "contact/device_views.h"
 #include "contact/edge_sums.h"
@@ -43,8 +43,8 @@ public:
     void take(int wire, std::span<const ContactState> states, const ActiveList& list);
     /// Forgets the base.
     void start(int wire) { wires_[static_cast<std::size_t>(wire)].base.clear(); }
-    /// Whether contacts at the trial have gone over a valley since the base, or into one. Share: of the way there at which the one
-    /// with the largest turn of its force has.
+    /// Whether contacts at the trial have gone over a valley since the base, or into one. Share: of the way there at which the
+    /// one with the largest turn of its force has.
     KinksPassed crossed(int wire, std::span<const ContactState> states, const ActiveList& list, double smoothing);
     /// The valleys that crossed() found, as the base sees them; valid until the next call.
     [[nodiscard]] std::span<const Kink> from_base(int wire, int first_node);

@@ -1,7 +1,7 @@
 #pragma once
-// Contact with the wall as the wires of a world feel it. A rigid wall's is the detection method itself (contact_system.h); an elastic
-// wall stands in front of one (elastic/elastic_contact.h). What only a wall that moves has to say has the rigid wall's answer here, so
-// that nobody asks which of the two it is.
+// Contact with the wall as the wires of a world feel it. A rigid wall's is the detection method itself (contact_system.h); an
+// elastic wall stands in front of one (elastic/elastic_contact.h). What only a wall that moves has to say has the rigid wall's
+// answer here, so that nobody asks which of the two it is.
 
 #include "contact/contact_row.h"
 #include "solve/force_term.h"
@@ -26,8 +26,8 @@ public:
     virtual void put_feet_back() {}
     /// Whether a step of h starts a block of steps of the wall, which changes what walk_state() saves.
     [[nodiscard]] virtual bool begins_block(double /*h*/) const { return false; }
-    /// Whether the wall of this system could take the last step or equilibrium that was tried; trials of its wires are not admissible
-    /// else.
+    /// Whether the wall of this system could take the last step or equilibrium that was tried; trials of its wires are not
+    /// admissible else.
     [[nodiscard]] virtual bool stands(int /*system*/) const { return true; }
     /// Farthest that the wall has moved under a wire of this system, of 20 % of the lumen's radius there [-].
     [[nodiscard]] virtual double move_share(int /*system*/) const { return 0; }
@@ -43,7 +43,8 @@ public:
     }
     /// Length of a rod's edge in contact that the wall's own mesh asks for [m]; infinite: any.
     [[nodiscard]] virtual double edge_touched() const { return std::numeric_limits<double>::infinity(); }
-    /// Flags nodes of the accepted state that must stay, since between their neighbours the displacement of the wall is not linear.
+    /// Flags nodes of the accepted state that must stay, since between their neighbours the displacement of the wall is not
+    /// linear.
     /// @param bowed  [n] flags, set there
     virtual void mark_bowed(RodArrays& /*rods*/, int /*wire*/, std::span<std::uint8_t> /*bowed*/) const {}
 
@@ -53,7 +54,8 @@ public:
     /// Largest displacement and stress under the wires at the end of the last step; the rest of the readings is 0.
     [[nodiscard]] virtual WallReadings under(int /*system*/) const { return {}; }
     /// Readings of all of the wall, with those under the wires.    @param stress  as read_wall
-    [[nodiscard]] virtual WallReadings readings(int /*system*/, std::span<const double> /*displacement*/, std::vector<double>* /*stress*/ = nullptr) const
+    [[nodiscard]] virtual WallReadings readings(int /*system*/, std::span<const double> /*displacement*/,
+                                                std::vector<double>* /*stress*/ = nullptr) const
     {
         return {};
     }

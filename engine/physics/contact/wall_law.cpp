@@ -28,8 +28,8 @@ double own_weight(const WireSection& section)
 
 double radius_in_lumen(double r, double lumen_radius) { return effective_radius(rod_side(r, 0), wall_side(lumen_radius, r, 0)); }
 
-// (D10): moment per force = arm * a. From the wall's law a^2 = 2 r* depth. From a user's stiffness the Hertz half-width a^2 = (4 r
-// / pi) f ((1-nu1^2)/E1 + (1-nu2^2)/E2), f per metre; a wire without a modulus is taken as rigid.
+// (D10): moment per force = arm * a. From the wall's law a^2 = 2 r* depth. From a user's stiffness the Hertz half-width a^2 = (4
+// r / pi) f ((1-nu1^2)/E1 + (1-nu2^2)/E2), f per metre; a wire without a modulus is taken as rigid.
 void set_rolling(QuadratureModel& m, const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
                  double r_star)
 {
@@ -45,8 +45,8 @@ void set_rolling(QuadratureModel& m, const WireSection& section, const ContactSp
     }
 }
 
-// Constants from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor of v- (D7). At
-// smaller approach speeds the damping of a resting contact would exceed critical.
+// Constants from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor of v- (D7).
+// At smaller approach speeds the damping of a resting contact would exceed critical.
 void set_scales(QuadratureModel& m, double own_load)
 {
     const double depth = depth_under(own_load, m.stiffness, m.exponent);

@@ -23,7 +23,8 @@ NewtonAcceptance::Verdict NewtonAcceptance::judge(const ForceTerms& terms)
         return {Shorter, std::max(before.share, newton_constants.least_into_valley), before.width > 0};
     }
     const double slope = problem_.residual_along(at_.direction);
-    const bool slope_falls = std::abs(slope) <= std::max(newton_constants.slope_left, 1 - at_.along.alpha / 2) * std::abs(at_.along.slope);
+    const bool slope_falls =
+        std::abs(slope) <= std::max(newton_constants.slope_left, 1 - at_.along.alpha / 2) * std::abs(at_.along.slope);
     if (!at_.options.pseudo_transient) return natural_test(slope_falls, slope, terms);
     return {slope_falls || slope <= 0 ? Taken : MoreShift};
 }
@@ -38,13 +39,15 @@ NewtonAcceptance::Verdict NewtonAcceptance::natural_test(bool slope_falls, doubl
     at_.trial.contraction = contraction;
     const bool grows = contraction > 1;
     // the derivative of a direction of the projected Hessian need not fall: while it is negative, energy does
-    const bool descends = slope_falls || (direction_.projected_steps() > 0 && slope <= 0 && contraction < newton_constants.most_descending);
+    const bool descends =
+        slope_falls || (direction_.projected_steps() > 0 && slope <= 0 && contraction < newton_constants.most_descending);
     if (contraction <= 1 - along.alpha / 4 || (descends && !(grows && at_.course.times_grown >= newton_constants.most_grown))) {
         at_.course.times_grown += grows;
         return {Taken};
     }
     // in a valley, or on a plane that the factors do not know, the correction is that of a wall too soft: the residual is asked
-    if ((along.into_valley || along.admits || crossed.entered) && problem_.residual_share() <= at_.base.residual_share) return {Taken};
+    if ((along.into_valley || along.admits || crossed.entered) && problem_.residual_share() <= at_.base.residual_share)
+        return {Taken};
     if (kinks_.balance(terms)) return {Tried};
     if (crossed.share < 1 && along.alpha == along.first_alpha)  // into the valley, whose tangent is the next direction's
         return {Shorter, std::max(crossed.share, newton_constants.least_into_valley) * along.alpha, crossed.width > 0};
@@ -52,10 +55,10 @@ NewtonAcceptance::Verdict NewtonAcceptance::natural_test(bool slope_falls, doubl
     return {Shorter, next_share(contraction, slope)};
 }
 
-// From what the linear equations did not foresee of the correction, which grows with alpha^2: omega = 2 |correction - (1 - alpha) d|/
-// (alpha^2 |d|^2) gives the next alpha = 1/(omega |d|). A correction of more than 2 |d| mostly comes from contacts that begin on the
-// way, and goes with their force, a power of the depth. (Seldom it comes from a large static move.) By 5/2 the next alpha is where it is
-// |d|.
+// From what the linear equations did not foresee of the correction, which grows with alpha^2: omega = 2 |correction - (1 - alpha)
+// d|/ (alpha^2 |d|^2) gives the next alpha = 1/(omega |d|). A correction of more than 2 |d| mostly comes from contacts that begin
+// on the way, and goes with their force, a power of the depth. (Seldom it comes from a large static move.) By 5/2 the next alpha
+// is where it is |d|.
 double NewtonAcceptance::next_share(double contraction, double slope)
 {
     const auto& along = at_.along;
@@ -63,11 +66,12 @@ double NewtonAcceptance::next_share(double contraction, double slope)
     const double natural = 0.5 * along.norm * along.alpha * along.alpha / problem_.norm(at_.scratch);
     const double secant = slope * along.slope < 0 ? along.alpha * along.slope / (along.slope - slope) : 0.0;
     const double onset = contraction > 2 ? along.alpha * std::pow(contraction, -1 / newton_constants.contact_power) : 0.0;
-    return std::clamp(std::max({natural, secant, onset}), newton_constants.shortest_cut * along.alpha, newton_constants.longest_cut * along.alpha);
+    return std::clamp(std::max({natural, secant, onset}), newton_constants.shortest_cut * along.alpha,
+                      newton_constants.longest_cut * along.alpha);
 }
 
-/// Whether two trials in a row on a direction, both of which fail both tests, lie where correction and derivative are linear in the
-/// share. Then every shorter one fails too: the factors are not those of the derivative (symmetric or made positive) and the
+/// Whether two trials in a row on a direction, both of which fail both tests, lie where correction and derivative are linear in
+/// the share. Then every shorter one fails too: the factors are not those of the derivative (symmetric or made positive) and the
 /// direction does not lead down. The step is better divided than searched to the smallest share.
 bool NewtonAcceptance::fails_however_short(double contraction, double slope)
 {

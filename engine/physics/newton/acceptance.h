@@ -9,9 +9,9 @@
 //   2. The derivative along d has shrunk: |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. For a direction of the projected
 //      Hessian, which is not the derivative, a negative one is enough: it leaves a saddle.
 //
-// Where the correction has grown, the derivative is believed three times in a step: more such trials go round in a circle. Directions
-// that lead to a valley (kinks.h) are judged by the residual too. Where two trials in a row show that correction and derivative grow in
-// proportion to alpha, no shorter one can pass, and the search ends. Else alpha is reduced.
+// Where the correction has grown, the derivative is believed three times in a step: more such trials go round in a circle.
+// Directions that lead to a valley (kinks.h) are judged by the residual too. Where two trials in a row show that correction and
+// derivative grow in proportion to alpha, no shorter one can pass, and the search ends. Else alpha is reduced.
 
 #include "newton/kinks.h"
 
@@ -41,7 +41,8 @@ public:
 
     /// Of a trial whose residual is known.
     [[nodiscard]] Verdict judge(const ForceTerms& terms);
-    /// Share of the direction after a trial that cannot be. @param open  share of the path to it that is, as far as force terms know
+    /// Share of the direction after a trial that cannot be. @param open  share of the path to it that is, as far as force terms
+    /// know
     [[nodiscard]] double after_refusal(double open) const;
 
 private:

@@ -14,15 +14,19 @@ double trials_left(double residual, double rate) { return std::ceil(std::log(res
 
 }  // namespace
 
-/// The direction is then the correction that they gave for the trial. They serve if they need no more trials than new ones would. Only
-/// instruments that touch keep them: their factors cost more than the test, and their tangent is incomplete (the motion of Gauss points).
+/// The direction is then the correction that they gave for the trial. They serve if they need no more trials than new ones would.
+/// Only instruments that touch keep them: their factors cost more than the test, and their tangent is incomplete (the motion of
+/// Gauss points).
 bool NewtonDirection::keeps_factors() const
 {
-    const bool has_full_correction = at_.trial.contraction && at_.searching() && at_.along.alpha == 1 && !at_.options.shifted && problem_.at_prescribed();
+    const bool has_full_correction =
+        at_.trial.contraction && at_.searching() && at_.along.alpha == 1 && !at_.options.shifted && problem_.at_prescribed();
     if (!has_full_correction || !problem_.keeps_tangent() || at_.iterations() > newton_constants.most_kept) return false;
     // corrections in metres may shrink while forces on a short stiff edge hardly fall: the slower of the two counts
-    const double residual = problem_.residual_share(), rate = std::max(*at_.trial.contraction, residual / at_.base.residual_share);
-    return rate <= newton_constants.kept_contraction && trials_left(residual, std::max(rate, 1e-6)) <= trials_left(residual, newton_constants.new_contraction);
+    const double residual = problem_.residual_share(),
+                 rate = std::max(*at_.trial.contraction, residual / at_.base.residual_share);
+    return rate <= newton_constants.kept_contraction &&
+           trials_left(residual, std::max(rate, 1e-6)) <= trials_left(residual, newton_constants.new_contraction);
 }
 
 void NewtonDirection::find(bool keep, const ForceTerms& terms)
@@ -66,15 +70,16 @@ void NewtonDirection::chord_steps(const ForceTerms& terms)
         if (usable && problem_.residual_below(newton_constants.chord_enough)) return;
         if (usable) correct();
         const double size = problem_.norm(at_.correction);
-        if (!usable || !(size < newton_constants.chord_contraction * last) || (model_.shift > 0 && size < 1e-3 * at_.along.norm)) return;
+        if (!usable || !(size < newton_constants.chord_contraction * last) || (model_.shift > 0 && size < 1e-3 * at_.along.norm))
+            return;
         last = size;
         problem_.correct_tension(at_.correction);
         for (int i = 0; i < problem_.size(); ++i) problem_.trial[i] += at_.correction[i];
     }
 }
 
-/// With a shift, that of the shifted problem, a pseudo-time step R(q) + shift (q - base) = 0: leaving a saddle must not look like a
-/// failure because R grows.
+/// With a shift, that of the shifted problem, a pseudo-time step R(q) + shift (q - base) = 0: leaving a saddle must not look like
+/// a failure because R grows.
 void NewtonDirection::correct()
 {
     problem_.mixed_residual(part(at_.scratch));

@@ -1,10 +1,10 @@
 #pragma once
 // Directions of Newton's method: the corrections -A^-1 R, and which matrix A they take (linear_model.h).
 //
-// Tension. A step that turns an edge by phi lengthens it by phi^2/2. EA phi^2/2 is a spurious tension, larger than any real force:
-// with it the next direction is far too stiff sideways. So the geometric stiffness takes the tension that the linear equations of the
-// iteration before predict. This equals Newton's method on the mixed equations in position and tension [Magisano17]
-// (solve/mixed_tension.h); the solution is the same, since both tensions agree there.
+// Tension. A step that turns an edge by phi lengthens it by phi^2/2. EA phi^2/2 is a spurious tension, larger than any real
+// force: with it the next direction is far too stiff sideways. So the geometric stiffness takes the tension that the linear
+// equations of the iteration before predict. This equals Newton's method on the mixed equations in position and tension
+// [Magisano17] (solve/mixed_tension.h); the solution is the same, since both tensions agree there.
 //
 // Chord steps. Evaluating the force terms costs most of a step. Between two evaluations the equations with linearised terms are
 // solved further by back-substitutions, so that the next evaluation meets the terms' own curvature only.
@@ -12,8 +12,8 @@
 // Statics. A shift s on the diagonal makes an iteration a step of length 1/s in the pseudo-time of W q' = -R(q), W its weights
 // (Levenberg-Marquardt). Large shifts follow the wire downhill and through folds; none is Newton's method.
 //
-// Saddles. A step of backward Euler minimises its incremental potential. If the exact matrix is not positive definite at its end, the
-// wire leaves along the softest mode, once in a solve.
+// Saddles. A step of backward Euler minimises its incremental potential. If the exact matrix is not positive definite at its end,
+// the wire leaves along the softest mode, once in a solve.
 
 #include "newton/iterate.h"
 #include "newton/linear_model.h"

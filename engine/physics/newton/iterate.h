@@ -1,5 +1,6 @@
 #pragma once
-// Where Newton's method is in one system: what its classes read and write. The driver (newton_system.h) makes it anew for each solve.
+// Where Newton's method is in one system: what its classes read and write. The driver (newton_system.h) makes it anew for each
+// solve.
 
 #include "newton/options.h"
 #include "solve/force_term.h"
@@ -52,7 +53,8 @@ struct NewtonIterate {
     /// @param unknowns  at most
     explicit NewtonIterate(int unknowns)
     {
-        for (auto* array : {&base_q, &base_residual, &direction, &correction, &guess}) array->resize(static_cast<std::size_t>(unknowns));
+        for (auto* array : {&base_q, &base_residual, &direction, &correction, &guess})
+            array->resize(static_cast<std::size_t>(unknowns));
     }
     /// A new solve.
     void start(const NewtonOptions& of_solve)

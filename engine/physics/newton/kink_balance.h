@@ -1,12 +1,13 @@
 #pragma once
 // All kinks of the wall that a Newton direction has gone over, balanced together.
 //
-// At a kink a force of size f turns from f n_a to f (n_a - z w), w = n_a - n_b, with the share z of the second facet (contact/valleys.h)
+// At a kink a force of size f turns from f n_a to f (n_a - z w), w = n_a - n_b, with the share z of the second facet
+// (contact/valleys.h)
 //
 //     z = (rest + y) / width  within 0 ... 1,     y = w . move of the wire's axis there.
 //
-// The tangent A of the base knows the first facet alone. With the forces p_k = f_k z_k across the kinks and rows V_k, which have w_k on
-// the two nodes of an edge, the balance is
+// The tangent A of the base knows the first facet alone. With the forces p_k = f_k z_k across the kinks and rows V_k, which have
+// w_k on the two nodes of an edge, the balance is
 //
 //     A d' = -R - sum_k V_k p_k    =>    y = V^T d - C p,    C = V^T A^-1 V,    d = -A^-1 R :
 //

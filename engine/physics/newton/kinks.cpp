@@ -26,7 +26,8 @@ bool NewtonKinks::balance(const ForceTerms& terms)
         std::fill(column.begin(), column.end(), 0.0);
         KinkBalance::add(balance.met[k], 1, column);
         direction_.solve(column);
-        for (int l = 0; l < found; ++l) balance.compliance[KinkBalance::most * l + k] = KinkBalance::along(balance.met[l], column);
+        for (int l = 0; l < found; ++l)
+            balance.compliance[KinkBalance::most * l + k] = KinkBalance::along(balance.met[l], column);
         balance.met[k].free_move = KinkBalance::along(balance.met[k], at_.direction);
     }
     balance.solve();
@@ -48,17 +49,18 @@ void NewtonKinks::take_back()
     at_.along.redirected = false;
 }
 
-/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the residual is not
-/// (1 - alpha) of the base's, as the linear equations have it, by more than half of it and a thousandth of the largest contact
-/// force. Then the nearest facets of the wall have changed, and the force with them (in a neck as narrow as the wire, at the corner
-/// of three walls). No elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force
-/// round, the equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the
-/// trial is as good a base as any.
+/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the residual is
+/// not (1 - alpha) of the base's, as the linear equations have it, by more than half of it and a thousandth of the largest
+/// contact force. Then the nearest facets of the wall have changed, and the force with them (in a neck as narrow as the wire, at
+/// the corner of three walls). No elastic or contact stiffness does that, and no friction that begins to slip. Where the jump
+/// turns the force round, the equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies
+/// beyond, and the trial is as good a base as any.
 NewtonKinks::Jump NewtonKinks::jump_of_force(const ForceTerms& terms)
 {
     const auto& along = at_.along;
     if (!terms.traits().may_jump || at_.options.shifted || along.alpha == along.first_alpha) return Jump::None;
-    if (along.alpha * problem_.largest_surface_move(at_.direction) > newton_constants.located * problem_.smallest_radius()) return Jump::None;
+    if (along.alpha * problem_.largest_surface_move(at_.direction) > newton_constants.located * problem_.smallest_radius())
+        return Jump::None;
     double change = 0, base = 0;
     for (const WireProblem* wire : problem_.solved()) {
         const double* before = problem_.of_wire(*wire, at_.base_residual).data();
@@ -75,15 +77,16 @@ NewtonKinks::Jump NewtonKinks::jump_of_force(const ForceTerms& terms)
     return ++at_.course.jumps_passed <= newton_constants.most_jumps ? Jump::Passed : Jump::None;
 }
 
-/// The correction is below 1e-6 of the wire's radius. The remaining force is rounding (of a single-precision gap, say) or the jump of a
-/// contact force at a kink of the faceted wall, where three facets blend. No position has a smaller residual.
+/// The correction is below 1e-6 of the wire's radius. The remaining force is rounding (of a single-precision gap, say) or the
+/// jump of a contact force at a kink of the faceted wall, where three facets blend. No position has a smaller residual.
 bool NewtonKinks::at_kink() const
 {
     if (at_.course.iterations < 4 || at_.options.shifted) return false;
     const double jump = newton_constants.force_jump * problem_.largest_force();
     const auto small = [&](const WireProblem* wire) { return wire->norm <= std::max(100 * wire->tolerance, jump); };
     return std::all_of(problem_.solved().begin(), problem_.solved().end(), small) &&
-           problem_.largest_move(at_.direction) <= newton_constants.located * problem_.smallest_radius() && problem_.at_prescribed();
+           problem_.largest_move(at_.direction) <= newton_constants.located * problem_.smallest_radius() &&
+           problem_.at_prescribed();
 }
 
 }  // namespace seldinger

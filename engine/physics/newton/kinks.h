@@ -1,9 +1,9 @@
 #pragma once
 // Where the contact force is not smooth: valleys and ridges of a faceted wall, and jumps of its nearest facet.
 //
-// A contact that goes over a valley, from facet to facet, leaves its curvature's sight. Where a trial has, the direction from it leads
-// to the valley (contact/valleys.h). Where the step's first trial fails for that, all its valleys are balanced together first
-// (kink_balance.h). In later iterations balances would lead from one kink to the next, and round in a circle.
+// A contact that goes over a valley, from facet to facet, leaves its curvature's sight. Where a trial has, the direction from it
+// leads to the valley (contact/valleys.h). Where the step's first trial fails for that, all its valleys are balanced together
+// first (kink_balance.h). In later iterations balances would lead from one kink to the next, and round in a circle.
 
 #include "newton/direction.h"
 
@@ -14,7 +14,10 @@ public:
     enum class Jump { None, Turns, Passed };
 
     /// @param problem, iterate, direction  outlive this
-    NewtonKinks(SystemProblem& problem, NewtonIterate& iterate, NewtonDirection& direction) : problem_(problem), at_(iterate), direction_(direction) {}
+    NewtonKinks(SystemProblem& problem, NewtonIterate& iterate, NewtonDirection& direction)
+        : problem_(problem), at_(iterate), direction_(direction)
+    {
+    }
 
     /// Sets a trial where all kinks are balanced that the step's first one has gone over. @return whether it has
     [[nodiscard]] bool balance(const ForceTerms& terms);

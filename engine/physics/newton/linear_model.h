@@ -1,10 +1,10 @@
 #pragma once
 // The linear equations of a Newton iteration: which matrix is factorised, and which systems are solved with it.
 //
-// Takes the exact Hessian if its matrix is positive definite, else its projection to positive semidefinite stencils, contact's edges
-// included (ridges pull a wire on that lies on them). After three
-// full steps by the projected one it takes the exact one again, by LU: near the root that converges where the projected one crawls.
-// With sliding friction, dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same.
+// Takes the exact Hessian if its matrix is positive definite, else its projection to positive semidefinite stencils, contact's
+// edges included (ridges pull a wire on that lies on them). After three
+// full steps by the projected one it takes the exact one again, by LU: near the root that converges where the projected one
+// crawls. With sliding friction, dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same.
 // Statics: a Levenberg-Marquardt shift on the diagonal, as little as makes the exact matrix positive definite.
 
 #include "newton/options.h"

@@ -90,8 +90,8 @@ bool NewtonSystem::decide(bool finite, const ForceTerms& terms)
     return true;
 }
 
-/// The trial cannot be: nearer to the last state that could. @param open  share of the path from there that is, as far as the force
-/// terms know
+/// The trial cannot be: nearer to the last state that could. @param open  share of the path from there that is, as far as the
+/// force terms know
 void NewtonSystem::backtrack(double open)
 {
     if (at_.searching()) return follow({NewtonAcceptance::Verdict::What::Shorter, acceptance_.after_refusal(open)});
@@ -158,7 +158,8 @@ bool NewtonSystem::can_be_state() const
 bool NewtonSystem::ends_when_due()
 {
     NewtonIterate::Course& course = at_.course;
-    if (!course.due || course.settling || at_.options.shifted || at_.options.linearised || problem.shares_centrelines() || problem.balanced())
+    if (!course.due || course.settling || at_.options.shifted || at_.options.linearised || problem.shares_centrelines() ||
+        problem.balanced())
         return false;
     const bool here = can_be_state();
     if (!here && !at_.base.can_be_state) return false;
@@ -231,8 +232,8 @@ void NewtonSystem::take_linearised()
     at_.phase = Phase::Done;
 }
 
-/// Whether the last bases come again and again in turn: a contact that two corrections of the longest permitted move lead over an edge
-/// and back.
+/// Whether the last bases come again and again in turn: a contact that two corrections of the longest permitted move lead over an
+/// edge and back.
 bool NewtonSystem::goes_round()
 {
     if (!at_.searching() || at_.options.shifted) return false;

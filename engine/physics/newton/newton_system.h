@@ -7,9 +7,9 @@
 //   NewtonAcceptance  whether a trial is taken, and which share of the direction is tried next (acceptance.h)
 //   NewtonKinks       where the contact force is not smooth (kinks.h)
 //
-// This class drives them: first guess, decision at each trial, ends. No edge turns by more than half a radian and no node moves farther
-// than force terms have searched in one update. Trials that are cut short by these limits may pass for ever: six bases in a row with the
-// residual of the one before the last end the search.
+// This class drives them: first guess, decision at each trial, ends. No edge turns by more than half a radian and no node moves
+// farther than force terms have searched in one update. Trials that are cut short by these limits may pass for ever: six bases in
+// a row with the residual of the one before the last end the search.
 
 #include "newton/acceptance.h"
 #include "newton/newton_trial.h"

@@ -27,8 +27,9 @@ struct NewtonConstants {
 
     // acceptance (acceptance.h)
     double slope_left = 0.9;          // of the derivative along the direction, or 1 - alpha/2: a trial that leaves less passes
-    int most_grown = 3;               // trials whose correction grows that are taken for their derivative: more go round in a circle
-    double most_descending = 2;       // |correction|/|direction| up to which a descent is enough for a projected Hessian; 5 does no better
+    int most_grown = 3;  // trials whose correction grows that are taken for their derivative: more go round in a circle
+    double most_descending =
+        2;  // |correction|/|direction| up to which a descent is enough for a projected Hessian; 5 does no better
     double contact_power = 2.5;       // of the depth in the force of contacts that begin: Hertz 3/2 and more; 2 to 3 alike
     double same_growth = 0.05;        // of correction and derivative per share at two trials; 0.1 ends directions that lead on
     double shortest_cut = 0.1, longest_cut = 0.5;  // of a trial that fails, for the next one

@@ -14,12 +14,12 @@ bool NewtonDirection::rests(const ForceTerms& terms)
     return false;
 }
 
-/// If the last exact matrix of a step in time was not positive definite, the solution may be a saddle: for example a straight column
-/// pushed far beyond its buckling load. No rounding error bends it, because nothing leads out of its line.
+/// If the last exact matrix of a step in time was not positive definite, the solution may be a saddle: for example a straight
+/// column pushed far beyond its buckling load. No rounding error bends it, because nothing leads out of its line.
 bool NewtonDirection::leaves_saddle(const ForceTerms& terms)
 {
-    const bool may_be = !at_.options.shifted && !at_.options.linearised && model_.projected_steps() > 0 && at_.course.mode_perturbations == 0 &&
-                        problem_.motion == Motion::Implicit && !problem_.conserving();
+    const bool may_be = !at_.options.shifted && !at_.options.linearised && model_.projected_steps() > 0 &&
+                        at_.course.mode_perturbations == 0 && problem_.motion == Motion::Implicit && !problem_.conserving();
     if (!may_be) return false;
     model_.set_shift_weights();
     const bool saddle = !model_.stable(terms);

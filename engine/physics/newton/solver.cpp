@@ -1,4 +1,5 @@
-// The lockstep: trials of all systems, their evaluation, their decisions, until all have ended (one solve's begin and end: solver_step.cpp).
+// The lockstep: trials of all systems, their evaluation, their decisions, until all have ended (one solve's begin and end:
+// solver_step.cpp).
 
 #include "newton/solver.h"
 
@@ -13,7 +14,8 @@ namespace seldinger {
 
 namespace {
 
-constexpr int most_multiplier_rounds = 40;  // of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to
+constexpr int most_multiplier_rounds =
+    40;  // of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to
 
 }  // namespace
 

@@ -1,7 +1,7 @@
 #pragma once
 // Time integration and equilibrium of all systems (D4, D5): Newton's method on the banded equations of each. Systems iterate in
-// lockstep, so that one set of launches evaluates the force terms (contact) of all. A system is one wire, or several that can touch
-// each other. It is solved, converges or fails as one, and its result does not depend on the other systems.
+// lockstep, so that one set of launches evaluates the force terms (contact) of all. A system is one wire, or several that can
+// touch each other. It is solved, converges or fails as one, and its result does not depend on the other systems.
 
 #include "newton/momentum.h"
 #include "newton/newton_trial.h"
@@ -51,14 +51,15 @@ public:
     /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
     void set_best_effort(bool on) { best_effort_ = on; }
 
-    /// `asked` is called between trials; when it returns true, a step ends as one that has failed, with the spin record that it had.
+    /// `asked` is called between trials; when it returns true, a step ends as one that has failed, with the spin record that it
+    /// had.
     void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
     /// Whether the last step was ended so.
     [[nodiscard]] bool stopped() const { return stopped_; }
 
-    /// `due` is called between trials. Once it returns true, a step ends at the next trial that can be a state: contact admits it, its
-    /// holds are met, and its residual moves no node by more than its radius. Instruments that share a centreline are always
-    /// solved to the end.
+    /// `due` is called between trials. Once it returns true, a step ends at the next trial that can be a state: contact admits
+    /// it, its holds are met, and its residual moves no node by more than its radius. Instruments that share a centreline are
+    /// always solved to the end.
     void cut_when(std::function<bool()> due) { due_ = std::move(due); }
     /// Residual at the end of the last step on a node of a wire [N]; 0 on one that is held.
     [[nodiscard]] Vec3 force_left(int wire, int node) const;
@@ -87,10 +88,11 @@ public:
     [[nodiscard]] double base_tension_excess(int wire) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
     [[nodiscard]] Vec3 load_force(int wire) const;
-    /// Balance of momentum of a wire after a sub-step of h [s]; 0 for an equilibrium (newton/momentum.h). @param contact_force  [n] on its
-    /// nodes [N]
-    [[nodiscard]] MomentumBalance momentum_balance(int wire, const WireConstraints& constraints, std::span<const Vec3> contact_force,
-                                                   const MomentumStart& start, double h) const;
+    /// Balance of momentum of a wire after a sub-step of h [s]; 0 for an equilibrium (newton/momentum.h). @param contact_force 
+    /// [n] on its nodes [N]
+    [[nodiscard]] MomentumBalance momentum_balance(int wire, const WireConstraints& constraints,
+                                                   std::span<const Vec3> contact_force, const MomentumStart& start,
+                                                   double h) const;
     /// How far unknown i went in the last step [m or rad].
     [[nodiscard]] double displacement(int wire, int unknown) const;
     /// Work of the residual on the free unknowns, within the tolerance, on the wire in the last step [J].

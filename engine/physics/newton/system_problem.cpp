@@ -74,7 +74,8 @@ void SystemProblem::share_out()
     for (std::size_t k = 0; k < solved_.size(); ++k) {
         const std::size_t first = map.first(static_cast<int>(k)), count = RodDofs::count(solved_nodes_[k]);
         const auto part = [&](auto& array) { return std::span(array).subspan(first, count); };
-        solved_[k]->q = {part(start), part(trial), part(residual), part(inertia), part(prescribed_value), part(prescribed), {}, {}, {}};
+        solved_[k]->q = {part(start), part(trial), part(residual), part(inertia), part(prescribed_value), part(prescribed), {},
+                         {},          {}};
     }
     share_scratch();
 }
@@ -153,7 +154,8 @@ bool SystemProblem::evaluate_residual(const ForceTerms& terms)
     if (!terms.empty()) std::fill_n(term_residual_.begin(), count, 0.0);
     if (acted_on(terms)) {
         for (std::size_t k = 0; k < solved_.size(); ++k)
-            terms.add(solved_wires_[k], term_residual_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()), nullptr, true);
+            terms.add(solved_wires_[k], term_residual_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()), nullptr,
+                      true);
         terms.couple(unknowns(), term_residual_.first(count), nullptr, true);
         for (std::size_t i = 0; i < count; ++i) residual[i] += term_residual_[i];
     }
@@ -203,7 +205,8 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
 /// Whether a term acts on any of its wires.
 bool SystemProblem::acted_on(const ForceTerms& terms) const
 {
-    return !terms.empty() && std::any_of(solved_.begin(), solved_.end(), [](const WireProblem* wire) { return wire->terms.acts; });
+    return !terms.empty() &&
+           std::any_of(solved_.begin(), solved_.end(), [](const WireProblem* wire) { return wire->terms.acts; });
 }
 
 /// @return false if not finite
@@ -252,7 +255,8 @@ void SystemProblem::add_coaxial_tangents(HessianMode mode, bool symmetric, bool 
     }
 }
 
-/// Nodes of all wires in turn, the farthest from their hubs first, so that neighbours in space are near each other in the factors.
+/// Nodes of all wires in turn, the farthest from their hubs first, so that neighbours in space are near each other in the
+/// factors.
 void SystemProblem::order_nodes()
 {
     const int count = size() / RodDofs::per_node;

@@ -1,8 +1,8 @@
 #pragma once
 // The equations of one system, the wires that are solved together: their unknowns in one vector, their tangents in one band with
-// entries far from it for the coupling (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
-// unknowns in it. Convergence: each wire meets its own tolerance, so that a system whose wires do not touch solves none of them
-// less far than it would be alone.
+// entries far from it for the coupling (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has
+// no unknowns in it. Convergence: each wire meets its own tolerance, so that a system whose wires do not touch solves none of
+// them less far than it would be alone.
 
 #include "math/banded_solver.h"
 #include "solve/coaxial_problem.h"
@@ -74,15 +74,16 @@ public:
     [[nodiscard]] bool evaluate_residual(const ForceTerms& terms);
     /// Kinks that terms have passed since the base (Ask::Kinks).
     [[nodiscard]] KinksPassed crossed(const ForceTerms& terms) const;
-    /// The trial is the base from now on. @param kinks  what leads the next direction to those goes into R and the terms' share of it
+    /// The trial is the base from now on. @param kinks  what leads the next direction to those goes into R and the terms' share
+    /// of it
     void take(const ForceTerms& terms, bool kinks);
     /// The same with force terms taken as linear from where assemble_tangent last ran, `base`: evaluates none of them.
     [[nodiscard]] bool evaluate_linear_terms(const ForceTerms& terms, std::span<const double> base);
     /// dR/dq at the trial into `linear`, prescribed unknowns not yet fixed. @param symmetric  its symmetric part, as far as it is
     /// not symmetric
     void assemble_tangent(HessianMode mode, bool symmetric, const ForceTerms& terms);
-    /// Whether the tangent last assembled is still there for evaluate_linear_terms() after other systems have been worked on: that of
-    /// instruments that touch is.
+    /// Whether the tangent last assembled is still there for evaluate_linear_terms() after other systems have been worked on:
+    /// that of instruments that touch is.
     [[nodiscard]] bool keeps_tangent() const { return several_rods() && !linear.far.empty() && linear.condensed.empty(); }
     /// Whether dR/dq is not symmetric even without force terms.
     [[nodiscard]] bool unsymmetric() const;
@@ -168,7 +169,7 @@ private:
     FarEntries far_of_terms_;                                      // where there are groups: linear.far without what is theirs
     std::vector<WireProblem*> solved_;
     std::vector<int> solved_wires_, solved_nodes_;
-    std::vector<int> order_;         // [nodes] in which they are eliminated where wires couple all along; empty: not asked for yet
+    std::vector<int> order_;  // [nodes] in which they are eliminated where wires couple all along; empty: not asked for yet
     std::vector<double> from_hub_;   // [nodes] scratch of it
     // [capacity] in the workspace; the last is the terms' residual at their last evaluation
     std::span<double> scratch_, velocities_, split_, term_residual_;

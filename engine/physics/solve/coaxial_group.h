@@ -4,8 +4,8 @@
 // The first of them (the outermost) is the line: its arrays hold the centreline's nodes, positions and frames, and the spin
 // angles of the outermost instrument. The others are its passengers: as many nodes at the same places, with the same frames, of
 // which only the spin angles are unknowns of their own. So every instrument has arrays in which its material lies along the
-// centreline. Forces on an instrument's surface (contact with the wall, friction) are evaluated on its own arrays; their effect on
-// a passenger's positions goes to the line's.
+// centreline. Forces on an instrument's surface (contact with the wall, friction) are evaluated on its own arrays; their effect
+// on a passenger's positions goes to the line's.
 //
 // The last node's angle is that of the clamp at the hub (rod/coaxial.h).
 

@@ -49,7 +49,10 @@ public:
 private:
     [[nodiscard]] CoaxialTrial trial() const;
     /// @param at  outlives it
-    [[nodiscard]] CoaxialShape shape(const CoaxialTrial& at) const { return {group_.rod, line().rod, at, group_.base, line().frames}; }
+    [[nodiscard]] CoaxialShape shape(const CoaxialTrial& at) const
+    {
+        return {group_.rod, line().rod, at, group_.base, line().frames};
+    }
     void evaluate();
     void add_moments(bool symmetric, const double* all, FarEntries& far) const;
 

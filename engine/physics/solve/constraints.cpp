@@ -36,8 +36,8 @@ Vec3 displacement(const HoldSpec& hold, double t)
     return hold.velocity.isZero() ? moved : Vec3(moved + t * hold.velocity);  // t may be infinite
 }
 
-/// Whether something that ends is over in the state at time t. Times of steps are sums: one that ends a step late by rounding has not
-/// begun.
+/// Whether something that ends is over in the state at time t. Times of steps are sums: one that ends a step late by rounding has
+/// not begun.
 bool is_over(double t, double until) { return t > until * (1 + 1e-9); }
 
 double ramp_factor(const LoadSpec& load, double t) { return load.ramp > 0 ? std::clamp(t / load.ramp, 0.0, 1.0) : 1.0; }
@@ -91,7 +91,8 @@ NodeFrame node_frame(const RodView& rod, int node)
     tangent.normalize();
     Vec3 director = Vec3::Zero();
     for (const int edge : {before, after})
-        director += parallel_transport(material_director(rod, edge), rod.tangent(edge), tangent, one_plus_cos(rod.tangent(edge), tangent));
+        director += parallel_transport(material_director(rod, edge), rod.tangent(edge), tangent,
+                                       one_plus_cos(rod.tangent(edge), tangent));
     director -= director.dot(tangent) * tangent;
     director.normalize();
     if (before == after) director = turned(director, tangent, twist_to_end(rod, node));
@@ -207,7 +208,8 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
         if (hold.spec.position) {
             const Vec3 position = hold.position + displacement(hold.spec, t);
             for (int c = 0; c < 3; ++c)
-                if (hold.spec.axes[static_cast<std::size_t>(c)]) out.prescribed.emplace_back(RodDofs::position(at_node, c), position[c]);
+                if (hold.spec.axes[static_cast<std::size_t>(c)])
+                    out.prescribed.emplace_back(RodDofs::position(at_node, c), position[c]);
         }
         if (hold.spec.direction || hold.spec.spin) {
             const double angle = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
@@ -234,10 +236,11 @@ void WireHolds::take_line_holds(std::span<const HoldSpec> holds, const RodView& 
                                     k, from_tip, std::max(inside, 0.0)));
         check_holds_something(k, spec);
         if (spec.position && spec.axes != std::array<bool, 3>{true, true, true})
-            throw Error(ErrorKind::BadScene,
-                        fmt::format("hold[{}].position: got some of x, y and z; expected all of the position in a group with model = "
-                                    "\"merged\". Fix: position = true, or model = \"separate\"",
-                                    k));
+            throw Error(
+                ErrorKind::BadScene,
+                fmt::format("hold[{}].position: got some of x, y and z; expected all of the position in a group with model = "
+                            "\"merged\". Fix: position = true, or model = \"separate\"",
+                            k));
         const Place place = locate(spec.at, own, offset);
         Hold hold;
         hold.spec = spec;

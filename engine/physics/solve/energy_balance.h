@@ -7,11 +7,11 @@
 //
 //   made(t) = max(0, B(t) - min over s < t of (B(s) + S(s)))
 //
-// is a lower bound of the energy that no work accounts for. It is compared with the error that the scheme may make. No scheme keeps
-// the energy of a nonlinear system exactly. A step of backward Euler may end where the potential is concave, as when a column
-// buckles or a tip snaps. It then generates (1/2) d.(-H) d, with the concave part H of the Hessian and the move d. The trapezoid
-// misses third order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step makes too much
-// when
+// is a lower bound of the energy that no work accounts for. It is compared with the error that the scheme may make. No scheme
+// keeps the energy of a nonlinear system exactly. A step of backward Euler may end where the potential is concave, as when a
+// column buckles or a tip snaps. It then generates (1/2) d.(-H) d, with the concave part H of the Hessian and the move d. The
+// trapezoid misses third order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step
+// makes too much when
 //
 //   min(made, kinetic) > fraction * (turned over + released) + floor + unseen + rounding
 //

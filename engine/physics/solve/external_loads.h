@@ -1,6 +1,6 @@
 #pragma once
-// Forces on one wire that the host computes without neighbours: weight and dead loads, links (springs to points), damping by mass.
-// The verbs are those of solve/force_term.h; these terms are part of every wire's equations, summed with them in one pass.
+// Forces on one wire that the host computes without neighbours: weight and dead loads, links (springs to points), damping by
+// mass. The verbs are those of solve/force_term.h; these terms are part of every wire's equations, summed with them in one pass.
 
 #include "math/band_matrix.h"
 #include "rod/elastic.h"

@@ -56,7 +56,8 @@ double way_to_boundary(const WireSpec& wire, double s, double h)
 
 double edges_in(double way, double h) { return std::max(1.0, std::round(way / h)); }
 
-/// material_s of a wire that starts with a length inside: even between ends of sections; adaptive nodes come to these by themselves.
+/// material_s of a wire that starts with a length inside: even between ends of sections; adaptive nodes come to these by
+/// themselves.
 std::vector<double> start_nodes(const WireSpec& wire, double inside, double h)
 {
     std::vector<double> at{0};

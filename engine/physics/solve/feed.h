@@ -2,23 +2,24 @@
 // Feeding a wire through the hub: the base node stays at the inlet, its tangent clamped there, and the base edge's rest length
 // grows (or shrinks) with what the hand advances.
 //
-// h is the wire's uniform edge; for adaptive nodes it follows from the longest edge that the shape at the hub allows, 3h/2. Where stiffness or natural curvature
-// jumps there is a node: a cell that has both sides of a jump keeps a preformed part in the clamp until half an edge more is inside.
-// The hand then gives B k^2/2 a length for that, with k the natural curvature, and what a spring takes instead is lost. Both hang on h in first order.
+// h is the wire's uniform edge; for adaptive nodes it follows from the longest edge that the shape at the hub allows, 3h/2. Where
+// stiffness or natural curvature jumps there is a node: a cell that has both sides of a jump keeps a preformed part in the clamp
+// until half an edge more is inside. The hand then gives B k^2/2 a length for that, with k the natural curvature, and what a
+// spring takes instead is lost. Both hang on h in first order.
 //
-// Until half an edge is inside, the wire is a rigid piece gliding through the introducer behind `point`: no unknowns, no contact. From
-// then on a node is born at the inlet whenever an edge is inside, and taken out where it is pulled back to there. There, and only
-// there, a change of the node set changes nothing. A base edge of length l -> 0 lies along the sleeve. With it the clamp's half
-// cell l/2 and the node's cell (l + h)/2 are the half cell h/2 that clamped the edge of length h before. Shape, forces, energy
-// and contacts of every sample are the same up to terms of order l/h of a polygon's own error (kappa h)^2. Here l is base_born
-// of an edge or the feed of a step, whichever is more.
+// Until half an edge is inside, the wire is a rigid piece gliding through the introducer behind `point`: no unknowns, no contact.
+// From then on a node is born at the inlet whenever an edge is inside, and taken out where it is pulled back to there. There, and
+// only there, a change of the node set changes nothing. A base edge of length l -> 0 lies along the sleeve. With it the clamp's
+// half cell l/2 and the node's cell (l + h)/2 are the half cell h/2 that clamped the edge of length h before. Shape, forces,
+// energy and contacts of every sample are the same up to terms of order l/h of a polygon's own error (kappa h)^2. Here l is
+// base_born of an edge or the feed of a step, whichever is more.
 //
-// The speed of the tipward wire does jump there. Rest length fed into the base edge pushes along it, at an angle phi = kappa h/2 to
-// the sleeve, and after the birth along the sleeve. So the same feed moves the wire slower by v phi^2/2.
-// Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The base
-// edge therefore continues at the rate that keeps the wire's speed. Two quantities fade: the excess of that rate over the feed, and
-// the surplus s of rest length that it has brought in. s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So neither force nor
-// speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
+// The speed of the tipward wire does jump there. Rest length fed into the base edge pushes along it, at an angle phi = kappa h/2
+// to the sleeve, and after the birth along the sleeve. So the same feed moves the wire slower by v phi^2/2.
+// Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The
+// base edge therefore continues at the rate that keeps the wire's speed. Two quantities fade: the excess of that rate over the
+// feed, and the surplus s of rest length that it has brought in. s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So neither
+// force nor speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
 // the surplus back at once.
 
 #include "nodes/split.h"
@@ -58,8 +59,8 @@ private:
     std::span<const FeedKey> keys_;
 };
 
-/// Advances and turns the hub to `end` over a step of h [s], infinite where that is from rest to rest: grows the base edge, or moves the
-/// rigid piece. Masses follow.
+/// Advances and turns the hub to `end` over a step of h [s], infinite where that is from rest to rest: grows the base edge, or
+/// moves the rigid piece. Masses follow.
 void feed_to(FeedState& state, const FeedKey& end, const WireSpec& wire, RodArrays& rods, int index, double h);
 
 /// Adds the inlet's clamp to the constraints of a fed wire.
@@ -75,7 +76,8 @@ struct BaseEdge {
     double least = 0;  // shorter, it is merged
 };
 
-/// Length that the edge from s tipwards of the hub gets, h or near it, so that a node comes to the next end of a section: 0.5 to 1.5 h [m].
+/// Length that the edge from s tipwards of the hub gets, h or near it, so that a node comes to the next end of a section: 0.5 to
+/// 1.5 h [m].
 [[nodiscard]] double even_edge(const WireSpec& wire, double s, double h);
 
 /// Limits for a base edge that is to become `whole`. @param pushed, pulled  how far the wire goes in the next step [m]

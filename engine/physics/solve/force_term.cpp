@@ -56,12 +56,14 @@ void ForceTerms::add(ForceTerm& term)
     traits_.never_overlaps = traits_.never_overlaps || own.never_overlaps;
     if (traits_.most_move.size() < own.most_move.size())
         traits_.most_move.resize(own.most_move.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t w = 0; w < own.most_move.size(); ++w) traits_.most_move[w] = std::min(traits_.most_move[w], own.most_move[w]);
+    for (std::size_t w = 0; w < own.most_move.size(); ++w)
+        traits_.most_move[w] = std::min(traits_.most_move[w], own.most_move[w]);
 }
 
 double ForceTerms::most_move(int wire) const
 {
-    return traits_.most_move.empty() ? std::numeric_limits<double>::infinity() : traits_.most_move[static_cast<std::size_t>(wire)];
+    return traits_.most_move.empty() ? std::numeric_limits<double>::infinity()
+                                     : traits_.most_move[static_cast<std::size_t>(wire)];
 }
 
 StageTimes ForceTerms::times() const

@@ -1,6 +1,6 @@
 #pragma once
-// Forces on the wires that have to find what they act on, that jump, or that couple wires (contact, friction, holds of a group): one
-// interface for what they add to residual and tangent. Weight, damping and springs of one wire: solve/external_loads.h.
+// Forces on the wires that have to find what they act on, that jump, or that couple wires (contact, friction, holds of a group):
+// one interface for what they add to residual and tangent. Weight, damping and springs of one wire: solve/external_loads.h.
 //
 // A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step and in each sub-step:
 //
@@ -44,16 +44,18 @@ struct SystemUnknowns {
     }
 };
 
-/// Friction during the search for an equilibrium. Stuck: every contact keeps its first point of touch, and its force for the steps
-/// that follow. Sliding: a contact slips during the search and holds where it comes to rest.
+/// Friction during the search for an equilibrium. Stuck: every contact keeps its first point of touch, and its force for the
+/// steps that follow. Sliding: a contact slips during the search and holds where it comes to rest.
 enum class Settling { Off, Stuck, Sliding };
 
 /// What of a term stays as it is from its construction on.
 struct TermTraits {
-    bool follows_spins = true;    // forces depend on the spin angles (friction): a solve without these must leave them where they were
+    bool follows_spins =
+        true;  // forces depend on the spin angles (friction): a solve without these must leave them where they were
     bool may_jump = true;         // forces may jump within a hair's breadth (facets of a wall)
     bool never_overlaps = false;  // the law allows no overlap at all, and so no change of nodes that makes one
-    std::vector<double> most_move;  // [wires] of any node in one Newton update, for which no wall can be jumped [m]; empty: no limit
+    std::vector<double>
+        most_move;  // [wires] of any node in one Newton update, for which no wall can be jumped [m]; empty: no limit
 };
 
 /// A trial to be evaluated.
@@ -63,7 +65,8 @@ struct TermTrial {
     std::span<const std::uint8_t> active;  // [wires] these
     // at the accepted state, from the velocities known there: which have taken the wire from `before` to it within h
     const TrialState* before = nullptr;
-    bool linearised = false;  // for one Newton step: force and tangent are those of a function linear in the move (kernels/shared/friction_law.h)
+    bool linearised = false;  // for one Newton step: force and tangent are those of a function linear in the move
+                              // (kernels/shared/friction_law.h)
 };
 
 /// Work of contact on a wire in a step, relative to the touched body, by its laws [J].
@@ -83,8 +86,8 @@ struct TermEnergies {
     TermEnergies& operator+=(const TermEnergies& other);
 };
 
-/// What contacts have done on the way from the base to a trial that the tangent did not foresee (contact/valleys.h): the balance may be
-/// in a kink of the wall.
+/// What contacts have done on the way from the base to a trial that the tangent did not foresee (contact/valleys.h): the balance
+/// may be in a kink of the wall.
 struct KinksPassed {
     double share = 1;      // of the way at which one has gone over a kink; 1: none has
     double width = 0;      // of the kink, on that way
@@ -107,13 +110,14 @@ enum class Ask { Trial, Kinks, Energies };
 /// A term's answer about the trial that was evaluated last.
 struct TermAnswer {
     // Ask::Trial
-    bool admissible = true;    // false where the force would be infinite or is not known: too deep, moved farther than was searched
+    bool admissible = true;  // false where the force would be infinite or is not known: too deep, moved farther than was searched
     bool acts = true;          // false: nothing is added to residual or tangent of the wire's system
     bool unsymmetric = false;  // the tangent (sliding friction)
     double open = 1;           // share of the straight path from the base to the trial; a law that never overlaps asks for all
     double largest_force = 0;  // on one edge [N]: the scale of a jump that a kink of the wall can make
     double rounding = 0;       // of the force on a node [N]: no smaller residual is looked for. 0: nothing that counts
-    double rounding_most = 0;  // that bound of it which always holds [N]: a residual below it is left where Newton's method does not lower it
+    double rounding_most =
+        0;  // that bound of it which always holds [N]: a residual below it is left where Newton's method does not lower it
     KinksPassed kinks;      // Ask::Kinks
     TermEnergies energies;  // Ask::Energies
     /// Answer of two terms together.
@@ -144,14 +148,15 @@ public:
                         bool /*symmetric*/) const
     {
     }
-    /// Until the next evaluation, add() gives a symmetric part of the tangent that is positive semidefinite, where the term can make one.
+    /// Until the next evaluation, add() gives a symmetric part of the tangent that is positive semidefinite, where the term can
+    /// make one.
     virtual void make_positive(int /*wire*/) {}
     /// Kinks that Ask::Kinks has found to be passed; valid until the next call.
     [[nodiscard]] virtual std::span<const Kink> kinks(int /*wire*/) { return {}; }
     enum class Base { Trial, Start };
     /// The next trials start from the wire's last evaluated one, or again from the start of the step.
-    /// @param kinks  not empty: a residual, to which is added what leads the direction from the trial to the kinks that Ask::Kinks has
-    /// found; the tangent of add() takes in what belongs to it
+    /// @param kinks  not empty: a residual, to which is added what leads the direction from the trial to the kinks that
+    /// Ask::Kinks has found; the tangent of add() takes in what belongs to it
     virtual void take(int /*wire*/, Base /*base*/, std::span<double> /*kinks*/) {}
     /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not
     /// settled there (D8), renews them and sets again[w] = 1: these wires are to be solved on from there. @return whether any

@@ -92,7 +92,8 @@ LineHolds::Active LineHolds::place(const HeldWire& held, int wire, const WireCon
     const int last = line.n - 1;
     Active active;
     active.hold = hold;
-    const auto above = std::upper_bound(line.material_s.begin(), line.material_s.begin() + line.n, hold.s) - line.material_s.begin();
+    const auto above =
+        std::upper_bound(line.material_s.begin(), line.material_s.begin() + line.n, hold.s) - line.material_s.begin();
     active.edge = coaxial_edge_of(held.group->rod, line, hold.s, std::clamp(static_cast<int>(above) - 1, 0, last - 1));
     active.bary = (hold.s - line.material_s[active.edge]) / line.rest_length[active.edge];
     active.stiffness = stiffness_share * line.stretch_stiffness[active.edge] / mean_edge(line);
@@ -150,7 +151,8 @@ void LineHolds::find_angles(const HeldWire& held, int wire, Active& active)
     const RodView line = rods_.view(held.group->line()), own = rods_.view(wire);
     const CoaxialInstrument& instrument = held.group->rod.instrument[held.member];
     const int cell = active.side[1].edge;
-    if (cell > 0 && -instrument.offset > middle(line, cell - 1)) {  // its tip is in this cell: nothing of it reaches the middle before
+    if (cell > 0 &&
+        -instrument.offset > middle(line, cell - 1)) {  // its tip is in this cell: nothing of it reaches the middle before
         active.ends = true;
         active.spin_weight[0] = 0;
         active.spin_weight[1] = 1;
@@ -212,7 +214,8 @@ void LineHolds::evaluate(const HeldWire& held, int wire, const TrialState& trial
     }
     for (int k = 0; k < 2; ++k) {
         const int edge = active.side[k].edge;
-        if (active.gradient[3 * nodes + k] == 0 || (edge == line.n - 1 && !(held.group->base.behind[held.member] > 0))) continue;  // the hand's
+        if (active.gradient[3 * nodes + k] == 0 || (edge == line.n - 1 && !(held.group->base.behind[held.member] > 0)))
+            continue;  // the hand's
         active.work -= active.gradient[3 * nodes + k] * (trial.theta[rods_.node_begin(wire) + edge] - own.theta[edge]);
     }
 }
@@ -227,7 +230,8 @@ void LineHolds::add_position(const RodView& line, const TrialState& trial, int b
     for (int p = 0; p < 2; ++p) {
         add_to(&active.gradient[first + 3 * p], -(weight[p] * active.force));
         for (int q = 0; q < 2; ++q)
-            for (int c = 0; c < 3; ++c) active.hessian[first + 3 * p + c][first + 3 * q + c] += active.stiffness * weight[p] * weight[q];
+            for (int c = 0; c < 3; ++c)
+                active.hessian[first + 3 * p + c][first + 3 * q + c] += active.stiffness * weight[p] * weight[q];
     }
     active.along += active.force.dot(a - b) / line.rest_length[active.edge];
 }
@@ -269,7 +273,8 @@ void LineHolds::add_direction(const EdgeState* edges, Active& active)
     active.along += -inv * off.dot(change) / active.bend_length - 0.5 * inv * inv * off.squaredNorm() * active.bend_rate;
 }
 
-// psi_j = theta_j + m_j - turned, m_j the reference angle: d m = kb.de/(2 |e|), kb that of clamp and edge (add_twist() of rod/pair.h)
+// psi_j = theta_j + m_j - turned, m_j the reference angle: d m = kb.de/(2 |e|), kb that of clamp and edge (add_twist() of
+// rod/pair.h)
 void LineHolds::add_spin(const EdgeState* edges, const TrialState& trial, int begin, Active& active) const
 {
     double psi = 0, change = 0;
@@ -305,14 +310,16 @@ void LineHolds::add_spin(const EdgeState* edges, const TrialState& trial, int be
     for (int k = first; k < 2; ++k) {
         const int from = 3 * active.side[k].first;
         for (int p = 0; p < 2 && edges[k].inverse != 0; ++p)
-            for (int q = 0; q < 2; ++q) add_block(active.hessian, from + 3 * p, from + 3 * q, (p == q ? torque : -torque) * curved[k].ff);
+            for (int q = 0; q < 2; ++q)
+                add_block(active.hessian, from + 3 * p, from + 3 * q, (p == q ? torque : -torque) * curved[k].ff);
     }
     active.along += torque * change / active.length - 0.5 * torque * torque * active.twist_rate;
 }
 
 int LineHolds::unknown(const Active& active, int local)
 {
-    return local < 3 * nodes ? RodDofs::position(active.node + local / 3, local % 3) : RodDofs::spin(active.side[local - 3 * nodes].edge);
+    return local < 3 * nodes ? RodDofs::position(active.node + local / 3, local % 3)
+                             : RodDofs::spin(active.side[local - 3 * nodes].edge);
 }
 
 void LineHolds::add(int wire, std::span<double> residual, BandRows* tangent, bool /*symmetric*/) const

@@ -15,20 +15,20 @@
 // The last two are a clamp as a single wire has it (rod/clamp.h): half springs B/(w l) and B/((1 - w) l) from the clamp to the
 // middles of both edges in place of the cell's own B/l are this one and the cell's, for
 //     (u_a^2/w + u_b^2/(1 - w)) B/(2 l) = (u_a + u_b)^2 B/(2 l) + ((1 - w) u_a - w u_b)^2 / (2 c),
-// u_a the turn from edge a to the clamp, u_b that from the clamp to edge b. In an edge's middle the spring is rigid; c is no less than
-// a share of l/B, which puts the clamp off by that share of an edge. In the half cell at the tip c = (distance to the middle)/B.
-// Where the cell is not even, as at the tip of a catheter over a soft wire, direction counts what bends instead of lengths: with a and b
-// the compliances from the place to both middles the half springs are 1/a and 1/b, the cell's own 1/(a + b), so w = a/(a + b) and
-// c = a b/(a + b). Left out: what bends by nature within the half cell at the tip, a change of twist stiffness within a cell, and that
-// other instruments' ends within a cell slide.
+// u_a the turn from edge a to the clamp, u_b that from the clamp to edge b. In an edge's middle the spring is rigid; c is no less
+// than a share of l/B, which puts the clamp off by that share of an edge. In the half cell at the tip c = (distance to the
+// middle)/B. Where the cell is not even, as at the tip of a catheter over a soft wire, direction counts what bends instead of
+// lengths: with a and b the compliances from the place to both middles the half springs are 1/a and 1/b, the cell's own 1/(a +
+// b), so w = a/(a + b) and c = a b/(a + b). Left out: what bends by nature within the half cell at the tip, a change of twist
+// stiffness within a cell, and that other instruments' ends within a cell slide.
 //
 // **Position**: x(s) is on the edge that the material goes on with (coaxial_edge_of). F = lambda + K (p - x). K is ten times an
 // edge's own stiffness EA/l, so that Newton's method sees next to nothing else of the place. Each time it has converged, lambda
 // takes in the remaining force (refine()), until x is at p to 1e-7 of an edge. The force is remembered from step to step.
 //
-// **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line. So the holds pull at it by dU/ds along the line (of a
-// position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is
-// let go, and held again where it comes back.
+// **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line. So the holds pull at it by dU/ds along the line (of
+// a position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the
+// inlet is let go, and held again where it comes back.
 //
 // Each acts on the arrays of its instrument; forces on a passenger's positions go to the line's (solve/coaxial_problem.h).
 

@@ -70,8 +70,8 @@ void MixedTension::change_residual(const EdgeStretch& now, std::span<double> r) 
 }
 
 // The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1), and max(N, 0) when projected to be positive
-// semidefinite. Puts the predicted tension in place of N. Conserving, the force is N b with N = EA (m/l - 1), m the mean length and
-// b the mean direction: half of EA/l b t^T + N/m (I - b t^T) in place of half the Hessian.
+// semidefinite. Puts the predicted tension in place of N. Conserving, the force is N b with N = EA (m/l - 1), m the mean length
+// and b the mean direction: half of EA/l b t^T + N/m (I - b t^T) in place of half the Hessian.
 void MixedTension::change_tangent(const EdgeStretch& now, HessianMode mode, bool symmetric, BandRows& tangent) const
 {
     const RodView& rod = now.rod;

@@ -6,8 +6,8 @@
 //
 //   N_predicted(alpha) = (1 - alpha) N_base + alpha EA/l (|e|_base - l + t_base . (d_{j+1} - d_j))
 //
-// Geometric stiffness and the test of a trial take N_predicted; at the solution both agree. Conserving, lengths and directions are
-// means over the step: N = EA (m/l - 1), m the mean length, acting along the mean direction b.
+// Geometric stiffness and the test of a trial take N_predicted; at the solution both agree. Conserving, lengths and directions
+// are means over the step: N = EA (m/l - 1), m the mean length, acting along the mean direction b.
 
 #include "math/band_matrix.h"
 #include "rod/elastic.h"
@@ -52,8 +52,8 @@ public:
     void change_residual(const EdgeStretch& now, std::span<double> r) const;
     /// Puts the predicted tension in place of the shape's in the tangent. @param symmetric  its symmetric part alone
     void change_tangent(const EdgeStretch& now, HessianMode mode, bool symmetric, BandRows& tangent) const;
-    /// After one linearised step: its own tensions into the residual, in place of those of the trial's shape, which turning by phi
-    /// has raised by EA phi^2/2. Reactions are then forces of the equations that have been solved.
+    /// After one linearised step: its own tensions into the residual, in place of those of the trial's shape, which turning by
+    /// phi has raised by EA phi^2/2. Reactions are then forces of the equations that have been solved.
     /// @return what the base edge had beyond [N]
     double take_linear(const EdgeStretch& now, std::span<double> residual) const;
 

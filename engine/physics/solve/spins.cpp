@@ -2,8 +2,8 @@
 //
 // In a wire that is straight by nature and isotropic nothing is fixed to the material frames but twist and spin inertia. Where no
 // torque acts either, the spins' equations J theta'' + C (twist)'/l = torque hold without them, and 3/4 of the unknowns are left.
-// This is exact in any plane motion, where parallel transport turns no frame. In space, where the frames follow the wire, it holds
-// to the torsional inertia J theta'' (1e-4 of the bending forces and less). It is not taken on trust. After each step
+// This is exact in any plane motion, where parallel transport turns no frame. In space, where the frames follow the wire, it
+// holds to the torsional inertia J theta'' (1e-4 of the bending forces and less). It is not taken on trust. After each step
 // solved without them the spins' equations are evaluated, friction's torque included. A step in which they do not hold to the
 // solver's tolerance is solved again with them (Solver::check_spins).
 
@@ -33,20 +33,23 @@ bool clamp_twists(const RodView& rod, const RodClamp& clamp, double moment)
 
 }  // namespace
 
-// To the tolerance of moments, nothing twists the wire at the start of the step, nor is meant to. Forces that follow the spins are
-// evaluated with the angles as they are, so there these must not move by more than what a solve leaves open, a millionth of the
-// radius.
+// To the tolerance of moments, nothing twists the wire at the start of the step, nor is meant to. Forces that follow the spins
+// are evaluated with the angles as they are, so there these must not move by more than what a solve leaves open, a millionth of
+// the radius.
 bool WireProblem::may_leave(SpinAngles spins) const
 {
     constexpr double still = 1e-6;  // [rad] in one step
-    if (spins == SpinAngles::SolvedFor || role != WireRole::Alone || time.motion() != Motion::Implicit || dead_loads_.unsymmetric()) return false;
+    if (spins == SpinAngles::SolvedFor || role != WireRole::Alone || time.motion() != Motion::Implicit ||
+        dead_loads_.unsymmetric())
+        return false;
     for (const auto& [unknown, value] : constraints_->prescribed)
         if (RodDofs::is_spin(unknown)) return false;
     const double moment = tolerance * length_scale;
     for (int i = 0; i < rod.n; ++i) {
         if (rod.rest_kappa1[i] != 0 || rod.rest_kappa2[i] != 0 || rod.rest_twist[i] != 0) return false;
         if (i + 1 == rod.n) break;
-        if (spins == SpinAngles::LeftIfStill && std::abs(time.start_velocity(RodDofs::spin(i))) * time.step() > still) return false;
+        if (spins == SpinAngles::LeftIfStill && std::abs(time.start_velocity(RodDofs::spin(i))) * time.step() > still)
+            return false;
         if (i == 0) continue;
         const double twist = rod.theta[i] - rod.theta[i - 1] + rod.ref_twist[i];
         if (std::abs(rod.twist_stiffness[i] / rod.voronoi_length(i) * twist) > moment) return false;

@@ -156,8 +156,8 @@ RodTrial WireProblem::trial_view() const
     return {part(0), part(1), part(2), part(RodDofs::spin_place)};
 }
 
-// A discrete gradient is the mean force along the path from q_0 to q, of use only for short paths. A frame or a joint that turns by
-// more in one step than this is refused, as is a fold.
+// A discrete gradient is the mean force along the path from q_0 to q, of use only for short paths. A frame or a joint that turns
+// by more in one step than this is refused, as is a fold.
 constexpr double most_turned = 2.0;  // [rad]
 
 bool WireProblem::update()

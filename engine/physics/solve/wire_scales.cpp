@@ -15,8 +15,8 @@ constexpr double most_bending_force = 10;  // of the scale of forces [N]
 
 }  // namespace
 
-// The largest of total weight, loads (moments over the wire's length), stretched links, and B/L^2, the force that bends the wire to
-// its own length, up to 10 N. Without this limit a short stiff piece in the introducer (0.01 N m^2, 1 cm: 100 N) would have
+// The largest of total weight, loads (moments over the wire's length), stretched links, and B/L^2, the force that bends the wire
+// to its own length, up to 10 N. Without this limit a short stiff piece in the introducer (0.01 N m^2, 1 cm: 100 N) would have
 // residuals that show in the hand force. The floor is what rounding of positions far from the origin does to the stretching and
 // inertia forces.
 void WireProblem::set_scales(const IntegratorSpec& spec, const Vec3& gravity)

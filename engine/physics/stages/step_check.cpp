@@ -1,4 +1,5 @@
-// The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
+// The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add
+// up.
 
 #include "contact/contact_sums.h"
 #include "contact/wall_contact.h"
@@ -16,8 +17,8 @@ namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
 // touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
-// it (a sample that passes the wall has touched it before, and says so). Contact with an elastic wall takes its displacement to be
-// linear over a wire's edge and over a step. Where the wall has moved far, the axis is looked up beside the wall as it is.
+// it (a sample that passes the wall has touched it before, and says so). Contact with an elastic wall takes its displacement to
+// be linear over a wire's edge and over a step. Where the wall has moved far, the axis is looked up beside the wall as it is.
 bool needs_audit(WorldData& world, int wire, double dt, bool is_wall_far)
 {
     const Detection detection = world.setup.wires[wire].contact.detection;
@@ -57,7 +58,8 @@ bool is_finite(const RodView& rod)
 /// A reading can overflow where the state does not: whoever steps a world gets a flag instead of a NaN in a table.
 bool is_finite(const WireResult& r)
 {
-    const double all = r.hand_force + r.hand_torque + r.contact.normal + r.contact.friction + r.kinetic + r.elastic + r.gravitational;
+    const double all =
+        r.hand_force + r.hand_torque + r.contact.normal + r.contact.friction + r.kinetic + r.elastic + r.gravitational;
     return std::isfinite(all) && r.base_force.allFinite();
 }
 

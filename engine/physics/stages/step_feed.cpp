@@ -111,7 +111,8 @@ std::span<const StepParts> feed_parts(WorldData& world, double dt, StepReport& r
 
 void feed_hubs(WorldData& world, const SubStep& sub)
 {
-    // of an equilibrium a step's length is no time: no speed, and the rest length that births have left over is taken back at once
+    // of an equilibrium a step's length is no time: no speed, and the rest length that births have left over is taken back at
+    // once
     const double h = world.setup.integrator.scheme == Scheme::Static ? INFINITY : sub.h;
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
         if (!sub.wires[w] || !world.is_line(w)) return;
@@ -126,7 +127,8 @@ void hold_and_load(WorldData& world, const SubStep& sub)
         world.work.live[w] = world.work.active[w] = sub.wires[w] && world.state.is_solved(w);
         if (!sub.wires[w]) return;
         constrain_at(world, w, world.state.wires[w].time + sub.h);
-        if (!world.state.wires[w].carried.empty()) carry(world.rod(w), world.state.wires[w].carried, world.work.length, world.constraints(w));
+        if (!world.state.wires[w].carried.empty())
+            carry(world.rod(w), world.state.wires[w].carried, world.work.length, world.constraints(w));
         if (!world.is_line(w)) return;
         MomentumStart& start = world.work.wires[w].start;
         start.fed = momentum(world.rod(w)) - start.momentum;

@@ -59,7 +59,8 @@ bool where_clear(const WorldRod& rod, Change change)
     }
     change();
     set_exposures(world);
-    if (std::ranges::all_of(rod.wires(), [&](int w) { return world.forces.wall_contact->is_clear(world.state.rods, w); })) return true;
+    if (std::ranges::all_of(rod.wires(), [&](int w) { return world.forces.wall_contact->is_clear(world.state.rods, w); }))
+        return true;
     for (const int w : rod.wires()) {
         put_back_wire(world, w);
         world.output.results[w].nodal_contact = world.work.wires[w].nodal_backup;
@@ -72,7 +73,8 @@ bool where_clear(const WorldRod& rod, Change change)
 BaseEdge base_limits(const WorldRod& rod, double whole, double dt)
 {
     const double t = rod.world().state.wires[rod.line()].time, next = std::isfinite(dt) ? t + dt : t;
-    // symplectic Euler follows no axial wave along an edge that is much shorter than the others, and one linearised step no turn of it
+    // symplectic Euler follows no axial wave along an edge that is much shorter than the others, and one linearised step no turn
+    // of it
     const Scheme scheme = rod.world().setup.integrator.scheme;
     if (scheme == Scheme::Explicit || scheme == Scheme::Linearised) return {whole, 0.5 * whole, 0.5 * whole};
     return base_edge_limits(whole, rod.hub().travel(t, next, +1), rod.hub().travel(t, next, -1));
@@ -144,7 +146,8 @@ bool adapt_rod(const WorldRod& rod, double dt, bool may_merge)
     const bool changed = fed && adapt_base(rod, planner.base_edge(rod.view(), rod.bounds(), demands), dt);
     if (changed) demands = rod.demands();
     demands.may_merge = may_merge && !changed;
-    demands.may_refine = !changed;  // the moments beside a new node settle within the next step; until then only lengths are judged
+    demands.may_refine =
+        !changed;  // the moments beside a new node settle within the next step; until then only lengths are judged
     note_wall(rod, demands);
     const std::span<const NodeChange> changes = planner.plan(rod.view(), rod.bounds(), demands, capacity);
     // each by itself where it may be refused, or moves offsets

@@ -68,7 +68,8 @@ void read_motion(WorldData& world, int wire, std::span<const Vec3> contact_force
     result.kinetic = world.audit(wire).kinetic;
     result.elastic = world.audit(wire).elastic;
     result.gravitational = world.audit(wire).gravitational;
-    result.momentum = world.solver->momentum_balance(wire, world.constraints(wire), contact_force, world.work.wires[wire].start, h);
+    result.momentum =
+        world.solver->momentum_balance(wire, world.constraints(wire), contact_force, world.work.wires[wire].start, h);
 }
 
 Vec3 force_at_hub(WorldData& world, int wire)
@@ -90,8 +91,9 @@ void read_hand(WorldData& world, int wire)
         if (clamps[c].node == rod.n - 1 && clamps[c].spin)
             result.hand_torque = -clamp_torque(rod, clamps, world.solver->frames(wire), static_cast<int>(c));
     if (world.feed(wire).on)
-        result.hand_force = feed_force(rod, world.setup.wires[wire].wire, clamps, world.solver->frames(wire), world.setup.gravity) +
-                            world.solver->base_tension_excess(wire);
+        result.hand_force =
+            feed_force(rod, world.setup.wires[wire].wire, clamps, world.solver->frames(wire), world.setup.gravity) +
+            world.solver->base_tension_excess(wire);
     else
         result.hand_force = -result.base_force.dot(hub_tangent(rod, clamps));
 }
@@ -133,8 +135,8 @@ std::pair<double, double> hand_answer(WorldData& world, int wire)
 }
 
 // hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. Feeding raises s, and the node
-// before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The curvature
-// of the hub's cell, whose length is s too, is neglected: its part is B kappa^2/s, at most 0.1 % of EA/s.
+// before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The
+// curvature of the hub's cell, whose length is s too, is neglected: its part is B kappa^2/s, at most 0.1 % of EA/s.
 void read_hand_stiffness(WorldData& world, int wire)
 {
     double& stiffness = world.output.results[wire].hand_stiffness;

@@ -70,7 +70,8 @@ WireMask balance(WorldData& world, const std::vector<ContinuationPath>& paths, c
     world.solver->equilibrium(world.work.constraints, world.forces.terms, world.work.active, world.work.reports);
     world.work.solve_time += seconds_since(start);
     WireMask done = mask, failed(mask.size(), 0);
-    for (int w = 0; w < world.wire_count(); ++w) failed[w] = world.work.active[w] && (!world.work.reports[w].converged || too_far(w));
+    for (int w = 0; w < world.wire_count(); ++w)
+        failed[w] = world.work.active[w] && (!world.work.reports[w].converged || too_far(w));
     world.systems.spread(mask, failed);
     put_back_wires(world, failed);
     for (int w = 0; w < world.wire_count(); ++w) done[w] = done[w] && !failed[w];
@@ -158,10 +159,13 @@ WireMask balance_stuck(WorldData& world, const std::vector<ContinuationPath>& pa
     return failed;
 }
 
-/// Whether the balance may begin where the wires were placed, unloaded: the work of a moment over the whole turn is not known from its two ends.
+/// Whether the balance may begin where the wires were placed, unloaded: the work of a moment over the whole turn is not known
+/// from its two ends.
 bool counts_from_placement(const WorldData& world)
 {
-    const auto has_moment = [](const WireSetup& wire) { return std::ranges::any_of(wire.loads, [](const LoadSpec& load) { return !load.moment.isZero(); }); };
+    const auto has_moment = [](const WireSetup& wire) {
+        return std::ranges::any_of(wire.loads, [](const LoadSpec& load) { return !load.moment.isZero(); });
+    };
     return world.setup.integrator.scheme == Scheme::Static && std::ranges::none_of(world.setup.wires, has_moment);
 }
 

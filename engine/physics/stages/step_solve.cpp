@@ -1,5 +1,5 @@
-// From the start of a step to the accepted states: the state that a failed attempt returns to, detection, Newton, and the treatment
-// of systems that do not converge.
+// From the start of a step to the accepted states: the state that a failed attempt returns to, detection, Newton, and the
+// treatment of systems that do not converge.
 
 #include "contact/wall_contact.h"
 #include "core/clock.h"
@@ -50,7 +50,8 @@ Outcomes judge(WorldData& world, const SubStep& sub, StepReport& report)
     WireMask adds_up(count, 1);
     if (audited(world))
         for_each_item(world.wire_count(), wire_grain, [&](int w) {
-            if (world.work.active[w] && world.work.reports[w].converged && world.is_line(w)) adds_up[w] = energy_adds_up(world, w, sub.h);
+            if (world.work.active[w] && world.work.reports[w].converged && world.is_line(w))
+                adds_up[w] = energy_adds_up(world, w, sub.h);
         });
     for (int w = 0; w < world.wire_count(); ++w) {
         if (!world.work.active[w]) continue;
@@ -119,8 +120,8 @@ void begin_step(WorldData& world)
     world.output.reports.assign(world.wire_count(), WireReport{});
 }
 
-// One sub-step that is stopped is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other systems, may
-// have been accepted by then, and where an attempt starts a block of steps of an elastic wall.
+// One sub-step that is stopped is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other
+// systems, may have been accepted by then, and where an attempt starts a block of steps of an elastic wall.
 void keep_start(WorldData& world, const SubStep& sub)
 {
     if (!world.work.stop_asked || !world.work.step_start.empty()) return;
@@ -189,7 +190,8 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
         world.state.wires[w].time += sub.h;
         if (world.is_driven(w)) take_hub(world, w);
         if (world.work.active[w] && audited(world) && world.is_line(w)) accept_energy(world, w, sub.h);
-        if (world.work.active[w] && world.work.reports[w].cut_short) add_left(world.rod(w), *world.solver, w, sub.h, world.state.wires[w].left);
+        if (world.work.active[w] && world.work.reports[w].cut_short)
+            add_left(world.rod(w), *world.solver, w, sub.h, world.state.wires[w].left);
         read_results(world, w, sub.h);
     });
     for (int w = 0; w < world.wire_count() && world.output.hand_stiffness_watched; ++w)

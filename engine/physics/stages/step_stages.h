@@ -12,7 +12,8 @@ namespace seldinger {
 /// Resolves the control to the path of each hub through the step.
 void take_control(WorldData& world, const Control& control, double dt);
 /// In how many parts a step feeds each wire [wires]: one birth can follow a push by an edge, and pulling back must leave some of
-/// the base edge. It is cut where another instrument of a common centreline gets ahead. All instruments of a system go in as many.
+/// the base edge. It is cut where another instrument of a common centreline gets ahead. All instruments of a system go in as
+/// many.
 [[nodiscard]] std::span<const StepParts> feed_parts(WorldData& world, double dt, StepReport& report);
 /// The hubs' advance and turn at the end of the sub-step: the base edge grows, or the piece in the introducer moves.
 void feed_hubs(WorldData& world, const SubStep& sub);
@@ -26,8 +27,9 @@ void constrain_at(WorldData& world, int wire, double time);
 
 /// Where they are to go in the sub-step: the first trial, or the one that the last trial's answer asks for.
 void aim_hubs(WorldData& world, const SubStep& sub);
-/// Whether their equations hold with what the instruments answered. @param failed  systems that did not converge; those that are to
-/// take the sub-step in halves for this reason join them. @return systems that take it again, with the next trial of their hubs
+/// Whether their equations hold with what the instruments answered. @param failed  systems that did not converge; those that are
+/// to take the sub-step in halves for this reason join them. @return systems that take it again, with the next trial of their
+/// hubs
 [[nodiscard]] WireMask balance_hubs(WorldData& world, const SubStep& sub, WireMask& failed);
 /// The last trial is accepted.
 void take_hub(WorldData& world, int wire);

@@ -40,7 +40,8 @@ void carry(const ConstRodView& rod, const std::vector<CarriedImpulse>& left, dou
 
 void walk_carried(StateWalk& walk, std::span<WireState> states, std::span<const int> wires)
 {
-    const bool rows = walk.reads() ? walk.left() > 0 : std::ranges::any_of(wires, [&](int w) { return !states[w].carried.empty(); });
+    const bool rows =
+        walk.reads() ? walk.left() > 0 : std::ranges::any_of(wires, [&](int w) { return !states[w].carried.empty(); });
     for (const int w : wires) {
         std::vector<CarriedImpulse>& of = states[w].carried;
         if (walk.reads()) of.clear();

@@ -1,9 +1,9 @@
 #pragma once
 // Forces that a step cut short has left unbalanced (World::cut_when), carried into the next step.
 //
-// A step that ends before its equations hold has M a = F + R with a residual R: a force that nobody exerts. Its impulse R h is taken
-// back in the next step, as a load of -R h over that step's length, so what the wire has of momentum is late by one step and
-// not lost. Held nodes and spin angles carry nothing: there is no momentum that the next step does not set anew. Places are
+// A step that ends before its equations hold has M a = F + R with a residual R: a force that nobody exerts. Its impulse R h is
+// taken back in the next step, as a load of -R h over that step's length, so what the wire has of momentum is late by one step
+// and not lost. Held nodes and spin angles carry nothing: there is no momentum that the next step does not set anew. Places are
 // material, because nodes may be split and merged in between.
 
 #include "rod/rod_arrays.h"

@@ -11,7 +11,8 @@ namespace seldinger {
 Control::Hub& Control::hub(int instrument)
 {
     if (instrument < 0)
-        throw Error(ErrorKind::BadScene, fmt::format("control: instrument {}: expected an index of WorldSetup::wires", instrument));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("control: instrument {}: expected an index of WorldSetup::wires", instrument));
     if (hubs_.size() <= static_cast<std::size_t>(instrument)) hubs_.resize(static_cast<std::size_t>(instrument) + 1);
     return hubs_[static_cast<std::size_t>(instrument)];
 }

@@ -16,7 +16,10 @@ namespace {
 constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see energy_floor
 
 /// Forces at the end of a step are those that its equations hold at; else means over the step are.
-bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit && spec.scheme != Scheme::Static; }
+bool end_forces(const IntegratorSpec& spec)
+{
+    return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit && spec.scheme != Scheme::Static;
+}
 
 /// The work of holds takes means of their reactions at both ends.
 bool mean_reactions(const IntegratorSpec& spec) { return spec.newmark || spec.scheme == Scheme::Static; }
@@ -98,7 +101,8 @@ double turning_work(WorldData& world, int wire)
 /// dE/d(fed length) at the end of the sub-step.
 double force_of_feed(WorldData& world, int wire, const Vec3& gravity)
 {
-    return feed_force(world.rod(wire), world.setup.wires[wire].wire, world.constraints(wire).clamps, world.solver->frames(wire), gravity);
+    return feed_force(world.rod(wire), world.setup.wires[wire].wire, world.constraints(wire).clamps, world.solver->frames(wire),
+                      gravity);
 }
 
 double hand_work(WorldData& world, int wire)
@@ -221,7 +225,8 @@ void take_into_ledger(WorldData& world, int wire, const WorkDone& work)
     const ContactWork& contact = audit.terms.work;
     ledger.hand += work.hand + work.turning;
     ledger.outside += work.outside;
-    if (world.work.reports[wire].cut_short) ledger.outside += world.solver->residual_work(wire);  // a force from outside; the next step returns it
+    if (world.work.reports[wire].cut_short)
+        ledger.outside += world.solver->residual_work(wire);  // a force from outside; the next step returns it
     ledger.remesh += audit.remeshed_now;
     ledger.material += audit.fed.carried - audit.remeshed_now;
     ledger.wire += now - audit.wire_then;
@@ -274,7 +279,8 @@ FeedingAudit::FeedingAudit(const WorldRod& rod) : rod_(rod), inside_(rod.feed().
     std::copy(line.mass.begin() + first_, line.mass.begin() + line.n, rod.world().work.wires[rod.line()].mass.begin() + first_);
     for (const int w : rod.wires()) {
         const RodView own = rod.world().rod(w);
-        std::copy(own.spin_inertia.begin() + first_, own.spin_inertia.begin() + line.n - 1, rod.world().work.wires[w].inertia.begin() + first_);
+        std::copy(own.spin_inertia.begin() + first_, own.spin_inertia.begin() + line.n - 1,
+                  rod.world().work.wires[w].inertia.begin() + first_);
     }
 }
 
@@ -341,7 +347,8 @@ void count_equilibrium(WorldData& world, int wire)
     EnergyAudit& audit = world.audit(wire);
     if (!audit.known) return begin_audit(world, wire, false);
     const WorldRod rod(world, wire);
-    audit.remeshed_now = world.state.wires[wire].remesh_energy - audit.remeshed;  // nodes of a wire at rest come and go on its line: its height stays
+    audit.remeshed_now = world.state.wires[wire].remesh_energy -
+                         audit.remeshed;  // nodes of a wire at rest come and go on its line: its height stays
     audit.fed = {};
     audit.fed.carried = audit.remeshed_now;
     read_energies(rod, world.solver->elastic_energy(wire));

@@ -15,8 +15,8 @@
 // together, a contact spring in its depth). So energy plus work can only be lost, except where the potential is concave.
 // Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
 //
-// The ledger (EnergyLedger) has the same numbers, and the losses that contact, damping and the scheme report. Backward Euler takes
-// (1/2) m (v - v_0)^2 of the kinetic energy. It takes from the elastic energy the excess of its end force's work over the
+// The ledger (EnergyLedger) has the same numbers, and the losses that contact, damping and the scheme report. Backward Euler
+// takes (1/2) m (v - v_0)^2 of the kinetic energy. It takes from the elastic energy the excess of its end force's work over the
 // change: F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
 //
 // Energy of splits and merges between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged separately.
@@ -57,7 +57,8 @@ struct EnergyAudit {
     TermEnergies terms;                                  // likewise, of all of a common centreline
 };
 
-/// EnergyLimits::floor of a wire [J]: 0.1 % of the energy that lifts all of it by its own length and bends it to a radius of that.
+/// EnergyLimits::floor of a wire [J]: 0.1 % of the energy that lifts all of it by its own length and bends it to a radius of
+/// that.
 [[nodiscard]] double energy_floor(const WireSpec& wire, const Vec3& gravity);
 
 /// Before a sub-step: changes of the wire by splits and merges since the last one.
@@ -75,7 +76,8 @@ private:
     int first_;  // node from which material changes: of one wire that before the hub
 };
 
-/// Of all wires, before the first step. Contacts of the initial placement are not known yet: with them, energies are counted from the end of the first step.
+/// Of all wires, before the first step. Contacts of the initial placement are not known yet: with them, energies are counted from
+/// the end of the first step.
 void begin_audits(WorldData& world);
 /// The wire as it has been placed, touching nothing, or at rest in an equilibrium that was just found: its energies are counted
 /// from there.

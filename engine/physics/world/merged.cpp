@@ -137,8 +137,8 @@ double elastic_now(RodArrays& rods, MergedGroup& group)
 
 namespace {
 
-/// Slides the line's nodes along it by so much faster [m/s]: on the bisector of both edges at a node, where none is stretched. The
-/// hub stands, but has the velocity of the material that enters there.
+/// Slides the line's nodes along it by so much faster [m/s]: on the bisector of both edges at a node, where none is stretched.
+/// The hub stands, but has the velocity of the material that enters there.
 void slide_faster(const RodView& line, double speed, const Vec3& inwards)
 {
     line.set_vel(line.n - 1, line.vel(line.n - 1) + speed * inwards);
@@ -243,7 +243,8 @@ void feed_group(WorldData& world, MergedGroup& group, double step, double h)
     }
     const int leader = group.wires()[group.leader];
     const bool was_inside = group.feed.inside;
-    feed_to(group.feed, {0, world.feed(leader).advance, 0}, spec_of(world.setup, group, group.leader), world.state.rods, group.line(), h);
+    feed_to(group.feed, {0, world.feed(leader).advance, 0}, spec_of(world.setup, group, group.leader), world.state.rods,
+            group.line(), h);
     if (!was_inside || !group.feed.inside) level(world, group, angle, rate);
     set_inside(world.state, group);
     set_offsets(world, group);

@@ -4,26 +4,26 @@
 //
 // The centreline is as long as the instrument inserted farthest, the leader; its coordinate s counts from the leader's tip, which
 // is the line's node 0. Instrument k's material at s is s + o_k, o_k = advance_k - advance of the leader (<= 0). A push of the
-// leader makes the base edge longer, as a wire's own feed does (solve/feed.h). It also lowers the offsets of the others, which stay
-// at the hub. A push of another instrument moves its offset alone.
+// leader makes the base edge longer, as a wire's own feed does (solve/feed.h). It also lowers the offsets of the others, which
+// stay at the hub. A push of another instrument moves its offset alone.
 //
-// Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. The step is cut there, so that
-// the new leader continues from the very place of the old one's tip, and is pushed forwards by the material behind it. What little
-// it has got ahead by all the same (the time is found without the surplus of rest length) continues the line straight, where
-// nothing bends it. A step that was not cut put millimetres there at once: through the wall, where the line points at it. The
-// line's material is the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of
+// Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. The step is cut there, so
+// that the new leader continues from the very place of the old one's tip, and is pushed forwards by the material behind it. What
+// little it has got ahead by all the same (the time is found without the surplus of rest length) continues the line straight,
+// where nothing bends it. A step that was not cut put millimetres there at once: through the wall, where the line points at it.
+// The line's material is the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of
 // material and remeshing.
 //
-// Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Its slip is that
-// of the instrument's material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
+// Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Its slip is
+// that of the instrument's material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
 // Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed
 // offsets. The term a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand
 // is
 //     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
 //     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
-// Friction between the instruments follows the laws per length of CoaxialSpec (contact/rods/coaxial_friction.h). It pushes back on
-// each hand as much as it pulls at another one, and does not act on the line. The force a_k is along the edges that the
+// Friction between the instruments follows the laws per length of CoaxialSpec (contact/rods/coaxial_friction.h). It pushes back
+// on each hand as much as it pulls at another one, and does not act on the line. The force a_k is along the edges that the
 // material lies on (EdgeSums::along), and slip counts no turn at their corners. On the outside of a bend the rod's surface
 // slides by 1 + kappa r, in a vessel some per cent more. Both sides leave this out, so the hands' work equals the loss by
 // friction. CoaxialSpec's mu and stiffness are the separate model's. Axial inertia of sliding material is not included: all
@@ -56,10 +56,11 @@ struct MergedGroup {
 
 /// Before a sub-step of h [s]: whoever is in farthest leads.
 void lead_group(WorldData& world, MergedGroup& group, double h);
-/// How long it takes from now until another instrument gets ahead of the leader; 0: not within dt, or so near one of its ends that
-/// the step need not be cut there [s].
+/// How long it takes from now until another instrument gets ahead of the leader; 0: not within dt, or so near one of its ends
+/// that the step need not be cut there [s].
 [[nodiscard]] double lead_change_after(const WorldData& world, const MergedGroup& group, double dt);
-/// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
+/// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all
+/// the way [s]
 void feed_group(WorldData& world, MergedGroup& group, double step, double h);
 /// Constraints: the line gets its hold at the hub and the loads and links of all instruments in the group at time t; each
 /// instrument gets its own holds.

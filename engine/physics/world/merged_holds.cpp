@@ -31,9 +31,10 @@ void refuse_both(const Taken& a, const Taken& b)
                        : a.spec->spin && b.spec->spin && a.wire == b.wire ? "spin"
                                                                              : nullptr;
     if (!what) return;
-    throw Error(ErrorKind::BadScene, fmt::format("wires[{}].holds[{}], wires[{}].holds[{}]: got two holds of the {} of one centreline (merged) at one "
-                                                "position; expected one. Fix: keep one of them, or place them farther apart than the node spacing",
-                                                a.wire, a.index, b.wire, b.index, what));
+    throw Error(ErrorKind::BadScene,
+                fmt::format("wires[{}].holds[{}], wires[{}].holds[{}]: got two holds of the {} of one centreline (merged) at one "
+                            "position; expected one. Fix: keep one of them, or place them farther apart than the node spacing",
+                            a.wire, a.index, b.wire, b.index, what));
 }
 
 /// Puts what acts on material of the line between the nodes of the edge that the material goes on with.
@@ -59,9 +60,11 @@ void take_holds(WorldData& world, MergedGroup& group)
         const int w = group.wires()[k];
         const std::vector<HoldSpec>& specs = world.setup.wires[w].holds;
         if (!specs.empty() && !group.feed.inside)
-            throw Error(ErrorKind::BadScene, fmt::format("wires[{}].holds: got a wire that is outside at the start; expected the held point inside. Fix: feed "
-                                                        "some of it in (feed.advance)",
-                                                        w));
+            throw Error(
+                ErrorKind::BadScene,
+                fmt::format("wires[{}].holds: got a wire that is outside at the start; expected the held point inside. Fix: feed "
+                            "some of it in (feed.advance)",
+                            w));
         const double offset = group.shared.rod.instrument[k].offset;
         world.holds[w].take_line_holds(specs, world.rod(w), offset);
         for (std::size_t h = 0; h < specs.size(); ++h) {

@@ -73,7 +73,8 @@ void read_hands(const WorldRod& rod)
     for (int k = 0; k < count; ++k) {
         WireResult& result = world.output.results[group.wires()[k]];
         result.hand_torque = -hands.torque[k];
-        if (world.forces.coaxial_friction) world.forces.coaxial_friction->set_outside(group.wires()[k], axial_contact(world, group, k));
+        if (world.forces.coaxial_friction)
+            world.forces.coaxial_friction->set_outside(group.wires()[k], axial_contact(world, group, k));
         if (k == group.leader) continue;
         const double beside = weight_of(world, group, k) - axial_contact(world, group, k);
         result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(world, group, hands, k) -
@@ -91,8 +92,9 @@ MergedForces merged_forces(WorldData& world, const MergedGroup& group)
     auto to = forces.value.begin();
     *to++ = hands.line_force;
     for (int k = 0; k < group.shared.count(); ++k)
-        for (const double force : {hands.offset_force[k], axial_contact(world, group, k), axial_friction(world.forces, group.wires()[k]),
-                                   twist_behind(world, group, hands, k), hands.torque[k]})
+        for (const double force :
+             {hands.offset_force[k], axial_contact(world, group, k), axial_friction(world.forces, group.wires()[k]),
+              twist_behind(world, group, hands, k), hands.torque[k]})
             *to++ = force;
     return forces;
 }
@@ -202,7 +204,8 @@ void show_instruments(WorldData& world)
 
 namespace {
 
-/// Jumps where a piece ends and instrument k with it, or its section: of the compliance of all together, and of their natural curvature.
+/// Jumps where a piece ends and instrument k with it, or its section: of the compliance of all together, and of their natural
+/// curvature.
 std::pair<double, double> jumps_between(const CoaxialPiece& a, const CoaxialPiece& b, int k, int count)
 {
     const auto stiffness_of = [&](const CoaxialPiece& piece) {
@@ -250,7 +253,8 @@ double hand_error(const World& given, int wire)
     const auto wires = group->wires();
     double sum = 0;
     for (int k = 0; k < group->shared.count(); ++k)
-        if (k != group->leader && (wires[k] == wire || wires[group->leader] == wire)) sum += boundary_error(*group, rod.view(), demands.moment, k);
+        if (k != group->leader && (wires[k] == wire || wires[group->leader] == wire))
+            sum += boundary_error(*group, rod.view(), demands.moment, k);
     return sum;
 }
 

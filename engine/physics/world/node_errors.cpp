@@ -27,7 +27,8 @@ NodePlanner planner_of(const WorldData& world, int line) { return {wire_spec(wor
 double World::node_error(int wire) const
 {
     const WorldRod rod(*data_, data_->line_of(wire));
-    return rod.view().n > 2 ? planner_of(*data_, rod.line()).tip_error(rod.view(), wire_spec(*data_, rod.line()), judged_by(rod)) : 0;
+    return rod.view().n > 2 ? planner_of(*data_, rod.line()).tip_error(rod.view(), wire_spec(*data_, rod.line()), judged_by(rod))
+                            : 0;
 }
 
 BendingError World::bending_error(int wire) const
@@ -43,7 +44,8 @@ BendingError bending_error_between(const World& given, int wire, double from, do
     const RodView rod = one.view();
     if (rod.n <= 2) return {};
     const auto s = rod.material_s.first(static_cast<std::size_t>(rod.n));
-    const auto above = std::upper_bound(s.begin() + 1, s.end() - 1, from), below = std::lower_bound(s.begin() + 1, s.end() - 1, to);
+    const auto above = std::upper_bound(s.begin() + 1, s.end() - 1, from),
+               below = std::lower_bound(s.begin() + 1, s.end() - 1, to);
     return planner_of(world, wire).bending_error(rod, wire_spec(world, wire), judged_by(one), *(above - 1), *below);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // How a step is divided. It is one sub-step where all goes well. A system that does not converge is put back and takes two halves
-// instead, down to h/512. A wire of which more than an edge is fed goes in parts, split and merged in between. A step in which one
-// instrument of a common centreline gets ahead of another is cut there. Systems are sub-stepped independently: every sub-step
+// instead, down to h/512. A wire of which more than an edge is fed goes in parts, split and merged in between. A step in which
+// one instrument of a common centreline gets ahead of another is cut there. Systems are sub-stepped independently: every sub-step
 // names the instruments that take part.
 
 #include <cstdint>

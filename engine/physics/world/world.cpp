@@ -45,7 +45,8 @@ int node_capacity(const WireSetup& setup)
     const int nodes = uniform_node_count(setup.wire);
     // edges of min_edge everywhere, surpluses of rest length included
     if (nodes_adapt(setup)) return static_cast<int>(std::ceil(1.01 * setup.wire.length / setup.wire.min_edge)) + 4;
-    // a fed wire's base edge may be split before the last is merged, and each end of a section may add half an edge (solve/feed.h)
+    // a fed wire's base edge may be split before the last is merged, and each end of a section may add half an edge
+    // (solve/feed.h)
     return setup.feed.on ? nodes + 4 + static_cast<int>(setup.wire.sections.size()) : nodes;
 }
 

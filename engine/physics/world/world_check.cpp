@@ -75,7 +75,8 @@ void check_wire(const WireSpec& wire, const std::string& where)
     for (std::size_t k = 0; k < wire.sections.size(); ++k) {
         const WireSectionRange& range = wire.sections[k];
         const std::string section = fmt::format("{}.sections[{}]", where, k);
-        if (!(range.begin < range.end)) refuse(section, fmt::format("got {} to {}; expected an end behind the beginning", range.begin, range.end));
+        if (!(range.begin < range.end))
+            refuse(section, fmt::format("got {} to {}; expected an end behind the beginning", range.begin, range.end));
         check_section(range.section, section + ".section");
     }
 }
@@ -112,7 +113,8 @@ void check_feed(const WireSetup& wire, const std::string& where)
 void check_agreement(const ContactSpec& contact, const ContactSpec& first, const std::string& where)
 {
     const auto differs = [&](const char* member) {
-        refuse(where + member, "got another value than wires[0]; expected the same for all wires of a world. Fix: make two worlds");
+        refuse(where + member,
+               "got another value than wires[0]; expected the same for all wires of a world. Fix: make two worlds");
     };
     if (contact.detection != first.detection) differs(".detection");
     if (contact.normal != first.normal) differs(".normal");
@@ -137,8 +139,8 @@ void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::s
 {
     if (nest.order.size() < 2) refuse(where + ".order", "got fewer than two instruments; expected two or more, outer first");
     if (nest.exchanged < 1 || nest.exchanged >= static_cast<int>(nest.order.size()))
-        refuse(where + ".exchanged", fmt::format("got {}; expected 1 to {}: one instrument at least is around them", nest.exchanged,
-                                                 nest.order.size() - 1));
+        refuse(where + ".exchanged", fmt::format("got {}; expected 1 to {}: one instrument at least is around them",
+                                                 nest.exchanged, nest.order.size() - 1));
     const auto system_of = [&](int wire) {
         int end = 0, system = 0;
         for (const int size : setup.systems)
@@ -180,7 +182,9 @@ void check_touching(const WorldSetup& setup)
     if (setup.integrator.scheme != Scheme::Newton && setup.integrator.scheme != Scheme::Static)
         refuse("integrator.scheme", "got linearised or explicit; expected newton or static where instruments touch each other");
     if (setup.wires[0].contact.precision != Precision::Float64)
-        refuse("wires[0].contact.precision", "got float32; expected float64 where instruments touch each other. Fix: take contact.precision out and choose a device "
+        refuse("wires[0].contact.precision",
+               "got float32; expected float64 where instruments touch each other. Fix: take contact.precision out and choose a "
+               "device "
                "with double precision (`seldinger devices` lists them)");
 }
 
@@ -197,13 +201,15 @@ void check_elastic_wall(const WorldSetup& setup)
     if (!std::isfinite(vessel.pressure))
         refuse("vessel.pressure", fmt::format("got {}; expected a finite number", vessel.pressure));
     if (vessel.pressure != 0 && setup.centreline.points.size() < 2)
-        refuse("vessel.pressure", fmt::format("got {} Pa; expected 0 where the vessel has no axis (a plane, or no centreline was found). Fix: give "
-                                              "vessel.centreline",
-                                              vessel.pressure));
+        refuse("vessel.pressure",
+               fmt::format("got {} Pa; expected 0 where the vessel has no axis (a plane, or no centreline was found). Fix: give "
+                           "vessel.centreline",
+                           vessel.pressure));
     const double radius = WallModel(vessel, setup.mesh, setup.centreline).typical_lumen_radius;
     if (vessel.thickness > radius)
-        refuse("vessel.thickness", fmt::format("got {} m; expected at most the lumen's radius, {:.4g} m: the wall is a thin shell",
-                                               vessel.thickness, radius));
+        refuse("vessel.thickness",
+               fmt::format("got {} m; expected at most the lumen's radius, {:.4g} m: the wall is a thin shell", vessel.thickness,
+                           radius));
     if (vessel.support > 0) return;
     const MeshEdges edges = find_edges(setup.mesh);
     bool has_rim = false;
@@ -235,7 +241,8 @@ void check_merged_room(const WorldSetup& setup, const CoaxialSpec& spec)
         const double radius = setup.wires[spec.order[k]].wire.largest_radius();
         if (!(lumen > radius))
             refuse(fmt::format("wires[{}].wire.lumen_radius", outer),
-                   fmt::format("got {} m; expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen, radius));
+                   fmt::format("got {} m; expected more than the radius of the instrument inside, {} m, with lumen_friction",
+                               lumen, radius));
     }
 }
 
@@ -246,14 +253,17 @@ void check_merged_scheme(const WorldSetup& setup, std::span<const int> merged)
     const bool newton = integrator.scheme == Scheme::Newton && !integrator.conserve;
     if (!newton && integrator.scheme != Scheme::Static)
         refuse("integrator",
-               "got another scheme; expected newton (backward Euler or Newmark's) or static with instruments of one centreline (merged)");
+               "got another scheme; expected newton (backward Euler or Newmark's) or static with instruments of one centreline "
+               "(merged)");
     for (std::size_t w = 0; w < setup.wires.size() && newton && integrator.newmark; ++w)
         if (!setup.wires[w].holds.empty() && merged[w] > 0)
             refuse(fmt::format("wires[{}].holds", w),
-                   "got holds; expected none on instruments of one centreline (merged) with Newmark's steps, where a velocity that a hold removes "
+                   "got holds; expected none on instruments of one centreline (merged) with Newmark's steps, where a velocity "
+                   "that a hold removes "
                    "changes its sign at every step. Fix: take backward Euler, or a stiff link");
     if (integrator.damping_stiffness > 0)
-        refuse("integrator.damping_stiffness", "got another value than 0; expected 0 with instruments of one centreline (merged)");
+        refuse("integrator.damping_stiffness",
+               "got another value than 0; expected 0 with instruments of one centreline (merged)");
     if (setup.instruments_touch)
         refuse("instruments_touch",
                "got true; expected false with instruments of one centreline (merged). Fix: give each a rod (separate)");
@@ -274,7 +284,8 @@ void check_merged(const WorldSetup& setup)
         if (spec.order.size() > most_coaxial)
             refuse(where + ".order", fmt::format("got {} instruments; expected at most {}", spec.order.size(), most_coaxial));
         for (const int w : spec.order) {
-            if (++merged[w] > 1) refuse(where + ".order", fmt::format("got wire {}, which is in another one already; expected it in one", w));
+            if (++merged[w] > 1)
+                refuse(where + ".order", fmt::format("got wire {}, which is in another one already; expected it in one", w));
             check_merged_member(setup, spec, w);
         }
         check_merged_room(setup, spec);
@@ -300,7 +311,8 @@ void check_wall(const WorldSetup& setup)
     if (const std::int64_t v = first_unusable_vertex(setup.mesh); v >= 0) {
         const std::string name = fmt::format("mesh.vertices[{}]", v);
         need_finite(setup.mesh.vertices[static_cast<std::size_t>(v)], name);
-        refuse(name, fmt::format("got more than {0:.0f} m, which float32 cannot hold finely enough; expected {0:.0f} m at most", most_coordinate));
+        refuse(name, fmt::format("got more than {0:.0f} m, which float32 cannot hold finely enough; expected {0:.0f} m at most",
+                                 most_coordinate));
     }
     need_positive(setup.vessel.youngs, "vessel.youngs");
     need_positive(setup.vessel.thickness, "vessel.thickness");
@@ -320,9 +332,11 @@ void check_driven(const WorldSetup& setup, const SystemList& systems)
             refuse(where, "got a hub that a force drives with another scheme; expected newton with backward Euler. Fix: "
                           "integrator.newmark = conserve = false, or mass = 0 and a path of the hub");
         if (last >= 0 && systems.of(last) == systems.of(static_cast<int>(w)))
-            refuse(where, fmt::format("got a force that drives this hub and one for wires[{}], of the same system; expected one driven hub in a "
-                                      "system. Fix: mass = 0 and a path of the hub for one of them",
-                                      last));
+            refuse(where,
+                   fmt::format(
+                       "got a force that drives this hub and one for wires[{}], of the same system; expected one driven hub in a "
+                       "system. Fix: mass = 0 and a path of the hub for one of them",
+                       last));
         last = static_cast<int>(w);
     }
 }
@@ -346,9 +360,11 @@ void check_exchanges(const WorldData& world, std::span<const Control::Hub> hubs,
             const double advance = end_of(world, w, static_cast<std::size_t>(w) < hubs.size() ? hubs[w] : Control::Hub{}, dt);
             if (!(advance > 0)) continue;
             if (inside >= 0)
-                refuse(fmt::format("control: instrument {}", w),
-                       fmt::format("advance: got {} m; expected 0 while instrument {} is inside: they take turns in another one (exchanged)",
-                                   advance, inside));
+                refuse(
+                    fmt::format("control: instrument {}", w),
+                    fmt::format(
+                        "advance: got {} m; expected 0 while instrument {} is inside: they take turns in another one (exchanged)",
+                        advance, inside));
             inside = w;
         }
     }

@@ -30,7 +30,8 @@ class Context;  // device/device.h
 [[nodiscard]] InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> system_of);
 
 struct WorldForces {
-    /// The wall alone: wires are placed before anything touches them. @param made  the elastic wall of this setup, if there is one already
+    /// The wall alone: wires are placed before anything touches them. @param made  the elastic wall of this setup, if there is
+    /// one already
     explicit WorldForces(const WorldSetup& setup, std::shared_ptr<const ElasticWall> made = {});
     ~WorldForces();
     /// Contact with the wall and between instruments.

@@ -94,7 +94,10 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     return list;
 }
 
-std::string World::device_name() const { return data_->forces.context ? data_->forces.context->name() : "none (no vessel, host only)"; }
+std::string World::device_name() const
+{
+    return data_->forces.context ? data_->forces.context->name() : "none (no vessel, host only)";
+}
 
 DeviceCounts World::device_counts() const
 {

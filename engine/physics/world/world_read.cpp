@@ -79,7 +79,8 @@ namespace {
 AlongSpec along_spec(const WorldData& world, int wire)
 {
     const double asked = world.setup.force_window, radius = world.setup.wires[static_cast<std::size_t>(wire)].wire.shaft.radius;
-    return {asked > 0 ? asked : 2 * radius, world.setup.force_patch, world.forces.contact ? world.forces.contact->spacing(wire) : 0};
+    return {asked > 0 ? asked : 2 * radius, world.setup.force_patch,
+            world.forces.contact ? world.forces.contact->spacing(wire) : 0};
 }
 
 /// Force per length and the like, of all wires and on each row.
@@ -117,8 +118,8 @@ const std::vector<ContactRow>& World::contacts() const
 
 namespace {
 
-/// Force of contact on the nodes of an instrument by itself. Values on the node before a tip within its line belong to the edge with the
-/// tip.
+/// Force of contact on the nodes of an instrument by itself. Values on the node before a tip within its line belong to the edge
+/// with the tip.
 std::span<const Vec3> shown_contact(WorldData& world, int wire)
 {
     const std::span<const Vec3> all = world.output.results[wire].nodal_contact;
@@ -209,7 +210,10 @@ void World::cut_when(std::function<bool()> due)
     data_->solver->cut_when(std::move(due));
 }
 
-WallMechanics World::wall_mechanics() const { return data_->forces.elastic_wall ? data_->forces.elastic_wall->mechanics() : WallMechanics{}; }
+WallMechanics World::wall_mechanics() const
+{
+    return data_->forces.elastic_wall ? data_->forces.elastic_wall->mechanics() : WallMechanics{};
+}
 
 namespace {
 

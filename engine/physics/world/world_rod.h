@@ -1,7 +1,7 @@
 #pragma once
-// One rod of a world: K >= 1 instruments on one centreline. A wire by itself is a rod of one instrument: its arrays are the line's,
-// its feed is the rod's. Stages of a step ask the rod, so each is written once. What only K > 1 instruments have (offsets, a leader,
-// hands that slide on each other) is in merged.h.
+// One rod of a world: K >= 1 instruments on one centreline. A wire by itself is a rod of one instrument: its arrays are the
+// line's, its feed is the rod's. Stages of a step ask the rod, so each is written once. What only K > 1 instruments have
+// (offsets, a leader, hands that slide on each other) is in merged.h.
 
 #include "nodes/coaxial_nodes.h"
 #include "world/merged.h"
@@ -35,7 +35,8 @@ public:
     void lead(double h) const;
     /// Where a step of dt is to be cut, as another instrument gets ahead of the leader; 0: nowhere [s].
     [[nodiscard]] double lead_change(double dt) const;
-    /// Advances and turns all hubs to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
+    /// Advances and turns all hubs to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way
+    /// [s]
     void push(double step, double h) const;
     /// Constraints of one of its instruments at time t.
     void constrain(int wire, double t) const;
@@ -66,8 +67,8 @@ private:
 
 // ---- rods of K > 1 instruments, all at once: merged.cpp, merged_read.cpp
 
-/// Capacities of their wires; the groups of the setup; their lines placed, once each wire has arrays; their unknowns joined, and the force
-/// terms of friction and holds made, after those of contact.
+/// Capacities of their wires; the groups of the setup; their lines placed, once each wire has arrays; their unknowns joined, and
+/// the force terms of friction and holds made, after those of contact.
 void set_group_capacities(const WorldSetup& setup, std::span<int> capacities);
 void make_groups(WorldData& world);
 void place_groups(WorldData& world);
@@ -76,7 +77,8 @@ void join_groups(WorldData& world);
 void set_exposures(WorldData& world);
 /// Nothing is pushed while an equilibrium is looked for.
 void stop_hands(WorldData& world);
-/// Force and torque of the hand at each instrument of such a rod [N], [N m], + pushes and turns right-handed about the direction of insertion.
+/// Force and torque of the hand at each instrument of such a rod [N], [N m], + pushes and turns right-handed about the direction
+/// of insertion.
 void read_hands(const WorldRod& rod);
 /// Each instrument alone, from its own tip to the hub: the view of World::rod(). After a step, and where the state was put back.
 void show_instruments(WorldData& world);

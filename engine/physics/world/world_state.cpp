@@ -1,5 +1,5 @@
-// What of a world must survive a step, row by row, and the walks over these rows: saving, restoring, hashing, keeping a wire for an
-// attempt and putting it back.
+// What of a world must survive a step, row by row, and the walks over these rows: saving, restoring, hashing, keeping a wire for
+// an attempt and putting it back.
 
 #include "core/state_walk.h"
 #include "world/world_rod.h"
@@ -24,7 +24,8 @@ void walk_layout(StateWalk& walk)
     walk({"the layout", "", "", 0, INFINITY}, written);
     if (written != state_layout)
         throw Error(ErrorKind::BadFile,
-                    "the saved state: got one that another version has written; expected one of this version. Fix: resume with that version, or run again");
+                    "the saved state: got one that another version has written; expected one of this version. Fix: resume with "
+                    "that version, or run again");
 }
 
 // What of a FeedState changes; the rest follows from the scene. There is a surplus only where nodes come and go.
@@ -160,7 +161,8 @@ void walk_saved(WorldData& world, StateWalk& walk, int system)
     if (system < 0) walk_all(walk, world, true);
     else walk_wires(walk, world, world.systems.wires_of(system), true);
     if (walk.reads() && walk.left() > 0)
-        throw Error(ErrorKind::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
+        throw Error(ErrorKind::BadFile,
+                    "the saved state is longer than this scene's; it was written by another scene or version");
 }
 
 std::vector<std::uint8_t> saved_bytes(WorldData& world, int system)

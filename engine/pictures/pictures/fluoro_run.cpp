@@ -187,7 +187,8 @@ Device device_of(const WireLine& wire, const std::vector<InstrumentMatter>& inst
         if (!device.empty()) from_tip += (s.position - device.back().place).norm();
         int material = first;
         for (std::size_t k = 0; what && k < what->stretches.size(); ++k)
-            if (from_tip >= what->stretches[k].from && from_tip < what->stretches[k].to) material = first + 1 + static_cast<int>(k);
+            if (from_tip >= what->stretches[k].from && from_tip < what->stretches[k].to)
+                material = first + 1 + static_cast<int>(k);
         device.push_back({s.position, s.radius, what ? std::min(what->lumen, s.radius) : 0.0, material, 0});
     }
     return device;
@@ -263,7 +264,8 @@ PictureFiles render_fluoro(const fs::path& dir, const std::vector<FluoroOptions>
         if (progress) progress(++done, all, seconds_since(start));
     };
     std::vector<FluoroOptions> own;  // outlives the sessions
-    for (std::size_t k = 0; k < views.size(); ++k) own.push_back(views.size() > 1 ? own_files(dir, views[k], views.front(), k) : views[k]);
+    for (std::size_t k = 0; k < views.size(); ++k)
+        own.push_back(views.size() > 1 ? own_files(dir, views[k], views.front(), k) : views[k]);
     PictureFiles files;
     LabelWarnings warnings;
     if (const FluoroOptions& first = views.front(); !first.preview.empty()) {

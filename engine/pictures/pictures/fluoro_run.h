@@ -73,8 +73,8 @@ void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time);
 /// The bones' mesh, repaired. @throws Error BadFile
 [[nodiscard]] WallMesh load_bone(const FluoroOptions& options);
 
-/// Draws the chosen frames and writes the chosen files, view after view: with several views, NAME_v1, NAME_v2 ... in place of NAME.
-/// Each picture depends on its own files, its view's options and the seed alone. With a preview only that is written.
+/// Draws the chosen frames and writes the chosen files, view after view: with several views, NAME_v1, NAME_v2 ... in place of
+/// NAME. Each picture depends on its own files, its view's options and the seed alone. With a preview only that is written.
 /// @param views  at least one; frames and files are those of the first
 /// @throws Error BadFile, BadScene
 PictureFiles render_fluoro(const std::filesystem::path& dir, const std::vector<FluoroOptions>& views,

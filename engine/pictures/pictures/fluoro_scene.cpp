@@ -75,7 +75,8 @@ double in_range(const char* option, double value, double low, double high, const
 
 void apply(const XrayOptions& asked, FluoroOptions& o)
 {
-    if (asked.kvp && asked.kev) throw Error(ErrorKind::BadScene, "--kvp and --kev: a spectrum or one energy; give one of the two");
+    if (asked.kvp && asked.kev)
+        throw Error(ErrorKind::BadScene, "--kvp and --kev: a spectrum or one energy; give one of the two");
     static_cast<FrameChoice&>(o) = asked;
     o.arm.columns = asked.width, o.arm.rows = asked.height;
     if (asked.c_arm) o.turning.clear(), set_angles(o.arm, *asked.c_arm);
@@ -107,7 +108,8 @@ PictureFiles render_xray(const std::filesystem::path& dir, const std::vector<Xra
     for (const XrayOptions& view : views) {
         for (const std::string& key : view.set)
             if (!key.starts_with("carm.") && !key.starts_with("contrast."))
-                throw Error(ErrorKind::BadScene, fmt::format("render_xray: got \"{}\"; expected a key of [carm] or [contrast]", key));
+                throw Error(ErrorKind::BadScene,
+                            fmt::format("render_xray: got \"{}\"; expected a key of [carm] or [contrast]", key));
         all.push_back(fluoro_options(scene_of_pictures(dir, view.set), std::filesystem::exists(dir / "scene.toml")));
         apply(view, all.back());
     }

@@ -125,7 +125,8 @@ void write_labels(const FrameChoice& choice, const fs::path& picture, const Pict
     write_label_png(folder / name_of(picture, "_mask.png"), columns, rows, truth.mask);
     if (!truth.lumen.empty()) write_label_png(folder / name_of(picture, "_lumen.png"), columns, rows, micrometres(truth.lumen));
     if (!truth.depth.empty())
-        write_npy(folder / name_of(picture, "_depth.npy"), truth.depth, {static_cast<std::size_t>(rows), static_cast<std::size_t>(columns)});
+        write_npy(folder / name_of(picture, "_depth.npy"), truth.depth,
+                  {static_cast<std::size_t>(rows), static_cast<std::size_t>(columns)});
     write_file(folder / name_of(picture, ".json"), label_json(truth, picture.filename().string()));
 }
 

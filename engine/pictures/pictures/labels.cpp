@@ -16,7 +16,8 @@ PixelPoint pixel_of(const CArmView& view, const Vec3& point)
 {
     const CArmPoint at = project(view, point);
     // the area of a pixel reaches half a pixel beyond its centre
-    const bool inside = at.depth > 0 && at.column >= -0.5 && at.column < view.columns - 0.5 && at.row >= -0.5 && at.row < view.rows - 0.5;
+    const bool inside =
+        at.depth > 0 && at.column >= -0.5 && at.column < view.columns - 0.5 && at.row >= -0.5 && at.row < view.rows - 0.5;
     return {at.column, at.row, inside};
 }
 
@@ -43,7 +44,8 @@ InstrumentTruth instrument_of(const CArmView& view, const WireLine& wire, const 
         const CArmPoint at = project(view, s.position);
         truth.centreline.push_back(s.position);
         truth.pixels.push_back(pixel_of(view, s.position));
-        if (truth.pixels.back().in_field) truth.narrowest = std::min(truth.narrowest, 2 * s.radius * at.magnification / view.pixel);
+        if (truth.pixels.back().in_field)
+            truth.narrowest = std::min(truth.narrowest, 2 * s.radius * at.magnification / view.pixel);
     }
     truth.cut_off = cut_off_of(truth);
     return truth;
@@ -55,7 +57,8 @@ void add_contact(const CArmView& view, const ContactMark& mark, std::vector<Inst
     const Vec3 force = mark.force * mark.normal + mark.friction;
     for (const auto& [k, sign] : {std::pair{mark.instrument, 1.0}, std::pair{mark.other, -1.0}})
         if (k >= 0 && k < static_cast<int>(instruments.size()))
-            instruments[static_cast<std::size_t>(k)].contacts.push_back({mark.point, pixel_of(view, mark.point), Vec3(sign * force)});
+            instruments[static_cast<std::size_t>(k)].contacts.push_back(
+                {mark.point, pixel_of(view, mark.point), Vec3(sign * force)});
 }
 
 }  // namespace
@@ -82,7 +85,8 @@ CArmView pinhole_view(const Camera& camera, const Viewport& viewport)
 Projection projection_of(const CArmView& view)
 {
     const double f = view.sid / view.pixel, column = 0.5 * (view.columns - 1), row = 0.5 * (view.rows - 1);
-    const Vec3 rows[] = {Vec3(f * view.right + column * view.direction), Vec3(row * view.direction - f * view.up), view.direction};
+    const Vec3 rows[] = {Vec3(f * view.right + column * view.direction), Vec3(row * view.direction - f * view.up),
+                         view.direction};
     Projection p{};
     for (std::size_t i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k) p[i][static_cast<std::size_t>(k)] = rows[i][k];
@@ -94,7 +98,8 @@ Projection projection_of(const CArmView& view)
 PictureTruth locate(const CArmView& view, const WireFrame& frame, const std::vector<std::vector<TubeStation>>& lines)
 {
     PictureTruth truth{frame.time, frame.step, view, {}, 0, {}, frame.contacts_known, {}, {}, {}};
-    for (std::size_t k = 0; k < frame.wires.size(); ++k) truth.instruments.push_back(instrument_of(view, frame.wires[k], lines[k]));
+    for (std::size_t k = 0; k < frame.wires.size(); ++k)
+        truth.instruments.push_back(instrument_of(view, frame.wires[k], lines[k]));
     for (const ContactMark& mark : frame.contacts) add_contact(view, mark, truth.instruments);
     return truth;
 }
@@ -107,7 +112,8 @@ void add_mask(PictureTruth& truth, const std::vector<std::vector<TubeStation>>& 
         for (const TubeStation& s : line) {
             if (!truth.arm && !(project(truth.view, s.position).depth > 1e-3))
                 throw Error(ErrorKind::BadScene,
-                            "--labels: an instrument passes behind the camera; expected all of it in front. Fix: take another --view or --camera");
+                            "--labels: an instrument passes behind the camera; expected all of it in front. Fix: take another "
+                            "--view or --camera");
             device.push_back({s.position, s.radius});
         }
     }

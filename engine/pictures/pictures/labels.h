@@ -62,7 +62,8 @@ struct PictureTruth {
 [[nodiscard]] Projection projection_of(const CArmView& view);
 
 /// Everything but the pictures' own: mask, depth and lumen are empty. @param lines  as drawn, one for each wire
-[[nodiscard]] PictureTruth locate(const CArmView& view, const WireFrame& frame, const std::vector<std::vector<TubeStation>>& lines);
+[[nodiscard]] PictureTruth locate(const CArmView& view, const WireFrame& frame,
+                                  const std::vector<std::vector<TubeStation>>& lines);
 
 /// Fills the mask, and the depth where asked. @throws Error BadScene: an instrument is not in front of the camera
 void add_mask(PictureTruth& truth, const std::vector<std::vector<TubeStation>>& lines, bool with_depth);

@@ -74,8 +74,20 @@ Json table_of(const std::string& text)
 }
 
 /// Columns of a trace that are plotted; of one instrument among several, those that differ from one to the other.
-constexpr const char* of_all[] = {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n", "friction_n", "contacts", "force_per_length_max_n_per_m",
-                                  "patch_force_max_n", "contact_extent_m", "contact_regions", "nodes", "step_ms", "overlap_m"};
+constexpr const char* of_all[] = {"time_s",
+                                  "inserted_m",
+                                  "hand_force_n",
+                                  "hand_torque_nm",
+                                  "normal_n",
+                                  "friction_n",
+                                  "contacts",
+                                  "force_per_length_max_n_per_m",
+                                  "patch_force_max_n",
+                                  "contact_extent_m",
+                                  "contact_regions",
+                                  "nodes",
+                                  "step_ms",
+                                  "overlap_m"};
 constexpr const char* of_one[] = {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n"};
 
 /// The plotted columns of a trace, with no more rows than a plot shows.
@@ -163,7 +175,8 @@ void add_directions(const Folder& dir, Json& data)
     data["name"] = scene.name;
     data["target"] = nullptr;
     if (scene.task.target == TaskSpec::Target::Point)
-        data["target"] = {{"point", {scene.task.point.x(), scene.task.point.y(), scene.task.point.z()}}, {"radius", scene.task.radius}};
+        data["target"] = {{"point", {scene.task.point.x(), scene.task.point.y(), scene.task.point.z()}},
+                          {"radius", scene.task.radius}};
 }
 
 constexpr int deepest_summary = 32;  // a run's has four; what writes the page calls itself once for each
@@ -218,7 +231,8 @@ Json designs_of(const Folder& dir)
     Json designs = Json::object();
     if (!dir.has("sweep.toml")) return designs;
     for (const SweepAxis& axis : read_sweep_text(read_file(dir / "sweep.toml"), dir.path() / "sweep.toml", 0).axes)
-        for (std::size_t k = 0; k < axis.designs.size(); ++k) designs[Json::parse(axis.values[k]).get<std::string>()] = axis.designs[k];
+        for (std::size_t k = 0; k < axis.designs.size(); ++k)
+            designs[Json::parse(axis.values[k]).get<std::string>()] = axis.designs[k];
     return designs;
 }
 
@@ -270,8 +284,10 @@ std::string report_page(const fs::path& path)
     if (dir.has("results.csv")) data = batch_data(dir);
     else if (dir.has("trace.csv") && dir.has("summary.json")) data = run_data(dir);
     else
-        throw Error(ErrorKind::BadFile, fmt::format("{}: holds neither a run that has ended nor a batch; expected what `seldinger run -o` or "
-                                                   "`batch -o` wrote", path.string()));
+        throw Error(ErrorKind::BadFile,
+                    fmt::format("{}: holds neither a run that has ended nor a batch; expected what `seldinger run -o` or "
+                                "`batch -o` wrote",
+                                path.string()));
     const fs::path folder = assets_folder() / "web";
     std::string page = read_file(folder / "report.html");
     const std::pair<const char*, std::string> scripts[] = {{"/*three*/", data["kind"] == "run" ? three_js() : ""},

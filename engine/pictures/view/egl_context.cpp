@@ -68,8 +68,8 @@ Display usable(EGLDisplay display)
     return d;
 }
 
-/// Mesa 22.3's llvmpipe: 760 MB as it draws, a thread for each core up to 32, five more. Without them it hangs or ends the process by
-/// a signal.
+/// Mesa 22.3's llvmpipe: 760 MB as it draws, a thread for each core up to 32, five more. Without them it hangs or ends the
+/// process by a signal.
 SystemNeeds needs_of_opengl() { return {"OpenGL", std::size_t{700} << 20, std::min(library_threads("LP_NUM_THREADS"), 32) + 5}; }
 
 constexpr const char* how_to_install =
@@ -112,7 +112,8 @@ const Display& shared_display()
 EglContext::EglContext()
 {
     context_ = create_context(shared_display());
-    if (context_ == EGL_NO_CONTEXT) throw Error(ErrorKind::NoDevice, "EGL gave no OpenGL 4.5 context; the memory may be exhausted");
+    if (context_ == EGL_NO_CONTEXT)
+        throw Error(ErrorKind::NoDevice, "EGL gave no OpenGL 4.5 context; the memory may be exhausted");
     make_current();
 }
 

@@ -14,8 +14,9 @@ FrameRange frames_asked(const FrameChoice& choice, std::size_t count)
 {
     if (choice.first < 0 && choice.last < 0) return {count - 1, count - 1};
     if (choice.first < 0 || choice.last < choice.first || static_cast<std::size_t>(choice.last) >= count)
-        throw Error(ErrorKind::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}",
-                                                    choice.first, choice.last, count - 1, count, count == 1 ? "" : "s"));
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}", choice.first,
+                                choice.last, count - 1, count, count == 1 ? "" : "s"));
     return {static_cast<std::size_t>(choice.first), static_cast<std::size_t>(choice.last)};
 }
 

@@ -17,7 +17,8 @@ struct FrameRange {
 /// @throws Error BadScene: frames that the run does not have
 [[nodiscard]] FrameRange frames_asked(const FrameChoice& choice, std::size_t count);
 
-/// The folder of choice.output is made. @param alone,series  default names in the run's folder, without ending: "picture", "frame"
+/// The folder of choice.output is made. @param alone,series  default names in the run's folder, without ending: "picture",
+/// "frame"
 /// @throws Error BadFile: a folder has that name
 [[nodiscard]] std::filesystem::path picture_path(const std::filesystem::path& dir, const FrameChoice& choice, const char* alone,
                                                  const char* series, std::size_t index);

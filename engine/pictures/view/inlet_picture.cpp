@@ -24,12 +24,14 @@ void draw_arrow(Canvas& canvas, const Projected& from, const Projected& to, std:
     const double dx = to.column - from.column, dy = to.row - from.row, length = std::hypot(dx, dy);
     if (length < 4) return;  // straight at the eye
     const double x = dx / length, y = dy / length;
-    canvas.polygon({{to.column + 9 * x, to.row + 9 * y}, {to.column - 6 * y, to.row + 6 * x}, {to.column + 6 * y, to.row - 6 * x}}, colour);
+    canvas.polygon(
+        {{to.column + 9 * x, to.row + 9 * y}, {to.column - 6 * y, to.row + 6 * x}, {to.column + 6 * y, to.row - 6 * x}}, colour);
 }
 
 constexpr double disc = 14, margin = 16;  // radius of a number's disc, distance of its middle from the border [pixels]
 
-void draw_number(Canvas& canvas, const Font& font, const PicturePoint& at, const PicturePoint& of, int number, std::uint32_t colour)
+void draw_number(Canvas& canvas, const Font& font, const PicturePoint& at, const PicturePoint& of, int number,
+                 std::uint32_t colour)
 {
     const std::string text = fmt::format("{}", number);
     if (std::hypot(at.x - of.x, at.y - of.y) > disc) canvas.line(at.x, at.y, of.x, of.y, 1, colour);
@@ -41,20 +43,24 @@ void draw_number(Canvas& canvas, const Font& font, const PicturePoint& at, const
 double distance_to(const PictureStroke& stroke, const PicturePoint& p)
 {
     const double dx = stroke.to.x - stroke.from.x, dy = stroke.to.y - stroke.from.y, square = dx * dx + dy * dy;
-    const double along = square > 0 ? std::clamp(((p.x - stroke.from.x) * dx + (p.y - stroke.from.y) * dy) / square, 0.0, 1.0) : 0;
+    const double along =
+        square > 0 ? std::clamp(((p.x - stroke.from.x) * dx + (p.y - stroke.from.y) * dy) / square, 0.0, 1.0) : 0;
     return std::hypot(p.x - stroke.from.x - along * dx, p.y - stroke.from.y - along * dy);
 }
 
 }  // namespace
 
 // The nearest free place, in rings about where a number belongs.
-std::vector<PicturePoint> place_numbers(const std::vector<PicturePoint>& wanted, const std::vector<PictureStroke>& strokes, double columns, double rows)
+std::vector<PicturePoint> place_numbers(const std::vector<PicturePoint>& wanted, const std::vector<PictureStroke>& strokes,
+                                        double columns, double rows)
 {
     constexpr double ring = 12, stroke_half = 9;  // [pixels], with the head
     constexpr int rings = 12, around = 16;
     std::vector<PicturePoint> placed;
     for (const PicturePoint& at : wanted) {
-        const auto within = [&](PicturePoint p) { return PicturePoint{std::clamp(p.x, margin, columns - margin), std::clamp(p.y, margin, rows - margin)}; };
+        const auto within = [&](PicturePoint p) {
+            return PicturePoint{std::clamp(p.x, margin, columns - margin), std::clamp(p.y, margin, rows - margin)};
+        };
         const auto clear = [&](const PicturePoint& p) {  // how far it is from what it could hide or be hidden by
             double room = std::numeric_limits<double>::infinity();
             for (const PictureStroke& stroke : strokes) room = std::min(room, distance_to(stroke, p) - stroke_half - disc);
@@ -74,8 +80,8 @@ std::vector<PicturePoint> place_numbers(const std::vector<PicturePoint>& wanted,
     return placed;
 }
 
-void draw_inlets(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets, const std::vector<Vec3>& branches,
-                  int chosen)
+void draw_inlets(const std::filesystem::path& file, const WallMesh& mesh, const std::vector<Inlet>& inlets,
+                 const std::vector<Vec3>& branches, int chosen)
 {
     Look look;
     look.legend = look.inset = look.ruler = false;
@@ -105,7 +111,8 @@ void draw_inlets(const std::filesystem::path& file, const WallMesh& mesh, const 
     for (std::size_t k = 0; k < inlets.size(); ++k) {
         const PictureStroke& arrow = arrows[inlets.size() - 1 - k];
         const double dx = arrow.from.x - arrow.to.x, dy = arrow.from.y - arrow.to.y, length = std::max(1.0, std::hypot(dx, dy));
-        wanted.push_back({arrow.from.x + (disc + 10) * dx / length, arrow.from.y + (disc + 10) * dy / length});  // behind its arrow
+        wanted.push_back(
+            {arrow.from.x + (disc + 10) * dx / length, arrow.from.y + (disc + 10) * dy / length});  // behind its arrow
         places.push_back(arrow.from);
         colours.push_back(static_cast<int>(k) + 1 == chosen ? chosen_colour : other_colour);
     }
@@ -117,7 +124,8 @@ void draw_inlets(const std::filesystem::path& file, const WallMesh& mesh, const 
     }
     const std::vector<PicturePoint> numbers = place_numbers(wanted, arrows, width, height);
     for (std::size_t k = numbers.size(); k-- > 0;)
-        draw_number(canvas, font, numbers[k], places[k], static_cast<int>(k < inlets.size() ? k : k - inlets.size()) + 1, colours[k]);
+        draw_number(canvas, font, numbers[k], places[k], static_cast<int>(k < inlets.size() ? k : k - inlets.size()) + 1,
+                    colours[k]);
     const std::size_t listed = std::min(inlets.size(), most_listed);
     canvas.fill(10, 10, 330, 22.0 * static_cast<double>(listed) + 14, 0xffffff, 0.8);
     for (std::size_t k = 0; k < listed; ++k) {
@@ -127,7 +135,8 @@ void draw_inlets(const std::filesystem::path& file, const WallMesh& mesh, const 
                                 inlets[k].opening >= 0 ? ", an opening" : ", a closed end", taken ? " (taken)" : ""),
                     taken ? chosen_colour : ink);
     }
-    if (!branches.empty()) canvas.text(font, 20, height - 20.0, 15, "green: branches, by number; the last is the trunk's own end", branch_colour);
+    if (!branches.empty())
+        canvas.text(font, 20, height - 20.0, 15, "green: branches, by number; the last is the trunk's own end", branch_colour);
     write_png(file, width, height, pixels);
 }
 

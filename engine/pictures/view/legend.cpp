@@ -67,16 +67,18 @@ void draw_cube(Canvas& canvas, const Font& font, const LegendFacts& facts)
             const double facing = -normal.dot(forward);
             if (facing < 0.02) continue;
             const Vec3 &b = facts.cube[(axis + 1) % 3], &c = facts.cube[(axis + 2) % 3];
-            const std::vector<std::array<double, 2>> corners = {place(normal + b + c), place(normal + b - c), place(normal - b - c),
-                                                                place(normal - b + c)};
+            const std::vector<std::array<double, 2>> corners = {place(normal + b + c), place(normal + b - c),
+                                                                place(normal - b - c), place(normal - b + c)};
             canvas.polygon(corners, facing > 0.7 ? 0xf4f6f8 : facing > 0.35 ? 0xdde3e9 : 0xc3ccd5, 0.95);
             for (std::size_t k = 0; k < 4; ++k)
-                canvas.line(corners[k][0], corners[k][1], corners[(k + 1) % 4][0], corners[(k + 1) % 4][1], unit, palette::faint_ink);
+                canvas.line(corners[k][0], corners[k][1], corners[(k + 1) % 4][0], corners[(k + 1) % 4][1], unit,
+                            palette::faint_ink);
             if (facing < 0.3) continue;
             const double size = 17 * unit;
             const std::array<double, 2> middle = place(normal);
             const char* letter = letters[axis][side];
-            canvas.text(font, middle[0] - 0.5 * Canvas::text_width(font, size, letter), middle[1] + 0.36 * size, size, letter, palette::ink);
+            canvas.text(font, middle[0] - 0.5 * Canvas::text_width(font, size, letter), middle[1] + 0.36 * size, size, letter,
+                        palette::ink);
         }
     }
 }
@@ -86,7 +88,9 @@ constexpr double tip_mark = 8;  // radius of a tip's ring [units]
 /// A ring about a place that is in the view. @param radius  [pixels]
 void draw_mark(Canvas& canvas, double unit, const Projected& at, const Viewport& view, double radius, std::uint32_t colour)
 {
-    if (at.depth <= 0 || at.column < view.x || at.column > view.x + view.width || at.row < view.y || at.row > view.y + view.height) return;
+    if (at.depth <= 0 || at.column < view.x || at.column > view.x + view.width || at.row < view.y ||
+        at.row > view.y + view.height)
+        return;
     canvas.ring(at.column, at.row, radius, 4.0 * unit, 0xffffff, 0.9);
     canvas.ring(at.column, at.row, radius, 2.0 * unit, colour);
 }
@@ -96,7 +100,8 @@ void draw_marks(Canvas& canvas, const LegendFacts& facts, const Camera& camera, 
 {
     const double unit = facts.layout.unit;
     for (const WireLine& wire : facts.frame->wires)
-        if (!wire.nodes.empty()) draw_mark(canvas, unit, project(camera, view, wire.nodes.front()), view, tip_mark * unit, palette::accent);
+        if (!wire.nodes.empty())
+            draw_mark(canvas, unit, project(camera, view, wire.nodes.front()), view, tip_mark * unit, palette::accent);
     if (!facts.target) return;
     const Projected at = project(camera, view, facts.target->at);
     const double wide = at.depth > 0 ? facts.target->radius * pixels_per_metre(camera, view, at.depth) : 0;

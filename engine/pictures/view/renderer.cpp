@@ -535,7 +535,8 @@ std::vector<std::vector<TubeStation>> Renderer::drawn_lines(const WireFrame& fra
 {
     std::vector<std::vector<TubeStation>> lines;
     bool widened = false;
-    for (std::size_t k = 0; k < frame.wires.size(); ++k) lines.push_back(impl_->drawn_line(frame, k, impl_->main_view(), widened));
+    for (std::size_t k = 0; k < frame.wires.size(); ++k)
+        lines.push_back(impl_->drawn_line(frame, k, impl_->main_view(), widened));
     return lines;
 }
 void Renderer::set_force_scale(double newton) { impl_->look.force_scale = newton; }

@@ -105,7 +105,8 @@ std::vector<FrameFile> read_frame_list(const FilePlace& pvd)
         frames.back().wires.push_back(listed.file);
         frames.back().names.push_back(listed.name);
     }
-    if (frames.empty()) fail(pvd.path(), "names no frame: nothing was recorded, so there is nothing to draw ([output] wire_every)");
+    if (frames.empty())
+        fail(pvd.path(), "names no frame: nothing was recorded, so there is nothing to draw ([output] wire_every)");
     return frames;
 }
 
@@ -121,14 +122,17 @@ std::vector<std::string> split(const std::string& line)
 std::optional<TargetMark> read_target(const FilePlace& file)
 {
     const nlohmann::json summary = nlohmann::json::parse(read_file(file), nullptr, false);
-    if (summary.is_discarded()) fail(file.path(), "got something that is not JSON; expected the summary of a run. Fix: run again with --overwrite");
+    if (summary.is_discarded())
+        fail(file.path(), "got something that is not JSON; expected the summary of a run. Fix: run again with --overwrite");
     const nlohmann::json task = summary.is_object() ? summary.value("task", nlohmann::json()) : nlohmann::json();
     if (!task.is_object()) return std::nullopt;
-    const nlohmann::json at = task.value("target_at_m", nlohmann::json()), radius = task.value("target_radius_m", nlohmann::json());
+    const nlohmann::json at = task.value("target_at_m", nlohmann::json()),
+                         radius = task.value("target_radius_m", nlohmann::json());
     const bool complete = at.is_array() && at.size() == 3 && radius.is_number() && task["target"].is_string() &&
                           std::ranges::all_of(at, [](const auto& x) { return x.is_number(); });
     if (!complete) return std::nullopt;
-    return TargetMark{{at[0].get<double>(), at[1].get<double>(), at[2].get<double>()}, radius.get<double>(), task["target"].get<std::string>()};
+    return TargetMark{
+        {at[0].get<double>(), at[1].get<double>(), at[2].get<double>()}, radius.get<double>(), task["target"].get<std::string>()};
 }
 
 /// Columns are found by name; a trace without them is not an error, only a legend without those lines.
@@ -191,7 +195,9 @@ std::vector<WireLine> read_wires(const FilePlace& file)
             const auto point = static_cast<std::size_t>(data.lines.connectivity[k]);
             wire.nodes.push_back(point_of(data.points[point]));
             wire.radius.push_back(radius.values[point]);
-            if (force) wire.force.push_back(std::hypot(force->values[3 * point], force->values[3 * point + 1], force->values[3 * point + 2]));
+            if (force)
+                wire.force.push_back(
+                    std::hypot(force->values[3 * point], force->values[3 * point + 1], force->values[3 * point + 2]));
             if (!wire.nodes.back().allFinite()) fail(path, "a node of the wire is not finite");
         }
         if (!wire.nodes.empty()) wires.push_back(std::move(wire));
@@ -212,7 +218,8 @@ std::vector<ContactMark> read_contacts(const FilePlace& file)
     const auto maybe = [&](const char* name) {  // absent in folders of earlier versions
         return data.point_data.count(name) > 0 ? &need(data, name, 1, path) : nullptr;
     };
-    const PolyArray *per_length = maybe("force_per_length"), *place = maybe("place"), *body = maybe("body_a"), *other = maybe("body_b");
+    const PolyArray *per_length = maybe("force_per_length"), *place = maybe("place"), *body = maybe("body_a"),
+                    *other = maybe("body_b");
     const PolyArray* friction = data.point_data.count("friction") > 0 ? &need(data, "friction", 3, path) : nullptr;
     const auto index_of = [](const PolyArray* of, std::size_t i, int absent) {
         return of && std::abs(of->values[i]) < 256 ? static_cast<int>(of->values[i]) : absent;
@@ -279,7 +286,8 @@ double largest_on_wall(const RunFolder& run, const fs::path& dir, WallQuantity q
              "--set vessel.wall=elastic ([output] contacts_every above 0)");
     double most = 0;
     for (const Listed& listed : read_collection(run.folder / "wall.pvd"))
-        for (const double v : wall_values(read_poly_data(file_of(run, listed.file)), quantity, listed.file)) most = std::max(most, v);
+        for (const double v : wall_values(read_poly_data(file_of(run, listed.file)), quantity, listed.file))
+            most = std::max(most, v);
     return most;
 }
 
@@ -288,7 +296,8 @@ RunFolder read_run_folder(const fs::path& dir)
     if (!fs::is_directory(dir)) fail(dir, "no such folder; give the folder that `seldinger run -o` wrote");
     RunFolder run;
     run.folder = Folder(dir);
-    if (!run.folder.has("wire.pvd")) fail(dir, "no wire.pvd in it: not a run's folder, or the run recorded no wire ([output] wire_every)");
+    if (!run.folder.has("wire.pvd"))
+        fail(dir, "no wire.pvd in it: not a run's folder, or the run recorded no wire ([output] wire_every)");
     run.frames = read_frame_list(run.folder / "wire.pvd");
     if (run.folder.has("vessel.vtp")) run.wall = read_wall(run.folder / "vessel.vtp");
     if (run.folder.has("summary.json")) run.target = read_target(run.folder / "summary.json");

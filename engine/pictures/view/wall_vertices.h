@@ -10,8 +10,10 @@
 
 namespace seldinger {
 
-/// Position relative to `origin`, area-weighted normal and share of the scale of every vertex, seven numbers each. @param share  empty: 0
-[[nodiscard]] std::vector<float> interleaved_wall(const std::vector<Vec3>& vertices, const std::vector<std::array<std::int32_t, 3>>& triangles,
+/// Position relative to `origin`, area-weighted normal and share of the scale of every vertex, seven numbers each. @param share 
+/// empty: 0
+[[nodiscard]] std::vector<float> interleaved_wall(const std::vector<Vec3>& vertices,
+                                                  const std::vector<std::array<std::int32_t, 3>>& triangles,
                                                   std::span<const float> share, const Vec3& origin);
 
 }  // namespace seldinger

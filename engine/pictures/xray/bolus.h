@@ -36,8 +36,8 @@ public:
     /// @throws Error BadFile: no centreline
     Bolus(const Centreline& centreline, const BolusSpec& spec);
 
-    /// Time of travel from the injection to these places, each carried to the point of the centreline whose inscribed sphere is nearest [s]; `never`
-    /// upstream.
+    /// Time of travel from the injection to these places, each carried to the point of the centreline whose inscribed sphere is
+    /// nearest [s]; `never` upstream.
     [[nodiscard]] std::vector<float> travel_times(std::span<const Vec3> places) const;
 
     /// Concentration after that travel at time t [kg/m^3].

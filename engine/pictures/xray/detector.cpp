@@ -93,7 +93,9 @@ const std::vector<float>& Detector::read(const Exposure& exposure, std::optional
 void Detector::blur_down(int columns, int rows)
 {
     const int reach = static_cast<int>(weight_.size()) - 1;
-    const auto across = [&](int row) { return across_.data() + static_cast<std::size_t>(std::clamp(row, 0, rows - 1)) * columns; };
+    const auto across = [&](int row) {
+        return across_.data() + static_cast<std::size_t>(std::clamp(row, 0, rows - 1)) * columns;
+    };
     for_each_item(rows, 8, [&](int row) {
         float* out = signal_.data() + static_cast<std::size_t>(row) * columns;
         scale_row(across(row), weight_[0], columns, out);
@@ -115,8 +117,8 @@ std::vector<std::uint16_t> subtracted_levels(const std::vector<float>& signal, c
     SEL_ASSERT(signal.size() == mask.size());
     const float *s = signal.data(), *m = mask.data();
     constexpr auto per_neper = static_cast<float>(grey_per_neper);
-    return levels_of(signal,
-                     [=](int i) { return 2048.0f + per_neper * log_of(std::max(s[i], least_signal) / std::max(m[i], least_signal)); });
+    return levels_of(
+        signal, [=](int i) { return 2048.0f + per_neper * log_of(std::max(s[i], least_signal) / std::max(m[i], least_signal)); });
 }
 
 }  // namespace seldinger

@@ -83,7 +83,8 @@ struct Turning {
 /// Constants of a piece for all rays.
 struct PieceRays {
     Turning ray;  // per metre of depth
-    Turning from;  // from the piece's beginning to the ray at the piece's mean depth, so that no digits are lost over the source's distance
+    Turning from;  // from the piece's beginning to the ray at the piece's mean depth, so that no digits are lost over the
+                   // source's distance
     Vec3 begin_cut, end_cut;
     double length, mean_depth;
 
@@ -155,7 +156,8 @@ struct PixelGrid {
 
 /// Adds the lengths of a pixel's rays in a tapered cylinder. @param rays  by value: its own memory lets the loop be vectorised
 /// @param at  the pixel's middle  @param sign  -1: of a lumen
-void add_lengths(const PieceRays rays, double radius, double taper, const PixelGrid& grid, const Vec2& at, double sign, std::vector<double>& length)
+void add_lengths(const PieceRays rays, double radius, double taper, const PixelGrid& grid, const Vec2& at, double sign,
+                 std::vector<double>& length)
 {
     const double u = at.x(), v = at.y(), *du = grid.u.data(), *dv = grid.v.data();
     double* out = length.data();
@@ -227,7 +229,8 @@ struct RowCover {
 };
 
 /// Rays of a pixel that meet a piece. @param length  scratch, one for each ray
-std::uint64_t rays_that_meet(const PieceRays& rays, const Piece& p, const PixelGrid& grid, const Vec2& at, std::vector<double>& length)
+std::uint64_t rays_that_meet(const PieceRays& rays, const Piece& p, const PixelGrid& grid, const Vec2& at,
+                             std::vector<double>& length)
 {
     std::fill(length.begin(), length.end(), 0.0);
     add_lengths(rays, p.radius, p.taper, grid, at, 1, length);

@@ -1,10 +1,10 @@
 #pragma once
 // Length of each pixel's ray inside wires and catheters, as the mean over the pixel's area.
 //
-// An instrument is a chain of tapered cylinders cut at the planes that halve its kinks. A ray's chord of a cylinder of radius r at
-// the distance d, at the angle psi, is L = 2 sqrt(r^2 - d^2)/sin psi. For a taper it is the root of the cone's quadratic. A pixel
-// is an n x n grid of rays, with n so that at least 24 rays cross the thickness (the midpoint rule then misses a half circle by
-// under 0.3 %). So a wire thinner than a pixel has the right sum wherever it lies.
+// An instrument is a chain of tapered cylinders cut at the planes that halve its kinks. A ray's chord of a cylinder of radius r
+// at the distance d, at the angle psi, is L = 2 sqrt(r^2 - d^2)/sin psi. For a taper it is the root of the cone's quadratic. A
+// pixel is an n x n grid of rays, with n so that at least 24 rays cross the thickness (the midpoint rule then misses a half
+// circle by under 0.3 %). So a wire thinner than a pixel has the right sum wherever it lies.
 
 #include "xray/c_arm.h"
 
@@ -38,7 +38,7 @@ struct DevicePath {
 /// Which device covers a pixel: by the same pieces as the paths, where at least half of 7 x 7 rays of the pixel meet one.
 struct DeviceMask {
     std::vector<std::uint8_t> label;  // [rows x columns] 1 + index of the device, 0: none
-    std::vector<float> depth;         // [rows x columns] of the nearest surface along the central ray [m], 0: none; empty: not asked for
+    std::vector<float> depth;  // [rows x columns] of the nearest surface along the central ray [m], 0: none; empty: not asked for
 };
 
 /// @param devices  at most 255; where several cover a pixel the thinnest wins, which is the inner one of coaxial ones. An empty

@@ -65,7 +65,8 @@ void Fluoroscope::fit_body()
     for (const Vec3& v : wall_.vertices) box.extend(v);
     body_centre_ = box.isEmpty() ? arm_.isocentre : Vec3(box.center());
     double most = 1;
-    for (const Vec3& v : wall_.vertices) most = std::max(most, (to_patient * (v - body_centre_)).cwiseQuotient(body_half_).norm());
+    for (const Vec3& v : wall_.vertices)
+        most = std::max(most, (to_patient * (v - body_centre_)).cwiseQuotient(body_half_).norm());
     body_half_wide_ = most * body_half_;
     body_fits_ = true;
 }
@@ -78,8 +79,9 @@ void Fluoroscope::find_body()
         return (axes.transpose() * (p - body_centre_)).cwiseQuotient(body_half_wide_).norm() <= 1;
     };
     if (inside(view_.source) || inside(view_.source + view_.sid * view_.direction))
-        throw Error(ErrorKind::BadScene,
-                    "the C-arm is inside the patient: source or detector lies in the body; make --sod or --sid larger, or --body none");
+        throw Error(
+            ErrorKind::BadScene,
+            "the C-arm is inside the patient: source or detector lies in the body; make --sod or --sid larger, or --body none");
     body_path_ = trace_ellipsoid(view_, body_centre_, axes, body_half_wide_);
 }
 

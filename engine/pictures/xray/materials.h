@@ -36,8 +36,8 @@ namespace materials {
 }  // namespace materials
 
 /// Material of a section of an instrument, judged by its density, which is kept: from 15000 kg/m^3 on platinum alloy, from 7000
-/// stainless steel, from 5500 nitinol. Below that a catheter (with a lumen) is polymer with barium sulphate. A wire is polymer with
-/// tungsten around a nitinol core, in the proportions that give the density.
+/// stainless steel, from 5500 nitinol. Below that a catheter (with a lumen) is polymer with barium sulphate. A wire is polymer
+/// with tungsten around a nitinol core, in the proportions that give the density.
 [[nodiscard]] Material instrument_material(double density, bool has_lumen);
 
 /// `first` and `second` by share of the volume of the second.

@@ -60,7 +60,8 @@ Corners project_corners(const CArmView& view, const WallMesh& mesh)
         outside[i] = !(at.depth > 1e-3 && at.depth < view.sid);
         outside[i] |= 2 * !(std::abs(at.column) < most_pixels && std::abs(at.row) < most_pixels);
         if (outside[i]) return;
-        corners.place[i] = {static_cast<std::int32_t>(std::llround(at.column * sub)), static_cast<std::int32_t>(std::llround(at.row * sub))};
+        corners.place[i] = {static_cast<std::int32_t>(std::llround(at.column * sub)),
+                            static_cast<std::int32_t>(std::llround(at.row * sub))};
         corners.inverse[i] = 1 / at.depth;
     });
     const int worst = outside.empty() ? 0 : *std::max_element(outside.begin(), outside.end());
@@ -175,8 +176,8 @@ public:
         if (area == 0) return;
         const int turn = area > 0 ? 1 : -1;
         const Edge edges[3] = {edge(v, 0, 1, turn), edge(v, 1, 2, turn), edge(v, 2, 0, turn)};
-        // Seen from behind the detector, as X-rays are, the normal, into the lumen, faces the source where corners turn from columns to
-        // rows: there the ray leaves. An ordinary camera sees it the other way round.
+        // Seen from behind the detector, as X-rays are, the normal, into the lumen, faces the source where corners turn from
+        // columns to rows: there the ray leaves. An ordinary camera sees it the other way round.
         const int sign = facing_ * turn;
         const auto [x_low, x_high] = std::minmax({v[0]->x, v[1]->x, v[2]->x});
         const auto [y_low, y_high] = std::minmax({v[0]->y, v[1]->y, v[2]->y});

@@ -2,8 +2,8 @@
 // Length of each pixel's ray inside a closed mesh: depths of the faces where it leaves minus depths of those where it enters.
 //
 // Corners are rounded to 1/4096 pixel, and a pixel centre on an edge belongs to one of its two faces (top-left rule). So in a
-// closed mesh every ray leaves as often as it enters, and rounding affects only the silhouette. 1/depth is linear on the detector.
-// Rows are dealt to threads in bands, and the faces of a band keep their order: the same bits on any number of threads.
+// closed mesh every ray leaves as often as it enters, and rounding affects only the silhouette. 1/depth is linear on the
+// detector. Rows are dealt to threads in bands, and the faces of a band keep their order: the same bits on any number of threads.
 
 #include "vessel/wall_mesh.h"
 #include "xray/c_arm.h"

@@ -41,9 +41,11 @@ inline void sine_cosine_turns(float t, float& sine, float& cosine)
 {
     const float x = 3.14159265f * t, q = x * x;
     const float s =
-        x * (1.0f + q * (-1.66666667e-1f + q * (8.33333333e-3f + q * (-1.98412698e-4f + q * (2.75573192e-6f - q * 2.50521084e-8f)))));
-    const float c = 1.0f + q * (-0.5f + q * (4.16666667e-2f +
-                                             q * (-1.38888889e-3f + q * (2.48015873e-5f + q * (-2.75573192e-7f + q * 2.08767570e-9f)))));
+        x *
+        (1.0f + q * (-1.66666667e-1f + q * (8.33333333e-3f + q * (-1.98412698e-4f + q * (2.75573192e-6f - q * 2.50521084e-8f)))));
+    const float c =
+        1.0f + q * (-0.5f + q * (4.16666667e-2f +
+                                 q * (-1.38888889e-3f + q * (2.48015873e-5f + q * (-2.75573192e-7f + q * 2.08767570e-9f)))));
     sine = 2.0f * s * c;
     cosine = 1.0f - 2.0f * s * s;
 }

@@ -1,8 +1,8 @@
 #pragma once
 // Quantum noise of a detector that takes in energy.
 //
-// A pixel whose photons n_k of energy E_k are Poisson gets m = sum_k n_k E_k with the variance q = sum_k n_k E_k^2. It is drawn as
-// g P with g = q/m and P Poisson of mean M = m/g, which has both; of one energy it is the count itself.
+// A pixel whose photons n_k of energy E_k are Poisson gets m = sum_k n_k E_k with the variance q = sum_k n_k E_k^2. It is drawn
+// as g P with g = q/m and P Poisson of mean M = m/g, which has both; of one energy it is the count itself.
 // Below M = 64, P is drawn exactly. From there on it is the expansion of Poisson's quantile about the normal's by Cornish and
 // Fisher [Cornish38, doi:10.2307/1400905], z normal:
 //   P = M + sqrt(M) z + (z^2 - 1)/6 + (z - z^3)/(72 sqrt(M))

@@ -2,10 +2,10 @@
 // Spectrum of an X-ray tube, as a few energies with weights.
 //
 // Bremsstrahlung of a thick target after Kramers [Kramers 1923, doi:10.1080/14786442308565244]: photons per energy
-// N(E) ~ (E_0 - E)/E, E_0 = e kVp. It is hardened by 8 um of tungsten (the anode itself), 2.5 mm of aluminium (least total filtration of IEC
-// 60601-1-3 at 70 kV and above) and 0.1 mm of copper (fluoroscopy). The anode's lines, a few per cent of the photons at 75 kV and
-// none below 69.5 kV, are left out. The detector takes in energy: a photon counts E times what 0.6 mm of caesium iodide at 75 %
-// packing absorbs of it.
+// N(E) ~ (E_0 - E)/E, E_0 = e kVp. It is hardened by 8 um of tungsten (the anode itself), 2.5 mm of aluminium (least total
+// filtration of IEC 60601-1-3 at 70 kV and above) and 0.1 mm of copper (fluoroscopy). The anode's lines, a few per cent of the
+// photons at 75 kV and none below 69.5 kV, are left out. The detector takes in energy: a photon counts E times what 0.6 mm of
+// caesium iodide at 75 % packing absorbs of it.
 
 #include <vector>
 

@@ -62,8 +62,8 @@ Scene BatchSource::scene(std::size_t item) const
         for (std::size_t a = 0; a < index.size(); ++a)
             for (const std::string& setting : sweep.overrides(sweep.axes[a], index[a]))
                 if (message.starts_with("--set " + setting))
-                    throw Error(error.kind(), fmt::format("{}:{}: vary.{}: {}{}", sweep.source.string(), sweep.axes[a].line, sweep.axes[a].key, name,
-                                                          message.substr(6 + setting.size())));
+                    throw Error(error.kind(), fmt::format("{}:{}: vary.{}: {}{}", sweep.source.string(), sweep.axes[a].line,
+                                                          sweep.axes[a].key, name, message.substr(6 + setting.size())));
         throw Error(error.kind(), fmt::format("{}: {}: {}", sweep.source.string(), name, message));
     }
 }
@@ -83,7 +83,8 @@ std::vector<std::string> names_of(const Scene& scene)
 BatchLayout BatchSource::layout() const
 {
     const Scene first = scene(0);
-    BatchLayout layout{names_of(first), first.task.on && first.task.target != TaskSpec::Target::None, bands, sweep.run_count(), {}, 0, false};
+    BatchLayout layout{
+        names_of(first), first.task.on && first.task.target != TaskSpec::Target::None, bands, sweep.run_count(), {}, 0, false};
     if (layout.task) layout.target = target_name(first.task);
     layout.patch = first.force_patch;
     layout.limits = first.task.wall_force > 0 || first.task.patch_force > 0 || first.task.time > 0;
@@ -94,7 +95,12 @@ BatchSource make_source(std::string scene_text, const std::filesystem::path& sce
                         const std::string& sweep_text, const std::filesystem::path& sweep_file)
 {
     const Scene base = read_scene_text(scene_text, scene_file, overrides);
-    return {std::move(scene_text), scene_file, std::move(overrides), read_sweep_text(sweep_text, sweep_file, base.seed), base.bands, base.seed};
+    return {std::move(scene_text),
+            scene_file,
+            std::move(overrides),
+            read_sweep_text(sweep_text, sweep_file, base.seed),
+            base.bands,
+            base.seed};
 }
 
 std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp,
@@ -110,9 +116,10 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
     for (std::size_t run = begin; run < std::min(end, source.item_count()); ++run) {
         Scene scene = source.scene(run);
         if (names_of(scene) != names)
-            throw Error(ErrorKind::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
-                                                        "results.csv; leave `name` out of what is varied",
-                                                        source.sweep.source.string(), run));
+            throw Error(ErrorKind::BadScene,
+                        fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
+                                    "results.csv; leave `name` out of what is varied",
+                                    source.sweep.source.string(), run));
         for (const std::string& warning : scene.warnings) {
             if (!warnings || run >= source.sweep.run_count()) break;
             auto known = std::find_if(warned.begin(), warned.end(), [&](const auto& one) { return one.first == warning; });
@@ -131,7 +138,8 @@ std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std
         worlds[at->second].push_back(run);
     }
     for (const auto& [warning, runs] : warned)
-        warnings->push_back(fmt::format("{}{}: {}", run_name(source.sweep, runs.front()), runs.size() > 1 ? fmt::format(" and {} more", runs.size() - 1) : "", warning));
+        warnings->push_back(fmt::format("{}{}: {}", run_name(source.sweep, runs.front()),
+                                        runs.size() > 1 ? fmt::format(" and {} more", runs.size() - 1) : "", warning));
     return worlds;
 }
 
@@ -238,12 +246,14 @@ void BatchWorld::follow_tips(int system)
     const auto [first, end] = world_->wires_of(system);
     tips_.clear();
     for (int w = first; w < end; ++w) tips_.push_back(world_->rod(w).pos(0));
-    watch_exits(runs_[static_cast<std::size_t>(system)].tally.exits, tips_, places_.openings, world_->setup().mesh, world_->time(first));
+    watch_exits(runs_[static_cast<std::size_t>(system)].tally.exits, tips_, places_.openings, world_->setup().mesh,
+                world_->time(first));
 }
 
 void BatchWorld::settled(int system, const WireReport& report)
 {
-    runs_[static_cast<std::size_t>(system)].tally.take_in(joint_readings(*world_, system), report.flags, report.newton_iterations, 0);
+    runs_[static_cast<std::size_t>(system)].tally.take_in(joint_readings(*world_, system), report.flags, report.newton_iterations,
+                                                          0);
     take_loads(system);
     keep_row(system);
 }
@@ -308,14 +318,18 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
         std::uint8_t finished = 0;
         take_bytes(at, end, &finished, 1);
         if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
-            throw Error(ErrorKind::BadFile, "got a saved state with a counter out of range; expected one that this version wrote");
+            throw Error(ErrorKind::BadFile,
+                        "got a saved state with a counter out of range; expected one that this version wrote");
         std::uint64_t length = 0;
         take_bytes(at, end, &length, 1);
-        if (length > static_cast<std::uint64_t>(end - at)) throw Error(ErrorKind::BadFile, "the saved state is longer than the file");
+        if (length > static_cast<std::uint64_t>(end - at))
+            throw Error(ErrorKind::BadFile, "the saved state is longer than the file");
         run.trace.resize(length);
         take_bytes(at, end, run.trace.data(), run.trace.size());
         if (finished) world_->retire(static_cast<int>(&run - runs_.data()));
-        if (settled) loop_->resume(static_cast<int>(&run - runs_.data()), static_cast<long>(run.tally.steps), static_cast<long>(run.tally.rest_steps), finished);
+        if (settled)
+            loop_->resume(static_cast<int>(&run - runs_.data()), static_cast<long>(run.tally.steps),
+                          static_cast<long>(run.tally.rest_steps), finished);
     }
     std::uint64_t size = 0;
     take_bytes(at, end, &size, 1);

@@ -38,21 +38,25 @@ struct BatchSource {
 };
 
 /// @param sweep_file  names the sweep in messages  @throws Error
-[[nodiscard]] BatchSource make_source(std::string scene_text, const std::filesystem::path& scene_file, std::vector<std::string> overrides,
-                                      const std::string& sweep_text, const std::filesystem::path& sweep_file);
+[[nodiscard]] BatchSource make_source(std::string scene_text, const std::filesystem::path& scene_file,
+                                      std::vector<std::string> overrides, const std::string& sweep_text,
+                                      const std::filesystem::path& sweep_file);
 
 /// The part that two scenes must share to be systems of one world, as text. Left out are the wire, its holds and feed, and the
 /// numbers of contact that are kept per sample or edge. `first` gives the parts that may differ.
 [[nodiscard]] std::string shared_part(Scene scene, const Scene& first);
 
-/// What tells apart the worlds of several scenes: shared_part(). Scenes with an elastic wall whose edge is chosen are alone, each with its number.
+/// What tells apart the worlds of several scenes: shared_part(). Scenes with an elastic wall whose edge is chosen are alone, each
+/// with its number.
 [[nodiscard]] std::string world_kind(Scene scene, const Scene& first, std::size_t number);
 
 inline constexpr std::size_t most_wires = 96;  // of a world; the records of more do not fit a core's caches: 10 % slower at 1,000
 
 /// Reads the scene of every run, so that a mistake in any of them comes before the first step. Sorts them into worlds of at
-/// most `most_wires`: runs in increasing order, worlds by their first run. Runs with an elastic wall whose edge is chosen are alone.
-/// @param begin,end  only these runs   @param warnings  out, may be null: those of the scenes, each once, with the runs that it is of
+/// most `most_wires`: runs in increasing order, worlds by their first run. Runs with an elastic wall whose edge is chosen are
+/// alone.
+/// @param begin,end  only these runs   @param warnings  out, may be null: those of the scenes, each once, with the runs that it
+/// is of
 /// @param ramp  the first world of a kind has one run, each later one twice as many as the one before. So a batch that a limit
 /// stops has a good third of its work as finished runs
 [[nodiscard]] std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin = 0,

@@ -21,12 +21,14 @@ std::string ends_line(const BatchAnswer::Ends& ends)
     std::string text;
     const auto runs = [](std::size_t count) { return fmt::format("({} run{})", count, count == 1 ? "" : "s"); };
     const auto is_named = [](const auto& place) { return !place.first.second.empty() && place.first.second != "0"; };
-    const bool known = std::any_of(ends.places.begin(), ends.places.end(), is_named) || ends.branches.size() > 1 || (ends.branches.size() == 1 && ends.branches.begin()->first > 0) || !ends.left.empty();
+    const bool known = std::any_of(ends.places.begin(), ends.places.end(), is_named) || ends.branches.size() > 1 ||
+                       (ends.branches.size() == 1 && ends.branches.begin()->first > 0) || !ends.left.empty();
     if (!known) return text;
     for (const auto& [place, count] : ends.places) {
         const auto& [branch, path] = place;
         const bool before = branch == 0 && (path.empty() || path == "0");
-        text += fmt::format("{}{} {}", text.empty() ? "ended " : ", ", before ? "before any branch" : "in " + Stretch{path, "", branch}.words(), runs(count));
+        text += fmt::format("{}{} {}", text.empty() ? "ended " : ", ",
+                            before ? "before any branch" : "in " + Stretch{path, "", branch}.words(), runs(count));
     }
     for (const auto& [inlet, count] : ends.left)
         text += fmt::format("{}left the vessel through inlet {} {}", text.empty() ? "" : ", ", inlet, runs(count));
@@ -34,12 +36,16 @@ std::string ends_line(const BatchAnswer::Ends& ends)
 }
 
 /// Whether the bands of the two overlap.
-bool is_apart(const BatchAnswer::Ranked& a, const BatchAnswer::Ranked& b) { return !(std::abs(a.value - b.value) <= a.band + b.band); }
+bool is_apart(const BatchAnswer::Ranked& a, const BatchAnswer::Ranked& b)
+{
+    return !(std::abs(a.value - b.value) <= a.band + b.band);
+}
 
 /// A target a little farther in has another order, where a force still rises at this one.
 std::string rising_line(const Sweep& sweep, const BatchAnswer& answer)
 {
-    if (answer.rising.size() > most_named && answer.rising.size() == answer.ranking.size()) return "; still rising at the target: all of them";
+    if (answer.rising.size() > most_named && answer.rising.size() == answer.ranking.size())
+        return "; still rising at the target: all of them";
     std::string text;
     for (std::size_t k = 0; k < std::min(most_named, answer.rising.size()); ++k)
         text += (k == 0 ? "; still rising at the target: " : ", ") + run_name(sweep, answer.rising[k]);
@@ -50,12 +56,14 @@ std::string rising_line(const Sweep& sweep, const BatchAnswer& answer)
 std::string best_line(const Sweep& sweep, const BatchLayout& layout, const BatchAnswer& answer)
 {
     const BatchAnswer::Ranked& best = answer.ranking.front();
-    std::string text = fmt::format("; least peak on {:.3g} mm of wall: {}, {}", 1e3 * layout.patch, run_name(sweep, best.run), newtons(best.value, best.band));
+    std::string text = fmt::format("; least peak on {:.3g} mm of wall: {}, {}", 1e3 * layout.patch, run_name(sweep, best.run),
+                                   newtons(best.value, best.band));
     std::size_t close = 0;
     for (std::size_t k = 1; k < answer.ranking.size() && !is_apart(best, answer.ranking[k]); ++k, ++close) {
         if (close >= most_named) continue;
         const BatchAnswer::Ranked& other = answer.ranking[k];
-        text += fmt::format("{}{}, {}", close == 0 ? "; not told apart from " : ", ", run_name(sweep, other.run), newtons(other.value, other.band));
+        text += fmt::format("{}{}, {}", close == 0 ? "; not told apart from " : ", ", run_name(sweep, other.run),
+                            newtons(other.value, other.band));
     }
     if (close > most_named) text += fmt::format(" and {} more", close - most_named);
     return text + rising_line(sweep, answer);
@@ -89,11 +97,13 @@ BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& ro
         answer.reached += number(*of.row, "reached") > 0;
         if (!(number(*of.row, "passed") > 0)) continue;
         ++answer.passed;
-        if (is_rising(number(*of.row, "until_patch_force_max_s"), number(*of.row, "reached_at_s"))) answer.rising.push_back(static_cast<std::size_t>(of.row->run));
+        if (is_rising(number(*of.row, "until_patch_force_max_s"), number(*of.row, "reached_at_s")))
+            answer.rising.push_back(static_cast<std::size_t>(of.row->run));
         answer.ranking.push_back({static_cast<std::size_t>(of.row->run), of.row->numbers[peak], band_of(of, peak)});
     }
     if (answer.reached > 0) answer.nearest.reset();
-    std::stable_sort(answer.ranking.begin(), answer.ranking.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+    std::stable_sort(answer.ranking.begin(), answer.ranking.end(),
+                     [](const auto& a, const auto& b) { return a.value < b.value; });
     return answer;
 }
 
@@ -108,7 +118,8 @@ std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const Bat
     if (const std::string ends = ends_line(answer.missed); !ends.empty())
         text += fmt::format("{} {}", answer.reached > 0 ? ", the others" : "; they", ends);
     if (answer.nearest)
-        text += fmt::format("; nearest at the end: {}, {:.3g} mm from it", run_name(sweep, *answer.nearest), 1e3 * answer.nearest_distance);
+        text += fmt::format("; nearest at the end: {}, {:.3g} mm from it", run_name(sweep, *answer.nearest),
+                            1e3 * answer.nearest_distance);
     if (answer.ranking.empty()) return text;
     return text + best_line(sweep, layout, answer) + (layout.bands ? "" : " (--bands computes its band)");
 }

@@ -31,7 +31,8 @@ struct BatchAnswer {
 
 [[nodiscard]] BatchAnswer answer_of(const BatchLayout& layout, const std::vector<BatchRow>& rows);
 
-/// One line: "2 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.10 ± 0.01 N". Empty where there is nothing to say.
+/// One line: "2 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.10 ± 0.01 N". Empty where there
+/// is nothing to say.
 [[nodiscard]] std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const BatchAnswer& answer);
 
 }  // namespace seldinger

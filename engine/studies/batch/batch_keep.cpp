@@ -21,7 +21,8 @@ constexpr const char* kept_folder = "runs";
 /// 000012.csv, 000012_wire.vtp, and what a killed batch left of them.
 bool is_kept(const std::string& name)
 {
-    const auto digits = static_cast<std::size_t>(std::find_if_not(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }) - name.begin());
+    const auto digits = static_cast<std::size_t>(
+        std::find_if_not(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }) - name.begin());
     const std::string rest = name.substr(digits);
     return digits >= 6 && (rest == ".csv" || (rest.starts_with("_") && rest.ends_with(".vtp")) || rest.ends_with(".tmp"));
 }
@@ -35,21 +36,27 @@ std::vector<std::string> keep_settings(const std::string& words)
     for (std::string word; std::getline(list, word, ',');) {
         if (word == "traces") settings.emplace_back("output.keep_traces=true");
         else if (word == "last-frame") settings.emplace_back("output.keep_last_frame=true");
-        else throw Error(ErrorKind::BadScene, fmt::format("--keep: got \"{}\"; expected traces, last-frame or both with a comma between them", word));
+        else
+            throw Error(ErrorKind::BadScene,
+                        fmt::format("--keep: got \"{}\"; expected traces, last-frame or both with a comma between them", word));
     }
-    if (settings.empty()) throw Error(ErrorKind::BadScene, "--keep: got nothing; expected traces, last-frame or both with a comma between them");
+    if (settings.empty())
+        throw Error(ErrorKind::BadScene, "--keep: got nothing; expected traces, last-frame or both with a comma between them");
     return settings;
 }
 
 std::string kept_header()
 {
-    return "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,hand_force_n,hand_torque_nm,contact_length_m,tip_x_m,tip_y_m,tip_z_m\n";
+    return "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,hand_force_n,hand_torque_nm,contact_length_m,"
+           "tip_x_m,tip_y_m,tip_z_m\n";
 }
 
 std::string kept_row(std::int64_t step, double time, const WireReadings& r, const Vec3& tip)
 {
-    std::string row = fmt::format("{}{}{}{},{},{}", step, number_field(time), number_field(r.inserted), number_field(r.turned), r.nodes, r.contacts);
-    for (const double value : {r.normal, r.friction, r.hand_force, r.hand_torque, r.contact_length, tip.x(), tip.y(), tip.z()}) row += number_field(value);
+    std::string row = fmt::format("{}{}{}{},{},{}", step, number_field(time), number_field(r.inserted), number_field(r.turned),
+                                  r.nodes, r.contacts);
+    for (const double value : {r.normal, r.friction, r.hand_force, r.hand_torque, r.contact_length, tip.x(), tip.y(), tip.z()})
+        row += number_field(value);
     return row + "\n";
 }
 

@@ -25,7 +25,8 @@ using KeptFiles = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] std::string kept_row(std::int64_t step, double time, const WireReadings& readings, const Vec3& tip);
 
 /// @param trace  empty: not kept   @param wires  of the run, with Output::Shape; empty: not kept
-[[nodiscard]] KeptFiles kept_files(std::int64_t run, const Scene& scene, const std::string& trace, const std::vector<WireOutput>& wires);
+[[nodiscard]] KeptFiles kept_files(std::int64_t run, const Scene& scene, const std::string& trace,
+                                   const std::vector<WireOutput>& wires);
 
 /// Writes them into `folder`/runs, which is made.
 void write_kept(const Folder& folder, const KeptFiles& files);

@@ -10,8 +10,8 @@ namespace seldinger {
 namespace {
 
 /// What a row of no instruments takes in a file.
-constexpr std::size_t least_row =
-    sizeof BatchRow::run + sizeof BatchRow::status + sizeof BatchRow::numbers + sizeof BatchRow::state_hash + 3 * sizeof(std::uint64_t);
+constexpr std::size_t least_row = sizeof BatchRow::run + sizeof BatchRow::status + sizeof BatchRow::numbers +
+                                  sizeof BatchRow::state_hash + 3 * sizeof(std::uint64_t);
 
 bool is_hex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
 
@@ -59,7 +59,8 @@ std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end
     const auto take_count = [&](std::size_t size) {
         std::uint64_t count = 0;
         take_bytes(at, end, &count, 1);
-        if (count > static_cast<std::uint64_t>(end - at) / size) throw Error(ErrorKind::BadFile, "a list is longer than the file");
+        if (count > static_cast<std::uint64_t>(end - at) / size)
+            throw Error(ErrorKind::BadFile, "a list is longer than the file");
         return static_cast<std::size_t>(count);
     };
     std::vector<BatchRow> rows(take_count(least_row));

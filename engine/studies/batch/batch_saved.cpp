@@ -115,7 +115,8 @@ SavedBatch read_saved(const FilePlace& file, std::vector<std::uint8_t>& world)
         std::string writer;
         reader(writer);
         if (writer != version())
-            throw Error(ErrorKind::BadFile, fmt::format("was written by version {}, this is {}; take that one", writer, version()));
+            throw Error(ErrorKind::BadFile,
+                        fmt::format("was written by version {}, this is {}; take that one", writer, version()));
         each_field(saved, reader);
         saved.rows = take_rows(reader.at, reader.end);
         if (!is_sound(saved)) throw Error(ErrorKind::BadFile, "is corrupt: a value is out of range");

@@ -37,7 +37,8 @@ struct SavedBatch {
 };
 
 /// @param put_world  appends the state of the world, where one is open
-void write_saved(const FilePlace& file, const SavedBatch& saved, const std::function<void(std::vector<std::uint8_t>&)>& put_world = {});
+void write_saved(const FilePlace& file, const SavedBatch& saved,
+                 const std::function<void(std::vector<std::uint8_t>&)>& put_world = {});
 /// @param world  out. @throws Error BadFile: damaged, of another version, or not what a batch can come to
 [[nodiscard]] SavedBatch read_saved(const FilePlace& file, std::vector<std::uint8_t>& world);
 

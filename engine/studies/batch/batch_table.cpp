@@ -40,7 +40,10 @@ std::string plain(const std::string& value)
 
 std::string text_of(const std::array<char, 16>& hash) { return {hash.begin(), hash.end()}; }
 
-std::string column_of(const std::string& instrument, const BatchColumn& column) { return fmt::format("{}.{}", instrument, column.name); }
+std::string column_of(const std::string& instrument, const BatchColumn& column)
+{
+    return fmt::format("{}.{}", instrument, column.name);
+}
 
 BatchRow::OfInstrument read_instrument(const World& world, int wire)
 {
@@ -62,9 +65,10 @@ void put_shape(const ConstRodView& rod, std::vector<float>& to)
 /// "_n_per_m", "_m2" and the like at a name's end.
 std::string unit_of(std::string_view name)
 {
-    constexpr std::pair<std::string_view, std::string_view> ends[] = {{"_n_per_m", "N/m"}, {"_nm2", "N m^2"}, {"_nm", "N m"},  {"_kg_m3", "kg/m^3"}, {"_1_m", "1/m"},
-                                                                      {"_1_s", "1/s"},     {"_pa", "Pa"},     {"_rad", "rad"}, {"_deg", "deg"},      {"_m", "m"},
-                                                                      {"_s", "s"},         {"_n", "N"},       {"_j", "J"},     {"density", "kg/m^3"}};
+    constexpr std::pair<std::string_view, std::string_view> ends[] = {
+        {"_n_per_m", "N/m"}, {"_nm2", "N m^2"}, {"_nm", "N m"},  {"_kg_m3", "kg/m^3"}, {"_1_m", "1/m"},
+        {"_1_s", "1/s"},     {"_pa", "Pa"},     {"_rad", "rad"}, {"_deg", "deg"},      {"_m", "m"},
+        {"_s", "s"},         {"_n", "N"},       {"_j", "J"},     {"density", "kg/m^3"}};
     if (name.ends_with("_band")) name.remove_suffix(5);
     for (const auto& [end, unit] : ends)
         if (name.ends_with(end)) return std::string(unit);
@@ -91,7 +95,8 @@ void for_each_number(const BatchLayout& layout, One one)
     for (std::size_t c = 0; c < std::size(batch_columns); ++c) {
         const BatchColumn& column = batch_columns[c];
         if (!is_shown(column, layout)) continue;
-        if (layout.bands && column.of_wall) one(std::string(column.name), column.kind, false, [c](const RunRows& of) { return wall_band(of, c); });
+        if (layout.bands && column.of_wall)
+            one(std::string(column.name), column.kind, false, [c](const RunRows& of) { return wall_band(of, c); });
         else one(std::string(column.name), column.kind, column.whole, [c](const RunRows& of) { return of.row->numbers[c]; });
         if (layout.bands && column.banded)
             one(std::string(column.name) + "_band", column.kind, false,
@@ -124,10 +129,12 @@ const char* column_kind_word(ColumnKind kind)
 
 VesselPlaces::VesselPlaces(const World& world, std::vector<BoundaryLoop> loops) : branches(world), openings(std::move(loops))
 {
-    for (std::size_t k = 0; k < openings.size(); ++k) inlet.push_back(inlet_through(openings, world.setup().centreline, static_cast<int>(k)));
+    for (std::size_t k = 0; k < openings.size(); ++k)
+        inlet.push_back(inlet_through(openings, world.setup().centreline, static_cast<int>(k)));
 }
 
-BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally, const VesselPlaces& places)
+BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally,
+                  const VesselPlaces& places)
 {
     BatchRow row;
     row.run = run;
@@ -210,7 +217,9 @@ double band_of(const RunRows& of, std::size_t column)
     if (!of.half) return std::nan("");
     const BatchRow &row = *of.row, &half = *of.half;
     if (row.status != RunStatus::Done || half.status != RunStatus::Done) return std::nan("");
-    const auto differs = [&](std::string_view outcome) { return row.numbers[column_index(outcome)] != half.numbers[column_index(outcome)]; };
+    const auto differs = [&](std::string_view outcome) {
+        return row.numbers[column_index(outcome)] != half.numbers[column_index(outcome)];
+    };
     if (batch_columns[column].of_task && differs("reached")) return std::nan("");
     if (batch_columns[column].name == "branch_depth_m" && row.branch_path != half.branch_path) return std::nan("");
     return margin * std::abs(row.numbers[column] - half.numbers[column]);
@@ -239,7 +248,8 @@ std::string label_of(const Sweep& sweep, std::size_t run)
         value += " ...";
     }
     // a word is a label, a number or a list is not
-    const bool is_word = values.size() == 1 && !as_number(values.front()) && values.front().find_first_of("[{") == std::string::npos;
+    const bool is_word =
+        values.size() == 1 && !as_number(values.front()) && values.front().find_first_of("[{") == std::string::npos;
     if (is_word) return values.front();
     std::string text;
     for (std::size_t a = 0; a < values.size(); ++a) text += fmt::format("{}{}={}", a ? ", " : "", sweep.axes[a].key, values[a]);
@@ -274,8 +284,9 @@ std::string batch_shapes_csv(const BatchLayout& layout, const std::vector<BatchR
         const std::vector<float>& shape = of.row->shape;
         for (std::size_t p = 0; 3 * p + 2 < shape.size(); ++p) {
             const std::size_t k = p / BatchRow::stations;
-            text += fmt::format("{},{},{},{},{},{}\n", of.row->run, k < layout.instruments.size() ? layout.instruments[k] : "wire", p % BatchRow::stations,
-                                shape[3 * p], shape[3 * p + 1], shape[3 * p + 2]);
+            text +=
+                fmt::format("{},{},{},{},{},{}\n", of.row->run, k < layout.instruments.size() ? layout.instruments[k] : "wire",
+                            p % BatchRow::stations, shape[3 * p], shape[3 * p + 1], shape[3 * p + 2]);
         }
     }
     return text;
@@ -286,7 +297,9 @@ std::string batch_units_csv(const Sweep& sweep, const BatchLayout& layout)
     std::string text = "column,unit,group\nrun,,\n";
     for (const SweepAxis& axis : sweep.axes) text += fmt::format("{},{},varied\n", quoted(axis.key), unit_of(axis.key));
     text += "status,,outcome\n";
-    for_each_number(layout, [&](const std::string& name, ColumnKind kind, auto&&...) { text += fmt::format("{},{},{}\n", name, unit_of(name), column_kind_word(kind)); });
+    for_each_number(layout, [&](const std::string& name, ColumnKind kind, auto&&...) {
+        text += fmt::format("{},{},{}\n", name, unit_of(name), column_kind_word(kind));
+    });
     return text + "branch_path,,outcome\nstate_hash,,effort\n";
 }
 

@@ -113,8 +113,8 @@ struct BatchRow {
 void put_rows(std::vector<std::uint8_t>& bytes, std::span<const BatchRow> rows);
 [[nodiscard]] std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end);
 
-/// Whether rows that were read from a file are of runs from `begin` to before `end`, none twice, and each says what a run of so many
-/// instruments can come to.
+/// Whether rows that were read from a file are of runs from `begin` to before `end`, none twice, and each says what a run of so
+/// many instruments can come to.
 [[nodiscard]] bool are_sound(std::span<const BatchRow> rows, std::size_t begin, std::size_t end, std::size_t instruments);
 
 /// What a batch's table has beside the columns that all have.
@@ -146,14 +146,15 @@ struct RunRows {
     const BatchRow* half = nullptr;
 };
 
-/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (run/step_twin.h). NaN where there
-/// is no such run or it stopped, or, of what happens until the target is reached, where only one of the two reaches it.
+/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (run/step_twin.h). NaN
+/// where there is no such run or it stopped, or, of what happens until the target is reached, where only one of the two reaches
+/// it.
 [[nodiscard]] double band_of(const RunRows& of, std::size_t column);
 
 [[nodiscard]] std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<BatchRow>& rows);
 
-/// Rows by run: run, the varied keys, status, batch_columns with their bands, instrument_columns of each name, branch_path, state_hash. A number that is
-/// not finite is an empty field.
+/// Rows by run: run, the varied keys, status, batch_columns with their bands, instrument_columns of each name, branch_path,
+/// state_hash. A number that is not finite is an empty field.
 [[nodiscard]] std::string batch_csv(const Sweep& sweep, const BatchLayout& layout, const std::vector<BatchRow>& rows);
 /// The same columns as arrays; a varied key whose values are all numbers is float64, any other is text.
 [[nodiscard]] std::string batch_npz(const Sweep& sweep, const BatchLayout& layout, const std::vector<BatchRow>& rows);

@@ -33,14 +33,18 @@ std::string as_json(const PartPlan& plan)
     return json_text(out, 2) + "\n";
 }
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::BadFile, what + ". Fix: begin again in another folder"); }
+[[noreturn]] void refuse(const std::string& what)
+{
+    throw Error(ErrorKind::BadFile, what + ". Fix: begin again in another folder");
+}
 
 void refuse_old(const Folder& dir)
 {
     if (dir.has("farm.json"))
         throw Error(ErrorKind::BadScene,
-                    dir.path().string() + ": got a farm of an earlier version (farm.json, todo/, done/); expected parts.json. Fix: end it with "
-                                          "that version, or begin again in another folder with -o");
+                    dir.path().string() +
+                        ": got a farm of an earlier version (farm.json, todo/, done/); expected parts.json. Fix: end it with "
+                        "that version, or begin again in another folder with -o");
 }
 
 }  // namespace
@@ -61,10 +65,12 @@ void write_plan(const Folder& dir, const PartPlan& plan)
     const FileLock one_at_a_time = FileLock::of_file(dir / plan_file, std::chrono::hours(1));
     if (!dir.has(plan_file)) return write_file(dir / plan_file, as_json(plan), Durable::Yes);
     if (read_file(dir / plan_file) != as_json(plan))
-        throw Error(ErrorKind::BadScene,
-                    fmt::format("{}: holds {} parts of another scene, sweep, vessel, options, version or number of parts. Fix: give the same "
-                                "again to continue, or another folder with -o",
-                                dir.path().string(), read_plan(dir).parts));
+        throw Error(
+            ErrorKind::BadScene,
+            fmt::format(
+                "{}: holds {} parts of another scene, sweep, vessel, options, version or number of parts. Fix: give the same "
+                "again to continue, or another folder with -o",
+                dir.path().string(), read_plan(dir).parts));
 }
 
 PartPlan read_plan(const Folder& dir)
@@ -72,7 +78,8 @@ PartPlan read_plan(const Folder& dir)
     refuse_old(dir);
     const std::string file = (dir.path() / plan_file).string();
     if (!dir.has(plan_file))
-        throw Error(ErrorKind::BadFile, file + ": is not there. Fix: give the folder of `seldinger farm -o` or `batch --part -o`");
+        throw Error(ErrorKind::BadFile,
+                    file + ": is not there. Fix: give the folder of `seldinger farm -o` or `batch --part -o`");
     try {
         const Json in = Json::parse(read_file(dir / plan_file));
         const auto count = [&](const char* key, std::size_t least, std::size_t most) {
@@ -99,7 +106,10 @@ PartPlan read_plan(const Folder& dir)
     }
 }
 
-FilePlace part_file(const Folder& dir, const PartPlan& plan, std::size_t part) { return dir.make("parts") / (plan.name(part) + ".bin"); }
+FilePlace part_file(const Folder& dir, const PartPlan& plan, std::size_t part)
+{
+    return dir.make("parts") / (plan.name(part) + ".bin");
+}
 
 std::optional<SavedBatch> read_part(const Folder& dir, const PartPlan& plan, std::size_t part)
 {
@@ -109,7 +119,8 @@ std::optional<SavedBatch> read_part(const Folder& dir, const PartPlan& plan, std
     SavedBatch saved = read_saved(file, world);
     const auto [begin, end] = plan.range(part);
     if (saved.scene != plan.key || saved.begin != begin || saved.end != end)
-        throw Error(ErrorKind::BadFile, file.path().string() + ": is a part of another batch. Fix: move it away, and run that part again");
+        throw Error(ErrorKind::BadFile,
+                    file.path().string() + ": is a part of another batch. Fix: move it away, and run that part again");
     return saved;
 }
 
@@ -117,7 +128,8 @@ std::string frame_file(const std::string& pattern, std::size_t frame)
 {
     constexpr std::string_view digits = "######";
     std::string name = pattern;
-    if (const std::size_t at = name.find(digits); at != std::string::npos) name.replace(at, digits.size(), fmt::format("{:06}", frame));
+    if (const std::size_t at = name.find(digits); at != std::string::npos)
+        name.replace(at, digits.size(), fmt::format("{:06}", frame));
     return name;
 }
 

@@ -5,7 +5,8 @@
 //   parts.json          the plan: how many parts of what
 //   parts/3-of-40.bin   rows of a part of a batch, and where it stands (batch_saved.h); complete or absent
 //
-// All of it is reached from the open folder and never through a link: a folder may come from somebody else, or lie where others write.
+// All of it is reached from the open folder and never through a link: a folder may come from somebody else, or lie where others
+// write.
 
 #include "batch/batch_saved.h"
 

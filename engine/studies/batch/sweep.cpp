@@ -79,7 +79,8 @@ void draw_values(const toml::table& table, std::int64_t seed, std::size_t most, 
     }
 }
 
-/// The leaves of a design's tables as texts of --set. A list of tables at the top is set table by table, any other one as a whole.
+/// The leaves of a design's tables as texts of --set. A list of tables at the top is set table by table, any other one as a
+/// whole.
 void flatten(const toml::table& table, const std::string& path, std::vector<std::string>& settings)
 {
     for (const auto& [name, node] : table) {
@@ -88,7 +89,8 @@ void flatten(const toml::table& table, const std::string& path, std::vector<std:
         if (const toml::table* inner = node.as_table()) {
             flatten(*inner, key, settings);
         } else if (list && list->is_array_of_tables() && key.find('.') == std::string::npos) {
-            for (std::size_t k = 0; k < list->size(); ++k) flatten(*(*list)[k].as_table(), fmt::format("{}.{}", key, k), settings);
+            for (std::size_t k = 0; k < list->size(); ++k)
+                flatten(*(*list)[k].as_table(), fmt::format("{}.{}", key, k), settings);
         } else {
             if (key.find('.') == std::string::npos)
                 fail_at(node.source(), key, "expected keys of the scene in their tables, e.g. [wire] bend_nm2 = 1e-5");
@@ -106,10 +108,12 @@ SweepAxis read_designs(const toml::node& node, const std::filesystem::path& swee
     axis.key = "design";
     axis.line = static_cast<int>(node.source().begin.line);
     const toml::table* designs = node.as_table();
-    if (!designs || designs->empty()) fail_at(node.source(), "vary.design", "expected names with files, e.g. soft = \"soft.toml\"");
+    if (!designs || designs->empty())
+        fail_at(node.source(), "vary.design", "expected names with files, e.g. soft = \"soft.toml\"");
     std::vector<std::pair<toml::source_position, std::string>> order;  // the file's, which the table does not keep
     for (const auto& [name, file] : *designs) order.emplace_back(file.source().begin, name.str());
-    std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first || (a.first == b.first && a.second < b.second); });
+    std::sort(order.begin(), order.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first || (a.first == b.first && a.second < b.second); });
     for (const auto& [place, name] : order) {
         const toml::node& given = *designs->get(name);
         const std::string key = "vary.design." + name;
@@ -124,10 +128,12 @@ SweepAxis read_designs(const toml::node& node, const std::filesystem::path& swee
         }
         const toml::table table = parse_toml(text, file);
         if (const toml::node* include = table.get("include"))
-            fail_at(include->source(), "include", "a design sets keys of the scene and includes no file; put the include into the scene");
+            fail_at(include->source(), "include",
+                    "a design sets keys of the scene and includes no file; put the include into the scene");
         axis.values.push_back(toml_quoted(name));
         flatten(table, "", axis.designs.emplace_back());
-        if (axis.designs.back().empty()) fail_at(given.source(), key, fmt::format("{} sets no key; expected some of the scene", file));
+        if (axis.designs.back().empty())
+            fail_at(given.source(), key, fmt::format("{} sets no key; expected some of the scene", file));
         if (files) files->emplace_back(file, std::move(text));
     }
     return axis;
@@ -256,6 +262,9 @@ std::string with_designs(const std::string& text, const std::filesystem::path& f
     return whole;
 }
 
-Sweep read_sweep(const std::filesystem::path& file, std::int64_t seed) { return read_sweep_text(read_scene_file(file), file, seed); }
+Sweep read_sweep(const std::filesystem::path& file, std::int64_t seed)
+{
+    return read_sweep_text(read_scene_file(file), file, seed);
+}
 
 }  // namespace seldinger

@@ -45,8 +45,8 @@ struct Sweep {
 [[nodiscard]] Sweep read_sweep(const std::filesystem::path& file, std::int64_t seed);
 [[nodiscard]] Sweep read_sweep_text(const std::string& text, const std::filesystem::path& file, std::int64_t seed);
 
-/// The text with the files of its designs behind it, as [files], which read_sweep_text() takes in their place: a folder of results keeps all
-/// that it came from. @throws Error as above
+/// The text with the files of its designs behind it, as [files], which read_sweep_text() takes in their place: a folder of
+/// results keeps all that it came from. @throws Error as above
 [[nodiscard]] std::string with_designs(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace seldinger

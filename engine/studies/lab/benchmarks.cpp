@@ -88,8 +88,8 @@ Benchmark find_benchmark(const std::string& wanted, const std::filesystem::path&
         std::vector<std::string_view> names;
         for (const Entry& entry : entries) names.push_back(entry.name);
         throw Error(ErrorKind::BadScene,
-                    fmt::format("--scenes: no benchmark \"{}\"; the nearest is \"{}\". Fix: give that, or a scene file (*.toml)", wanted,
-                                nearest_word(wanted, names)));
+                    fmt::format("--scenes: no benchmark \"{}\"; the nearest is \"{}\". Fix: give that, or a scene file (*.toml)",
+                                wanted, nearest_word(wanted, names)));
     }
     benchmark.name = found->name;
     benchmark.file = scenes / found->file;

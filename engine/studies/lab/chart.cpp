@@ -167,7 +167,8 @@ public:
             wanted.fill(std::numeric_limits<double>::infinity());
             // a better reference makes small errors smaller, and so asks for a better one: at most as often as there are levels
             for (int k = 0; k <= how.most_levels; ++k) {
-                tell(options_, fmt::format("{}: reference, {} levels so far", chart_.benchmark.name, refiner.reference().levels.size()));
+                tell(options_,
+                     fmt::format("{}: reference, {} levels so far", chart_.benchmark.name, refiner.reference().levels.size()));
                 chart_.reference = refine_to(refiner, how, wanted);
                 compare(chart_, trajectories_);
                 const PerObservable now = wanted_uncertainty(chart_);

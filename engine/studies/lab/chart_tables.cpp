@@ -135,8 +135,8 @@ std::string chart_csv(const ChartResult& result)
 std::string references_csv(const ChartResult& result)
 {
     // says and moved: the old names of axis_label and refinement_changes, until 0.3.0
-    std::string text = csv_line({"scene", "observable", "unit", "says", "charted", "convergence", "uncertainty", "scale", "levels", "moved",
-                                 "note", "axis_label", "refinement_changes"});
+    std::string text = csv_line({"scene", "observable", "unit", "says", "charted", "convergence", "uncertainty", "scale",
+                                 "levels", "moved", "note", "axis_label", "refinement_changes"});
     for (const SceneChart& chart : result.scenes) {
         if (!chart.finished) continue;
         for (const Observable which : chart.benchmark.charted) {
@@ -147,8 +147,9 @@ std::string references_csv(const ChartResult& result)
                 {chart.benchmark.name, std::string(observable_words[k].word), std::string(observable_words[k].unit),
                  std::string(observable_words[k].says), flag(chart.charts(which)),
                  std::string(at(chart.scale, which) > 0 ? word_of(chart.reference.convergence[k]) : "is zero throughout"),
-                 csv_number(chart.reference.uncertainty[k]), csv_number(chart.scale[k]), csv_number(static_cast<double>(chart.reference.levels.size())),
-                 moved, chart.reference.note, std::string(observable_words[k].says), moved});
+                 csv_number(chart.reference.uncertainty[k]), csv_number(chart.scale[k]),
+                 csv_number(static_cast<double>(chart.reference.levels.size())), moved, chart.reference.note,
+                 std::string(observable_words[k].says), moved});
         }
     }
     return text;
@@ -164,8 +165,8 @@ std::string chart_summary(const ChartResult& result)
         for (const ChartPoint& point : chart.points) {
             if (point.sound()) continue;
             if (point.run.over_limit)
-                text +=
-                    fmt::format("  {}: stopped at {:.3g} simulated s, too expensive\n", point.model.model.name, point.run.simulated);
+                text += fmt::format("  {}: stopped at {:.3g} simulated s, too expensive\n", point.model.model.name,
+                                    point.run.simulated);
             else
                 text += fmt::format("  {}: {}{}\n", point.model.model.name, name(point.run.outcome),
                                     point.run.complete ? "" : fmt::format(" at {:.3g} s", point.run.failed_at));

@@ -25,7 +25,8 @@ struct Fleet {
     void take(const StepReport& report, long k) const
     {
         if (report.failed())
-            throw Error(ErrorKind::Stopped, fmt::format("{} with {} wires: step {} failed", scenes[0].source.string(), scenes.size(), k + 1));
+            throw Error(ErrorKind::Stopped,
+                        fmt::format("{} with {} wires: step {} failed", scenes[0].source.string(), scenes.size(), k + 1));
     }
     void settle_first()
     {
@@ -94,7 +95,8 @@ FleetTiming time_fleet(const Scene& scene, int device_index, int wires, long ste
 double distance_of(const FleetTiming& a, const FleetTiming& b)
 {
     double most = 0;
-    for (std::size_t i = 0; i < std::min(a.nodes.size(), b.nodes.size()); ++i) most = std::max(most, (a.nodes[i] - b.nodes[i]).norm());
+    for (std::size_t i = 0; i < std::min(a.nodes.size(), b.nodes.size()); ++i)
+        most = std::max(most, (a.nodes[i] - b.nodes[i]).norm());
     return most;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Many wires at once on one device, as a graphics card would run them: launches, bytes over the bus, the time of each kernel by the
-// device's own events. For `seldinger bench --gpu`.
+// Many wires at once on one device, as a graphics card would run them: launches, bytes over the bus, the time of each kernel by
+// the device's own events. For `seldinger bench --gpu`.
 
 #include "device/profile.h"
 #include "scene/scene.h"
@@ -23,10 +23,11 @@ struct FleetTiming {
     std::vector<Vec3> nodes;  // of all wires at the end [m]
 };
 
-/// `wires` copies of the scene in one world, settled if it says so, then `steps` steps. Runs it twice: for the wall time, and for the
-/// profile.
+/// `wires` copies of the scene in one world, settled if it says so, then `steps` steps. Runs it twice: for the wall time, and for
+/// the profile.
 /// @throws Error as make_setup; Stopped when a step fails; Interrupted when stop() says so
-[[nodiscard]] FleetTiming time_fleet(const Scene& scene, int device_index, int wires, long steps, const std::function<bool()>& stop);
+[[nodiscard]] FleetTiming time_fleet(const Scene& scene, int device_index, int wires, long steps,
+                                     const std::function<bool()>& stop);
 
 /// Largest distance between two states of the same wires [m].
 [[nodiscard]] double distance_of(const FleetTiming& a, const FleetTiming& b);

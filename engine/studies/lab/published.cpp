@@ -22,8 +22,8 @@ struct Best {
 
 using enum FrictionLaw;
 
-// The first two are for scenes that were not searched: without damping of contact, whose factor is infinite where contact persists,
-// and in long steps on a soft wall.
+// The first two are for scenes that were not searched: without damping of contact, whose factor is infinite where contact
+// persists, and in long steps on a soft wall.
 constexpr Best winners[] = {
     {"", false, 1 * millisecond, 101, Sign, 1},
     {"", true, display, 101, Smooth, 1, 1e4, 500},

@@ -187,7 +187,8 @@ CellReference cell_reference(const StabilityMap& map, double value, const std::f
     return reference;
 }
 
-CellResult run_stability_cell(const StabilityCell& cell, const CellReference& reference, double wall_limit, const std::function<bool()>& stop)
+CellResult run_stability_cell(const StabilityCell& cell, const CellReference& reference, double wall_limit,
+                              const std::function<bool()>& stop)
 {
     const auto& [map, method, dt, value, folder] = cell;
     const Scene scene = stability_scene(map, value, dt, 1, folder);

@@ -73,14 +73,14 @@ struct CellResult {
 
 /// What the cells of one map and value are judged by: the default method's own runs of that scene, well resolved.
 struct CellReference {
-    /// The largest depth of the wire in the same slow motion: the law's static indentation under the scene's largest load. infinity
-    /// if the map has no static load, or if that run has no end. [m]
+    /// The largest depth of the wire in the same slow motion: the law's static indentation under the scene's largest load.
+    /// infinity if the map has no static load, or if that run has no end. [m]
     double indentation = std::numeric_limits<double>::infinity();
     /// The hand's force after every millisecond [N]; empty where it is not judged.
     std::vector<double> hand_force;
 
-    /// Jitter of the force sampled every `dt`: a tip that crosses a ridge of the wall every few steps is not the method's fault. 0
-    /// for steps that resolve it. [-]
+    /// Jitter of the force sampled every `dt`: a tip that crosses a ridge of the wall every few steps is not the method's fault.
+    /// 0 for steps that resolve it. [-]
     [[nodiscard]] double honest_jitter(double dt) const;
 };
 

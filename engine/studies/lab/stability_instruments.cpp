@@ -91,7 +91,8 @@ StabilityMap channel()
             name, there);
     };
     map.scene = head("channel") + one("left") + one("right") + "[contact]\ninstruments = true\n" +
-                "[vessel]\nshape = \"tube\"\nradius_m = 0.002\nlength_m = 0.05\norigin = [-0.005, 0.0, 0.0]\ntriangles = 3000\nyoungs_pa = 1e6\n";
+                "[vessel]\nshape = \"tube\"\nradius_m = 0.002\nlength_m = 0.05\norigin = [-0.005, 0.0, 0.0]\ntriangles = "
+                "3000\nyoungs_pa = 1e6\n";
     map.static_load = map.hand_is_steady = false;  // wires that buckle snap
     map.set = [](double value, double, double pace, const fs::path&) {
         const double end = duration * pace;

@@ -23,8 +23,8 @@ bool all_finite(const WireReadings& r)
                          r.gravitational + r.base_force.sum());
 }
 
-// A fed wire whose piece is still in the introducer has no energies yet, and a wire that was placed bent has none before its first
-// step; they begin when they are first known.
+// A fed wire whose piece is still in the introducer has no energies yet, and a wire that was placed bent has none before its
+// first step; they begin when they are first known.
 bool not_known_yet(const WireReadings& r, long step)
 {
     return (r.nodes == 2 || step == 1) && r.kinetic == 0 && r.elastic == 0 && r.gravitational == 0;

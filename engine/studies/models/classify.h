@@ -8,18 +8,18 @@
 //   overlap   deeper than twice the law's static indentation under the scene's load, or than the wire's radius
 //   jitter    step-to-step jitter of the hand force above 10 % of max(mean, 1 mN)
 //
-// Jitter of one step is min(|f_k - f_{k-1}|, |f_{k+1} - f_k|) if the force turns round at k, else 0. That is the peak-to-peak value
-// of a force that alternates, and 0 on any rise or fall. A second difference would not do. For a smooth force that varies over T it
-// is (2 pi dt/T)^2/2 of its amplitude, 20 % at ten steps to T. It would call a wire that arrives at a wall within ten long steps a
-// jitter. The value that 10 % of the steps of a window (and three at least) exceed is compared with the mean |f| of the
-// same window. Real turns (a released tip, a wire set moving within one step) are no jitter unless they come every ten steps.
+// Jitter of one step is min(|f_k - f_{k-1}|, |f_{k+1} - f_k|) if the force turns round at k, else 0. That is the peak-to-peak
+// value of a force that alternates, and 0 on any rise or fall. A second difference would not do. For a smooth force that varies
+// over T it is (2 pi dt/T)^2/2 of its amplitude, 20 % at ten steps to T. It would call a wire that arrives at a wall within ten
+// long steps a jitter. The value that 10 % of the steps of a window (and three at least) exceed is compared with the mean |f| of
+// the same window. Real turns (a released tip, a wire set moving within one step) are no jitter unless they come every ten steps.
 //
 // Energy. B = kinetic + elastic + gravitational - work done on the wire can only fall, but for what contact springs give back, at
 // most S = (normal + friction) * overlap. Generated energy is the largest rise of B above the least B + S before it. It is a
-// blow-up when it shows as kinetic energy and exceeds 10 % of all energy properly exchanged: kinetic at the start, |work|, and the
-// largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). A hand that changes
-// its speed within a step does work that forces at the ends of steps do not show, up to m v^2 of the length inside (an inelastic
-// jerk). It counts as unknown (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
+// blow-up when it shows as kinetic energy and exceeds 10 % of all energy properly exchanged: kinetic at the start, |work|, and
+// the largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). A hand that
+// changes its speed within a step does work that forces at the ends of steps do not show, up to m v^2 of the length inside (an
+// inelastic jerk). It counts as unknown (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
 
 #include "engine.h"
 #include "solve/energy_balance.h"
@@ -118,8 +118,8 @@ private:
     long iterations_ = 0;
 };
 
-/// Energy [J] that material brings in when the fed length of the wire changes from `from` to `to` [m] at `speed` [m/s]. It has two
-/// parts: height, and the momentum flux rho A v^2 per metre with which the introducer accelerates the material. Negative when
+/// Energy [J] that material brings in when the fed length of the wire changes from `from` to `to` [m] at `speed` [m/s]. It has
+/// two parts: height, and the momentum flux rho A v^2 per metre with which the introducer accelerates the material. Negative when
 /// material leaves.
 [[nodiscard]] double fed_energy(const WorldSetup& setup, int wire, double from, double to, double speed);
 

@@ -33,8 +33,8 @@ Interval free_part(const Vec3& c, const Vec3& p, const Vec3& q, double leash)
 }
 
 /// Whether a leash of this length suffices. Cell (i, j) of the free-space diagram is edge i of a against edge j of b. A column's
-/// left borders hold the points that monotone walks reach from the start. Only non-empty ones are visited, so close curves cost as
-/// much as they have vertices.
+/// left borders hold the points that monotone walks reach from the start. Only non-empty ones are visited, so close curves cost
+/// as much as they have vertices.
 bool leash_suffices(std::span<const Vec3> a, std::span<const Vec3> b, double leash)
 {
     if ((a.front() - b.front()).norm() > leash || (a.back() - b.back()).norm() > leash) return false;

@@ -61,7 +61,8 @@ std::vector<double> column(const std::vector<PerObservable>& rows, std::size_t k
 void judge_levels(Reference& reference)
 {
     reference.known.fill(true);
-    for (std::size_t k = 0; k < observable_count; ++k) reference.convergence[k] = judge_movements(column(reference.moved, k), noise[k]);
+    for (std::size_t k = 0; k < observable_count; ++k)
+        reference.convergence[k] = judge_movements(column(reference.moved, k), noise[k]);
 }
 
 /// @return whether it is good enough
@@ -267,8 +268,8 @@ const Reference& refine_to(Refiner& refiner, const Refinement& how, const PerObs
         reference.note = reference.failures.back();
     } else if (!reference.levels.empty()) {
         const Model& finest = reference.model;
-        reference.note =
-            fmt::format("{} levels, the finest with {} nodes and {:.3g} ms", reference.levels.size(), *finest.nodes, 1e3 * *finest.dt);
+        reference.note = fmt::format("{} levels, the finest with {} nodes and {:.3g} ms", reference.levels.size(), *finest.nodes,
+                                     1e3 * *finest.dt);
         if (finest.wall_edge) reference.note += fmt::format(", control edges of {:.3g} mm", 1e3 * *finest.wall_edge);
     }
     return reference;

@@ -1,6 +1,7 @@
 #pragma once
-// Reference of a run: the analytic solution if there is one, else the scene itself, refined in nodes and steps until two refinements
-// bound the remaining error. Planner and charts refine differently (Levels) and judge differently; what they share is Refiner.
+// Reference of a run: the analytic solution if there is one, else the scene itself, refined in nodes and steps until two
+// refinements bound the remaining error. Planner and charts refine differently (Levels) and judge differently; what they share is
+// Refiner.
 
 #include "models/errors.h"
 #include "models/run_store.h"
@@ -52,7 +53,8 @@ struct Levels {
     int most = 6;
     double cost_growth = 4;                             // from a level to the next
     bool ends_when_broken = false;                      // else a finer level may run where a coarse one breaks off
-    std::function<bool(std::size_t broken)> over_again;  // after so many broken levels: from level 0, with other models. May be empty
+    std::function<bool(std::size_t broken)>
+        over_again;  // after so many broken levels: from level 0, with other models. May be empty
     /// Asked before a level other than the first that is expected to take `next`, after `spent` [s].
     std::function<bool(int level, double spent, double next)> affordable;
     std::function<double()> seconds_left;  // a level that takes longer is broken off [s]; may be empty
@@ -68,7 +70,8 @@ public:
     Refiner(const StudyScene& scene, Levels levels, RunPlan plan, RunStore& store, std::string name, Window window = {},
             std::vector<Baseline> baselines = {});
 
-    /// Ends when `enough`, which judges the reference so far after each level, or when nothing more can be run. May be called again.
+    /// Ends when `enough`, which judges the reference so far after each level, or when nothing more can be run. May be called
+    /// again.
     Reference& refine_until(const std::function<bool(Reference&)>& enough);
     [[nodiscard]] Reference& reference() { return reference_; }
     /// Runs one model. Nothing when it was stopped, or took longer than there is time.
@@ -127,20 +130,20 @@ struct Refinement {
     [[nodiscard]] Levels levels() const;
 };
 
-/// Refines until every observable's uncertainty, what the last refinement moved (rms), is at most `wanted` of it (NaN or 0: as good
-/// as possible), or the results plainly do not converge. Convergence is judged by the rms or the median over samples: a slip or a
-/// snap that comes a moment earlier moves one sample, and widens the band by it. A wire that takes another path moves all that
-/// follow.
+/// Refines until every observable's uncertainty, what the last refinement moved (rms), is at most `wanted` of it (NaN or 0: as
+/// good as possible), or the results plainly do not converge. Convergence is judged by the rms or the median over samples: a slip
+/// or a snap that comes a moment earlier moves one sample, and widens the band by it. A wire that takes another path moves all
+/// that follow.
 const Reference& refine_to(Refiner& refiner, const Refinement& how, const PerObservable& wanted);
 
 // ---- of both
 
 /// A bound of the remaining error after the last of these movements, by Richardson: the rest of a geometric series whose ratio is
-/// that of the last two. The ratio is taken as at least `least_ratio` (half: first order), and as `most_ratio` if there is only one
-/// movement or they do not fall.
+/// that of the last two. The ratio is taken as at least `least_ratio` (half: first order), and as `most_ratio` if there is only
+/// one movement or they do not fall.
 [[nodiscard]] double error_left(const std::vector<double>& moved);
-/// NotFalling: the last is more than `most_ratio` of the one before and, where there are three, more than its square of the one before
-/// that. What is below `noise` has arrived.
+/// NotFalling: the last is more than `most_ratio` of the one before and, where there are three, more than its square of the one
+/// before that. What is below `noise` has arrived.
 [[nodiscard]] Convergence judge_movements(const std::vector<double>& moved, double noise);
 
 }  // namespace seldinger

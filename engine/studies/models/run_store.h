@@ -1,6 +1,6 @@
 #pragma once
-// Stored results of run_model(), in a folder under the words of scene and model, so that an interrupted study continues and no run
-// is done twice.
+// Stored results of run_model(), in a folder under the words of scene and model, so that an interrupted study continues and no
+// run is done twice.
 //
 //   runs.csv               one row per finished run, appended as it finishes
 //   <scene>/*.trajectory   its observables

@@ -43,7 +43,8 @@ FailureLimits completed(FailureLimits limits, const Scene& scene)
     }
     // what a wall takes and gives back, or another instrument's hand, only the engine's own audit knows (energy_audit.h), which
     // ends such a run
-    if (!work_is_metered(scene) || scene.vessel.elastic || !scene.others.empty()) limits.energy.floor = std::numeric_limits<double>::infinity();
+    if (!work_is_metered(scene) || scene.vessel.elastic || !scene.others.empty())
+        limits.energy.floor = std::numeric_limits<double>::infinity();
     return limits;
 }
 

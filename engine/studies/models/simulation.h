@@ -1,7 +1,7 @@
 #pragma once
 // A run of the study: the engine's World, or a baseline that an application registers (bench/baselines). Both are stepped, read
-// and timed in the same way. With several instruments it measures the first one's shape and hand, and forces, energies and overlaps
-// of all (joint_readings.h).
+// and timed in the same way. With several instruments it measures the first one's shape and hand, and forces, energies and
+// overlaps of all (joint_readings.h).
 
 #include "models/model.h"
 

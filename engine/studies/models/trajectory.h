@@ -35,7 +35,8 @@ struct Trajectory {
 
 /// Binary, checksummed, written in one go. @throws Error BadFile
 void save_trajectory(const FilePlace& file, const Trajectory& trajectory);
-/// @return false when the file is missing, damaged, of another version or holds what no run makes (then the run is simply done again)
+/// @return false when the file is missing, damaged, of another version or holds what no run makes (then the run is simply done
+/// again)
 [[nodiscard]] bool load_trajectory(const FilePlace& file, Trajectory& trajectory);
 
 }  // namespace seldinger

@@ -59,9 +59,9 @@ public:
     }
     [[nodiscard]] Place best_place() const { return best_place_; }
 
-    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so a curve of corners bounds
-    /// the places that meet the goals. The search goes down to one corner and then, if told to walk, along the curve, to longer
-    /// steps and more nodes and back, as long as that pays.
+    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so a curve of corners
+    /// bounds the places that meet the goals. The search goes down to one corner and then, if told to walk, along the curve, to
+    /// longer steps and more nodes and back, as long as that pays.
     void optimise(const Model& family, Place from, bool walks)
     {
         Place corner = from;
@@ -276,8 +276,8 @@ void add_walls(std::vector<PlanChoice>& all, const std::vector<double>& walls)
     }
 }
 
-/// One centreline in place of a rod each, with friction by what presses one instrument on the other's lumen, and without any: that is
-/// cheaper, and its hands feel less. Whichever is chosen, the other one is named as its price.
+/// One centreline in place of a rod each, with friction by what presses one instrument on the other's lumen, and without any:
+/// that is cheaper, and its hands feel less. Whichever is chosen, the other one is named as its price.
 void add_coaxial(std::vector<PlanChoice>& all, const CoaxialSpec& own)
 {
     const bool merged = own.model == CoaxialSpec::Model::Merged, rubs = own.mu_static > 0;
@@ -369,8 +369,8 @@ SearchResult search_models(const Scene& scene, const Model& from, const SearchGr
     }
     if (first && first->meets) search.optimise(start, place, false);
 
-    // Twice: a choice that did not pay before another was made may pay after it. Along bounding curves only then: a choice can save
-    // half of every later trial, a walk hardly more than 20 %, and a budget may end the search anywhere.
+    // Twice: a choice that did not pay before another was made may pay after it. Along bounding curves only then: a choice can
+    // save half of every later trial, a walk hardly more than 20 %, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {
         const bool walks = round > 0;
         const Model before = search.best()->model;

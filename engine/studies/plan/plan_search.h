@@ -3,10 +3,10 @@
 // nothing is extrapolated.
 //
 // A model is a family (integrator, detection, laws, simplifications) and a place on a grid of nodes and steps. In one family the
-// error grows with the step and with the edges, so the places that meet the goals are bounded by a curve over nodes and steps: the
-// search goes down to a point of it, then along it as far as that pays. Families are tried from the winner's place on, the likeliest to pay first.
-// An elastic wall is tried first of all, rigid and on coarser control meshes, where the search begins. It makes every step several
-// times as expensive, so this choice sets the cost of all later trials.
+// error grows with the step and with the edges, so the places that meet the goals are bounded by a curve over nodes and steps:
+// the search goes down to a point of it, then along it as far as that pays. Families are tried from the winner's place on, the
+// likeliest to pay first. An elastic wall is tried first of all, rigid and on coarser control meshes, where the search begins. It
+// makes every step several times as expensive, so this choice sets the cost of all later trials.
 
 #include "plan/plan_trials.h"
 
@@ -45,9 +45,9 @@ struct PlanChoice {
 [[nodiscard]] std::vector<PlanChoice> choices_in(const Scene& scene, const std::vector<double>& walls = {});
 
 /// Why no plan may choose a model, although it can be run; empty: it may. A trial shows that a model went through the scene once.
-/// Two facts vouch for the run afterwards: every step's equations are solved, and its energy balances (solve/energy_balance.h). The
-/// residual of one linearised step is not bounded. In contact the trapezoid rule generates energy at any step, a little in every
-/// touch, until the balance ends the run.
+/// Two facts vouch for the run afterwards: every step's equations are solved, and its energy balances (solve/energy_balance.h).
+/// The residual of one linearised step is not bounded. In contact the trapezoid rule generates energy at any step, a little in
+/// every touch, until the balance ends the run.
 [[nodiscard]] std::string not_vouched_for(const Model& model, const Scene& scene, bool touches);
 
 struct SearchResult {

@@ -151,7 +151,8 @@ const TrialRun* TrialRuns::run(const Model& model, const RunPlan& plan, const st
     }
     const TrialRun& trial = known_[label(model)] = judge(model, *run, values);
     // a trial whose steps are too long for the rate does not show which cost is too high
-    if (trial.meets && model.dt.value_or(0) <= longest_step_ * (1 + 1e-9)) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
+    if (trial.meets && model.dt.value_or(0) <= longest_step_ * (1 + 1e-9))
+        shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
     return &trial;
 }
 

@@ -27,7 +27,11 @@ constexpr double plainly_cheaper = 0.95;
 class Planner {
 public:
     Planner(const StudyScene& scene, const PlanOptions& options)
-        : scene_(scene), options_(options), goals_(options.goals), cost_(options.device), store_(make_own_folder(options.trials).path())
+        : scene_(scene),
+          options_(options),
+          goals_(options.goals),
+          cost_(options.device),
+          store_(make_own_folder(options.trials).path())
     {
         is_static_ = scene.scene.integrator.scheme == Scheme::Static;
         wall_ = wall_edges(scene.setup);
@@ -108,12 +112,14 @@ private:
         const double shape = at(reference.uncertainty, Observable::Shape),
                      force = at(reference.uncertainty, Observable::HandForce);
         if (!reference.converges && !reference.out_of_budget)
-            return stop_with(PlanStatus::NoReference,
-                             fmt::format("refinement does not converge: it still moves the wire by {} at {} nodes and {:.3g} ms; the last two levels "
-                                         "do not come closer than those before, which a bifurcation, chatter or a difference near what steps and "
-                                         "nodes resolve does; shorten scene.duration_s to before a bifurcation, or ask for a larger tolerance",
-                                         as_length(reference.moved.empty() ? 0 : at(reference.moved.back(), Observable::Shape)),
-                                         reference.model.nodes.value_or(0), 1e3 * reference.model.dt.value_or(0)));
+            return stop_with(
+                PlanStatus::NoReference,
+                fmt::format(
+                    "refinement does not converge: it still moves the wire by {} at {} nodes and {:.3g} ms; the last two levels "
+                    "do not come closer than those before, which a bifurcation, chatter or a difference near what steps and "
+                    "nodes resolve does; shorten scene.duration_s to before a bifurcation, or ask for a larger tolerance",
+                    as_length(reference.moved.empty() ? 0 : at(reference.moved.back(), Observable::Shape)),
+                    reference.model.nodes.value_or(0), 1e3 * reference.model.dt.value_or(0)));
         const double force_goal = goals_.force_tolerance * (goals_.force_is_relative ? reference.force_scale : 1.0);
         const bool force_known = goals_.force_tolerance == 0 || force <= least_certainty * force_goal;
         const bool peaks_known = goals_.peaks.holds({}, reference.peak_uncertainty, reference.values.peaks, least_certainty);
@@ -139,9 +145,11 @@ private:
         if (!peaks_known) miss("peaks to half of their tolerance");
         if (!reference.converges) miss("refinements that come closer to one another");
         std::string looser = shape_known ? "" : as_length(2 * shape) + " or more";
-        if (!force_known || !peaks_known) looser += looser.empty() ? "a larger error of the forces" : " and a larger error of the forces";
+        if (!force_known || !peaks_known)
+            looser += looser.empty() ? "a larger error of the forces" : " and a larger error of the forces";
         message += fmt::format("; needed, half of what was asked: {}; ", missing);
-        if (reference.out_of_budget) message += fmt::format("give more than --budget {:g}{}", options_.budget, looser.empty() ? "" : ", or ");
+        if (reference.out_of_budget)
+            message += fmt::format("give more than --budget {:g}{}", options_.budget, looser.empty() ? "" : ", or ");
         if (!looser.empty()) message += "ask for " + looser;
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
@@ -152,8 +160,8 @@ private:
         std::string text = "its peaks to";
         for (std::size_t k = 0; k < peak_words.size(); ++k) {
             const double right = reference.values.peaks[k];
-            text += fmt::format("{} {:.2g} % ({})", k > 0 ? "," : "", right > 0 ? 100 * reference.peak_uncertainty[k] / right : 0.0,
-                                peak_words[k].says);
+            text += fmt::format("{} {:.2g} % ({})", k > 0 ? "," : "",
+                                right > 0 ? 100 * reference.peak_uncertainty[k] / right : 0.0, peak_words[k].says);
         }
         return text;
     }
@@ -225,7 +233,8 @@ private:
             return trial.meets && trial.model.dt.value_or(0) <= longest * (1 + 1e-9) && trial.slowest <= options_.enough;
         };
         const auto first = [&] {
-            return std::find_if(trials.all().begin(), trials.all().end(), [&](const auto& entry) { return is_enough(entry.second); });
+            return std::find_if(trials.all().begin(), trials.all().end(),
+                                [&](const auto& entry) { return is_enough(entry.second); });
         };
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
             if (first() != trials.all().end() || !may_go_on()) return false;
@@ -237,7 +246,8 @@ private:
         result_.trials = static_cast<int>(trials.all().size());
         if (trials.stopped() || found == trials.all().end()) return false;
         result_.chosen = planned(found->second, found->second.slowest);
-        result_.notes.push_back(fmt::format("the first model that takes no more than {:.2g} of real time: there may be cheaper ones", options_.enough));
+        result_.notes.push_back(fmt::format(
+            "the first model that takes no more than {:.2g} of real time: there may be cheaper ones", options_.enough));
         return true;
     }
 

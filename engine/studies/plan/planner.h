@@ -26,8 +26,8 @@ struct PlanOptions {
     std::filesystem::path trials;  // folder where trials are kept; a plan that was interrupted goes on from there
     double budget = 120;           // wall time of this call [s]
     int device = -1;
-    // With a rate: takes the first model that meets the goals and needs at most this fraction of real time in its slowest part. The
-    // reference is then known to 1/3 of the tolerance only. 0: looks for the cheapest model, and reports its simplifications
+    // With a rate: takes the first model that meets the goals and needs at most this fraction of real time in its slowest part.
+    // The reference is then known to 1/3 of the tolerance only. 0: looks for the cheapest model, and reports its simplifications
     double enough = 0;
     std::function<bool()> stop;                        // asked between samples of a trial; may be empty
     std::function<void(const std::string&)> progress;  // what is being done; may be empty

@@ -27,7 +27,7 @@ struct ContactRow {
     double along_a = 0;        // where on a: arc length from its tip along the unstressed wire [m]
     double along_b = 0;        // likewise on b; 0 on the wall [m]
     double length = 0;    // metres of wire this contact stands for (0 for a pair of `layer`)
-    double area = 0;      // that the wire lies on the other body with [m^2], contact/loads/contact_patch.h (0 for a pair of `layer`)
+    double area = 0;  // that the wire lies on the other body with [m^2], contact/loads/contact_patch.h (0 for a pair of `layer`)
     double pressure = 0;  // load over area, both of one window: force_per_length.h [Pa]
     // contact/force_per_length.h
     double per_length = 0;  // load on the wire here, over a window [N/m]

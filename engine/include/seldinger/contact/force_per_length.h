@@ -3,9 +3,9 @@
 // regions in contact.
 //
 // Let s be the arc length from the tip along the unstressed wire [m]. A sample of contact that represents the length l of wire
-// bears its normal force F [N] evenly over [s - l/2, s + l/2]. The tip's own point law and the pairs of `layer` represent no length
-// and bear theirs at s. Their sum is a load along the wire whose integral is the sum of all F, whatever the samples are. With N(a,
-// b) the load on the closed stretch from a to b [N]:
+// bears its normal force F [N] evenly over [s - l/2, s + l/2]. The tip's own point law and the pairs of `layer` represent no
+// length and bear theirs at s. Their sum is a load along the wire whose integral is the sum of all F, whatever the samples are.
+// With N(a, b) the load on the closed stretch from a to b [N]:
 //
 //     force per length    q(s) = N(s - W/2, s + W/2) / W     [N/m]
 //     force on a patch    P(L) = max over a of N(a, a + L)   [N]

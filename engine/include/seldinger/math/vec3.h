@@ -1,9 +1,9 @@
 #pragma once
 // Vectors of space and of the plane, 3 x 3 matrices and boxes, in double precision.
 //
-// Plain values, so that a header that has a point in it costs nothing to read and a program that includes it needs no library. Methods
-// have Eigen's names: a formula reads alike here and in the sources that use Eigen for linear algebra (math/eigen.h joins the two).
-// Sums go from left to right, without fused operations, so that results do not depend on the processor.
+// Plain values, so that a header that has a point in it costs nothing to read and a program that includes it needs no library.
+// Methods have Eigen's names: a formula reads alike here and in the sources that use Eigen for linear algebra (math/eigen.h joins
+// the two). Sums go from left to right, without fused operations, so that results do not depend on the processor.
 
 #include <cmath>
 #include <limits>
@@ -195,7 +195,10 @@ public:
     friend Mat3 operator*(double s, Mat3 a) { return a *= s; }
     friend Mat3 operator*(Mat3 a, double s) { return a *= s; }
     friend Mat3 operator/(const Mat3& a, double s) { return columns(a.column_[0] / s, a.column_[1] / s, a.column_[2] / s); }
-    friend Vec3 operator*(const Mat3& a, const Vec3& v) { return a.column_[0] * v[0] + a.column_[1] * v[1] + a.column_[2] * v[2]; }
+    friend Vec3 operator*(const Mat3& a, const Vec3& v)
+    {
+        return a.column_[0] * v[0] + a.column_[1] * v[1] + a.column_[2] * v[2];
+    }
     friend Mat3 operator*(const Mat3& a, const Mat3& b) { return columns(a * b.column_[0], a * b.column_[1], a * b.column_[2]); }
     friend bool operator==(const Mat3&, const Mat3&) = default;
 

@@ -15,7 +15,8 @@
 
 namespace seldinger {
 
-/// One view. Absent: as the run's scene says, else by default (docs/fluoroscopy.md). Default names: DIR/fluoro.png, DIR/fluoro_######.png.
+/// One view. Absent: as the run's scene says, else by default (docs/fluoroscopy.md). Default names: DIR/fluoro.png,
+/// DIR/fluoro_######.png.
 struct XrayOptions : FrameChoice {
     int width = 1024, height = 1024;     // [pixels]
     std::vector<std::string> set;        // keys of [carm] and [contrast], as of --set
@@ -32,10 +33,11 @@ struct XrayOptions : FrameChoice {
     bool noise = true, contrast = true, logarithmic = false;
 };
 
-/// Draws the chosen frames and writes the chosen files, view after view: with several views, NAME_v1, NAME_v2 ... in place of NAME.
-/// Each picture depends on its own files, its view's options and the seed alone. With a preview only that is written.
+/// Draws the chosen frames and writes the chosen files, view after view: with several views, NAME_v1, NAME_v2 ... in place of
+/// NAME. Each picture depends on its own files, its view's options and the seed alone. With a preview only that is written.
 /// @param views  at least one; frames and files are those of the first
 /// @throws Error BadFile, BadScene
-PictureFiles render_xray(const std::filesystem::path& dir, const std::vector<XrayOptions>& views, const FrameProgress& progress = {});
+PictureFiles render_xray(const std::filesystem::path& dir, const std::vector<XrayOptions>& views,
+                         const FrameProgress& progress = {});
 
 }  // namespace seldinger

@@ -17,7 +17,8 @@ namespace seldinger {
 
 class Recording {
 public:
-    /// Begins a run in `dir`. @param world  of scene.setup, before its first step; outlives the recording  @param overwrite  a run that is there already
+    /// Begins a run in `dir`. @param world  of scene.setup, before its first step; outlives the recording  @param overwrite  a
+    /// run that is there already
     /// @throws Error BadFile, BadScene
     Recording(const LoadedScene& scene, const World& world, const std::filesystem::path& dir, bool overwrite = false);
     ~Recording();

@@ -1,5 +1,6 @@
 #pragma once
-// `seldinger report`: one HTML file with everything inside: vessel, frames, plots, summary and settings of a run, or the table of a batch.
+// `seldinger report`: one HTML file with everything inside: vessel, frames, plots, summary and settings of a run, or the table of
+// a batch.
 
 #include <filesystem>
 #include <string>

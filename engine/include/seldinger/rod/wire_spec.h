@@ -57,7 +57,7 @@ struct WireSpec {
     int nodes = 0;                              // number over the whole length; 0 = adaptive
     double min_edge = 0.001, max_edge = 0.010;  // adaptive only [m]
     CurvatureMeasure curvature = CurvatureMeasure::Angle;
-    double edge_error = 2e-6;                // adaptive only: tip displacement that one edge's error may cause (nodes/adapt.h) [m]
+    double edge_error = 2e-6;  // adaptive only: tip displacement that one edge's error may cause (nodes/adapt.h) [m]
     WireSection shaft;                       // where no section says otherwise
     std::vector<WireSectionRange> sections;  // later ones win
     WirePlacement place;                     // ignored for a fed wire

@@ -81,8 +81,8 @@ struct FeedSpec {
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
     double advance = 0, turn = 0;  // at the start [m], [rad]
     HubSpec hub;
-    // For instruments in one centreline: length between the hand and the inlet at the start. It is twisted, and gets shorter as the
-    // instrument is pushed; 0: the hand is always at the inlet [m].
+    // For instruments in one centreline: length between the hand and the inlet at the start. It is twisted, and gets shorter as
+    // the instrument is pushed; 0: the hand is always at the inlet [m].
     double behind = 0;
     std::vector<Vec3> path;  // what is inside at the start lies along it, from the inlet on [m]; empty: straight ahead
 };

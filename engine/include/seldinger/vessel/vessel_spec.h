@@ -41,13 +41,13 @@ struct VesselSpec {
     double wall_edge = 0;              // of the control mesh [m]; 0: chosen
     bool rims_held = true;             // openings' rims do not move
     std::vector<WallLoad> loads;
-    // Points of the wall where instruments are expected to touch it: the control mesh of an elastic wall is fine about them. No key of
-    // a scene; found by a trial run with a rigid wall (run/wall_path.h) [m]
+    // Points of the wall where instruments are expected to touch it: the control mesh of an elastic wall is fine about them. No
+    // key of a scene; found by a trial run with a rigid wall (run/wall_path.h) [m]
     std::vector<Vec3> touched;
     std::filesystem::path centreline;  // optional .vtp with MaximumInscribedSphereRadius
     std::string centreline_units;      // as units; empty: what its header says, else the mesh's
     std::string centreline_space;      // "LPS" or "RAS"; empty: what its header says, else the mesh's
-    bool branches_from_root = false;   // branches count from the centreline's root; else from the inlet in use (vessel/branches.h)
+    bool branches_from_root = false;  // branches count from the centreline's root; else from the inlet in use (vessel/branches.h)
 };
 
 }  // namespace seldinger

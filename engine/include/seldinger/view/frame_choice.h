@@ -21,7 +21,8 @@ struct FrameChoice {
     std::filesystem::path film;    // empty: none
     double rate = 0;               // of the film [1/s]; 0: real time, or faster where that would be below 15 a second
     std::filesystem::path labels;  // folder of the labels beside each picture (docs/labels.md); empty: none
-    std::filesystem::path labels_in;  // the folder that `labels` lies below, reached through no link; empty: `labels` is a path of its own
+    std::filesystem::path
+        labels_in;  // the folder that `labels` lies below, reached through no link; empty: `labels` is a path of its own
     bool label_vessel = false;     // the lumen's thickness too
     std::filesystem::path preview;  // a sheet of some pictures with their labels drawn in, in place of all else; empty: none
 };

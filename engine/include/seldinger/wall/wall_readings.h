@@ -32,8 +32,8 @@ struct WallReadings {
     double move_share = 0;  // largest, as a share of a fifth of the lumen's radius there [-]
     double energy = 0;      // stored in shell, tissue and against pressure [J]
     double loss = 0;        // dissipated by damping since the start, numerical damping included [J]
-    double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces, at a quadrature point of the shell; under
-                            // an instrument with what the mesh cuts off (lost_peak) [Pa]
+    double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces, at a quadrature point of the shell;
+                            // under an instrument with what the mesh cuts off (lost_peak) [Pa]
     double move_at[3] = {}, stress_at[3] = {};  // where these are, on the wall that has not moved [m]
     WallBand move_band, stress_band;            // ± of the largest ones, by control mesh and geometry [m], [Pa]
 };

@@ -15,8 +15,8 @@ constexpr int most_moves = 6;           // of the wall at one trial
 constexpr double predicted_force = 0.1;  // of the largest: what may be missed at a trial that is not the last one
 constexpr double predicted_move = 0.02;  // of the wire's radius, likewise
 constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
-// of the wall's own equations: Newton's last residual is at most 1e-4 radii of rho; wires in contact over their whole length find no
-// equilibrium with 1e-7
+// of the wall's own equations: Newton's last residual is at most 1e-4 radii of rho; wires in contact over their whole length find
+// no equilibrium with 1e-7
 constexpr double in_time = 1e-8, at_rest = 1e-11;
 constexpr int most_refinements = 8;                                 // that ask for more than Newton's convergence
 constexpr int most_relaxations = 100;                               // of an equilibrium of a wall that moves far
@@ -155,7 +155,9 @@ void ElasticContact::evaluate_start(const TermTrial& start)
 /// Where the wall goes under the forces of the accepted state, which change little in a step.
 void ElasticContact::guess(System& system) const
 {
-    const auto force_on = [&](std::size_t k) -> const Vec3& { return system.force_before[static_cast<std::size_t>(system.rows[k])]; };
+    const auto force_on = [&](std::size_t k) -> const Vec3& {
+        return system.force_before[static_cast<std::size_t>(system.rows[k])];
+    };
     std::vector<std::size_t>& loaded = system.loaded;
     loaded.clear();
     for (std::size_t k = 0; k < system.rows.size(); ++k) {
@@ -328,7 +330,8 @@ void ElasticContact::add(int wire, std::span<double> residual, BandRows* tangent
     }
 }
 
-void ElasticContact::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool symmetric) const
+void ElasticContact::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent,
+                            bool symmetric) const
 {
     System& system = of(unknowns.wires.front());
     const WallTrial& now = system.trial();

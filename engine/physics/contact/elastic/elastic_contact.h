@@ -6,8 +6,8 @@
 //                                                  A = dy/dx = (1 + G)^-1 (wall_stations.h)
 //     wall   rho = U - U_free + W A^T f(y) = 0     U_free: where the wall would be at the end of the step if nothing touched it
 //
-// Newton's residual takes both. At each trial x the wall moves to the position that the last linear equations of both give for this
-// x. The remaining rho goes into the wire's residual as the force that it will still make. With T = -A^T df/dy A the
+// Newton's residual takes both. At each trial x the wall moves to the position that the last linear equations of both give for
+// this x. The remaining rho goes into the wire's residual as the force that it will still make. With T = -A^T df/dy A the
 // tangent is T - T (W^-1 + T)^-1 T: unknowns U beside the band (math/condensed.h). If a trial is far from this prediction (rho
 // above 10 % of the largest force), the wall is moved again at the same x.
 //
@@ -50,7 +50,8 @@ public:
     [[nodiscard]] double work(int system) const override;
     /// Looked at are nodes with at least half of the largest force, and the triangles there.
     [[nodiscard]] WallReadings under(int system) const override;
-    [[nodiscard]] WallReadings readings(int system, std::span<const double> displacement, std::vector<double>* stress = nullptr) const override;
+    [[nodiscard]] WallReadings readings(int system, std::span<const double> displacement,
+                                        std::vector<double>* stress = nullptr) const override;
     void add_nodal_forces(int wire, std::span<Vec3> forces) const override;
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.

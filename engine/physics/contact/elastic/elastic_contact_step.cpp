@@ -111,7 +111,9 @@ void ElasticContact::list_seen(RodArrays& rods, int wire, std::vector<Vec3>& pla
         const WallEnd* end = system.end_of(first, capacity, i, rod.pos(i));
         const Vec3 own = end ? Vec3(Vec3(end->x) - Vec3(end->y)) : moved;
         const double radius = rod.radius[std::min(i, rod.n - 2)];
-        const auto see = [&](const Vec3& x, const Vec3& by) { places.push_back(system.stations.seen_at(x, x - by, system.dynamics, radius)); };
+        const auto see = [&](const Vec3& x, const Vec3& by) {
+            places.push_back(system.stations.seen_at(x, x - by, system.dynamics, radius));
+        };
         if (i > 0) see((rod.pos(i - 1) + rod.pos(i)) / 2, (moved + own) / 2);
         see(rod.pos(i), own);
         moved = own;
@@ -198,8 +200,8 @@ bool ElasticContact::begun(System& system, double h)
     return system.stands;
 }
 
-/// The wall's free motion in a step of h, and its compliance where it may be touched. Fewer rows, of nodes that touch alone, make more
-/// evaluations where many contacts come and go.
+/// The wall's free motion in a step of h, and its compliance where it may be touched. Fewer rows, of nodes that touch alone, make
+/// more evaluations where many contacts come and go.
 void ElasticContact::start_step(System& system, double h) const
 {
     system.begun = true;
@@ -280,12 +282,14 @@ void ElasticContact::add_rows(System& system) const
 
 void ElasticContact::keep_feet()
 {
-    for (const auto& system : systems_) system->feet_before.assign(system->stations.feet().begin(), system->stations.feet().end());
+    for (const auto& system : systems_)
+        system->feet_before.assign(system->stations.feet().begin(), system->stations.feet().end());
 }
 
 void ElasticContact::put_feet_back()
 {
-    for (const auto& system : systems_) std::copy(system->feet_before.begin(), system->feet_before.end(), system->stations.feet().begin());
+    for (const auto& system : systems_)
+        std::copy(system->feet_before.begin(), system->feet_before.end(), system->stations.feet().begin());
 }
 
 bool ElasticContact::begins_block(double h) const
@@ -303,7 +307,9 @@ void ElasticContact::System::walk_wall(StateWalk& walk)
     if (!walk.checks()) return;
     const auto count = static_cast<std::int32_t>(wires.size()), vertices = static_cast<std::int32_t>(moves.size() / 3);
     for (const WallDynamics::Push& push : exerted)
-        StateWalk::need(push.wire >= 0 && push.wire < count && push.vertex >= 0 && push.vertex < vertices && push.force.norm() <= row.most, row.name);
+        StateWalk::need(
+            push.wire >= 0 && push.wire < count && push.vertex >= 0 && push.vertex < vertices && push.force.norm() <= row.most,
+            row.name);
 }
 
 double ElasticContact::work_from_outside(int wire) const
@@ -354,7 +360,8 @@ void ElasticContact::commit(std::span<const std::uint8_t> active)
     take_times(seconds_since(start));
 }
 
-/// The work on the way to an equilibrium takes means of the forces at both ends: from another equilibrium, what linear theory stores, exactly.
+/// The work on the way to an equilibrium takes means of the forces at both ends: from another equilibrium, what linear theory
+/// stores, exactly.
 void ElasticContact::end_equilibrium(System& system, double farthest) const
 {
     std::vector<WallDynamics::Push> both = system.exerted_before;
@@ -394,7 +401,8 @@ void ElasticContact::read_under(System& system) const
     if (largest == 0) return;
     const auto unmoved = [&](const LoopStencil& at) {
         Vec3 place = Vec3::Zero();
-        for (int a = 0; a < at.size; ++a) place += at.n[a] * wall_.surface().control().vertices[static_cast<std::size_t>(at.vertex[a])];
+        for (int a = 0; a < at.size; ++a)
+            place += at.n[a] * wall_.surface().control().vertices[static_cast<std::size_t>(at.vertex[a])];
         return place;
     };
     LoopStencil stencil;
@@ -426,15 +434,17 @@ void ElasticContact::read_under(System& system) const
     if (!system.dynamics.large()) add_geometry(wall_, now.move_max, now);
 }
 
-/// Load per length of wire beside a row [N/m]. A node's force is on its own length of wire, at most a decay length. The mean is over that length, half a
-/// control edge or a thickness, whichever is longest: nearer to a load the wall is no thin plate (LostPeak).
+/// Load per length of wire beside a row [N/m]. A node's force is on its own length of wire, at most a decay length. The mean is
+/// over that length, half a control edge or a thickness, whichever is longest: nearer to a load the wall is no thin plate
+/// (LostPeak).
 double ElasticContact::line_load(const System& system, std::size_t row, std::int32_t triangle) const
 {
     const int wire = system.wire_of_row[row], first = rods_.node_begin(wire) - system.first_node;
     const ConstRodView rod = rods_.view(wire);
     const auto bears_on = [&](int node) { return std::min(wall_.decay(), rod.voronoi_length(node)); };
     const int node = system.rows[row] - first;
-    const double length = std::max({bears_on(node), 0.5 * std::min(wall_.decay(), wall_.edge_of(triangle)), wall_.shell().spec().thickness});
+    const double length =
+        std::max({bears_on(node), 0.5 * std::min(wall_.decay(), wall_.edge_of(triangle)), wall_.shell().spec().thickness});
     Vec3 load = Vec3::Zero();
     for (std::size_t k = 0; k < system.rows.size(); ++k) {
         if (system.wire_of_row[k] != wire) continue;

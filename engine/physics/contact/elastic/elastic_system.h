@@ -96,7 +96,8 @@ struct ElasticContact::System {
     std::vector<std::size_t> loaded;  // rows on which a force acted in the accepted state
     mutable std::vector<double> missed;
     std::vector<WallDynamics::Push> pushed;
-    std::vector<WallDynamics::Push> exerted, exerted_before;  // pushed in the accepted state, of which it is a part, and in the one before
+    std::vector<WallDynamics::Push> exerted,
+        exerted_before;                             // pushed in the accepted state, of which it is a part, and in the one before
     std::vector<double> work_at_rest;               // on each wire on the way to the last equilibrium [wires] [J]
     std::vector<double> moves;  // [3 control vertices] at those that are read [m]
     WallReadings under;         // of the accepted state

@@ -10,8 +10,8 @@ namespace seldinger {
 
 namespace {
 
-// Factor on the wall's largest displacement: nodes may be that far from the initial wall and still touch it. The largest is that of
-// the examined points; no other has moved much farther.
+// Factor on the wall's largest displacement: nodes may be that far from the initial wall and still touch it. The largest is that
+// of the examined points; no other has moved much farther.
 constexpr double farthest_factor = 1.25;
 
 constexpr double fade_length = 4;  // radii over which U fades out
@@ -165,7 +165,8 @@ void StationCompliance::reset(const WallStations& stations, std::span<const int>
     for (const Part& part : parts_) ++users_[static_cast<std::size_t>(part.slot)];
     rising_.resize(slots_.size());
     std::iota(rising_.begin(), rising_.end(), 0);
-    std::sort(rising_.begin(), rising_.end(), [&](int a, int b) { return slots_[static_cast<std::size_t>(a)] < slots_[static_cast<std::size_t>(b)]; });
+    std::sort(rising_.begin(), rising_.end(),
+              [&](int a, int b) { return slots_[static_cast<std::size_t>(a)] < slots_[static_cast<std::size_t>(b)]; });
     needed_.resize(slots_.size());
     known_.assign(rows.size(), Unknown);
     wanted_.clear();
@@ -200,7 +201,8 @@ std::size_t StationCompliance::list_needed()
         if (users_[static_cast<std::size_t>(place)] == 0) continue;
         const int slot = slots_[static_cast<std::size_t>(place)];
         needed_[static_cast<std::size_t>(place)] = count++;
-        if (!runs_.empty() && runs_.back().slot + runs_.back().count == slot && runs_.back().count < longest) ++runs_.back().count;
+        if (!runs_.empty() && runs_.back().slot + runs_.back().count == slot && runs_.back().count < longest)
+            ++runs_.back().count;
         else runs_.push_back({slot, 1});
     }
     return static_cast<std::size_t>(count);
@@ -240,7 +242,8 @@ void StationCompliance::put(std::size_t own, std::span<const double> answer)
         if (known_[other] == Known && other != own) continue;
         double block[9] = {};
         for (std::size_t part = first_[other]; part < first_[other + 1]; ++part) {
-            const double* const from = &answer[9 * static_cast<std::size_t>(needed_[static_cast<std::size_t>(parts_[part].slot)])];
+            const double* const from =
+                &answer[9 * static_cast<std::size_t>(needed_[static_cast<std::size_t>(parts_[part].slot)])];
             for (int c = 0; c < 9; ++c) block[c] += parts_[part].share * from[c];
         }
         for (std::size_t r = 0; r < 3; ++r)

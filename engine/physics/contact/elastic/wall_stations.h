@@ -8,10 +8,10 @@
 // nearest to y0 = x0 - U0, not to x0. Then (D11a) is the tangent of the map that the next step's feet follow. If the wire
 // is drawn along a dent, the two differ by terms of second order in the distance of one step alone. Between nodes y is linear, as
 // the wire is. The wall's points X have gone to X + U(X), by a map of gradient 1 +
-// G: what the wire does relative to the wall is carried back by its inverse. The gap at y is that to the moved wall to first order
-// in the slope of the displacement. For a move of 0.2 lumen radii over a decay length, 2.5 % of it are second order. A force f at y
-// is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot. No work and no momentum is lost
-// between the two. Nodes far from the wall are not carried at all: U fades out between `full` and `none`.
+// G: what the wire does relative to the wall is carried back by its inverse. The gap at y is that to the moved wall to first
+// order in the slope of the displacement. For a move of 0.2 lumen radii over a decay length, 2.5 % of it are second order. A
+// force f at y is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot. No work and no
+// momentum is lost between the two. Nodes far from the wall are not carried at all: U fades out between `full` and `none`.
 
 #include "math/vec3.h"
 #include "rod/rod_arrays.h"
@@ -36,17 +36,18 @@ struct WallStation {
     int row = -1;                  // among those that touch, or may
 };
 
-/// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, because the last bits of
-/// a foot depend on it.
+/// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, because the last bits
+/// of a foot depend on it.
 struct WallFoot {
     double node[3] = {1e30, 1e30, 1e30};  // y from which it was found [m]
     double u = 0, v = 0;
     std::int64_t triangle = -1;
 };
 
-/// Where a node of the accepted state was and where it was carried to by the foot of that step. From its new foot it is carried to
-/// x - U, which differs by terms of second order in the slope and the distance moved. That is little, but as much as an overlap may
-/// have if a wire is drawn fast along a dent. y continues from its position, and by `most_made_good` radii a step to x - U.
+/// Where a node of the accepted state was and where it was carried to by the foot of that step. From its new foot it is carried
+/// to x - U, which differs by terms of second order in the slope and the distance moved. That is little, but as much as an
+/// overlap may have if a wire is drawn fast along a dent. y continues from its position, and by `most_made_good` radii a step to
+/// x - U.
 struct WallEnd {
     double x[3] = {1e30, 1e30, 1e30}, y[3] = {};  // [m]
     double force[3] = {};                         // on the node [N]
@@ -62,8 +63,8 @@ public:
     void copy(const WallStations& other, int first, int last);
     /// Finds the foot of a node at x anew, unless it is there already.   @param before  y of the accepted state, null: not known
     void place(int node, const Vec3& x, const Vec3* before, const WallDynamics& wall, double radius);
-    /// y = x - U(foot of y) of a point of a wire at x, by repeated passes from `y`: where it is beside the wall that has not moved, by
-    /// the wall as it is now alone.
+    /// y = x - U(foot of y) of a point of a wire at x, by repeated passes from `y`: where it is beside the wall that has not
+    /// moved, by the wall as it is now alone.
     [[nodiscard]] Vec3 seen_at(const Vec3& x, Vec3 y, const WallDynamics& wall, double radius) const;
     /// Forgets nodes `first` to `last`, which have been removed.
     void forget(int first, int last);
@@ -93,8 +94,8 @@ private:
     std::vector<Clear> clear_;           // [nodes] where a node was when it was far from the wall
 };
 
-/// W: compliance of stations to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T, for those stations on which something acts: few of
-/// those on which something might.
+/// W: compliance of stations to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T, for those stations on which something acts: few
+/// of those on which something might.
 class StationCompliance {
 public:
     /// @param rows  nodes of the stations  @param patch  of the step

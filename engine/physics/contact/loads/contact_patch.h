@@ -11,15 +11,15 @@
 // middle twice the mean.
 //
 // delta is the overlap of the accepted state where the law sinks in (hunt-crossley, lankarani-nikravesh). Laws without overlap
-// (augmented, constraint, impulse, barrier) give no delta. It is then the depth at which the wall's own bed would carry the force,
-// without hardening, as in rolling resistance (D10). Area and pressure are those of the same wire on that bed.
+// (augmented, constraint, impulse, barrier) give no delta. It is then the depth at which the wall's own bed would carry the
+// force, without hardening, as in rolling resistance (D10). Area and pressure are those of the same wire on that bed.
 //
-// Where it ends. The wall is taken as flat across the wire. In a lumen of radius R the bed's chord is longer by 1/sqrt(1 - r/R): 2
-// % for a 0.035 inch wire in an aorta, 10 % for r/R = 1/6. A wire as thick as its lumen has no limit. The wall's surface beside the
-// wire stays in place (a bed, not a half space), as in the law itself. A wall that deforms as a shell does so in series, with
+// Where it ends. The wall is taken as flat across the wire. In a lumen of radius R the bed's chord is longer by 1/sqrt(1 - r/R):
+// 2 % for a 0.035 inch wire in an aorta, 10 % for r/R = 1/6. A wire as thick as its lumen has no limit. The wall's surface beside
+// the wire stays in place (a bed, not a half space), as in the law itself. A wall that deforms as a shell does so in series, with
 // delta its local overlap. Two instruments: the common chord of their circles times the touching length. If two cross,
-// contact is a lens: area is up to 4/pi too large, and mean pressure as much too small. A delta under half a micrometre is below a
-// surface's roughness.
+// contact is a lens: area is up to 4/pi too large, and mean pressure as much too small. A delta under half a micrometre is below
+// a surface's roughness.
 
 #include "math/vec3.h"
 #include "shared/contact_types.h"

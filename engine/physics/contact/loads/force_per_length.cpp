@@ -92,7 +92,8 @@ std::vector<ContactRegion> contact_regions(std::span<const LoadSample> samples, 
     std::vector<ContactRegion> stretches;
     for (const LoadSample& sample : samples)
         stretches.push_back({sample.s - sample.length / 2, sample.s + sample.length / 2});
-    std::sort(stretches.begin(), stretches.end(), [](const ContactRegion& a, const ContactRegion& b) { return a.begin < b.begin; });
+    std::sort(stretches.begin(), stretches.end(),
+              [](const ContactRegion& a, const ContactRegion& b) { return a.begin < b.begin; });
     for (const ContactRegion& stretch : stretches) {
         if (regions.empty() || stretch.begin - regions.back().end > window) regions.push_back(stretch);
         else regions.back().end = std::max(regions.back().end, stretch.end);
@@ -159,7 +160,10 @@ ContactAlong read_wire(std::span<const Touch> touches, const AlongSpec& spec)
 
 }  // namespace
 
-ContactAlong greatest_loads(std::span<const LoadSample> samples, const AlongSpec& spec) { return greatest(LoadAlong(samples), spec); }
+ContactAlong greatest_loads(std::span<const LoadSample> samples, const AlongSpec& spec)
+{
+    return greatest(LoadAlong(samples), spec);
+}
 
 void read_along(std::span<ContactRow> rows, std::span<const AlongSpec> specs, std::span<ContactAlong> wall,
                 std::span<ContactAlong> instruments)
@@ -173,7 +177,8 @@ void read_along(std::span<ContactRow> rows, std::span<const AlongSpec> specs, st
             continue;
         }
         on_others[a].push_back({sample, row.area, &row});
-        on_others[static_cast<std::size_t>(row.b.body)].push_back({{row.along_b, row.length, row.normal_force}, row.area, nullptr});
+        on_others[static_cast<std::size_t>(row.b.body)].push_back(
+            {{row.along_b, row.length, row.normal_force}, row.area, nullptr});
     }
     for (std::size_t w = 0; w < specs.size(); ++w) {
         wall[w] = read_wire(on_wall[w], specs[w]);

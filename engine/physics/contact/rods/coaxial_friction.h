@@ -7,19 +7,19 @@
 //
 // each the change over the step. Both advances are the hands' and known, so axial slip is the same everywhere. The axial force, +
 // on one and - on the other, is no force on the line but one between the hands (merged_read.cpp). Around it is a couple
-// between the two spins. Slip leaves out the turn of a twisted instrument as it slides, r theta' of its way, on both sides of the work
-// as it leaves out 1 + kappa r at a bend.
+// between the two spins. Slip leaves out the turn of a twisted instrument as it slides, r theta' of its way, on both sides of the
+// work as it leaves out 1 + kappa r at a bend.
 //
-// **Cells** as long as the line's shortest edge are fixed in the outer one's material and remember the elastic slip of the part of
-// them that is in an overlap; what leaves it forgets. So nothing of it depends on the line's nodes, which come, go and change their
-// leader. A cell turns by the mean of the edges' angles over its part, and its couple goes to these edges by the same weights. So
-// work and tangent are those of one function of the angles, and forces do not jump as material passes a node.
+// **Cells** as long as the line's shortest edge are fixed in the outer one's material and remember the elastic slip of the part
+// of them that is in an overlap; what leaves it forgets. So nothing of it depends on the line's nodes, which come, go and change
+// their leader. A cell turns by the mean of the edges' angles over its part, and its couple goes to these edges by the same
+// weights. So work and tangent are those of one function of the angles, and forces do not jump as material passes a node.
 //
 // **Where the lumen presses**, friction is also mu times the force between the two. Without clearance that has no bound. The
-// instruments' own clearance bounds it, from their moments in the last accepted state (rod/lumen_press.h, places a cell apart). In
-// the step it is known, as the wall's friction is not: it lags by one step. With three instruments and more, all outside the lumen
-// bend as one, and all inside it. An inner instrument under a tension T presses by T kappa round a bend. T sums all that holds it
-// back between its tip and there; outside pulls act beyond the mouth by these sums.
+// instruments' own clearance bounds it, from their moments in the last accepted state (rod/lumen_press.h, places a cell apart).
+// In the step it is known, as the wall's friction is not: it lags by one step. With three instruments and more, all outside the
+// lumen bend as one, and all inside it. An inner instrument under a tension T presses by T kappa round a bend. T sums all that
+// holds it back between its tip and there; outside pulls act beyond the mouth by these sums.
 
 #include "contact/rods/coaxial_slip.h"
 #include "rod/coaxial_moment.h"
@@ -61,8 +61,8 @@ public:
 
     /// What pulls at an instrument from outside in the accepted state, along the line, + towards the tip [N].
     void set_outside(int wire, double force);
-    /// Force of the other instruments on this one along the line at the last evaluation, + towards the tip [N]. In a group they add
-    /// up to 0.
+    /// Force of the other instruments on this one along the line at the last evaluation, + towards the tip [N]. In a group they
+    /// add up to 0.
     [[nodiscard]] double along(int wire) const;
 
 private:
@@ -88,8 +88,8 @@ private:
     struct Pair {
         int outer = 0, inner = 0;  // places in the group
         double cell = 0;           // [m]
-        // accepted, [cells]: elastic slip, whether the last step slid; force that presses [N/m] and where that leaves the inner one
-        // at the cell's tip end (LumenPress::off), both where mu is not 0
+        // accepted, [cells]: elastic slip, whether the last step slid; force that presses [N/m] and where that leaves the inner
+        // one at the cell's tip end (LumenPress::off), both where mu is not 0
         std::vector<Vec2> elastic;
         std::vector<std::uint8_t> slid;
         std::vector<double> pressing;
@@ -122,8 +122,8 @@ private:
     void find_pressing(Group& group);
     void find_pressing(const Group& group, const CoaxialTrial& now, Pair& pair);
     void set_lateral(const Group& group, const Pair& pair, const Overlap& overlap, int first);
-    [[nodiscard]] LumenPress::Place place_at(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& overlap,
-                                             double s);
+    [[nodiscard]] LumenPress::Place place_at(const Group& group, const CoaxialTrial& now, const Pair& pair,
+                                             const Overlap& overlap, double s);
     [[nodiscard]] LumenPress::End end_of(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& overlap);
 
     RodArrays& rods_;

@@ -77,8 +77,8 @@ void CoaxialFriction::find_pressing(const Group& group, const CoaxialTrial& now,
     }
 }
 
-/// Tension of the inner instruments, from the tip on: outside pulls and friction of all around; times the curvature that place_at()
-/// left in `lateral`.
+/// Tension of the inner instruments, from the tip on: outside pulls and friction of all around; times the curvature that
+/// place_at() left in `lateral`.
 void CoaxialFriction::set_lateral(const Group& group, const Pair& pair, const Overlap& lap, int first)
 {
     double outside = 0;
@@ -98,7 +98,8 @@ void CoaxialFriction::set_lateral(const Group& group, const Pair& pair, const Ov
 }
 
 /// Means over the half cells on both sides of s, as far as they are in the overlap; `lateral` is the curvature still.
-LumenPress::Place CoaxialFriction::place_at(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& lap, double s)
+LumenPress::Place CoaxialFriction::place_at(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& lap,
+                                            double s)
 {
     const CoaxialRod& rod = group.shared->rod;
     const RodView line = rods_.view(group.shared->line());

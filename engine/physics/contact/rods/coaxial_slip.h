@@ -6,8 +6,8 @@
 //
 //     f = -(k e + c u/h),    e = (e_0 + u) or, where that is longer than y, y (e_0 + u)/|e_0 + u|,    y = q/k         [Simo92]
 //
-// with e_0 the remembered elastic slip. Dry friction is at most q per length in any direction of slip, after an elastic slip of y;
-// c is the resistance of a film. Backward Euler: f holds at the end of the step.
+// with e_0 the remembered elastic slip. Dry friction is at most q per length in any direction of slip, after an elastic slip of
+// y; c is the resistance of a film. Backward Euler: f holds at the end of the step.
 // It takes -f . u = k e.u + c u.u/h, never less than 1/2 k (|e|^2 - |e_0|^2): it returns only stored energy.
 
 #include "math/vec3.h"
@@ -32,7 +32,8 @@ struct SlipPerLength {
 
 /// @param start  e_0     @param slip  u, of which the first is known     @param rate  1/h [1/s]; 0: at rest
 /// @param stuck  q is ignored
-[[nodiscard]] inline SlipPerLength slip_per_length(const SlipLawPerLength& law, const Vec2& start, const Vec2& slip, double rate, bool stuck = false)
+[[nodiscard]] inline SlipPerLength slip_per_length(const SlipLawPerLength& law, const Vec2& start, const Vec2& slip, double rate,
+                                                   bool stuck = false)
 {
     SlipPerLength out;
     if (law.limit > 0) {

@@ -36,7 +36,8 @@ struct FoundSlots {
     void keep(const FoundSlots& from, std::size_t first, std::size_t end)
     {
         const auto copy = [&](auto& to, const auto& list) {
-            to.insert(to.end(), list.begin() + static_cast<std::ptrdiff_t>(first), list.begin() + static_cast<std::ptrdiff_t>(end));
+            to.insert(to.end(), list.begin() + static_cast<std::ptrdiff_t>(first),
+                      list.begin() + static_cast<std::ptrdiff_t>(end));
         };
         copy(slot, from.slot), copy(touch, from.touch), copy(clear, from.clear), copy(near, from.near);
     }

@@ -58,7 +58,8 @@ void InstrumentContact::Nodes::upload(device::Context& context, device::Queue qu
 void InstrumentContact::Nodes::upload_moved(device::Context& context, device::Queue queue, int begin, int end)
 {
     const auto write = [&](std::span<const double> moved) {
-        context.write(queue, buffer, moved.data(), moved.size_bytes(), static_cast<std::size_t>(moved.data() - all.data()) * sizeof(double));
+        context.write(queue, buffer, moved.data(), moved.size_bytes(),
+                      static_cast<std::size_t>(moved.data() - all.data()) * sizeof(double));
     };
     const auto first = static_cast<std::size_t>(begin), moved = static_cast<std::size_t>(end - begin);
     write(position.subspan(3 * first, 3 * moved));
@@ -152,8 +153,8 @@ void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> l
         known.live = live[w] ? static_cast<uint>(std::clamp(static_cast<int>(known.inside / known.spacing + 1e-9), 0, cells)) : 0;
     }
     uploaded_ = false;
-    // in every step, stale or not: where the nearest place is looked for from decides its last bits, and a run that is resumed knows
-    // nothing of searches before
+    // in every step, stale or not: where the nearest place is looked for from decides its last bits, and a run that is resumed
+    // knows nothing of searches before
     std::fill(searching_.begin(), searching_.end(), std::uint8_t{1});
     search();
     times.detect += seconds_since(start);
@@ -175,10 +176,10 @@ void InstrumentContact::set_trial(const TrialState& trial)
 
 // ---- at a trial -------------------------------------------------------------------------------------------------------------
 
-/// Neighbours in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial. A slot is
-/// not evaluated if the first trial of a step found it farther apart than the nodes on both sides have moved since. (This is known
-/// in a lumen and of one rod with itself. The distance to b's curve grows by no more than the moves of its nearest point and of the
-/// searching point.)
+/// Neighbours in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial. A slot
+/// is not evaluated if the first trial of a step found it farther apart than the nodes on both sides have moved since. (This is
+/// known in a lumen and of one rod with itself. The distance to b's curve grows by no more than the moves of its nearest point
+/// and of the searching point.)
 void InstrumentContact::pick(std::span<const std::uint8_t> active)
 {
     picked_.clear();
@@ -192,7 +193,8 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) measure_moves(w);
         for (std::size_t k = found_.of[s]; k < found_.of[s + 1]; ++k) {
             if (cleared_[s] && found_.clear[k] > 0 && moved_together(k) < found_.clear[k]) {
-                // an earlier trial may have touched here: its record must not pass for the last one's, and follow() writes another
+                // an earlier trial may have touched here: its record must not pass for the last one's, and follow() writes
+                // another
                 if (found_.touch[k] == FoundSlots::Touching) found_.touch[k] = FoundSlots::Touched;
                 continue;
             }
@@ -207,13 +209,15 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
 void InstrumentContact::note_clear()
 {
     for (std::size_t s = 0; s < cleared_.size(); ++s) {
-        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) found_.touch[place_[k]] = forces_[k].count > 0 ? FoundSlots::Touching : FoundSlots::Apart;
+        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k)
+            found_.touch[place_[k]] = forces_[k].count > 0 ? FoundSlots::Touching : FoundSlots::Apart;
         written_[s] = written_[s] || picked_of_[s] < picked_of_[s + 1];
         if (cleared_[s] || picked_of_[s] == picked_of_[s + 1]) continue;
         cleared_[s] = 1;
         for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) found_.clear[place_[k]] = forces_[k].clear;
         for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) {
-            const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(w)), count = 3 * static_cast<std::ptrdiff_t>(rods_.node_count(w));
+            const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(w)),
+                       count = 3 * static_cast<std::ptrdiff_t>(rods_.node_count(w));
             std::copy_n(nodes_.position.begin() + begin, count, cleared_position_.begin() + begin);
         }
     }
@@ -262,8 +266,8 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     }));
     const auto evaluate = [&](InstrumentKernels& kernels) {
         kernels.provide(picked_.size());
-        kernels.launch(queue, kernels.items(picked_.size()), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_,
-                       nodes_.buffer, nodes_t0_.buffer, states_t0_, states_, forces, points_buffer_);
+        kernels.launch(queue, kernels.items(picked_.size()), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_,
+                       slots_, nodes_.buffer, nodes_t0_.buffer, states_t0_, states_, forces, points_buffer_);
     };
     if (of_itself < picked_.size()) evaluate(evaluate_);
     if (of_itself > 0) evaluate(evaluate_self_);
@@ -299,7 +303,8 @@ void InstrumentContact::take_records()
     for_each_item(static_cast<int>(sums_.size()), 1, [&](int s) {
         for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) {
             const InstrumentPair& pair = cells_.pairs[forces_[k].pair];
-            sums_[s].take(forces_[k], points_.data() + k * SEL_INSTRUMENT_POINTS, static_cast<int>(pair.a), static_cast<int>(pair.b), moves);
+            sums_[s].take(forces_[k], points_.data() + k * SEL_INSTRUMENT_POINTS, static_cast<int>(pair.a),
+                          static_cast<int>(pair.b), moves);
         }
     });
 }

@@ -2,11 +2,12 @@
 // Contact between instruments (D13), a force term: wires side by side, crossing, a wire with itself, an instrument in the lumen
 // of another and at its mouth. Geometry: kernels/shared/instrument_gap.h; laws: instrument_law.h; integration: instrument_cell.h.
 //
-// Per step: begin_step remembers nodes; prepare takes the node set and searches the neighbours of cells, on the host: it takes less time
-// than a launch, and where nothing is near, nothing is sent to the device. At each trial instruments_evaluate makes the forces of all neighbours, and the host sums their records (instrument_sums.h). If a
-// node has moved by half of the skin since the last search, the trial is searched anew, so neighbours always belong to the trial.
-// A trial in which one has sunk deeper into another than the law's pole is refused, and no node moves by more than 0.45 of the
-// smaller radius at once. So axes that are 1.5 radii apart do not pass each other.
+// Per step: begin_step remembers nodes; prepare takes the node set and searches the neighbours of cells, on the host: it takes
+// less time than a launch, and where nothing is near, nothing is sent to the device. At each trial instruments_evaluate makes the
+// forces of all neighbours, and the host sums their records (instrument_sums.h). If a node has moved by half of the skin since
+// the last search, the trial is searched anew, so neighbours always belong to the trial. A trial in which one has sunk deeper
+// into another than the law's pole is refused, and no node moves by more than 0.45 of the smaller radius at once. So axes that
+// are 1.5 radii apart do not pass each other.
 //
 // Arc lengths from the hub decide whether an instrument is inside another. The last point of the search is where the next one
 // begins. Distance in space does not matter. Instruments fed at one inlet lie on each other there, in the middle of the

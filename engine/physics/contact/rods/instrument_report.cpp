@@ -99,7 +99,8 @@ void InstrumentContact::for_each_contact(int wire, const F& f)
     if (slots.empty()) return;
     const std::size_t first = slots.front(), count = slots.back() + 1 - first;
     context_.enter(device::Queue::Inline);
-    context_.read(device::Queue::Inline, states_t0_, host_t0_.data() + first, count * sizeof(InstrumentState), first * sizeof(InstrumentState));
+    context_.read(device::Queue::Inline, states_t0_, host_t0_.data() + first, count * sizeof(InstrumentState),
+                  first * sizeof(InstrumentState));
     for (const std::uint32_t slot : slots) {
         const InstrumentState& state = host_t0_[slot];
         if (state.contact.epoch + 1 == cells_.rods[wire].epoch && (state.contact.flags & SEL_CONTACT_ACTIVE)) f(state);

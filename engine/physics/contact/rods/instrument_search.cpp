@@ -39,10 +39,12 @@ void InstrumentContact::measure_rod(int wire)
     }
     InstrumentRod& rod = cells_.rods[wire];
     rod.longest_edge = std::sqrt(square);
-    const double share = (1 + (rod.widest + params_.skin) / cells_.narrowest[wire]) / SEL_SELF_APART;  // as search_cells() asks of a cell
+    const double share =
+        (1 + (rod.widest + params_.skin) / cells_.narrowest[wire]) / SEL_SELF_APART;  // as search_cells() asks of a cell
     straight_[wire] = is_straight(spline(wire), 0, rod.inside, share);
     const auto pairs = std::span(cells_.pairs).subspan(rod.pair, rod.pairs);
-    const bool others = std::any_of(pairs.begin(), pairs.end(), [](const InstrumentPair& pair) { return pair.touch != SEL_TOUCH_SELF; });
+    const bool others =
+        std::any_of(pairs.begin(), pairs.end(), [](const InstrumentPair& pair) { return pair.touch != SEL_TOUCH_SELF; });
     if (!straight_[wire] || others) set_axes(wire);
 }
 
@@ -110,7 +112,8 @@ void InstrumentContact::search()
         if (!searching_[system] || !written_[system]) return;
         if (!any) context_.enter(device::Queue::Inline);
         any = true;
-        context_.write(device::Queue::Inline, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
+        context_.write(device::Queue::Inline, states_, no_states_.data(), count * sizeof(InstrumentState),
+                       first * sizeof(InstrumentState));
     });
     uploaded_ = false;
     list_found();
@@ -148,8 +151,9 @@ NodeRange InstrumentContact::nodes_between(const InstrumentRod& rod, double from
     return {begin + std::max(first - 1, 0), begin + std::min(end + 1, last) + 1};
 }
 
-/// Nodes of b within two cells and a skin of the slot's last point. A slot's cell is shorter than this range, and no trial moves it farther along b
-/// without another search. On the same rod: the nodes of the slot's cells. @param near  a node of all that is before a's
+/// Nodes of b within two cells and a skin of the slot's last point. A slot's cell is shorter than this range, and no trial moves
+/// it farther along b without another search. On the same rod: the nodes of the slot's cells. @param near  a node of all that is
+/// before a's
 NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
 {
     const InstrumentSlot& found = slots_host_[slot];
@@ -158,7 +162,8 @@ NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
     const double from = a.spacing * (slot / SEL_INSTRUMENT_SLOTS - a.cell);
     if (found.touch == SEL_TOUCH_SELF) {
         const NodeRange own = nodes_between(a, from, from + a.spacing, near - static_cast<int>(a.node));
-        return {own, nodes_between(a, a.spacing * found.at, a.spacing * (found.at + found.cells), own.first - static_cast<int>(a.node))};
+        return {own, nodes_between(a, a.spacing * found.at, a.spacing * (found.at + found.cells),
+                                   own.first - static_cast<int>(a.node))};
     }
     const int edge = std::clamp(static_cast<int>(found.at), 0, static_cast<int>(b.count) - 2);
     const double *ends = nodes_.material.data() + b.node + edge, margin = 2 * a.spacing + params_.skin;

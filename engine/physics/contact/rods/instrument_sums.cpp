@@ -135,7 +135,8 @@ void add_rows(double (&to)[InstrumentSums::size][InstrumentSums::size], int row,
     for (int c = 0; c < 3; ++c) block(&to[row + c][col]) += m.r[c];
 }
 
-/// K = slope g g^T - force (d2 gap). With delta = x_a - c_b and e the change of b's derivative both terms are of these six numbers,
+/// K = slope g g^T - force (d2 gap). With delta = x_a - c_b and e the change of b's derivative both terms are of these six
+/// numbers,
 ///   K = (delta e) (A C; C^T D) (delta e)^T,     A = slope n n^T - force (m + bend p p^T),  C = slope n turn^T - force bend p q^T,
 ///                                               D = slope turn turn^T - force bend q q^T,
 /// where a pair of nodes i, j takes delta by the weights wa_i, -wb_i of both, e by db_i.
@@ -255,7 +256,8 @@ void InstrumentSums::assemble(bool symmetric) const
     }
 }
 
-std::array<double, 2> InstrumentSums::exert(const Taken& of, int node_a, int node_b, const Vector& pushed, const InstrumentMoves& moves)
+std::array<double, 2> InstrumentSums::exert(const Taken& of, int node_a, int node_b, const Vector& pushed,
+                                            const InstrumentMoves& moves)
 {
     std::array<double, 2> work{};
     for (int s = 0; s < 2; ++s) {
