@@ -25,7 +25,7 @@ WorldSetup ready_setup(std::span<const Scene> scenes, LoadedVessel vessel, int d
         throw Error(error.kind(), fmt::format("{}: {}", scenes.front().source.string(), error.what()));
     }
     const Scene& scene = scenes.front();
-    if (scene.task.on) (void)TaskTarget(scene.task, setup.centreline, scene.source.string());
+    if (scene.task.on) (void)TaskTarget(scene.task, WorldBranches(setup).of(0), scene.source.string());
     return setup;
 }
 

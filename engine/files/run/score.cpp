@@ -63,21 +63,31 @@ std::string known_paths(const Branches& branches)
     return listed > most ? fmt::format("{} and {} more", text, listed - most) : text;
 }
 
+/// Of these wires the first that is fed, or the first.
+int leading_wire(const WorldSetup& setup, int first, int end)
+{
+    for (int w = first; w < end; ++w)
+        if (setup.wires[static_cast<std::size_t>(w)].feed.on) return w;
+    return first;
+}
+
 }  // namespace
 
-WorldBranches::WorldBranches(const World& world)
+WorldBranches::WorldBranches(const WorldSetup& setup)
 {
-    const WorldSetup& setup = world.setup();
     std::vector<int> roots;
-    for (int s = 0; s < world.system_count(); ++s) {
-        const FeedSpec& feed = setup.wires[static_cast<std::size_t>(leading_wire(world, s))].feed;
+    const auto add = [&](int first, int count) {
+        const FeedSpec& feed = setup.wires[static_cast<std::size_t>(leading_wire(setup, first, first + count))].feed;
         const int root = feed.on && !setup.vessel.branches_from_root ? end_at(setup.centreline, feed.point) : -1;
         const auto known = std::find(roots.begin(), roots.end(), root);
         of_.push_back(static_cast<std::size_t>(known - roots.begin()));
-        if (known != roots.end()) continue;
+        if (known != roots.end()) return;
         roots.push_back(root);
         all_.emplace_back(setup.centreline, root);
-    }
+    };
+    int first = 0;
+    for (const int count : setup.systems) add(first, count), first += count;
+    for (int w = 0; w < static_cast<int>(setup.wires.size()) && setup.systems.empty(); ++w) add(w, 1);
 }
 
 Branches::Place WorldBranches::tip(const World& world, int system) const
@@ -162,9 +172,7 @@ void add_step(const TaskSpec& task, const TaskTarget& target, const ScoreStep& s
 int leading_wire(const World& world, int system)
 {
     const auto [first, end] = world.wires_of(system);
-    for (int w = first; w < end; ++w)
-        if (world.setup().wires[static_cast<std::size_t>(w)].feed.on) return w;
-    return first;
+    return leading_wire(world.setup(), first, end);
 }
 
 ScoreWatch::ScoreWatch(const Scene& scene, const World& world, Patch patch)

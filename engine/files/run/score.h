@@ -19,7 +19,8 @@ struct TaskSpec;
 class WorldBranches {
 public:
     WorldBranches() = default;
-    explicit WorldBranches(const World& world);
+    explicit WorldBranches(const World& world) : WorldBranches(world.setup()) {}
+    explicit WorldBranches(const WorldSetup& setup);
     [[nodiscard]] const std::vector<Branches>& all() const { return all_; }
     [[nodiscard]] std::size_t index(int system) const { return of_[static_cast<std::size_t>(system)]; }
     [[nodiscard]] const Branches& of(int system) const { return all_[index(system)]; }
