@@ -64,6 +64,7 @@ Recording::Recording(const LoadedScene& scene, const World& world, const std::fi
 {
     if (!scene.source)
         throw Error(ErrorKind::BadScene, "Recording: got a scene that was not read; expected what load_scene() returned");
+    make_folder(dir);
     check_run_folder(dir, overwrite ? FolderUse::Overwrite : FolderUse::Refuse, scene.source->scene);
     data_ = std::make_unique<Data>(scene.source, world, dir);
 }
