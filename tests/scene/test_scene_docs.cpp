@@ -60,6 +60,7 @@ const std::string bases[] = {
     head + stiff + "place = {shape = \"points\", points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]}\n",
     head + stiff + "place = {shape = \"arc\", bend_radius_m = 0.1}\n[vessel]\nmesh = \"wall.stl\"\n",
     head + stiff + "place = {}\n" + tube + "[carm]\nkeys = [{t_s = 0.0}]\n[contrast]\nkeys = [{t_s = 0.0}]\n",
+    head + stiff + "place = {}\n[vessel]\nmesh = \"wall.stl\"\ncentreline = \"other.stl\"\n",
     // with keys that are written only where they are given
     head + stiff + tube + "[integrator]\nbeta = 0.3\n[contact]\nstiffness = 1e9\nexponent = 2.0\n" +
         "[feed]\ninlet = \"auto\"\nkeys = [{t_s = 0.0, advance_m = 0.01}]\n[carm]\nisocentre = [0.0, 0.0, 0.0]\n" +

@@ -9,6 +9,7 @@ std::vector<Key> vessel(VesselSpec& v)
 {
     const bool mesh = v.shape == VesselShape::Mesh, tube = v.shape == VesselShape::Tube, arc = v.shape == VesselShape::Arc,
                plane = v.shape == VesselShape::Plane, arch = v.shape == VesselShape::Arch;  // its branches need some triangles
+    const bool given = mesh && !v.centreline.empty();
     // a rigid wall says nothing of what only an elastic one has, unless it was given
     const auto of_elastic = [](const VesselSpec& s) {
         return std::tuple(s.support, s.support_damping, s.relaxation, s.pressure, s.wall_edge, s.rims_held);
@@ -54,11 +55,11 @@ std::vector<Key> vessel(VesselSpec& v)
         {"centreline", "", &v.centreline,
          "polylines with the lumen's radius at each point, .vtp or legacy .vtk ([given centrelines](#given-centrelines))", "found from the mesh"},
         {"centreline_units", "", words(v.centreline_units, unit_words), "unit of `centreline`", "what its header says, else `units`",
-         mesh ? quiet_if(v.centreline_units.empty()) : Use::Unused},
+         given ? quiet_if(v.centreline_units.empty()) : Use::Unused},
         {"centreline_space", "", words(v.centreline_space, space_words),
          "axes of `centreline`: x to the patient's left and y to the back (`LPS`), or right and front (`RAS`)",
          "what its header says, else the mesh's",
-         mesh ? quiet_if(v.centreline_space.empty()) : Use::Unused},
+         given ? quiet_if(v.centreline_space.empty()) : Use::Unused},
         {"branches_from", "", words(v.branches_from_root, branches_words),
          "where branches count from: the inlet in use, or the root of the centreline, as up to version 0.2", {},
          quiet_if(!v.branches_from_root)},

@@ -17,7 +17,8 @@ void read_shape(const TableReader& t, VesselSpec& vessel)
     else shape.set(t.word_index("shape", shape.list));
     const bool mesh = vessel.shape == VesselShape::Mesh;
     vessel.triangles = mesh ? 0 : vessel.shape == VesselShape::Arch ? 30'000 : 20'000;
-    const std::string owner = mesh ? "a mesh" : fmt::format("shape = \"{}\"", word_of(vessel_words, vessel.shape));
+    if (t.has("centreline")) vessel.centreline = "given";  // until it is read: it has keys of its own
+    const std::string owner = mesh ? "a mesh without vessel.centreline" : fmt::format("shape = \"{}\"", word_of(vessel_words, vessel.shape));
     t.refuse_unused(keys::vessel(vessel), fmt::format("is not used by {}; take it out", owner));
 }
 
@@ -53,9 +54,6 @@ void read_vessel_table(const toml::table& table, Scene& scene)
     read_shape(t, vessel);
     t.read(keys::vessel(vessel), scene.source);
     vessel.youngs_given = t.has("youngs_pa");
-    for (const char* key : {"centreline_units", "centreline_space"})
-        if (t.has(key) && vessel.centreline.empty())
-            t.fail(key, "is of a given centreline, and the scene has none; take it out, or give vessel.centreline");
     if (vessel.shape == VesselShape::Arc && vessel.bend_radius <= vessel.radius)
         t.fail("bend_radius_m", "expected more than radius_m, or the tube cuts itself");
     check_axes(t, vessel);
