@@ -18,7 +18,9 @@ void read_shape(const TableReader& t, VesselSpec& vessel)
     const bool mesh = vessel.shape == VesselShape::Mesh;
     vessel.triangles = mesh ? 0 : vessel.shape == VesselShape::Arch ? 30'000 : 20'000;
     if (t.has("centreline")) vessel.centreline = "given";  // until it is read: it has keys of its own
-    const std::string owner = mesh ? "a mesh without vessel.centreline" : fmt::format("shape = \"{}\"", word_of(vessel_words, vessel.shape));
+    for (const char* key : {"centreline_units", "centreline_space"})
+        if (mesh && t.has(key) && vessel.centreline.empty()) t.fail(key, "is of a given centreline; give vessel.centreline, or take it out");
+    const std::string owner = mesh ? "a mesh" : fmt::format("shape = \"{}\"", word_of(vessel_words, vessel.shape));
     t.refuse_unused(keys::vessel(vessel), fmt::format("is not used by {}; take it out", owner));
 }
 
