@@ -269,9 +269,8 @@ private:
             for (double at = 0; at < length;) {
                 const Vec3 p = raw.points[i] + (at / length) * way;
                 if ((p - join).norm() <= parent_radius) break;
-                const double radius =
-                    std::sqrt(lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_).distance2);
-                const bool here = is_flat(p, way / length) && sees_axis(p, way / length, kSight * radius + 3 * parent_radius);
+                const double radius = std::sqrt(lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_).distance2);
+                const bool here = radius > 1e-3 * finest_ && is_flat(p, way / length) && sees_axis(p, way / length, kSight * radius + 3 * parent_radius);
                 ++all, flat += here;
                 if (radius <= kNarrow * parent_radius) ++narrow, narrow_flat += here;
                 at += std::max(kStep * radius, least_step);
