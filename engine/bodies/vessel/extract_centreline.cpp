@@ -270,7 +270,8 @@ private:
                 const Vec3 p = raw.points[i] + (at / length) * way;
                 if ((p - join).norm() <= parent_radius) break;
                 const double radius = std::sqrt(lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_).distance2);
-                const bool here = radius > 1e-3 * finest_ && is_flat(p, way / length) && sees_axis(p, way / length, kSight * radius + 3 * parent_radius);
+                const Vec3 along = way / length;
+                const bool here = radius > 1e-3 * finest_ && is_flat(p, along) && sees_axis(p, along, kSight * radius + 3 * parent_radius);
                 ++all, flat += here;
                 if (radius <= kNarrow * parent_radius) ++narrow, narrow_flat += here;
                 at += std::max(kStep * radius, least_step);
@@ -386,6 +387,7 @@ private:
     /// Every sample that the ball represents.
     void mark_served(int ball)
     {
+        if (ball < 0) return;
         const auto b = static_cast<std::size_t>(ball);
         work_.spend(static_cast<double>(first_sample_[b + 1] - first_sample_[b]));
         for (std::size_t k = first_sample_[b]; k < first_sample_[b + 1]; ++k) served_[samples_[k]] = true;
