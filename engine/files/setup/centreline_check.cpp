@@ -63,8 +63,6 @@ public:
         if (!openings_.empty()) enclosure_.emplace(vessel.mesh, openings_, lumen_);
     }
 
-    [[nodiscard]] bool is_in(const Vec3& p) const { return is_in(p, lumen_.locate(p)); }
-
     /// @param every  looks at each so manyth point
     [[nodiscard]] Fit measure(const Centreline& line, std::size_t every) const
     {

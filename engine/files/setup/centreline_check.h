@@ -13,8 +13,8 @@ namespace seldinger {
 /// @throws Error BadFile, BadScene
 void read_given_centreline(const VesselSpec& spec, LoadedVessel& vessel);
 
-/// Adds notes: rims with a flap, points of the centreline outside of the lumen, openings and branches that it does not reach
-/// (RepairReport::unreached, which has the branches already).
+/// Adds notes: rims with a flap, openings and branches that the centreline does not reach (RepairReport::unreached, which has the
+/// branches already).
 void note_centreline(LoadedVessel& vessel);
 
 }  // namespace seldinger
