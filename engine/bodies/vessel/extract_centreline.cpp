@@ -118,7 +118,7 @@ public:
             const double inward = piece.first.dot(piece.facing) / piece.area - piece.moment;
             const double round = inward / (piece.area * radius);
             const bool all_round = piece.facing.norm() < kOneSided * piece.area;
-            if (length > kLong * radius && all_round && round > kLeastRound && round < most_round)
+            if (length > kLong * radius && all_round && round > least_round && round < most_round)
                 places.push_back(graph_.wall[piece.farthest]);
         }
         return places;
@@ -153,7 +153,7 @@ private:
         12;  // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
     static constexpr std::size_t kFewest = 8;
     static constexpr double kLong = 8;     // in radii: a branch of four diameters
-    static constexpr double kLeastRound = 0.3, most_round = 3;  // a round tube has 1, a fold 0, a strip round a wide lumen more
+    static constexpr double least_round = 0.3, most_round = 3;  // a round tube has 1, a fold 0, a strip round a wide lumen more
     static constexpr double kOneSided =
         0.3;  // mean direction of its triangles: a tube's cancel; those of a corner (the rim of a cap) do not
     [[nodiscard]] std::size_t sample_at(std::int32_t vertex) const
