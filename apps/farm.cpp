@@ -8,6 +8,7 @@
 #include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
+#include "core/note.h"
 #include "io/film_write.h"
 #include "io/json_text.h"
 #include "render_frames.h"
