@@ -86,7 +86,7 @@ int run_command_line(int argc, char** argv)
     if (parsed.printed) return 0;  // --help, --version
     if (!parsed.error.empty()) return complain(parsed.error + "; see `seldinger --help`", ErrorKind::BadScene);
     device::tell_compiling(!app.below_was_given("--quiet"));
-    return static_cast<int>(chosen());
+    return exit_code(chosen());
 }
 
 std::string limited(const std::exception& error)
