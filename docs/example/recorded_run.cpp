@@ -17,8 +17,8 @@ namespace {
 
 void print_task(const TaskSpec& task, const TaskProgress& progress)
 {
-    std::printf("task: %s, within %.1f mm: %s, tip %.1f mm away, at most %.1f mN on the wall\n", task.target_name.c_str(), 1e3 * task.radius,
-                progress.verdict.c_str(), 1e3 * progress.distance, 1e3 * progress.wall_force_max);
+    std::printf("task: %s (branch %d): %s at %.2f s, at most %.1f mN on the wall until then\n", task.target_name.c_str(), task.branch,
+                progress.verdict.c_str(), progress.reached_at, 1e3 * progress.wall_force_max);
 }
 
 /// @return the run's state hash
@@ -41,7 +41,7 @@ int main(int argc, char** argv)
 {
     try {
         const std::filesystem::path dir = argc > 1 ? argv[1] : "recorded";
-        const LoadedScene scene = load_scene("aortic-arch", {"task.target={name = \"the left subclavian\", point = [0.0, 0.0, 0.0], radius_m = 0.005}"});
+        const LoadedScene scene = load_scene("aortic-arch", {"task.target={name = \"the ascending aorta\", branch = 4}"});
         std::printf("state %s\n", run(scene, dir).c_str());
 
         RenderOptions picture;
