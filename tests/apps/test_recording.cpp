@@ -113,7 +113,7 @@ TEST_SUITE("apps/recording")
         CHECK(progress.verdict == "passed");
         CHECK(progress.reached_at == run["task"]["reached_at_s"].get<double>());
         CHECK(progress.inserted_at == run["task"]["reached_at_m"].get<double>());
-        CHECK(progress.distance == 0);
+        CHECK(progress.distance == run["task"]["distance_m"].get<double>());
     }
 
     TEST_CASE("property: a scene that comes with the program is found by its name, as the command finds it")
