@@ -323,7 +323,7 @@ class World:
         """The scene's [task] with the keys of the scene file, as far as they are given; empty without one.
 
         >>> import seldinger
-        >>> seldinger.World("swing", set=["task={time_s = 2.0, target = {point = [0.0, 0.0, 0.0], radius_m = 0.01}}"]).task_table
+        >>> seldinger.World("swing", set=["task.time_s=2.0", "task.target={point = [0.0, 0.0, 0.0], radius_m = 0.01}"]).task_table
         {'time_s': 2.0, 'target': {'point': [0.0, 0.0, 0.0], 'radius_m': 0.01}}
         """
         return self._world.task_table()

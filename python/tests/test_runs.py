@@ -121,5 +121,6 @@ def test_the_table_of_a_task_is_that_of_the_scene(folder):
     limits = ["task.wall_force_n=0.5", "task.time_s=3.0", 'task.target={name = "left", branch = 1, beyond_m = 0.002}']
     table = seldinger.World("aortic-arch", set=limits).task_table
     assert table == {"wall_force_n": 0.5, "time_s": 3.0, "target": {"name": "left", "branch": 1, "beyond_m": 0.002}}
-    assert seldinger.World("aortic-arch", set=["task=" + seldinger._toml.value(table)]).task_table == table
+    again = [f"task.{key}={seldinger._toml.value(value)}" for key, value in table.items()]
+    assert seldinger.World("aortic-arch", set=again).task_table == table
     assert seldinger.World("swing").task_table == {}
