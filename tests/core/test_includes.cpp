@@ -36,7 +36,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"contact/elastic", {"contact", "solve", "wall", "rod", "vessel", "device", "math", "core", "shared"}},
     {"api", {"contact", "solve", "wall", "rod", "vessel", "device", "math", "core"}},
     {"world", {"api", "contact", "contact/rods", "contact/elastic", "newton", "solve", "wall", "nodes", "rod", "repair", "vessel", "device", "math", "core", "shared"}},
-    {"stages", {"world", "api", "contact", "contact/rods", "contact/elastic", "wall", "rod", "repair", "device", "core"}},
+    {"stages", {"world", "api", "contact", "contact/rods", "rod", "repair", "device", "core"}},
     {"step", {"stages", "world", "core"}},
     {"io", {"vessel", "math", "core"}},
     {"scene", {"io", "world", "api", "contact", "solve", "rod", "math", "core"}},
