@@ -54,7 +54,7 @@ const std::map<std::string, std::set<std::string>> below = {
      {"models", "run", "setup", "scene", "io", "api", "contact", "solve", "wall", "rod", "repair", "shapes", "vessel", "device",
       "math", "core"}},
     {"session", {"record", "run", "scene", "io", "api", "core"}},
-    {"report", {"session", "models", "view", "run", "scene", "io", "core"}},
+    {"report", {"session", "batch", "models", "view", "run", "scene", "io", "core"}},
 };
 
 // The rooms of engine/, and the folders of each. The first four are the engine; no folder of these may include the last three,

@@ -4,6 +4,7 @@
 #include "contact/contact_row.h"
 #include "contact/force_per_length.h"
 #include "core/stage_times.h"
+#include "solve/hub_readings.h"
 #include "solve/momentum_balance.h"
 #include "wall/wall_readings.h"
 
@@ -47,19 +48,6 @@ struct StepReport {
     int sub_steps = 1;
     StageTimes times;
     [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
-};
-
-/// A hub that a force drives (D16), and its energy balance since the start [J].
-struct HubReadings {
-    double speed = 0;  // [m/s]
-    double force = 0;  // that drives it, at the end of the last step [N]
-    double work = 0;   // of that force
-    double wire = 0;   // done on the instrument: hand_force times the way
-    double kinetic = 0;
-    // lost to friction and damping of the hub; where it has run to an end of its way; by backward Euler
-    double friction = 0, damping = 0, stopped = 0, scheme = 0;
-
-    [[nodiscard]] double open() const { return work - wire - kinetic - friction - damping - stopped - scheme; }
 };
 
 /// Energy balance of one instrument since it was placed or has left the introducer for the first time [J]. What goes out again

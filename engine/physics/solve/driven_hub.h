@@ -25,7 +25,7 @@
 // The hub's way ends where the whole instrument is inside, and outside of the body. There it stops, and what it brought along is
 // lost.
 
-#include "output.h"
+#include "solve/hub_readings.h"
 #include "solve/solve_spec.h"
 
 #include <cmath>
