@@ -30,23 +30,28 @@ public:
         };
         apart_ = at(0) - at(1);
     }
-    void add(int, std::span<double>, BandRows*, bool) const override {}
+    void add(int wire, std::span<double>, BandRows* tangent, bool) const override
+    {
+        for (int c = 0; c < RodDofs::coordinates && tangent; ++c) {
+            const int at = RodDofs::position(node_[wire], c);
+            tangent->add(at, at, slope());
+        }
+    }
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent,
                 bool /*symmetric*/) const override
     {
         const int wire_a = system.rod_of(0), wire_b = system.rod_of(1);
         if (wire_a < 0 || wire_b < 0) return;
-        const double k = (mean_ ? 0.5 : 1.0) * stiffness_;
         for (int c = 0; c < RodDofs::coordinates; ++c) {
             const int a = system.map.position(wire_a, node_[0], c), b = system.map.position(wire_b, node_[1], c);
             residual[a] -= force()[c];
             residual[b] += force()[c];
             if (!tangent) continue;
-            tangent->band.add(a, a, k), tangent->band.add(b, b, k);
-            tangent->far.add(a, b, -k), tangent->far.add(b, a, -k);
+            tangent->far.add(a, b, -slope()), tangent->far.add(b, a, -slope());
         }
     }
 
+    [[nodiscard]] double slope() const { return (mean_ ? 0.5 : 1.0) * stiffness_; }
     [[nodiscard]] Vec3 force() const { return -stiffness_ * (mean_ ? Vec3(0.5 * (start_ + apart_)) : apart_); }  // on wire 0
     [[nodiscard]] double energy() const { return 0.5 * stiffness_ * apart_.squaredNorm(); }
 
