@@ -163,7 +163,7 @@ SEL_FN real look_at(SEL_OUT ContactPoint* contact, NearSearch* search, uint t, C
 }
 
 // @param front_only  walls seen from behind are not there
-SEL_PART void find_nearest(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallView near, int front_only, real near2,
+SEL_FN void find_nearest(SEL_OUT ContactPoint* contact, ContactBall ball, NearWallView near, int front_only, real near2,
                          SEL_OUT NearList* list)
 {
     NearSearch search = start_search(contact, ball, front_only, near2);

@@ -257,7 +257,7 @@ SEL_FN void add_resistance(ContactPoint contact, Pressure pressure, ContactState
 }
 
 // One contact point of one quadrature point: normal law, friction, rolling. `old` is its state at the start of the step.
-SEL_PART void add_contact_point(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier,
+SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier,
                                 const LawContext* c, SEL_OUT ContactState* now, SEL_OUT ContactForce* out)
 {
     const Pressure pressure = add_pressure(contact, axis, old, multiplier, c, now, out);

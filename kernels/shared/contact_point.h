@@ -82,7 +82,7 @@ SEL_FN void nearest_of_all(ContactPoint* side, ContactBall ball, NearWallView ne
     else find_nearest(side, ball, near, front_only, near2, list);
 }
 
-SEL_PART ContactPointPair contact_points_of(ContactBall ball, NearWallView near, LastTouch was, Recall recall)
+SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, LastTouch was, Recall recall)
 {
     ContactPointPair out;
     NearList list;
@@ -181,7 +181,7 @@ SEL_FN uint record_of(vec3 normal, LastTouch was, uint s, ContactParams par, Sta
 
 #if !SEL_SUMS_IN_MEMORY
 // Contact of one quadrature point.
-SEL_PART ContactForce evaluate_point(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view,
+SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view,
                                    SEL_GLOBAL WallMemory* memory, SEL_GLOBAL const Clearance* clearance)
 {
     const uint s = point.index;

@@ -103,7 +103,7 @@ SEL_FN real kept_distance2(Recall* recall)
 }
 
 // The nearest of the kept triangles. @return it is the nearest of all
-SEL_PART int find_kept(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list,
+SEL_FN int find_kept(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list,
                        const Recall* recall)
 {
     NearSearch search = start_search(contact, ball, 0, near2);
@@ -116,7 +116,7 @@ SEL_PART int find_kept(ContactPoint* contact, ContactBall ball, NearWallView nea
 }
 
 // find_nearest of both sides of the wall, noting triangles.
-SEL_PART void find_and_keep(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list,
+SEL_FN void find_and_keep(ContactPoint* contact, ContactBall ball, NearWallView near, real near2, NearList* list,
                             const Recall* recall)
 {
     SEL_GLOBAL WallMemory* memory = recall->memory;
@@ -163,7 +163,7 @@ SEL_FN int is_known_clear(const ContactPoint* first, ContactBall ball, SEL_GLOBA
 }
 
 // walk_opposite, unless it is known to find nothing.
-SEL_PART void find_opposite(const ContactPoint* first, ContactPoint* second, ContactBall ball, NearWallView near,
+SEL_FN void find_opposite(const ContactPoint* first, ContactPoint* second, ContactBall ball, NearWallView near,
                             const Recall* recall)
 {
     SEL_GLOBAL WallMemory* memory = recall->memory;
