@@ -129,10 +129,9 @@ function showSheet(n) {
   table.id = 'sheet';
   const most = (value, limit, unit) => `${value} ${unit}${limit ? ` of ${limit}` : ''}`;
   row(table, 'Time', most(s.time.toFixed(1), limits.time, 's'), limits.time && s.time > limits.time);
-  // one row for the tip: the sheet fits on 1280 x 720
-  const place = n.branch >= 0 && state.scene.branches.length > 1 ? `in ${state.scene.branches[n.branch]}, ${(1e3 * n.branch_depth).toFixed(0)} mm` : '';
-  if (s.distance < 0 && place) row(table, 'Tip', place);
-  if (s.distance >= 0) row(table, 'To the target', (s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`) + (place ? `; ${place}` : ''));
+  // one short row for the tip: the sheet fits on 1280 x 720
+  if (s.distance >= 0) row(table, 'To the target', s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`);
+  else if (n.branch >= 0 && state.scene.branches.length > 1) row(table, 'Tip in', `${state.scene.branches[n.branch]}, ${(1e3 * n.branch_depth).toFixed(0)} mm`);
   row(table, 'Wall force', most(newtons(s.wall), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
   row(table, 'its peak, mean', `${newtons(s.wall_max)}, ${newtons(s.wall_mean)} N`, limits.wall_force && s.wall_max > limits.wall_force);
   row(table, `On ${1e3 * limits.patch} mm of wall`, most(newtons(s.patch), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);
