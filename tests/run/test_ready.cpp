@@ -82,6 +82,7 @@ const std::vector<Refusal>& refusals()
     static const std::vector<Refusal> all = {
         {"files/run/score.cpp", wire + feed + tube + "[task]\ntarget = {branch = 2}\n",
          "task.target.branch: got 2; expected 1 to 1"},
+        {"files/run/score.cpp", wire + feed + tube + "[task]\ntarget = {branch = \"9.9\"}\n", "task.target.branch: got \"9.9\""},
         {"files/run/score.cpp", wire + feed + tube + "[task]\ntarget = {branch = 1, beyond_m = 0.6}\n",
          "task.target.beyond_m: got 0.6 m"},
         {"physics/solve/constraints.cpp", wire + feed + hold("0.05"), "hold[0].at: 0.05 m from the tip is not on the wire"},
