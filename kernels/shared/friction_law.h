@@ -88,8 +88,8 @@ SEL_FN vec3 across_of(vec3 n)
 SEL_FN vec3 surface_move(vec3 n, const LawContext* c)
 {
     const PointMotion mv = c->mv;
-    const vec3 rolled =
-        c->m.radius * (dot3(n, mv.turn) * mv.tangent - dot3(mv.tangent, n) * mv.turn);  // lies in the wall's plane
+    // lies in the wall's plane
+    const vec3 rolled = c->m.radius * (dot3(n, mv.turn) * mv.tangent - dot3(mv.tangent, n) * mv.turn);
     return mv.move - dot3(mv.move, n) * n - (c->m.radius * mv.spin) * cross3(mv.tangent, n) + rolled;
 }
 

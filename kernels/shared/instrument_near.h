@@ -94,8 +94,8 @@ SEL_FN void try_stretch(SplineView b, vec3 x, real low, real high, real limit, u
 SEL_FN void search_rod(SplineView b, vec3 x, real limit, real longest, uint pair, uint touch, SlotList* list)
 {
     const real end = (real)(b.count - 1);
-    real last =
-        -1;  // slope at the middle of the edge before, < 0 at the tip: whatever is nearest on the first half_length edge is tried
+    // slope at the middle of the edge before, < 0 at the tip: whatever is nearest on the first half_length edge is tried
+    real last = -1;
     int known = 1;
     uint j = 0;
     while (j + 1 < b.count) {

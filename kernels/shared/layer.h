@@ -97,8 +97,8 @@ SEL_FN Layer make_layer(vec3 a, vec3 b, LayerEdge e, WallView wall)
     if (!(size > 0)) return layer;  // normals cancel: walls all round, the published layer has no side to lie on
     layer.up = (1 / size) * up;
     layer.side = cross3(layer.along, layer.up);
-    layer.extent[0] =
-        max_r((layer.to - layer.from) * length / 2, radius / 8);  // a contact point at a node alone keeps a sliver of length
+    // a contact point at a node alone keeps a sliver of length
+    layer.extent[0] = max_r((layer.to - layer.from) * length / 2, radius / 8);
     layer.extent[1] = e.width / 2;
     layer.extent[2] = e.height / 2;
     layer.centre = a + ((layer.from + layer.to) / 2) * edge + (e.height / 2) * layer.up;

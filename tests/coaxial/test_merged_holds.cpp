@@ -206,8 +206,8 @@ TEST_SUITE("coaxial/merged holds")
             const double force = (tip.direction ? 12 : 3) * stiffness * height / std::pow(length, 3);
             CHECK(-world.readings(0).base_force.z() == about(force).epsilon(6 * std::pow(edge / length, 2)));
             CHECK(std::abs(world.readings(1).hand_force) < 1e-3 * force);
-            const double slope =
-                tip.direction ? 0 : -1.5 * height / length;  // straight on from the tip: tangents point to the hub
+            // straight on from the tip: tangents point to the hub
+            const double slope = tip.direction ? 0 : -1.5 * height / length;
             CHECK(world.rod(1).tangent(0).z() == about(slope).scale(height / length).epsilon(0.05));
         }
     }
@@ -346,8 +346,8 @@ TEST_SUITE("coaxial/merged holds")
             (void)bend_at_random(data, random);
             const RodView line = data.rod(0);
             const double tip = 0.03 - outer, place = held_wire == 0 ? tip + from_tip : from_tip;
-            const int a =
-                static_cast<int>(std::floor(place / edge - 0.5));  // the place is between the middles of edges a and a + 1
+            // the place is between the middles of edges a and a + 1
+            const int a = static_cast<int>(std::floor(place / edge - 0.5));
             const auto energy = [&, from = (a + 0.5) * edge](double s) {
                 const double outer_tip = held_wire == 0 ? s - from_tip : tip;
                 const auto compliance = [&](double begin, double end) {

@@ -74,8 +74,8 @@ inline double tangent(const ContactForce& f, int row, int column)
 /// surface by a metre; relative to the largest entry.
 inline double tangent_error(const OneQuadraturePoint& s, std::array<double, 4> q)
 {
-    const double step =
-        1e-10;  // [m] of some 1e-6 of overlap: truncation 1e-8 of the third derivative, rounding 1e-16 / 1e-10 * 1e-3
+    // [m] of some 1e-6 of overlap: truncation 1e-8 of the third derivative, rounding 1e-16 / 1e-10 * 1e-3
+    const double step = 1e-10;
     const ContactForce f = s.at(q);
     double worst = 0, largest = 0;
     for (int c = 0; c < 4; ++c) {

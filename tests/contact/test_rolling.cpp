@@ -47,8 +47,8 @@ Rig on_plane(double dt)
     TestWire placed = placed_wire(wire, {0, 0, r - depth});
     placed.contact.detection = Detection::Capsule;
     placed.contact.rolling = true;
-    placed.contact.rolling_alpha =
-        arm * 3 * std::numbers::pi / 2 / std::sqrt(2 * r * depth);  // K = 2 alpha / (3 pi) sqrt(2 r depth)
+    // K = 2 alpha / (3 pi) sqrt(2 r depth)
+    placed.contact.rolling_alpha = arm * 3 * std::numbers::pi / 2 / std::sqrt(2 * r * depth);
     rig.mass = load / gravity * length;
     setup.wires = {placed};
     return rig;

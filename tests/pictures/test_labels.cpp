@@ -404,8 +404,8 @@ TEST_SUITE("pictures/labels")
         const PictureTruth truth = truth_of(arm, frame);
         CHECK(truth.instruments[0].pixels.front().in_field);
         CHECK_FALSE(truth.instruments[0].pixels.back().in_field);
-        const double piece =
-            1.0 / static_cast<double>(truth.instruments[0].centreline.size() - 1);  // the one that leaves counts as half
+        // the one that leaves counts as half
+        const double piece = 1.0 / static_cast<double>(truth.instruments[0].centreline.size() - 1);
         CHECK(std::abs(truth.instruments[0].cut_off - 0.5) < 0.5 * piece + 1e-12);
         LabelWarnings warnings;
         warnings.take_in(truth);

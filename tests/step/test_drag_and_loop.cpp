@@ -178,8 +178,8 @@ TEST_SUITE("step/drag_and_loop")
             plane.shape = VesselShape::Plane;
             plane.size = 0.2;
             plane.triangles = 200;
-            plane.youngs =
-                4e11;  // the foot sinks in by a hundredth of the radius: what lies behind it is clear of the floor until flat
+            // the foot sinks in by a hundredth of the radius: what lies behind it is clear of the floor until flat
+            plane.youngs = 4e11;
             add_vessel(setup, make_plane(plane), plane);
             WireSpec wire = steel_wire(length, 41);
             wire.shaft.radius = radius;

@@ -60,8 +60,8 @@ struct Closed {
     int checked = 0, halved = 0, touching = 0;
     double worst = 0;    // error over what is allowed
     double largest = 0;  // of the balance's terms [N]
-    double listed =
-        0;  // worst difference of the contact list's sum from the balance's contact force, beyond what creases explain [N]
+    // worst difference of the contact list's sum from the balance's contact force, beyond what creases explain [N]
+    double listed = 0;
     double change = 0;   // worst difference between the balance's rate and the test's own, backward Euler [N]
 };
 

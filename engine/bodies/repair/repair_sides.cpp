@@ -17,8 +17,8 @@ namespace {
 
 constexpr double far = std::numeric_limits<double>::infinity();
 constexpr double least_sheet = 0.36;   // V/(A t) of a sheet of the thickness t is 1/2, of a round tube 1/4, of a ball 1/6
-constexpr double least_side =
-    0.15;  // difference of enclosure across a wall: half turns of view in a tube, hardly any across a lumen
+// difference of enclosure across a wall: half turns of view in a tube, hardly any across a lumen
+constexpr double least_side = 0.15;
 constexpr double least_inner = 0.2, least_sided = 0.7;  // shares of the surface that are inner, and that are inner or outer
 constexpr double least_enclosed = 0.65;  // median of the inner side: 0.74 in the middle of a tube two diameters long
 constexpr double least_width = 1.25;     // of the lumen, in thicknesses: two lumens with a flap are the other way round

@@ -157,8 +157,8 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const
     const double h = spec.length / (n - 1);
     // a closed polygon on the ring's circle; everywhere else chords are rest lengths
     const bool ring = place.shape == PlaceShape::Ring;
-    const double stretch =
-        place.stretched ? curve.length / spec.length : 1.0;  // material is shared out evenly, chords are not rest lengths
+    // material is shared out evenly, chords are not rest lengths
+    const double stretch = place.stretched ? curve.length / spec.length : 1.0;
     double u = 0;
     for (int i = n - 1; i >= 0; --i) {
         rod.set_pos(i, curve.at(u));

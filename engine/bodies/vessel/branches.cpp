@@ -11,8 +11,8 @@ namespace seldinger {
 namespace {
 
 constexpr double narrower = 0.75;  // a trunk goes on past a branch whose width is less than this share of its own
-constexpr double at_end =
-    2.5;  // an inlet within so many lumen radii of path from an end is that end's: a closed end's lies one radius in
+// an inlet within so many lumen radii of path from an end is that end's: a closed end's lies one radius in
+constexpr double at_end = 2.5;
 
 std::vector<int> child_counts(const Centreline& line)
 {

@@ -149,13 +149,13 @@ private:
     /// Most of the latest branches lie side by side in a flat lumen.
     [[nodiscard]] bool is_comb() const { return !leave_sheets_out_ && in_sheet_ >= kComb && 2 * in_sheet_ > branches_ - kComb; }
 
-    static constexpr int kComb =
-        12;  // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
+    // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
+    static constexpr int kComb = 12;
     static constexpr std::size_t kFewest = 8;
     static constexpr double kLong = 8;     // in radii: a branch of four diameters
     static constexpr double least_round = 0.3, most_round = 3;  // a round tube has 1, a fold 0, a strip round a wide lumen more
-    static constexpr double kOneSided =
-        0.3;  // mean direction of its triangles: a tube's cancel; those of a corner (the rim of a cap) do not
+    // mean direction of its triangles: a tube's cancel; those of a corner (the rim of a cap) do not
+    static constexpr double kOneSided = 0.3;
     [[nodiscard]] std::size_t sample_at(std::int32_t vertex) const
     {
         return static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(vertex)]);

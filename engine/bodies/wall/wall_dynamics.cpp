@@ -14,8 +14,8 @@ namespace seldinger {
 
 namespace {
 
-constexpr double small_memory =
-    0.1;  // of the displacement: what may be taken on through a block of block_steps; more through a shorter one
+// of the displacement: what may be taken on through a block of block_steps; more through a shorter one
+constexpr double small_memory = 0.1;
 constexpr double small_excess = 0.03, most_excess = 0.5;  // of large displacements' forces, likewise, and at all
 constexpr double missed_excess = 1e-3;                    // of the displacement: by the extrapolation of a block
 constexpr std::size_t rounds_kept = 8;                    // of relax()

@@ -335,8 +335,8 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
         list.push_back(
             share(tally.missed_steps) +
             " missed the tolerance even in the smallest parts: their forces are not in equilibrium. Fix: a smaller scene.dt_s");
-    constexpr double deep =
-        0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
+    // of the radius: at half of it the hardening law has its pole, and what is read follows the step
+    constexpr double deep = 0.45;
     if (tally.overlap_share > deep)
         list.push_back(
             fmt::format("the wire overlapped the wall by {:.3g} of its radius at {:.4g} s near [{:.4g}, {:.4g}, {:.4g}] m: "

@@ -92,8 +92,8 @@ struct Key {
     std::string_view name, unit;
     Value value;
     std::string_view meaning;      // Markdown; a message cites it up to the first ";" or "."
-    std::string_view absent =
-        {};  // in the page's column "default", where that is not the value of the member; `needed`: an error
+    // in the page's column "default", where that is not the value of the member; `needed`: an error
+    std::string_view absent = {};
     Use use = Use::Written;
 };
 inline constexpr std::string_view needed = "*needed*", none = "*none*";

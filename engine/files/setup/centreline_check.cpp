@@ -21,9 +21,8 @@ namespace {
 
 constexpr double most_off = 0.1;  // share of its length that may lie off: a smoothed line cuts a corner, a mesh ends earlier
 constexpr double least_in = 0.25;          // and that must lie in the mesh at all: the line may go on beyond openings
-constexpr double alike_low = 0.6,
-                 alike_high =
-                     1.7;  // median ratio of distance and radius: mean radii of oval lumens are 1.4 times as large, diameters 2
+// median ratio of distance and radius: mean radii of oval lumens are 1.4 times as large, diameters 2
+constexpr double alike_low = 0.6, alike_high = 1.7;
 constexpr double like_low = 1.0 / 3, like_high = 3;  // the same at one point
 constexpr std::size_t most_points = 400;   // that are looked at in axes and units that nobody has named
 

@@ -49,8 +49,8 @@ struct CoaxialSpec {
     // Merged, between instruments next to each other and per length of overlap: dry friction [N/m], resistance of a film
     // [N s/m per m]
     double drag = 0, viscous = 0;
-    bool lumen_friction =
-        false;  // merged: also mu times the force between them at their clearance (contact/rods/coaxial_friction.h)
+    // merged: also mu times the force between them at their clearance (contact/rods/coaxial_friction.h)
+    bool lumen_friction = false;
 };
 
 /// What a world is made from. The vessel has been read and repaired already (io/mesh_file.h, repair/repair.h, shapes/shapes.h).

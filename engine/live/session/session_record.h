@@ -30,8 +30,8 @@ struct RecordEntry {
     Kind kind = Kind::Step;
     std::uint8_t flags = 0;
     std::vector<double> hubs;  // Step: advance (of a driven hub: Coupling::pull), turn of each as the world was asked, from 0 on
-    std::uint32_t trials =
-        0;  // CutShort, of the step before: at which call World::cut_when() was told that its time is up, from 1 on
+    // CutShort, of the step before: at which call World::cut_when() was told that its time is up, from 1 on
+    std::uint32_t trials = 0;
     std::string hash;          // End
 };
 

@@ -13,8 +13,8 @@ namespace seldinger {
 
 namespace {
 
-constexpr std::size_t pool_find =
-    256;  // quadrature points below which the caller's thread is faster than waking the pool (15 us)
+// quadrature points below which the caller's thread is faster than waking the pool (15 us)
+constexpr std::size_t pool_find = 256;
 constexpr uint first_slots = 24;
 
 constexpr std::size_t bytes_of(const std::vector<std::uint32_t>& v) { return v.size() * sizeof(std::uint32_t); }

@@ -27,8 +27,8 @@ struct WireQuadrature {
     int begin = 0;     // of this wire in the concatenated quadrature point arrays
     int capacity = 0;  // quadrature points of the whole wire
     int live = 0;      // quadrature points inside now: 0 .. live-1
-    std::uint32_t epoch =
-        2;  // of the step being solved; commit raises it. From 2: a record of zeros must not pass for the last step's
+    // of the step being solved; commit raises it. From 2: a record of zeros must not pass for the last step's
+    std::uint32_t epoch = 2;
     double spacing = 0;     // [m]
     double placed_to = -1;  // material coordinate of the last node but one when they were placed last [m]
     // For a wire that shares its nodes with others (D12): position of its material in their coordinate, s = own - offset, and the

@@ -1,8 +1,6 @@
 #pragma once
-// Options of one solve by Newton's method, and the constants of the method with their meaning and source. "Measured" means: the
-// iterations of the scenes of bench/newton_iterations.py, where half or twice the number does no better.
-
-#include <limits>
+// Options of one solve by Newton's method, and the constants of the method with their meaning. A constant without a source was
+// chosen by the iterations of whole scenes (bench/newton_iterations.py).
 
 namespace seldinger {
 
@@ -19,7 +17,7 @@ struct NewtonConstants {
     // trials
     double largest_edge_turn = 0.5;   // [rad] in one update; frames and stencils hold far beyond it
     double smallest_share = 1e-6;     // of a direction; a shorter trial is none
-    double refused_share = 0.3;       // of a trial that is not admissible and does not say how far it may go, measured
+    double refused_share = 0.3;       // of a trial that is not admissible and does not say how far it may go
     double open_share = 0.9;          // of the path that is open, where force terms say so
     double most_accelerated = 0.05;   // of the first guess, that the last acceleration may change: more is a strike or a release
     int most_guesses = 6;             // shorter first guesses; the next is the start of the step itself
@@ -28,8 +26,8 @@ struct NewtonConstants {
     // acceptance (acceptance.h)
     double slope_left = 0.9;          // of the derivative along the direction, or 1 - alpha/2: a trial that leaves less passes
     int most_grown = 3;  // trials whose correction grows that are taken for their derivative: more go round in a circle
-    double most_descending =
-        2;  // |correction|/|direction| up to which a descent is enough for a projected Hessian; 5 does no better
+    // |correction|/|direction| up to which a descent is enough for a projected Hessian; 5 does no better
+    double most_descending = 2;
     double contact_power = 2.5;       // of the depth in the force of contacts that begin: Hertz 3/2 and more; 2 to 3 alike
     double same_growth = 0.05;        // of correction and derivative per share at two trials; 0.1 ends directions that lead on
     double shortest_cut = 0.1, longest_cut = 0.5;  // of a trial that fails, for the next one
@@ -48,7 +46,7 @@ struct NewtonConstants {
     double chord_contraction = 0.3;   // of a chord step by the one before it: those that shrink less do not pay
     double chord_enough = 0.5;        // of the tolerances, at which chord steps end
     double kept_contraction = 0.03;   // by which corrections with kept factors must shrink
-    double new_contraction = 1.0 / 300;  // by which they shrink with new factors, about, measured
+    double new_contraction = 1.0 / 300;  // by which they shrink with new factors, about
     int most_kept = 3;                // iterations after which a step is none of those that go well
     int projected_in_a_row = 3;       // full steps with the projected Hessian; then the exact one, by LU
     int most_shifts = 12;             // raises, each by 4, until the exact matrix is positive definite

@@ -14,8 +14,8 @@ namespace seldinger {
 
 namespace {
 
-constexpr int most_multiplier_rounds =
-    40;  // of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to
+// of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to
+constexpr int most_multiplier_rounds = 40;
 
 }  // namespace
 

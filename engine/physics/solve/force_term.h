@@ -50,8 +50,8 @@ enum class Settling { Off, Stuck, Sliding };
 
 /// What of a term stays as it is from its construction on.
 struct TermTraits {
-    bool follows_spins =
-        true;  // forces depend on the spin angles (friction): a solve without these must leave them where they were
+    // forces depend on the spin angles (friction): a solve without these must leave them where they were
+    bool follows_spins = true;
     bool may_jump = true;         // forces may jump within a hair's breadth (facets of a wall)
     bool never_overlaps = false;  // the law allows no overlap at all, and so no change of nodes that makes one
     std::vector<double>
@@ -116,8 +116,8 @@ struct TermAnswer {
     double open = 1;           // share of the straight path from the base to the trial; a law that never overlaps asks for all
     double largest_force = 0;  // on one edge [N]: the scale of a jump that a kink of the wall can make
     double rounding = 0;       // of the force on a node [N]: no smaller residual is looked for. 0: nothing that counts
-    double rounding_most =
-        0;  // that bound of it which always holds [N]: a residual below it is left where Newton's method does not lower it
+    // that bound of it which always holds [N]: a residual below it is left where Newton's method does not lower it
+    double rounding_most = 0;
     KinksPassed kinks;      // Ask::Kinks
     TermEnergies energies;  // Ask::Energies
     /// Answer of two terms together.

@@ -146,8 +146,8 @@ bool adapt_rod(const WorldRod& rod, double dt, bool may_merge)
     const bool changed = fed && adapt_base(rod, planner.base_edge(rod.view(), rod.bounds(), demands), dt);
     if (changed) demands = rod.demands();
     demands.may_merge = may_merge && !changed;
-    demands.may_refine =
-        !changed;  // the moments beside a new node settle within the next step; until then only lengths are judged
+    // the moments beside a new node settle within the next step; until then only lengths are judged
+    demands.may_refine = !changed;
     note_wall(rod, demands);
     const std::span<const NodeChange> changes = planner.plan(rod.view(), rod.bounds(), demands, capacity);
     // each by itself where it may be refused, or moves offsets

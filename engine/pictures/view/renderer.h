@@ -74,8 +74,8 @@ struct Look {
     bool legend = true;       // text, scale bars, force scale; needs a font (canvas.h); left out below about 290 rows
     bool inset = true;        // magnified view of the tip where the whole view shows the wire under 4 pixels wide
     double force_scale = 0;   // force at the top of the scale [N]; 0: a round number above the strongest contact drawn
-    double load_scale =
-        0;  // contact force per length at the top of a scale that colours the wire [N/m]; 0: it has its own colour
+    // contact force per length at the top of a scale that colours the wire [N/m]; 0: it has its own colour
+    double load_scale = 0;
     std::uint32_t background_top = 0xfdfdfd, background_bottom = 0xdfe4ea;
     bool ruler = true;             // scale bar and tip mark
     bool cube = false;             // which way the patient lies

@@ -22,10 +22,10 @@ struct StabilityMap {
     std::string axis;   // what is varied, with its unit
     bool logarithmic = true;
     bool touches = true;  // false: a free rod, where methods differ by their integrator alone
-    bool static_load =
-        true;  // a static load presses, so that overlap is judged by the law's static indentation; false: impacts do
-    bool hand_is_steady =
-        true;           // false: what is prescribed makes the hand's force jump from step to step, which is then no jitter
+    // a static load presses, so that overlap is judged by the law's static indentation; false: impacts do
+    bool static_load = true;
+    // false: what is prescribed makes the hand's force jump from step to step, which is then no jitter
+    bool hand_is_steady = true;
     std::string scene;  // TOML
     std::filesystem::path source;      // the file that `scene` was read from, where it is the user's; else empty
     std::vector<double> values;        // SI, rising

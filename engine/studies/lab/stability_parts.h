@@ -49,8 +49,8 @@ keys = [ {t_s = 0.0, advance_m = 0.0} ]
 /// Feeds `length` at an even speed over the whole run. @param start  already inside, straight [m]
 [[nodiscard]] Texts feed(double length, double time, double pace, double start = 0);
 
-inline constexpr double bend_start =
-    0.0155;  // inside at the start, straight: half a millimetre before the outer wall of the bend [m]
+// inside at the start, straight: half a millimetre before the outer wall of the bend [m]
+inline constexpr double bend_start = 0.0155;
 
 /// The usual run, 4 cm round the bend, and what else is set.
 [[nodiscard]] Texts fed(double pace, Texts more = {});

@@ -39,8 +39,8 @@ void InstrumentContact::measure_rod(int wire)
     }
     InstrumentRod& rod = cells_.rods[wire];
     rod.longest_edge = std::sqrt(square);
-    const double share =
-        (1 + (rod.widest + params_.skin) / cells_.narrowest[wire]) / SEL_SELF_APART;  // as search_cells() asks of a cell
+    // as search_cells() asks of a cell
+    const double share = (1 + (rod.widest + params_.skin) / cells_.narrowest[wire]) / SEL_SELF_APART;
     straight_[wire] = is_straight(spline(wire), 0, rod.inside, share);
     const auto pairs = std::span(cells_.pairs).subspan(rod.pair, rod.pairs);
     const bool others =
