@@ -2,6 +2,7 @@
 
 #include "command_line.h"
 #include "commands.h"
+#include "contact/wall_body.h"
 #include "run/ready.h"
 #include "scene/scene.h"
 #include "setup/vessel_load.h"

@@ -1,11 +1,11 @@
 // A wire and an elastic wall, solved together: known solutions, limits, conservation, bits.
 
-#include "wall/elastic_wall.h"
+#include "shell/elastic_wall.h"
 #include "core/parallel.h"
 #include "support/approx.h"
 #include "support/fed_world.h"
 #include "support/world_fixture.h"
-#include "contact/elastic/elastic_contact.h"
+#include "coupling/elastic_contact.h"
 #include "stages/step_stages.h"
 #include "world/world.h"
 
@@ -194,7 +194,7 @@ TEST_CASE("analytic: the largest stress under a line load is that of a plate on 
         CHECK(now.stress_max == about(exact).epsilon(0.04));
         CHECK(std::abs(now.stress_max - exact) < now.stress_band.sum());
         const WallReadings bare =
-            read_wall(*data_of(world).forces.elastic_wall, data_of(world).forces.elastic->displacement(0), 0);
+            read_wall(ElasticWall(*data_of(world).forces.wall), data_of(world).forces.wall_contact->displacement(0), 0);
         if (share > 0.3) CHECK(bare.stress_max < 0.93 * exact);
     }
 }
@@ -247,6 +247,32 @@ TEST_CASE("the readings under the wires are the largest of the wall")
         CHECK(under.energy == 0);
     }
     CHECK(compared > 10);
+}
+
+// Under the load the surface is read where the load is, all of it at control vertices, which are 5 mm apart in a dent of 6.
+TEST_CASE("property: the scene's load moves the wall from the first step on, with and without a wire in the vessel, and is read")
+{
+    TestSetup placed = lowered_wire();
+    placed.vessel.loads = {{0, Vec3(0.01, 0.01, 0), Vec3(0, 0, -0.02)}};
+    placed.wires[0].wire.place.base.z() = 0.02;
+    placed.wires[0].holds[0].velocity = Vec3::Zero();
+    TestSetup fed = placed;
+    fed.wires[0].holds.clear();
+    fed.wires[0].feed.on = true;  // and none of it is inside
+    fed.wires[0].feed.point = Vec3(0, 0, 0.02);
+    World beside{WorldSetup(placed)}, alone{WorldSetup(fed)};
+    Output now;
+    for (int k = 0; k < 40; ++k) {
+        REQUIRE(!step(beside, 1e-3).failed());
+        REQUIRE(!step(alone, 1e-3).failed());
+        const WallReadings all = beside.wall_readings();
+        CHECK(all.move_max > 0);
+        CHECK(alone.wall_readings().move_max == all.move_max);
+        for (World* world : {&beside, &alone}) {
+            world->read(now, Output::WallUnder);
+            CHECK(now.walls[0].readings.move_max == about(all.move_max).epsilon(0.2));
+        }
+    }
 }
 
 // Two wires of one system side by side, nearer than the plate's decay length: each lies in the dent of the other. In the middle
@@ -437,7 +463,7 @@ TEST_CASE("analytic: the path of a trial is open as far as the node that goes fa
     feed_hubs(data, *sub);
     hold_and_load(data, *sub);
     find_contacts(data);
-    ElasticContact& wall = *data.forces.elastic;
+    auto& wall = dynamic_cast<ElasticContact&>(*data.forces.wall_contact);
     const double limit = wall.traits().most_move[0];
     REQUIRE(limit == about(0.45 * radius).epsilon(1e-6));
     const ConstRodView rod = world.rod(0);

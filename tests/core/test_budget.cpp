@@ -155,7 +155,7 @@ std::map<std::string, long> counted(const fs::path& root)
 {
     const fs::path engine = root / "engine";
     std::map<std::string, long> counts;
-    for (const char* room : {"base", "bodies", "physics", "files", "include", "pictures", "studies", "live"})
+    for (const char* room : {"base", "bodies", "physics", "files", "include", "elastic", "pictures", "studies", "live"})
         counts[std::string("lines of engine/") + room] = lines_below(engine / room);
     for (const char* folder : {"kernels", "apps", "tests", "bench", "python"})
         counts[std::string("lines of ") + folder] = lines_below(root / folder);

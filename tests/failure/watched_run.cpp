@@ -1,7 +1,7 @@
 // Steps a world under a method, watches each wire's readings and its exact distance to the wall, and tells the outcome.
 #include "failure/watched_run.h"
 
-#include "contact/elastic/elastic_contact.h"
+#include "contact/wall_contact.h"
 #include "repair/repair.h"
 #include "solve/feed.h"
 
@@ -91,10 +91,10 @@ void WatchedRun::follow_wall()
 /// That a wall has done on a wire of its own since this was last asked [J].
 double WatchedRun::work_of_wall(int wire)
 {
-    const auto& elastic = data_of(world).forces.elastic;
-    if (!elastic) return 0;
+    const WallContact* wall = data_of(world).forces.wall_contact;
+    if (!wall) return 0;
     const double before = wall_work_[wire];
-    wall_work_[wire] = elastic->work(world.system_of(wire));
+    wall_work_[wire] = wall->work(world.system_of(wire));
     return before - wall_work_[wire];
 }
 

@@ -1,6 +1,6 @@
 // Sparse Cholesky of 3 x 3 blocks: against a dense solve, blocks left out, separate pieces, matrices that have no factor.
-#include "math/block_cholesky.h"
-#include "math/elimination.h"
+#include "algebra/block_cholesky.h"
+#include "algebra/elimination.h"
 
 #include <doctest/doctest.h>
 #include <Eigen/Cholesky>

@@ -21,7 +21,7 @@ import argparse, json, os, random, re, resource, shlex, shutil, subprocess, sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = {"rod": ["engine/bodies/rod/*.cpp", "engine/bodies/nodes/*.cpp"], "solve": ["engine/physics/solve/*.cpp", "engine/physics/newton/*.cpp"], "contact": ["engine/physics/contact/*.cpp", "engine/physics/contact/*/*.cpp"], "wall": ["engine/bodies/wall/*.cpp", "engine/bodies/surface/*.cpp"],
+ROOMS = {"rod": ["engine/bodies/rod/*.cpp", "engine/bodies/nodes/*.cpp"], "solve": ["engine/physics/solve/*.cpp", "engine/physics/newton/*.cpp"], "contact": ["engine/physics/contact/*.cpp", "engine/physics/contact/*/*.cpp"], "wall": ["engine/elastic/*/*.cpp"],
          "step": ["engine/physics/stages/*.cpp", "engine/physics/world/sub_steps.cpp", "engine/physics/world/merged*.cpp", "engine/physics/world/*rod.cpp"]}
 # rooms of tests in the order in which they may know; what is in no list has nothing to do with it
 TESTS = {"rod": "rod nodes coaxial solve step scene run contact failure", "solve": "solve rod step coaxial contact scene run failure wall",

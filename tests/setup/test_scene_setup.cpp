@@ -1,5 +1,6 @@
 // make_setup: does the wire fit the vessel, and where does it enter?
 
+#include "contact/wall_body.h"
 #include "core/error.h"
 #include "io/mesh_file.h"
 #include "scene/scene.h"

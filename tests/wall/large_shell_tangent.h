@@ -2,9 +2,9 @@
 // Tangent of the large shell, for Newton's method in tests. The engine takes what linear theory leaves out explicitly, and has
 // none.
 
-#include "wall/block_pattern.h"
-#include "wall/large_shell.h"
-#include "wall/shell_strain.h"
+#include "shell/block_pattern.h"
+#include "shell/large_shell.h"
+#include "shell/shell_strain.h"
 
 #include <array>
 

@@ -1,7 +1,7 @@
 // The shell under displacements of any size: objectivity, derivatives, and equilibria against solutions that know no shell
 // elements (plates by von Karman's equations for a disk, a strip by the elastica) and published tables.
 #include "support/approx.h"
-#include "wall/large_shell.h"
+#include "shell/large_shell.h"
 #include "large_shell_tangent.h"
 #include "wall_problem.h"
 

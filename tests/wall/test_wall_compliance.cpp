@@ -1,6 +1,6 @@
 // Factors of K + C/h: against Eigen's, two at once, columns, symmetry, holds, and a wall that could fly away.
 #include "support/approx.h"
-#include "wall/wall_patch.h"
+#include "shell/wall_patch.h"
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>

@@ -1,12 +1,12 @@
 // Steps of the wall in blocks against a full solve in every step.
 
-#include "contact/elastic/wall_stations.h"
+#include "coupling/wall_stations.h"
 #include "core/state_walk.h"
 #include "engine.h"
-#include "wall/large_shell.h"
-#include "wall/shell.h"
-#include "wall/wall_compliance.h"
-#include "wall/wall_dynamics.h"
+#include "shell/large_shell.h"
+#include "shell/shell.h"
+#include "shell/wall_compliance.h"
+#include "shell/wall_dynamics.h"
 
 #include <doctest/doctest.h>
 

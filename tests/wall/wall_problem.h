@@ -1,7 +1,7 @@
 #pragma once
 // A wall under loads, solved at once: what tests of the shell have in common.
 
-#include "wall/wall_compliance.h"
+#include "shell/wall_compliance.h"
 #include "wall_fixtures.h"
 
 #include <Eigen/SparseCholesky>

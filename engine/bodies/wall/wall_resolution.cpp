@@ -1,8 +1,6 @@
 // The control mesh of an elastic wall against the decay length of a dent.
 #include "wall/wall_resolution.h"
 
-#include "surface/control_mesh.h"
-#include "surface/edge_field.h"
 #include "wall/wall_model.h"
 
 #include <algorithm>
@@ -17,7 +15,6 @@ namespace {
 // to (edge/decay)^2 and to edge/decay
 constexpr double plane_move = 0.026, plane_stress = 0.35, tube = 3;
 constexpr double linear_tube = 0.3, linear_plane = 0.4;
-const double area_of_vertex = 0.5 * std::sqrt(3.0);  // of equilateral triangles, per square of their edge
 
 }  // namespace
 
@@ -66,21 +63,6 @@ double decay_length(const WallModel& wall)
     for (std::size_t k = 0; k < count; ++k) radius.push_back(lumen_radius_at(wall, touched[k * touched.size() / count]));
     std::nth_element(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(count / 2), radius.end());
     return decay_length(wall.spec, radius[count / 2]);
-}
-
-WallMechanics expected_mechanics(const VesselSpec& spec, const WallMesh& mesh, const Centreline& centreline)
-{
-    if (!spec.elastic || mesh.triangles.empty()) return {};
-    const WallModel wall(spec, mesh, centreline);
-    WallMechanics made;
-    made.decay = decay_length(wall);
-    const WallSamples samples = sample_wall(mesh);
-    const double vertices = spec.wall_edge > 0
-                                ? expected_vertices(samples, EdgeField(spec.wall_edge, ControlMeshSpec{}.share, centreline))
-                                : choose_wall_edge(wall).vertices;
-    made.vertices = static_cast<int>(std::lround(vertices));
-    made.edge = made.edge_touched = std::sqrt(samples.area / (area_of_vertex * vertices));
-    return made;
 }
 
 }  // namespace seldinger

@@ -50,8 +50,4 @@ struct LostPeak {
 };
 [[nodiscard]] LostPeak lost_peak(double load, double edge, double decay, double thickness, double poisson);
 
-/// Vertices, mean edge and decay length of the control mesh that a world would make, by the scene's edge or the one that is
-/// chosen. What only a made wall has is 0.
-[[nodiscard]] WallMechanics expected_mechanics(const VesselSpec& spec, const WallMesh& mesh, const Centreline& centreline);
-
 }  // namespace seldinger

@@ -1,6 +1,6 @@
 #pragma once
 // Contact with the wall as the wires of a world feel it. A rigid wall's is the detection method itself (contact_system.h); an
-// elastic wall stands in front of one (elastic/elastic_contact.h). What only a wall that moves has to say has the rigid wall's
+// elastic wall stands in front of one (contact/wall_body.h). What only a wall that moves has to say has the rigid wall's
 // answer here, so that nobody asks which of the two it is.
 
 #include "contact/contact_row.h"
@@ -26,6 +26,9 @@ public:
     virtual void put_feet_back() {}
     /// Whether a step of h starts a block of steps of the wall, which changes what walk_state() saves.
     [[nodiscard]] virtual bool begins_block(double /*h*/) const { return false; }
+    /// A step of h that is accepted for these wires: the wall of a system none of whose wires was evaluated in it, as all are
+    /// in their introducers, takes the step by itself. Before commit().
+    virtual void take_unwatched(double /*h*/, std::span<const std::uint8_t> /*done*/) {}
     /// Whether the wall of this system could take the last step or equilibrium that was tried; trials of its wires are not
     /// admissible else.
     [[nodiscard]] virtual bool stands(int /*system*/) const { return true; }

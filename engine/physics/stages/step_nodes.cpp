@@ -112,7 +112,7 @@ bool adapt_ends(const WorldRod& rod, double dt)
     return adapt_base(rod, even_edge(rod.bounds(), now.material_s[now.n - 2], edge), dt) || changed;
 }
 
-/// Between two nodes the displacement of a wall is taken to be linear (contact/elastic/wall_stations.h).
+/// Between two nodes the displacement of a wall is taken to be linear (coupling/wall_stations.h).
 void note_wall(const WorldRod& rod, NodeDemands& demands)
 {
     WorldData& world = rod.world();

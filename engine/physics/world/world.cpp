@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
-#include "wall/elastic_wall.h"
+#include "contact/wall_body.h"
 #include "wall/wall_model.h"
 #include "world/setup_check.h"
 #include "world/world_rod.h"
@@ -122,7 +122,7 @@ void provide_work(WorldData& world)
 
 }  // namespace
 
-WorldData::WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall)
+WorldData::WorldData(WorldSetup from, std::shared_ptr<const WallBody> wall)
     : setup(checked(std::move(from))),
       systems(static_cast<int>(setup.wires.size()), setup.systems),
       state(capacities(setup)),
@@ -147,7 +147,7 @@ WorldData::WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall)
 void check_start(const WorldSetup& setup)
 {
     check_setup(setup);
-    if (setup.vessel.elastic) check_elastic_wall(WallModel(setup.vessel, setup.mesh, setup.centreline));
+    if (setup.vessel.elastic) check_wall_body(WallModel(setup.vessel, setup.mesh, setup.centreline));
     WorldSetup bare;  // without contact, which needs a device and refuses nothing that the above has let pass
     bare.gravity = setup.gravity;
     bare.wires = setup.wires;
@@ -160,7 +160,7 @@ void check_start(const WorldSetup& setup)
 }
 
 World::World(WorldSetup setup) : data_(std::make_unique<WorldData>(std::move(setup))) {}
-World World::twin() const { return World(std::make_unique<WorldData>(data_->setup, data_->forces.elastic_wall)); }
+World World::twin() const { return World(std::make_unique<WorldData>(data_->setup, data_->forces.wall_body)); }
 World::World(std::unique_ptr<WorldData> data) : data_(std::move(data)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;

@@ -18,7 +18,7 @@
 #include "solve/driven_hub.h"
 #include "solve/feed.h"
 #include "vessel/inside.h"
-#include "wall/wall_shape.h"
+#include "contact/wall_body.h"
 #include "world/carried.h"
 #include "world/energy_audit.h"
 #include "world/sub_steps.h"
@@ -152,13 +152,13 @@ struct WorldOutput {
     std::vector<ContactRow> rows;                        // what contacts() last returned
     std::vector<ContactAlong> on_wall, on_instruments;   // what those come to
     // made when first asked for
-    std::unique_ptr<WallShape> wall_shape;
+    std::unique_ptr<CarriedMesh> wall_shape;
     std::unique_ptr<LumenQuery> lumen;  // audit_outside
 };
 
 struct WorldData {
     /// @param wall  the elastic wall of this setup, if there is one already
-    explicit WorldData(WorldSetup from, std::shared_ptr<const ElasticWall> wall = {});
+    explicit WorldData(WorldSetup from, std::shared_ptr<const WallBody> wall = {});
 
     WorldSetup setup;
     SystemList systems;

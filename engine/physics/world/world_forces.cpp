@@ -4,7 +4,8 @@
 
 #include "contact/rods/coaxial_friction.h"
 #include "contact/rods/instrument_contact.h"
-#include "contact/elastic/elastic_contact.h"
+#include "contact/contact_system.h"
+#include "contact/wall_body.h"
 #include "device/enumerate.h"
 #include "solve/line_holds.h"
 #include "world/systems.h"
@@ -41,11 +42,11 @@ InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> s
     return made;
 }
 
-WorldForces::WorldForces(const WorldSetup& setup, std::shared_ptr<const ElasticWall> made) : elastic_wall(std::move(made))
+WorldForces::WorldForces(const WorldSetup& setup, std::shared_ptr<const WallBody> made) : wall_body(std::move(made))
 {
     if (setup.mesh.triangles.empty()) return;
     wall.emplace(setup.vessel, setup.mesh, setup.centreline);
-    if (setup.vessel.elastic && !elastic_wall) elastic_wall = std::make_shared<ElasticWall>(*wall);
+    if (setup.vessel.elastic && !wall_body) wall_body = make_wall_body(*wall);
 }
 
 WorldForces::~WorldForces() = default;
@@ -55,12 +56,12 @@ void WorldForces::make_contacts(const WorldSetup& setup, const SystemList& syste
     if (setup.device_index >= 0) device::check_device_index(setup.device_index);  // also where no vessel needs one
     if (wall) {
         context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
-        if (elastic_wall) unmoved_rods = std::make_unique<RodArrays>(rods);
+        if (wall_body) unmoved_rods = std::make_unique<RodArrays>(rods);
         contact = make_contact(*context, contact_setup(setup, *wall), unmoved_rods ? *unmoved_rods : rods);
         wall_contact = contact.get();
-        if (elastic_wall) {
-            elastic = std::make_unique<ElasticContact>(*elastic_wall, *contact, rods, *unmoved_rods, systems.of_each());
-            wall_contact = elastic.get();
+        if (wall_body) {
+            with_body = wall_body->contact(*contact, rods, *unmoved_rods, systems.of_each());
+            wall_contact = with_body.get();
         }
         terms.add(*wall_contact);
     }

@@ -3,8 +3,7 @@
 #include "contact/contact_system.h"
 #include "device/device.h"
 #include "rod/place.h"
-#include "wall/elastic_wall.h"
-#include "wall/wall_compliance.h"
+#include "contact/wall_body.h"
 #include "world/world_rod.h"
 
 #include <fmt/format.h>
@@ -38,13 +37,12 @@ std::string describe_spins(const WorldData& world, const IntegratorSpec& integra
 
 std::string describe_wall(const WorldData& world)
 {
-    if (!world.forces.elastic_wall) return "rigid shape, elastic bed under each contact (D6b)";
+    if (!world.forces.wall_body) return "rigid shape, elastic bed under each contact (D6b)";
     const VesselSpec& v = world.setup.vessel;
     return fmt::format(
-        "elastic (D11): shell of {:.3g} MPa, {:.3g} mm on tissue of {:.3g} MPa/m, {} control vertices, edge {}; elastic bed "
-        "under each contact (D6b) in series",
-        1e-6 * v.youngs, 1e3 * v.thickness, 1e-6 * v.support, world.forces.elastic_wall->compliance().vertex_count(),
-        world.forces.elastic_wall->edge_reason());
+        "elastic (D11): shell of {:.3g} MPa, {:.3g} mm on tissue of {:.3g} MPa/m, {}; elastic bed under each contact (D6b) in "
+        "series",
+        1e-6 * v.youngs, 1e3 * v.thickness, 1e-6 * v.support, world.forces.wall_body->describe());
 }
 
 /// Friction of the first group.

@@ -5,7 +5,7 @@
 #include "contact/rods/instrument_contact.h"
 #include "nodes/adapt.h"
 #include "rod/curvature.h"
-#include "wall/elastic_wall.h"
+#include "contact/wall_body.h"
 #include "world/node_errors.h"
 #include "world/world.h"
 
@@ -212,7 +212,7 @@ void World::cut_when(std::function<bool()> due)
 
 WallMechanics World::wall_mechanics() const
 {
-    return data_->forces.elastic_wall ? data_->forces.elastic_wall->mechanics() : WallMechanics{};
+    return data_->forces.wall_body ? data_->forces.wall_body->mechanics() : WallMechanics{};
 }
 
 namespace {
@@ -298,8 +298,8 @@ void World::read(Output& into, unsigned parts) const
     }
     for (int w = 0; w < wire_count() && (parts & (Output::Contacts | Output::Loads)) == Output::Loads; ++w)
         read_loads(w, into.wires[static_cast<std::size_t>(w)]);
-    if ((parts & Output::WallShape) && data_->forces.elastic_wall && !data_->output.wall_shape)
-        data_->output.wall_shape = std::make_unique<WallShape>(*data_->forces.elastic_wall, data_->setup.mesh);
+    if ((parts & Output::WallShape) && data_->forces.wall_body && !data_->output.wall_shape)
+        data_->output.wall_shape = data_->forces.wall_body->carry(data_->setup.mesh);
     if (!(parts & (Output::Wall | Output::WallShape | Output::WallUnder))) return;
     read_walls(*data_, parts, into.walls);
     if (!(parts & (Output::Wall | Output::WallShape))) return;

@@ -1,7 +1,7 @@
 // The default control edge of an elastic wall, and the finest and the coarsest of a study.
 #include "models/wall_edges.h"
 
-#include "surface/control_mesh.h"
+#include "contact/wall_body.h"
 #include "wall/wall_model.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ double WallEdges::of_level(int level, double ratio) const { return std::max(leas
 WallEdges wall_edges(const WorldSetup& setup)
 {
     if (!setup.vessel.elastic || setup.mesh.triangles.empty()) return {};
-    const WallEdge chosen = choose_wall_edge(WallModel(setup.vessel, setup.mesh, setup.centreline));
+    const DefaultEdge chosen = default_wall_edge(WallModel(setup.vessel, setup.mesh, setup.centreline));
     WallEdges edges;
     edges.own = setup.vessel.wall_edge > 0 ? setup.vessel.wall_edge : chosen.edge;
     // vertices go with 1 / edge^2

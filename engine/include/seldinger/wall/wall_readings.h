@@ -1,5 +1,5 @@
 #pragma once
-// Readings of an elastic wall (wall/elastic_wall.h); all zero for a rigid one.
+// Readings of an elastic wall (shell/elastic_wall.h); all zero for a rigid one.
 
 #include <cmath>
 #include <cstddef>

@@ -1,7 +1,7 @@
 // The membrane's strain of a triangle: mean and tied, in shares that depend on how far its edges bow (shell.h says why).
-#include "wall/shell.h"
-#include "wall/shell_strain.h"
-#include "wall/tied_strain.h"
+#include "shell/shell.h"
+#include "shell/shell_strain.h"
+#include "shell/tied_strain.h"
 
 #include <algorithm>
 #include <cmath>

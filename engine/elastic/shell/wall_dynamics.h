@@ -7,7 +7,7 @@
 //     w1 = s w0 + M^-1 B w0 + M^-1 f
 //
 // Under large displacements the right side has -r(w) too, what linear theory leaves out of the shell's forces
-// (wall/large_shell.h), at the start of a block: B w0 becomes B w0 - r(w0), y below. It takes part as slowly as the wall gives
+// (shell/large_shell.h), at the start of a block: B w0 becomes B w0 - r(w0), y below. It takes part as slowly as the wall gives
 // way, and where the wall rests it is exact. In single steps a mode may be 1 + 2 tau/h times as stiff as in K, 41 times at the
 // usual 1 ms, before this explicit part makes it swing. A block of n steps extrapolates r; with x = n h/tau and b = (n - 1)/(2 n)
 // it may be 2/(x (1 + 2 b)) times as stiff: 13, 5.7, 2.7 times for 2, 4, 8 steps. r = a K w has M^-1 r = a w/(1 + tau/h): blocks
@@ -24,9 +24,9 @@
 // pays for these. Where contact touches so much of the wall that these sums read more memory than a solve, each step has its
 // solve.
 
-#include "math/block_cholesky.h"
-#include "wall/elastic_wall.h"
-#include "wall/wall_patch.h"
+#include "algebra/block_cholesky.h"
+#include "shell/elastic_wall.h"
+#include "shell/wall_patch.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,5 @@
 #pragma once
-// The shell of wall/shell.h under displacements of any size: the same surface, points and weights, total Lagrangian.
+// The shell of shell/shell.h under displacements of any size: the same surface, points and weights, total Lagrangian.
 //
 //   E(u) = 1/2 int C H^abcd E_ab E_cd + D H^abcd R_ab R_cd dA + (p/3) int u . (u_,1 x u_,2) dA                              [J]
 //
@@ -17,7 +17,7 @@
 //
 // Strains must be small, for the material's law as for thin shells at all; displacements and rotations need not.
 
-#include "wall/shell.h"
+#include "shell/shell.h"
 
 #include <array>
 #include <span>

@@ -1,4 +1,5 @@
 // The default control edge, and the memory that an edge needs.
+#include "contact/wall_body.h"
 #include "core/error.h"
 #include "surface/control_mesh.h"
 #include "surface/edge_field.h"
@@ -131,6 +132,21 @@ WallEdge choose_wall_edge(const WallModel& wall)
     WallEdge choice = even_edge(wall, sample_wall(wall.mesh), known ? most_elsewhere : most_vertices);
     if (known) add_path(wall, choice);
     return known && choice.path.points.empty() ? even_edge(wall, sample_wall(wall.mesh), most_vertices) : choice;
+}
+
+WallMechanics expected_mechanics(const VesselSpec& spec, const WallMesh& mesh, const Centreline& centreline)
+{
+    if (!spec.elastic || mesh.triangles.empty()) return {};
+    const WallModel wall(spec, mesh, centreline);
+    WallMechanics made;
+    made.decay = decay_length(wall);
+    const WallSamples samples = sample_wall(mesh);
+    const double vertices = spec.wall_edge > 0
+                                ? expected_vertices(samples, EdgeField(spec.wall_edge, ControlMeshSpec{}.share, centreline))
+                                : choose_wall_edge(wall).vertices;
+    made.vertices = static_cast<int>(std::lround(vertices));
+    made.edge = made.edge_touched = std::sqrt(samples.area / (vertex_area * vertices));
+    return made;
 }
 
 double factor_bytes(double vertices)

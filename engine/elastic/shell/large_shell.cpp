@@ -1,10 +1,10 @@
 // Energy and forces of the shell under large displacements, triangle by triangle.
-#include "wall/large_shell.h"
+#include "shell/large_shell.h"
 
 #include "core/check.h"
 #include "math/node_lanes.h"
-#include "wall/shell_strain.h"
-#include "wall/tied_strain.h"
+#include "shell/shell_strain.h"
+#include "shell/tied_strain.h"
 
 #include <algorithm>
 #include <cmath>

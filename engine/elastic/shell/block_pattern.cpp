@@ -1,5 +1,5 @@
 // Pattern of the wall's matrices by columns of vertices, and how blocks become an Eigen matrix.
-#include "wall/block_pattern.h"
+#include "shell/block_pattern.h"
 
 #include "core/check.h"
 

@@ -1,8 +1,8 @@
 // The shell's matrices, triangle by triangle.
 #include "core/error.h"
-#include "wall/block_pattern.h"
-#include "wall/shell.h"
-#include "wall/shell_strain.h"
+#include "shell/block_pattern.h"
+#include "shell/shell.h"
+#include "shell/shell_strain.h"
 
 #include <cmath>
 

@@ -1,9 +1,9 @@
 // Multifrontal factor by panels [Duff & Reid 1983, doi:10.1145/356044.356047], and solves that stream through it.
-#include "math/block_cholesky.h"
+#include "algebra/block_cholesky.h"
 
 #include "core/check.h"
 #include "math/dissection.h"
-#include "math/elimination.h"
+#include "algebra/elimination.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

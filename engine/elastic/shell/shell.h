@@ -127,7 +127,7 @@ public:
     [[nodiscard]] Energy energy(std::span<const double> displacement) const;
 
 private:
-    friend class LargeShell;  // wall/large_shell.h: the same points and weights
+    friend class LargeShell;  // shell/large_shell.h: the same points and weights
     friend struct LargeShellTangent;  // tests/wall/large_shell_tangent.h
 
     /// Weight of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].

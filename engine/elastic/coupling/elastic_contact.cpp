@@ -1,6 +1,6 @@
 // Wire and wall solved together: trials, residual, tangent. Start and end of a step: elastic_contact_step.cpp.
 
-#include "contact/elastic/elastic_system.h"
+#include "coupling/elastic_system.h"
 #include "core/clock.h"
 
 #include <algorithm>

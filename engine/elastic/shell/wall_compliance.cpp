@@ -1,5 +1,5 @@
 // Matrices of one elastic wall, their factors by step length, and columns of the inverses.
-#include "wall/wall_compliance.h"
+#include "shell/wall_compliance.h"
 
 #include "core/check.h"
 #include "core/clock.h"

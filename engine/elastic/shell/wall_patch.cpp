@@ -1,7 +1,7 @@
 // Blocks of the wall's compliance, gathered as places are touched.
 
-#include "wall/wall_patch.h"
-#include "wall/wall_compliance.h"
+#include "shell/wall_patch.h"
+#include "shell/wall_compliance.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // Energy and stresses of a displacement of the shell.
 #include "core/check.h"
-#include "wall/large_shell.h"
-#include "wall/shell.h"
-#include "wall/shell_strain.h"
+#include "shell/large_shell.h"
+#include "shell/shell.h"
+#include "shell/shell_strain.h"
 
 #include <algorithm>
 #include <array>

@@ -15,8 +15,8 @@
 
 #include "math/vec3.h"
 #include "rod/rod_arrays.h"
-#include "wall/elastic_wall.h"
-#include "wall/wall_dynamics.h"
+#include "shell/elastic_wall.h"
+#include "shell/wall_dynamics.h"
 
 #include <cstdint>
 #include <span>

@@ -1,10 +1,10 @@
 // Contact with an elastic wall from step to step: feet, possible contacts, the wall's own step, saving.
 
-#include "contact/elastic/elastic_system.h"
+#include "coupling/elastic_system.h"
 
 #include "core/clock.h"
 #include "core/state_walk.h"
-#include "wall/shell.h"
+#include "shell/shell.h"
 
 #include <algorithm>
 #include <cmath>
@@ -328,6 +328,21 @@ double ElasticContact::work_from_outside(int wire) const
     return sum;
 }
 
+void ElasticContact::take_unwatched(double h, std::span<const std::uint8_t> done)
+{
+    for_each_system([&](System& system) {
+        if (system.begun || !system.is_in(done)) return;
+        if (system.dynamics.still() && wall_.load().empty()) return;
+        system.stands = system.dynamics.begin_step(h);
+        if (!system.stands) return;
+        system.rows.clear();
+        system.dynamics.end_step({});
+        system.exerted_before.swap(system.exerted);
+        system.exerted.clear();
+        read_under(system);
+    });
+}
+
 /// The wall takes what the wires exert on it.
 void ElasticContact::commit(std::span<const std::uint8_t> active)
 {
@@ -398,7 +413,6 @@ void ElasticContact::read_under(System& system) const
     const auto force_on = [&](std::size_t row) { return Vec3(&system.trial().force[3 * row]); };
     double largest = 0;
     for (std::size_t k = 0; k < system.rows.size(); ++k) largest = std::max(largest, force_on(k).norm());
-    if (largest == 0) return;
     const auto unmoved = [&](const LoopStencil& at) {
         Vec3 place = Vec3::Zero();
         for (int a = 0; a < at.size; ++a)
@@ -406,12 +420,8 @@ void ElasticContact::read_under(System& system) const
         return place;
     };
     LoopStencil stencil;
-    for (std::size_t k = 0; k < system.rows.size(); ++k) {
-        if (force_on(k).norm() < heavy * largest) continue;
-        const WallFoot& foot = system.stations.foot(system.rows[k]);
-        if (foot.triangle < 0) continue;
-        const auto triangle = static_cast<std::int32_t>(foot.triangle);
-        wall_.surface().basis(triangle, foot.u, foot.v, stencil);
+    const auto look = [&](std::int32_t triangle, double u, double v, const LostPeak& lost) {
+        wall_.surface().basis(triangle, u, v, stencil);
         Vec3 move = Vec3::Zero();
         for (int a = 0; a < stencil.size; ++a) {
             const Vec3 w = system.dynamics.now(stencil.vertex[a]);
@@ -425,12 +435,20 @@ void ElasticContact::read_under(System& system) const
         }
         std::size_t point = 0;
         const double stress = wall_.shell().stress_of(triangle, system.moves, point, system.dynamics.large());
-        const LostPeak lost = wall_.lost_peak(triangle, line_load(system, k, triangle));
-        if (!(stress + lost.stress > now.stress_max)) continue;
+        if (!(stress + lost.stress > now.stress_max)) return;
         now.stress_max = stress + lost.stress;
         wall_.shell().points()[point].position.store(now.stress_at);
         now.stress_band.mesh = lost.band;
+    };
+    for (std::size_t k = 0; k < system.rows.size() && largest > 0; ++k) {
+        if (force_on(k).norm() < heavy * largest) continue;
+        const WallFoot& foot = system.stations.foot(system.rows[k]);
+        if (foot.triangle < 0) continue;
+        const auto triangle = static_cast<std::int32_t>(foot.triangle);
+        look(triangle, foot.u, foot.v, wall_.lost_peak(triangle, line_load(system, k, triangle)));
     }
+    for (const LoopFoot& foot : wall_.loaded()) look(foot.triangle, foot.u, foot.v, {});
+    if (now.move_max == 0) return;
     if (!system.dynamics.large()) add_geometry(wall_, now.move_max, now);
 }
 

@@ -1,9 +1,9 @@
 // Steps of the wall in blocks.
 
-#include "wall/wall_dynamics.h"
+#include "shell/wall_dynamics.h"
 
 #include "core/state_walk.h"
-#include "wall/wall_compliance.h"
+#include "shell/wall_compliance.h"
 
 #include <algorithm>
 #include <cmath>

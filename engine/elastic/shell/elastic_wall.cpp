@@ -1,9 +1,9 @@
 // The wall as a body, made from the vessel's mesh, and its readings.
 
-#include "wall/elastic_wall.h"
+#include "shell/elastic_wall.h"
 #include "core/clock.h"
-#include "wall/large_shell.h"
-#include "wall/wall_compliance.h"
+#include "shell/large_shell.h"
+#include "shell/wall_compliance.h"
 
 #include "vessel/triangle_geometry.h"
 
@@ -84,17 +84,27 @@ void add_force(const LoopSurface& surface, std::int32_t triangle, double u, doub
     for (int k = 0; k < at.size; ++k) add_to(&to[3 * static_cast<std::size_t>(at.vertex[k])], at.n[k] * force);
 }
 
-std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std::span<const WallLoad> loads)
+/// @param at  gets the places where they act
+std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std::span<const WallLoad> loads,
+                             std::vector<LoopFoot>& at)
 {
+    constexpr std::size_t of_pressure = 16;  // places to look at
     if (loads.empty()) return {};
     std::vector<double> to(3 * surface.control().vertices.size(), 0.0);
     for (const WallLoad& load : loads) {
         if (load.pressure != 0)
             for (const ShellPoint& q : shell.points())
                 add_force(surface, q.triangle, q.u, q.v, -load.pressure * q.area * q.normal, to);
+        for (std::size_t k = 0; load.pressure != 0 && k < of_pressure; ++k) {
+            const ShellPoint& q = shell.points()[k * shell.points().size() / of_pressure];
+            LoopFoot foot;
+            foot.triangle = q.triangle, foot.u = q.u, foot.v = q.v;
+            at.push_back(foot);
+        }
         if (load.force.isZero()) continue;
         LoopFoot foot;
         surface.closest(load.at, foot);
+        at.push_back(foot);
         add_force(surface, foot.triangle, foot.u, foot.v, load.force, to);
     }
     return to;
@@ -124,7 +134,7 @@ ElasticWall::ElasticWall(const WallModel& wall)
     surface_->interpolate(through);
     shell_ = std::make_unique<Shell>(*surface_, shell_spec(wall.spec));
     compliance_ = std::make_unique<WallCompliance>(*shell_, wall.spec.pressure != 0 ? along(wall.centreline) : PrestressAt{});
-    load_ = loads_on(*surface_, *shell_, wall.spec.loads);
+    load_ = loads_on(*surface_, *shell_, wall.spec.loads, loaded_);
     const auto vertices = static_cast<std::int32_t>(surface_->control().vertices.size());
     limits_.resize(static_cast<std::size_t>(vertices));
     for (std::int32_t v = 0; v < vertices; ++v) surface_->limit_of_vertex(v, limits_[static_cast<std::size_t>(v)]);

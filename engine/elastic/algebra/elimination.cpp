@@ -1,5 +1,5 @@
 // Symbolic factorization: rows of each column, postorder, panels.
-#include "math/elimination.h"
+#include "algebra/elimination.h"
 
 #include <algorithm>
 

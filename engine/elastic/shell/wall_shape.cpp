@@ -1,6 +1,6 @@
 // Vertices of the vessel's mesh on the wall's surface.
 
-#include "wall/wall_shape.h"
+#include "shell/wall_shape.h"
 
 namespace seldinger {
 

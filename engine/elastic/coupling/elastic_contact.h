@@ -11,10 +11,10 @@
 // tangent is T - T (W^-1 + T)^-1 T: unknowns U beside the band (math/condensed.h). If a trial is far from this prediction (rho
 // above 10 % of the largest force), the wall is moved again at the same x.
 //
-// When a step is accepted the wall takes -A^T f, all of it: (K + C/h) w1 = C/h w0 - sum N^T A^T f (wall/wall_dynamics.h).
+// When a step is accepted the wall takes -A^T f, all of it: (K + C/h) w1 = C/h w0 - sum N^T A^T f (shell/wall_dynamics.h).
 
 #include "contact/contact_system.h"
-#include "contact/elastic/wall_stations.h"
+#include "coupling/wall_stations.h"
 #include "core/parallel.h"
 #include "math/banded_solver.h"
 
@@ -38,6 +38,7 @@ public:
     void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
     void take(int wire, Base base, std::span<double> kinks) override;
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
+    void take_unwatched(double h, std::span<const std::uint8_t> done) override;
     void commit(std::span<const std::uint8_t> active) override;
     void walk_state(StateWalk& walk, int wire) override;
 
@@ -48,7 +49,7 @@ public:
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
     [[nodiscard]] std::vector<double> displacement(int system) const override;
     [[nodiscard]] double work(int system) const override;
-    /// Looked at are nodes with at least half of the largest force, and the triangles there.
+    /// Looked at are nodes with at least half of the largest force, the scene's loads, and the triangles there.
     [[nodiscard]] WallReadings under(int system) const override;
     [[nodiscard]] WallReadings readings(int system, std::span<const double> displacement,
                                         std::vector<double>* stress = nullptr) const override;

@@ -1,7 +1,7 @@
 #pragma once
 // State of contact with an elastic wall for one system while a step is solved. Private to elastic_contact*.cpp.
 
-#include "contact/elastic/elastic_contact.h"
+#include "coupling/elastic_contact.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 #pragma once
 // Strains of the shell at a point, in its frame; private to the shell's source files.
 
-#include "wall/shell.h"
+#include "shell/shell.h"
 
 namespace seldinger::shell_detail {
 

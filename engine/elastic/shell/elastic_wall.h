@@ -1,12 +1,12 @@
 #pragma once
-// An elastic wall as a body: a thin shell on its own control mesh in the surrounding tissue (D11; wall/shell.h), and its
+// An elastic wall as a body: a thin shell on its own control mesh in the surrounding tissue (D11; shell/shell.h), and its
 // position. Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
 //
 //     C w' + K w + r(w) = f    w: displacement of the control vertices [3V] [m], f: force on them [N]
 //
-// by backward Euler (wall/wall_dynamics.h). r is what linear theory leaves out of the shell's forces (wall/large_shell.h). It is
-// 0 while no control vertex has moved by more than 1/100 of the lumen's radius or 1/10 of the wall's thickness. Inertia of the
-// wall is small beside the tissue's damping, and left out.
+// by backward Euler (shell/wall_dynamics.h). r is what linear theory leaves out of the shell's forces (shell/large_shell.h). It
+// is 0 while no control vertex has moved by more than 1/100 of the lumen's radius or 1/10 of the wall's thickness. Inertia of
+// the wall is small beside the tissue's damping, and left out.
 
 #include "surface/control_mesh.h"
 #include "surface/loop_surface.h"
@@ -42,6 +42,8 @@ public:
     [[nodiscard]] int unknowns() const { return static_cast<int>(3 * limits_.size()); }
     /// What the scene's wall loads exert on the control vertices [3V] [N]; empty: nothing.
     [[nodiscard]] std::span<const double> load() const { return load_; }
+    /// Places where they act; a pressure, at some spread over the wall.
+    [[nodiscard]] std::span<const LoopFoot> loaded() const { return loaded_; }
     /// Mean edge of the control mesh [m].
     [[nodiscard]] double edge() const { return edge_; }
     /// Edge where instruments are expected to touch; without a path (VesselSpec::touched) the mean [m].
@@ -71,13 +73,13 @@ public:
     /// y -= r(w) of that shell. @param all  of triangles too that are nearly still, without which it is not smooth in w
     void take_excess_force(const LargeShell& large, std::span<const double> w, std::span<double> y, bool all = false) const;
     [[nodiscard]] WallMechanics mechanics() const;
-    /// C/h = kept M + B, B = left A - kept K_p, of a step of h > 0 (wall/wall_dynamics.h).
+    /// C/h = kept M + B, B = left A - kept K_p, of a step of h > 0 (shell/wall_dynamics.h).
     struct MemorySplit {
         double kept;  // s [-]
         double left;  // [Pa/m]
     };
     [[nodiscard]] MemorySplit memory_split(double h) const;
-    /// y += B w of a step of h (wall/wall_dynamics.h).
+    /// y += B w of a step of h (shell/wall_dynamics.h).
     void add_memory_force(double h, std::span<const double> w, std::span<double> y) const;
     /// How much B takes of a displacement that no strain holds back, at most.
     [[nodiscard]] double memory_share(double h) const;
@@ -87,6 +89,7 @@ private:
     std::unique_ptr<Shell> shell_;
     std::unique_ptr<WallCompliance> compliance_;
     std::vector<double> load_;
+    std::vector<LoopFoot> loaded_;
     std::vector<double> largest_move_;  // [V]
     std::vector<LoopStencil> limits_;   // [V]
     double edge_ = 0, edge_touched_ = 0, decay_ = 0, off_ = 0, made_in_ = 0;

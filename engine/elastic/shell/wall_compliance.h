@@ -2,8 +2,8 @@
 // Compliance of an elastic wall under forces: factors of K + C/h, one per step length, and columns of their inverses. Constant
 // matrices of one wall, shared by all systems.
 
-#include "math/block_cholesky.h"
-#include "wall/shell.h"
+#include "algebra/block_cholesky.h"
+#include "shell/shell.h"
 
 #include <limits>
 #include <memory>

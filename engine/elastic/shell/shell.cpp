@@ -1,9 +1,9 @@
 // Quadrature points of the shell, the weights of control vertices at them, and strains.
-#include "wall/shell.h"
+#include "shell/shell.h"
 
 #include "core/check.h"
 #include "core/error.h"
-#include "wall/shell_strain.h"
+#include "shell/shell_strain.h"
 
 #include <Eigen/QR>
 #include <algorithm>

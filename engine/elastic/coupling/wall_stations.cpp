@@ -1,6 +1,6 @@
 // Feet of nodes on an elastic wall, and the wall's compliance under them.
 
-#include "contact/elastic/wall_stations.h"
+#include "coupling/wall_stations.h"
 
 #include <algorithm>
 #include <cmath>
