@@ -127,17 +127,22 @@ def narrow(browser, check, pictures):
     x, y = browser.evaluate("(() => { const v = seldinger.viewer, p = v.tip.at.clone().project(v.camera); return [0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y] })()")
     x, y = view[0] + x * (view[2] - view[0]), view[1] + y * (view[3] - view[1])
     check(min(right - left, bottom - top) > 100 and not (left < x < right and top < y < bottom), "330 points: the tip again, larger, and not over itself")
-    # the J is bent over 2 cm: its nodes leave the straight line between their ends by more than a tenth of the frame
-    off = browser.evaluate("""(() => {
-        const v = seldinger.viewer, nodes = seldinger.last.nodes[0], at = [];
+    # how far nodes leave the straight line between the ends of what is shown: in the frame, and in space with the frame about 1.24 lengths wide.
+    # How much the tip is bent depends on where the wire has come to; that the bend is turned to the viewer does not
+    seen, bend = browser.evaluate("""(() => {
+        const v = seldinger.viewer, nodes = seldinger.last.nodes[0], at = [], places = [];
         let way = 0;
         for (let i = 0; i + 4 < nodes.length && way < v.tip.length; i += 4) {
-          at.push(new THREE.Vector3(nodes[i], nodes[i + 1], nodes[i + 2]).project(v.tip.camera));
+          places.push(new THREE.Vector3(nodes[i], nodes[i + 1], nodes[i + 2]));
+          at.push(places[places.length - 1].clone().project(v.tip.camera).setZ(0));
           way += Math.hypot(nodes[i + 4] - nodes[i], nodes[i + 5] - nodes[i + 1], nodes[i + 6] - nodes[i + 2]);
         }
-        const a = at[0], b = at[at.length - 1], l = Math.hypot(b.x - a.x, b.y - a.y);
-        return Math.max(...at.map((p) => Math.abs((p.x - a.x) * (b.y - a.y) - (p.y - a.y) * (b.x - a.x)) / l)) / 2 })()""")
-    check(off > 0.1, f"330 points: the tip's bend is seen ({off:.2f} of the frame)")
+        const off = (points) => {
+          const line = new THREE.Line3(points[0], points[points.length - 1]), near = new THREE.Vector3();
+          return Math.max(...points.map((p) => line.closestPointToPoint(p, false, near).distanceTo(p)));
+        };
+        return [off(at) / 2, off(places) / (1.24 * v.tip.length)] })()""")
+    check(seen > 0.8 * bend, f"330 points: the tip's bend is turned to the viewer ({seen:.2f} of the frame, of {bend:.2f})")
     units = browser.evaluate("[seldinger.forces.scaleOf(1e-3).unit, seldinger.forces.scaleOf(1).unit, document.querySelector('#instrument').textContent, "
                              "document.querySelector('#sheet').textContent]")
     check(units[:2] == ["N", "N"] and "mN" not in units[2] + units[3] and " N," in units[2], f"330 points: forces are in newtons everywhere ({units[2]})")
