@@ -469,7 +469,8 @@ void StepTwin::set_wall()
     const Examined& twin = examine_halved(best_wall_);
     if (!twin.found) return;
     estimate_.wall_known = true;
-    const double history = friction_history * friction_falls_.share();
+    // no window knows of another history before it; where nothing has touched the wall there is none
+    const double history = largest_.patch > 0 ? friction_history * friction_falls_.share() : 0;
     const auto share = [&](double run, double of_twin) {
         return std::max(margin(twin.ratio) * std::abs(run - of_twin), history * run);
     };

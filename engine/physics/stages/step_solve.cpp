@@ -183,6 +183,7 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
         outcomes.failed[w] = lost[w] && !outcomes.ended[w];
         done[w] = done[w] && !lost[w] && !again[w];
     }
+    if (world.forces.wall_contact) world.forces.wall_contact->take_unwatched(sub.h, done);
     world.forces.terms.commit(done);
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
         prefetch_after(world.state.rods, w);
