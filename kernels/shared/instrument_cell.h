@@ -14,7 +14,6 @@
 #ifndef SEL_SHARED_INSTRUMENT_CELL_H
 #define SEL_SHARED_INSTRUMENT_CELL_H
 #include "shared/instrument_friction.h"
-#include "shared/instrument_lanes.h"
 
 SEL_BEGIN
 
@@ -81,70 +80,55 @@ SEL_FN void push_at(const CellPoint* point, real weight, Closing closing, const 
     out->stored += weight * elastic_normal(closing.depth, c->m, &ignored) * closing.depth / (c->m.exponent + 1);
 }
 
-#define SEL_PIECE_POINTS 4  // Gauss points of a piece
+#define SEL_PIECE_POINTS 4  // Gauss points of a stretch
 
-// Gauss points of a stretch of the cell: where, where on b to look, and metres.
-typedef struct GaussPoints {
-    real s[SEL_PIECE_POINTS], start[SEL_PIECE_POINTS], weight[SEL_PIECE_POINTS];
-} GaussPoints;
+// A stretch of the cell that is integrated by one rule.
+typedef struct CellStretch {
+    real middle, half_length;  // [m]
+    real at, onwards;          // about where on b its middle is, and how far on its end
+} CellStretch;
 
-// A stretch's points while it is integrated.
-typedef struct CellRule {
-    GaussPoints along;
-    LanePlaces lanes;
-    real gap[SEL_PIECE_POINTS];
-} CellRule;
-
-// @param deepest  of the points, is written, and so is rule->gap; 0: nobody asks     @return sum of force times s
-SEL_FN real push_points(const InstrumentScene* scene, SEL_OUT CellRule* rule, SEL_OUT DeepPoint* deepest, int fresh,
-                        real approach, const LawContext* c, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN CellStretch stretch_between(CellMark from, CellMark until)
 {
-    SEL_OUT const GaussPoints* along = &rule->along;
-    SEL_OUT const LanePlaces* lanes = &rule->lanes;
+    CellStretch stretch;
+    stretch.middle = (real)0.5 * (from.s + until.s);
+    stretch.half_length = (real)0.5 * (until.s - from.s);
+    stretch.at = (real)0.5 * (from.at + until.at);
+    stretch.onwards = (real)0.5 * (until.at - from.at);
+    return stretch;
+}
+
+// Gaps at a stretch's points, and the deepest of these.
+typedef struct StretchGaps {
+    real gap[SEL_PIECE_POINTS];
+    DeepPoint deepest;
+} StretchGaps;
+
+// Forces of a stretch.
+// @param closing  of the cell     gaps  are written; 0: nobody asks     @return sum of force times s
+SEL_FN real push_stretch(const InstrumentScene* scene, SEL_OUT const CellStretch* stretch, Closing closing, const LawContext* c,
+                         SEL_OUT StretchGaps* gaps, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
     real moment = 0;
     SEL_ONCE for (uint k = 0; k < SEL_PIECE_POINTS; ++k)
     {
-        const real before = out->normal_sum;
-        CellPlace place;
-        place.of_a = lanes->of_a[k];
-        place.near.at = lanes->at[k];
-        place.near.bound = 0;  // what lanes find is short of b's ends and its mouth
-        if (!lanes->known) find_place(scene, along->s[k], along->start[k], &place);
-        CellPoint point;
-        set_point_at(scene, scene->part, along->s[k], place, &point);
-        if (deepest) rule->gap[k] = point.gap;
-        if (deepest && (k == 0 || point.gap < deepest->mark.gap)) *deepest = deep_point(scene, &point);
-        if (point.gap >= 0) continue;
-        Closing here;
-        here.fresh = fresh;
-        here.approach = approach;
-        here.depth = here.depth_t0 = -point.gap;
-        here.rate = here.rate_t0 = 0;
-        here.deepens = 0;
-        if (c->par.inv_dt > 0 && c->m.damping > 0) {
-            const real gap_t0 = lanes->known_t0 ? lanes->gap[SEL_PIECE_POINTS + k] : gap_at_start(scene, along->s[k], point.g.at);
-            here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
-            here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
+        const real s = stretch->middle + stretch->half_length * gauss_place(k), before = out->normal_sum;
+        const CellPoint point = cell_point(scene, s, stretch->at + stretch->onwards * gauss_place(k));
+        if (gaps) {
+            gaps->gap[k] = point.gap;
+            if (k == 0 || point.gap < gaps->deepest.mark.gap) gaps->deepest = deep_point(scene, &point);
         }
-        push_at(&point, along->weight[k], here, c, out, points);
-        moment += (out->normal_sum - before) * along->s[k];
+        if (point.gap >= 0) continue;
+        closing.depth = -point.gap;
+        closing.rate = 0;
+        if (c->par.inv_dt > 0 && c->m.damping > 0) {
+            const real gap_t0 = gap_at_start(scene, s, point.g.at);
+            if (gap_t0 < SEL_FAR) closing.rate = (closing.depth + gap_t0) * c->par.inv_dt;
+        }
+        push_at(&point, stretch->half_length * gauss_weight(k), closing, c, out, points);
+        moment += (out->normal_sum - before) * s;
     }
     return moment;
-}
-
-// The normal force between two ends of the touching part of a piece. @return its moment: sum of force times s
-SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, int fresh, real approach, const LawContext* c,
-                       SEL_OUT CellRule* rule, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
-{
-    const real half_length = (real)0.5 * (right.s - left.s), middle = (real)0.5 * (left.s + right.s);
-    SEL_OUT GaussPoints* along = &rule->along;
-    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
-        along->s[k] = middle + half_length * gauss_place(k);
-        along->start[k] = (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at));
-        along->weight[k] = half_length * gauss_weight(k);
-    }
-    places_in_lanes(scene, along->s, along->start, spline_at_near(scene->a, middle, scene->edge), &rule->lanes);
-    return push_points(scene, rule, 0, fresh, approach, c, out, points);
 }
 
 SEL_FN InstrumentState no_instrument_state(void)
@@ -168,18 +152,19 @@ SEL_FN InstrumentForce no_instrument_force(void)
 }
 
 // Data of a contact before its force: see closing_of() of contact_law.h.
-SEL_FN Closing cell_closing(const InstrumentScene* scene, CellMark deepest, ContactState old, int fresh, const LawContext* c)
+SEL_FN Closing cell_closing(const InstrumentScene* scene, CellMark deepest, const SlotLaw* slot)
 {
     Closing closing;
+    const LawContext* c = &slot->law;
     const real gap_t0 = gap_at_start(scene, deepest.s, deepest.at);
-    closing.fresh = fresh;
+    closing.fresh = c->mv.fresh;
     closing.depth = -deepest.gap;
     closing.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : closing.depth;
     closing.deepens = closing.depth > closing.depth_t0;
     closing.rate = (closing.depth - closing.depth_t0) * c->par.inv_dt;
-    closing.rate_t0 = old.rate;
-    const int was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
-    closing.approach = max_r(was_active ? old.approach : fresh ? closing.rate : old.rate, c->m.speed_floor);
+    closing.rate_t0 = slot->old.rate;
+    const real last = carried_of(slot).was_active ? slot->old.approach : closing.fresh ? closing.rate : slot->old.rate;
+    closing.approach = max_r(last, c->m.speed_floor);
     return closing;
 }
 
@@ -199,64 +184,79 @@ SEL_FN void write_deepest(const InstrumentScene* scene, DeepPoint at, Closing cl
     now->contact.triangle = edge_near(scene->b, now->along_b, (uint)at.mark.at);
 }
 
+// How fast the gap at a point closes.
+SEL_FN real closing_rate(const InstrumentScene* scene, CellMark point, real inv_dt)
+{
+    const real gap_t0 = gap_at_start(scene, point.s, point.at);
+    return point.gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - point.gap) * inv_dt : (real)0;
+}
+
 // What of a cell that touches nothing is known to the next step: how it closes. (Its approach speed is taken when it touches.)
-SEL_FN Closing following(real gap, real gap_t0, real inv_dt)
+SEL_STAGE_FN void follow_at(const InstrumentScene* scene, DeepPoint bottom, real inv_dt, uint epoch, SEL_OUT InstrumentState* now)
 {
     Closing closing;
-    closing.rate = gap_t0 < SEL_FAR ? (gap_t0 - gap) * inv_dt : (real)0;
-    closing.approach = closing.rate;
-    return closing;
+    closing.rate = closing.approach = closing_rate(scene, bottom.mark, inv_dt);
+    write_deepest(scene, bottom, closing, epoch, now);
 }
-
-SEL_STAGE_FN void follow_cell(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, real inv_dt, uint epoch,
-                              SEL_OUT InstrumentState* now)
-{
-    const CellMark least = cell->least[cell->deepest];
-    const DeepPoint bottom = cell_bottom(scene, least);
-    write_deepest(scene, bottom, following(bottom.mark.gap, gap_at_start(scene, bottom.mark.s, bottom.mark.at), inv_dt), epoch,
-                  now);
-}
-
-// A cell's contact: sum of force times s, metres that touch, middle of the contact on b.
-typedef struct CellTouch {
-    real moment, length, at;
-    DeepPoint deepest;  // of a cell that is taken as a whole
-} CellTouch;
 
 #define SEL_WHOLE ((real)0.25)  // of the deepest: a cell that is as deep all along is taken as a whole
+
+// About where a cell in full contact is on b.
+typedef struct CellBeside {
+    real at;       // of its middle
+    real onwards;  // of `at`, with s [1/m]
+} CellBeside;
+
+// A cell while it is evaluated: on a card in memory, from one stage to the next.
+typedef struct CellWork {
+    CellEnds ends;
+    CellPieces pieces;
+    CellBeside beside;  // of a cell that is taken as a whole
+    StretchGaps gaps;   // of such a cell
+    CellStretch stretch;
+    real moment, length, at;  // what touches: sum of force times s, metres, its middle on b
+    int whole, pushes;
+} CellWork;
+
+// Where b's mouth is; before all of b where it has none.
+SEL_FN real mouth_of(const InstrumentScene* scene)
+{
+    return scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low : (real)-1;
+}
 
 // Whether an evaluated cell is to be integrated as a cell in full contact in the next step. Not at a mouth, whose rim is sharply
 // curved.
 SEL_FN int touches_whole(const InstrumentScene* scene, SEL_OUT const CellPieces* cell)
 {
-    const real deepest = -cell->least[cell->deepest].gap,
-               low = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low : (real)-1;
+    const real deepest = -cell->least[cell->deepest].gap, low = mouth_of(scene);
     for (uint k = 0; k <= cell->cuts.pieces; ++k)
         if (!(-cell->cuts.at[k].gap >= SEL_WHOLE * deepest && cell->cuts.at[k].at > low)) return 0;
     return 1;
 }
 
 // What a cell that touches exerts, piece by piece.
-SEL_STAGE_FN void push_pieces(const InstrumentScene* scene, SEL_OUT const CellPieces* cell, ContactState old, int fresh,
-                              const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT CellTouch* touch, SEL_OUT InstrumentState* now,
-                              SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_STAGE_FN void push_pieces(const InstrumentScene* scene, const SlotLaw* slot, SEL_OUT CellWork* work,
+                              SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
+    SEL_OUT const CellPieces* cell = &work->pieces;
+    const LawContext* c = &slot->law;
     const CellMark least = cell->least[cell->deepest];
     const DeepPoint bottom = cell_bottom(scene, least);
-    const Closing closing = cell_closing(scene, bottom.mark, old, fresh, c);
+    const Closing closing = cell_closing(scene, bottom.mark, slot);
     write_deepest(scene, bottom, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     if (touches_whole(scene, cell)) now->contact.flags |= SEL_CONTACT_WHOLE;
-    touch->moment = touch->length = 0;
-    touch->at = least.at;
+    work->moment = work->length = 0;
+    work->at = least.at;
     SEL_ONCE for (uint k = 0; k < cell->cuts.pieces; ++k)
     {
         if (cell->least[k].gap >= 0) continue;
         const CellMark left = cell->cuts.at[k], right = cell->cuts.at[k + 1];
         const CellMark from = left.gap < 0 ? left : gap_zero(scene, cell->least[k], left);
         const CellMark until = right.gap < 0 ? right : gap_zero(scene, cell->least[k], right);
-        touch->length += until.s - from.s;
-        touch->moment += push_along(scene, from, until, fresh, closing.approach, c, rule, out, points);
+        work->length += until.s - from.s;
+        work->stretch = stretch_between(from, until);
+        work->moment += push_stretch(scene, &work->stretch, closing, c, 0, out, points);
     }
 }
 
@@ -268,27 +268,25 @@ SEL_FN real at_end(SEL_OUT const real* of, uint k0, uint k1, uint k2, uint k3)
            (real)0.11391719628198993 * of[k3];
 }
 
-// Approximate place on b of a cell in full contact.
-typedef struct CellBeside {
-    real at;       // of its middle
-    real onwards;  // of `at`, with s [1/m]
-} CellBeside;
+SEL_FN real cell_middle(const InstrumentScene* scene) { return (real)0.5 * (scene->s0 + scene->s1); }
 
 // In a lumen b goes along with a: from where the cell was deepest at the start of the step.
-// @param onwards  of `at` over the cell
-SEL_FN CellBeside beside_lumen(const InstrumentScene* scene, SEL_GLOBAL const InstrumentState* old, real middle, real onwards)
+// @param at  of b, near
+SEL_FN CellBeside beside_lumen(const InstrumentScene* scene, SEL_GLOBAL const InstrumentState* old, real at)
 {
     CellBeside beside;
-    beside.onwards = onwards;
-    beside.at = spline_at_near(scene->b, old->along_b, old->contact.triangle) + onwards * (middle - old->along_a);
+    const uint edge = (uint)clamp_r(at, 0, (real)scene->b.count - (real)1.5);
+    beside.onwards = 1 / (scene->b.material[edge + 1] - scene->b.material[edge]);
+    beside.at = spline_at_near(scene->b, old->along_b, old->contact.triangle) +
+                beside.onwards * (cell_middle(scene) - old->along_a);
     return beside;
 }
 
 // Elsewhere it has any direction.
 // @param start  where on b to look     @return 0: there is nothing beside it
-SEL_FN int beside_other(const InstrumentScene* scene, real middle, real start, CellBeside* beside)
+SEL_FN int beside_other(const InstrumentScene* scene, real start, CellBeside* beside)
 {
-    const CellPoint point = cell_point(scene, middle, start);
+    const CellPoint point = cell_point(scene, cell_middle(scene), start);
     if (point.gap >= SEL_FAR) return 0;
     const vec3 along_a = spline_sum(scene->a, point.a.node, point.a.d),
                along_b = spline_sum(scene->b, point.g.b.node, point.g.b.d);
@@ -298,30 +296,26 @@ SEL_FN int beside_other(const InstrumentScene* scene, real middle, real start, C
 }
 
 // What a cell that touched all along at the start of the step exerts.
-// @param middle  of the cell [m]
-SEL_FN void push_whole(const InstrumentScene* scene, real middle, real half_length, CellBeside beside, ContactState old,
-                       const LawContext* c, SEL_OUT CellRule* rule, SEL_OUT CellTouch* touch, SEL_OUT InstrumentState* now,
+SEL_FN void push_whole(const InstrumentScene* scene, const SlotLaw* slot, SEL_OUT CellWork* work, SEL_OUT InstrumentState* now,
                        SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
-    SEL_OUT GaussPoints* along = &rule->along;
-    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
-        const real way = gauss_place(k) * half_length;
-        along->s[k] = middle + way;
-        along->start[k] = beside.at + beside.onwards * way;
-        along->weight[k] = half_length * gauss_weight(k);
-    }
-    own_places_in_lanes(scene, along->s, along->start, &rule->lanes);
-    touch->length = 2 * half_length;
-    touch->at = beside.at;
+    const LawContext* c = &slot->law;
+    SEL_OUT const real* gap = work->gaps.gap;
+    SEL_OUT CellStretch* all = &work->stretch;
+    all->middle = cell_middle(scene);
+    all->half_length = (real)0.5 * (scene->s1 - scene->s0);
+    all->at = work->at = work->beside.at;
+    all->onwards = all->half_length * work->beside.onwards;
+    work->length = 2 * all->half_length;
     Closing closing;
     closing.fresh = 0;
-    closing.approach = max_r(old.approach, c->m.speed_floor);
-    closing.rate_t0 = old.rate;
-    touch->moment = push_points(scene, rule, &touch->deepest, closing.fresh, closing.approach, c, out, points);
-    const DeepPoint deepest = touch->deepest;
-    real least = deepest.mark.gap, most = max_r(max_r(rule->gap[0], rule->gap[1]), max_r(rule->gap[2], rule->gap[3]));
+    closing.approach = max_r(slot->old.approach, c->m.speed_floor);
+    closing.rate_t0 = slot->old.rate;
+    work->moment = push_stretch(scene, all, closing, c, &work->gaps, out, points);
+    const DeepPoint deepest = work->gaps.deepest;
+    real least = deepest.mark.gap, most = max_r(max_r(gap[0], gap[1]), max_r(gap[2], gap[3]));
     if (most < SEL_FAR) {
-        const real first = at_end(rule->gap, 0, 1, 2, 3), last = at_end(rule->gap, 3, 2, 1, 0);
+        const real first = at_end(gap, 0, 1, 2, 3), last = at_end(gap, 3, 2, 1, 0);
         least = min_r(least, min_r(first, last));
         most = max_r(most, max_r(first, last));
     }
@@ -333,25 +327,26 @@ SEL_FN void push_whole(const InstrumentScene* scene, real middle, real half_leng
     write_deepest(scene, deepest, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     out->depth = -least;
-    const real low = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low : (real)-1;
-    if (most <= SEL_WHOLE * least && min_r(along->start[0], along->start[3]) > low) now->contact.flags |= SEL_CONTACT_WHOLE;
+    if (most <= SEL_WHOLE * least && all->at + gauss_place(0) * fabs(all->onwards) > mouth_of(scene))
+        now->contact.flags |= SEL_CONTACT_WHOLE;
+}
+
+// Marks a slot that has pushed as in contact. @return whether it rubs
+SEL_FN int write_touch(real metres, const SlotLaw* slot, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
+{
+    now->length = out->length = metres;
+    now->contact.flags |= SEL_CONTACT_ACTIVE;
+    now->contact.normal_force = out->normal_sum;
+    return slot->law.par.friction != SEL_FRICTION_NONE;
 }
 
 // The state of a cell that has pushed, and its friction.
-SEL_FN void finish_cell(const InstrumentScene* scene, CellTouch touch, ContactState old, int fresh, LawContext* c,
+SEL_FN void finish_cell(const InstrumentScene* scene, const SlotLaw* slot, SEL_OUT const CellWork* work,
                         SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
 {
-    now->length = out->length = touch.length;
-    now->contact.flags |= SEL_CONTACT_ACTIVE;
-    now->contact.normal_force = out->normal_sum;
-    if (c->par.friction == SEL_FRICTION_NONE) return;
-    const CellPoint middle = cell_point(scene, touch.moment / out->normal_sum, touch.at);
-    if (middle.gap >= SEL_FAR) return;
-    CarriedState carried;
-    carried.old = old;
-    carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
-    c->m.weight = touch.length;
-    rub_at(scene, middle, carried, c, now, out);
+    if (out->count == 0 || !write_touch(work->length, slot, now, out)) return;
+    const CellPoint middle = cell_point(scene, work->moment / out->normal_sum, work->at);
+    if (middle.gap < SEL_FAR) rub_at(scene, middle, slot, now, out);
 }
 
 SEL_END

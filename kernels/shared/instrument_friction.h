@@ -62,12 +62,15 @@ SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, SE
     out->node_b = b.place.node;
 }
 
-// Friction under the cell's normal force at the point `point` of a; c->m.weight: metres that touch.
-SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c,
-                   SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
+// Friction under the cell's normal force at the point `point` of a.
+SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, const SlotLaw* slot, SEL_OUT InstrumentState* now,
+                   SEL_OUT InstrumentForce* out)
 {
+    const CarriedState carried = carried_of(slot);
+    LawContext c = slot->law;
+    c.m.weight = out->length;
     const vec3 n = point.g.n, x = spline_sum(scene->a, point.a.node, point.a.w);
-    const vec3 lever = -(c->m.radius) * n;
+    const vec3 lever = -c.m.radius * n;
     const real along_b = spline_material(scene->b, point.g.at);
     const SurfaceMotion a =
         surface_motion(scene->a, scene->a_t0, spline_at_near(scene->a, point.s, scene->edge), point.s, scene->edge, lever);
@@ -76,9 +79,9 @@ SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState c
     place_friction(point, a, b, out);
     vec3 move = a.move - b.move;
     move = move - dot3(move, n) * n;
-    const vec3 slip = total_slip(move, n, carried, c);
+    const vec3 slip = total_slip(move, n, carried, &c);
     const real size = sqrt(dot3(slip, slip)), load = out->normal_sum;
-    const SlipLaw law = slip_law(size, load, carried, c);
+    const SlipLaw law = slip_law(size, load, carried, &c);
     const vec3 d = size > 0 ? (1 / size) * slip : across_of(n), f = -law.force * d;
     out->force = instrument_row(f, a, b);
     out->along = instrument_row(d, a, b);
@@ -93,8 +96,8 @@ SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState c
     }
     out->friction_sum = law.force;
     out->friction_work = dot3(f, move);
-    out->stored += law.force * law.force / (2 * c->m.friction_stiffness * c->m.weight);
-    write_friction(slip, size, f, law, c, &now->contact);
+    out->stored += law.force * law.force / (2 * c.m.friction_stiffness * c.m.weight);
+    write_friction(slip, size, f, law, &c, &now->contact);
 }
 
 SEL_END

@@ -55,5 +55,19 @@ SEL_FN QuadratureModel instrument_model(InstrumentSurface a, InstrumentSurface b
     return m;
 }
 
+// The state that a slot had at the start of the step, and its law; law.mv.fresh: it had none.
+typedef struct SlotLaw {
+    ContactState old;
+    LawContext law;
+} SlotLaw;
+
+SEL_FN CarriedState carried_of(const SlotLaw* slot)
+{
+    CarriedState carried;
+    carried.old = slot->old;
+    carried.was_active = !slot->law.mv.fresh && (slot->old.flags & SEL_CONTACT_ACTIVE);
+    return carried;
+}
+
 SEL_END
 #endif

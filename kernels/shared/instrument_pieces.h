@@ -12,8 +12,8 @@
 
 SEL_BEGIN
 
-// SEL_STAGE_FN: what a processor's one kernel has in a place of its own, and stages (instrument_stages.h) in line: arguments by
-// address would lie in a card's scratch memory. SEL_ONCE: SEL_ROLLED in stages alone.
+// SEL_STAGE_FN: what a processor's one kernel has in a place of its own, and a card's stages (kernels/contact/instruments.cl) in
+// line: arguments by address would lie in a card's scratch memory. SEL_ONCE: SEL_ROLLED in stages alone.
 #if SEL_SUMS_IN_MEMORY
     #define SEL_STAGE_FN SEL_FN
     #define SEL_ONCE SEL_ROLLED
@@ -22,12 +22,15 @@ SEL_BEGIN
     #define SEL_ONCE
 #endif
 
-// The two rods at the trial and at the start of the step.
+// A cell of rod a, and rod b, at the trial and at the start of the step.
 typedef struct InstrumentScene {
     SplineView a, b, a_t0, b_t0;
     GapPart part;
-    real apart;  // self: how far along the wire two points that touch are at least [m]
-    uint edge;   // of a that the cell begins on
+    real s0, s1;  // the cell of a [m]
+    uint edge;    // of a that it begins on
+    // of a rod with itself
+    real apart;        // how far along the wire two points that touch are at least [m]
+    real from, until;  // stretch of b, as coordinates of its curve
 } InstrumentScene;
 
 // A point of the cell.
@@ -192,8 +195,9 @@ SEL_FN DeepPoint called_deep(const InstrumentScene* scene, real s, CalledPoint g
     return deep;
 }
 
-// A point of the rods a and b as they are at one time. On a card it is called with values alone: a scene whose address is handed
-// over lies in scratch memory, and in line it would be 13 kB each time.
+// A point of the rods a and b as they are at one time. On a card it is called with numbers alone: a scene lies in scratch memory
+// if its address is handed over, or itself (500 bytes more), vectors of its numbers too on gfx906, and in line it would be 13 kB
+// each time.
 SEL_FN CalledPoint point_between_rods(const InstrumentScene* scene, SplineView a, SplineView b, real s, real start)
 {
     const GapPart part = scene->part;
@@ -518,14 +522,14 @@ typedef struct CellEnds {
     real room;  // see least_room()
 } CellEnds;
 
-// @param s0, s1  [m]     start  near where along b
-SEL_STAGE_FN CellEnds cell_ends(const InstrumentScene* scene, real s0, real s1, real start)
+// @param start  near where along b
+SEL_STAGE_FN CellEnds cell_ends(const InstrumentScene* scene, real start)
 {
     CellEnds ends;
-    ends.first = cell_mark(scene, s0, start);
-    ends.last = cell_mark(scene, s1, ends.first.at);
-    ends.room = least_room(scene, ends.first, ends.last, spline_at_near(scene->a, s0, scene->edge),
-                           spline_at_near(scene->a, s1, scene->edge));
+    ends.first = cell_mark(scene, scene->s0, start);
+    ends.last = cell_mark(scene, scene->s1, ends.first.at);
+    ends.room = least_room(scene, ends.first, ends.last, spline_at_near(scene->a, scene->s0, scene->edge),
+                           spline_at_near(scene->a, scene->s1, scene->edge));
     return ends;
 }
 

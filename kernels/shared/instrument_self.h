@@ -32,19 +32,13 @@ SEL_BEGIN
 #define SEL_SELF_LOBES 4                          // stretches of a cell that a point touches, at most
 #define SEL_SELF_LEVEL ((real)1e-4)  // slope that counts as none: misses the least gap by 1e-8 of the radii
 
-typedef struct SelfScene {
-    InstrumentScene scene;
-    real s0, s1;  // cell of a [m]
-    real from, until;  // stretch of b, as coordinates of its curve
-} SelfScene;
-
 // ---- what a point of a sees of the stretch -----------------------------------------------------------------------------------
 
 // Stretch of b's curve that the point s may touch. @return whether there is any
-SEL_FN int self_range(const SelfScene* self, real s, real* from, real* until)
+SEL_FN int self_range(const InstrumentScene* scene, real s, real* from, real* until)
 {
-    *from = max_r(self->from, spline_at(self->scene.b, s + self->scene.apart));
-    *until = self->until;
+    *from = max_r(scene->from, spline_at(scene->b, s + scene->apart));
+    *until = scene->until;
     return *from < *until;
 }
 
@@ -78,21 +72,20 @@ SEL_FN real nearest_place(SplineView b, vec3 x, real low, real high)
     return best;
 }
 
-SEL_FN CellPoint self_point(const SelfScene* self, real s)
+SEL_FN CellPoint self_point(const InstrumentScene* scene, real s)
 {
-    const InstrumentScene* scene = &self->scene;
     CellPoint point;
     point.s = s;
     point.slope = 0;
     point.a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
     GapPart part = scene->part;
     part.low_ends = part.high_ends = 1;  // what is beyond is too far
-    if (self_range(self, s, &part.low, &part.high)) {
+    if (self_range(scene, s, &part.low, &part.high)) {
         const vec3 x = spline_sum(scene->a, point.a.node, point.a.w), along = spline_sum(scene->a, point.a.node, point.a.d);
         point.g = instrument_gap(scene->b, x, nearest_place(scene->b, x, part.low, part.high), part);
         point.slope = dot3(point.g.n, along) / sqrt(dot3(along, along));
     } else {
-        point.g = no_gap(self->until);
+        point.g = no_gap(scene->until);
     }
     point.gap = point.g.gap;
     return point;
@@ -103,46 +96,45 @@ SEL_FN CellPoint self_point(const SelfScene* self, real s)
 SEL_CALL CalledPoint self_point_of_values(SEL_GLOBAL const real* position, SEL_GLOBAL const real* material, uint count, uint edge,
                                           real from, real until, real apart, real reach_a, real reach_b, real s)
 {
-    SelfScene self;
-    self.scene.a.position = position;
-    self.scene.a.material = material;
-    self.scene.a.count = count;
-    self.scene.b = self.scene.a;
-    self.scene.edge = edge;
-    self.scene.apart = apart;
-    self.scene.part.touch = SEL_TOUCH_SELF;
-    self.scene.part.reach_a = reach_a;
-    self.scene.part.reach_b = reach_b;
-    self.scene.part.rim = 0;
-    self.from = from;
-    self.until = until;
+    InstrumentScene scene;
+    scene.a.position = position;
+    scene.a.material = material;
+    scene.a.count = count;
+    scene.b = scene.a;
+    scene.edge = edge;
+    scene.apart = apart;
+    scene.part.touch = SEL_TOUCH_SELF;
+    scene.part.reach_a = reach_a;
+    scene.part.reach_b = reach_b;
+    scene.part.rim = 0;
+    scene.from = from;
+    scene.until = until;
     CellPlace place;
-    place.of_a = spline_at_near(self.scene.a, s, edge);
+    place.of_a = spline_at_near(scene.a, s, edge);
     place.near.bound = 0;
-    const CellPoint point = self_point(&self, s);
+    const CellPoint point = self_point(&scene, s);
     return called_point(&point, place);
 }
 
-SEL_FN CalledPoint called_self(const SelfScene* self, real s)
+SEL_FN CalledPoint called_self(const InstrumentScene* scene, real s)
 {
-    const InstrumentScene* scene = &self->scene;
-    return self_point_of_values(scene->a.position, scene->a.material, scene->a.count, scene->edge, self->from, self->until,
+    return self_point_of_values(scene->a.position, scene->a.material, scene->a.count, scene->edge, scene->from, scene->until,
                                 scene->apart, scene->part.reach_a, scene->part.reach_b, s);
 }
 
-SEL_FN CellMark self_mark(const SelfScene* self, real s) { return called_mark(s, called_self(self, s)); }
-SEL_FN DeepPoint self_bottom(const SelfScene* self, real s) { return called_deep(&self->scene, s, called_self(self, s)); }
+SEL_FN CellMark self_mark(const InstrumentScene* scene, real s) { return called_mark(s, called_self(scene, s)); }
+SEL_FN DeepPoint self_bottom(const InstrumentScene* scene, real s) { return called_deep(scene, s, called_self(scene, s)); }
 #else
-SEL_FN CellMark self_mark(const SelfScene* self, real s)
+SEL_FN CellMark self_mark(const InstrumentScene* scene, real s)
 {
-    const CellPoint point = self_point(self, s);
+    const CellPoint point = self_point(scene, s);
     return mark_of(&point);
 }
 
-SEL_FN DeepPoint self_bottom(const SelfScene* self, real s)
+SEL_FN DeepPoint self_bottom(const InstrumentScene* scene, real s)
 {
-    const CellPoint point = self_point(self, s);
-    return deep_point(&self->scene, &point);
+    const CellPoint point = self_point(scene, s);
+    return deep_point(scene, &point);
 }
 #endif
 
@@ -224,14 +216,14 @@ SEL_FN void find_lobes(SplineView b, vec3 x, real low, real high, real reach, SE
 // ---- which part of the cell touches ------------------------------------------------------------------------------------------
 
 // The least gap of a part, where both ends are higher.
-SEL_FN CellMark self_least(const SelfScene* self, CellMark left, CellMark right)
+SEL_FN CellMark self_least(const InstrumentScene* scene, CellMark left, CellMark right)
 {
     CellMark best = left.gap < right.gap ? left : right;
     // gaps change by as much as the point moves, at most
     if (!(left.slope < 0 && right.slope > 0) || best.gap > right.s - left.s || max_r(left.gap, right.gap) >= SEL_FAR) return best;
     for (int k = 0; k < SEL_CELL_STEPS; ++k) {
         const real share = k % 3 < 2 ? clamp_r(left.slope / (left.slope - right.slope), (real)0.01, (real)0.99) : (real)0.5;
-        const CellMark middle = self_mark(self, left.s + share * (right.s - left.s));
+        const CellMark middle = self_mark(scene, left.s + share * (right.s - left.s));
         if (middle.gap < best.gap) best = middle;
         if (fabs(middle.slope) < SEL_SELF_LEVEL || middle.gap >= SEL_FAR) break;
         if (middle.slope < 0) left = middle;
@@ -240,12 +232,12 @@ SEL_FN CellMark self_least(const SelfScene* self, CellMark left, CellMark right)
     return best;
 }
 
-SEL_FN real self_zero(const SelfScene* self, CellMark in, CellMark out)
+SEL_FN real self_zero(const InstrumentScene* scene, CellMark in, CellMark out)
 {
     const real enough = SEL_ZERO * fabs(in.gap);
     for (int k = 0; k < SEL_CELL_STEPS; ++k) {
         const real share = k % 3 < 2 && out.gap < SEL_FAR ? zero_between(in, out) : (real)0.5;
-        const CellMark middle = self_mark(self, in.s + share * (out.s - in.s));
+        const CellMark middle = self_mark(scene, in.s + share * (out.s - in.s));
         if (fabs(middle.gap) <= enough) return middle.s;
         if (middle.gap < 0) in = middle;
         else out = middle;
@@ -267,13 +259,13 @@ typedef struct SelfTouch {
 } SelfTouch;
 
 // @param joined  0: another rule begins at `left`
-SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int joined, SEL_OUT SelfTouch* touch)
+SEL_FN void add_touch(const InstrumentScene* scene, CellMark left, CellMark right, int joined, SEL_OUT SelfTouch* touch)
 {
-    const CellMark least = self_least(self, left, right);
+    const CellMark least = self_least(scene, left, right);
     if (least.gap < touch->deepest.gap) touch->deepest = least;
     if (least.gap >= 0) return;
-    const real from = left.gap < 0 ? left.s : self_zero(self, least, left);
-    const real until = right.gap < 0 ? right.s : self_zero(self, least, right);
+    const real from = left.gap < 0 ? left.s : self_zero(scene, least, left);
+    const real until = right.gap < 0 ? right.s : self_zero(scene, least, right);
     if (left.gap < 0 && touch->count > 0 && joined) {
         touch->until[touch->count - 1] = until;  // goes on from the part before
         return;
@@ -288,10 +280,10 @@ SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, int 
 // functions of s, one for each near place of the stretch. None curves by more than 1/D + kappa_a + kappa_b, which is 2/r with
 // axes 1.5 radii apart and strands bent about as sharply as they are thick. Such a function dips by h^2/(4 r) at most below its
 // values at the ends of a length h.
-SEL_FN real dip_between(const SelfScene* self, real apart)
+SEL_FN real dip_between(const InstrumentScene* scene, real apart)
 {
     const real h = SEL_LONGER * apart;
-    return h * h / (4 * min_r(self->scene.part.reach_a, self->scene.part.reach_b));
+    return h * h / (4 * min_r(scene->part.reach_a, scene->part.reach_b));
 }
 
 // Marks of a cell, SEL_SELF_PARTS apart; the odd ones are found where the even ones leave it open whether anything touches.
@@ -300,37 +292,37 @@ typedef struct SelfMarks {
     CellMark least;
 } SelfMarks;
 
-SEL_FN void mark_cell(const SelfScene* self, int first, SEL_OUT SelfMarks* marks)
+SEL_FN void mark_cell(const InstrumentScene* scene, int first, SEL_OUT SelfMarks* marks)
 {
-    const real length = self->s1 - self->s0;
+    const real length = scene->s1 - scene->s0;
     SEL_ONCE for (int k = first; k <= SEL_SELF_PARTS; k += 2)
     {
-        marks->at[k] = self_mark(self, self->s0 + (real)k / SEL_SELF_PARTS * length);
+        marks->at[k] = self_mark(scene, scene->s0 + (real)k / SEL_SELF_PARTS * length);
         if (k == 0 || marks->at[k].gap < marks->least.gap) marks->least = marks->at[k];
     }
 }
 
 // @param follows  gap up to which it counts how a cell that touches nothing closes [m]     @return 0: it is clear
-SEL_FN int mark_self(const SelfScene* self, real follows, SEL_OUT SelfMarks* marks, SEL_OUT SelfTouch* touch)
+SEL_FN int mark_self(const InstrumentScene* scene, real follows, SEL_OUT SelfMarks* marks, SEL_OUT SelfTouch* touch)
 {
     touch->count = 0;
-    const real length = self->s1 - self->s0;
+    const real length = scene->s1 - scene->s0;
     SEL_ONCE for (int first = 0; first < 2; ++first)
     {
-        mark_cell(self, first, marks);
+        mark_cell(scene, first, marks);
         touch->deepest = marks->least;
         touch->clear = marks->least.gap < SEL_FAR
-                           ? marks->least.gap - dip_between(self, (real)(2 - first) * length / SEL_SELF_PARTS)
+                           ? marks->least.gap - dip_between(scene, (real)(2 - first) * length / SEL_SELF_PARTS)
                            : (real)0;
         if (touch->clear > follows) return 0;
     }
     return 1;
 }
 
-SEL_FN void touch_self(const SelfScene* self, SEL_OUT const SelfMarks* marks, SEL_OUT SelfTouch* touch)
+SEL_FN void touch_self(const InstrumentScene* scene, SEL_OUT const SelfMarks* marks, SEL_OUT SelfTouch* touch)
 {
     SEL_ONCE for (int k = 0; k < SEL_SELF_PARTS; ++k)
-        add_touch(self, marks->at[k], marks->at[k + 1], k % (SEL_SELF_PARTS / SEL_SELF_RULES) != 0, touch);
+        add_touch(scene, marks->at[k], marks->at[k + 1], k % (SEL_SELF_PARTS / SEL_SELF_RULES) != 0, touch);
 }
 
 // ---- forces ---------------------------------------------------------------------------------------------------------------------
@@ -350,13 +342,6 @@ typedef struct SelfSums {
     real n[3];              // [N]; not a vec3, whose size is not the same on a card
     real metres;            // that touch, as a strand beside a straight one would
 } SelfSums;
-
-// How fast the least gap at a point closes.
-SEL_FN real closing_rate(const InstrumentScene* scene, CellMark point, real inv_dt)
-{
-    const real gap_t0 = gap_at_start(scene, point.s, point.at);
-    return point.gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - point.gap) * inv_dt : (real)0;
-}
 
 // The factor that damping puts on the elastic force at one point of a, and how it grows with the depth: damped_force() of
 // contact_law.h.
@@ -388,11 +373,10 @@ SEL_FN real critical_speed(real depth, real line_mass, QuadratureModel m)
 }
 
 // One pair of points: `weight` metres of a times metres of b.
-SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, real weight, SelfDamping damping,
+SEL_FN void push_pair(const InstrumentScene* scene, CellPoint point, vec3 x, real at, real weight, SelfDamping damping,
                       const LawContext* law, SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out,
                       SEL_GLOBAL InstrumentPoint* points)
 {
-    const InstrumentScene* scene = &self->scene;
     point.g = no_gap(at);
     point.g.b = spline_place(at, scene->b.count);
     const vec3 away = x - spline_sum(scene->b, point.g.b.node, point.g.b.w);
@@ -462,14 +446,13 @@ SEL_FN RulePoint inner_point(uint k)
 // ---- all of a cell ----------------------------------------------------------------------------------------------------------------
 
 // All that one point of a pushes; `weight` metres of it.
-SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closing, const LawContext* law,
+SEL_FN void push_lobes(const InstrumentScene* scene, real s, real weight, Closing closing, const LawContext* law,
                        SEL_OUT SelfLobes* lobes, SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out,
                        SEL_GLOBAL InstrumentPoint* points)
 {
-    const InstrumentScene* scene = &self->scene;
-    const CellMark mark = self_mark(self, s);
+    const CellMark mark = self_mark(scene, s);
     real from, until, touching = 0;
-    if (mark.gap >= 0 || !self_range(self, s, &from, &until)) return;
+    if (mark.gap >= 0 || !self_range(scene, s, &from, &until)) return;
     const SelfDamping damping = damping_at(closing_rate(scene, mark, law->par.inv_dt), closing, law);
     if (damping.factor <= 0) return;
     CellPoint point;
@@ -494,16 +477,15 @@ SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closi
                 if (place.d[i] != 0) metres += place.d[i] * scene->b.material[place.node + i];
             metres *= half_length * rule.weight;
             touching += metres;
-            push_pair(self, point, x, at, weight * metres, damping, law, sums, out, points);
+            push_pair(scene, point, x, at, weight * metres, damping, law, sums, out, points);
         }
     }
     sums->metres += weight * min_r(touching / (2 * sqrt(-2 * reach * mark.gap)), 1);
 }
 
 // Where the force of all pairs acts: what friction goes by.
-SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, real gap)
+SEL_FN CellPoint self_middle(const InstrumentScene* scene, SelfSums sums, real force, real gap)
 {
-    const InstrumentScene* scene = &self->scene;
     const vec3 n = make_vec3(sums.n[0], sums.n[1], sums.n[2]);
     CellPoint middle;
     middle.s = sums.along_a / force;
@@ -518,36 +500,38 @@ SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, r
     return middle;
 }
 
-// The state of a cell that touches nothing: how it closes.
-SEL_FN void follow_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, real inv_dt, uint epoch,
-                        SEL_OUT InstrumentState* now)
-{
-    const DeepPoint bottom = self_bottom(self, touch->deepest.s);
+// A cell and a stretch of the same rod while they are evaluated: on a card in memory, from one stage to the next.
+typedef struct SelfWork {
+    SelfMarks marks;
+    SelfTouch touch;
+    SelfLobes lobes;
+    SelfSums sums;
     Closing closing;
-    closing.rate = closing.approach = closing_rate(&self->scene, bottom.mark, inv_dt);
-    write_deepest(&self->scene, bottom, closing, epoch, now);
-}
+} SelfWork;
 
 // How a cell that touches closes where it is deepest.
-SEL_FN Closing self_closing(const SelfScene* self, SEL_OUT const SelfTouch* touch, real line_mass, ContactState old, int fresh,
-                            const LawContext* c, SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
+// @param line_mass  of the lighter strand [kg/m]
+SEL_FN void close_self(const InstrumentScene* scene, const SlotLaw* slot, real line_mass, SEL_OUT SelfWork* work,
+                       SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
 {
-    const InstrumentScene* scene = &self->scene;
-    const DeepPoint bottom = self_bottom(self, touch->deepest.s);
-    Closing closing = cell_closing(scene, cell_mark(scene, bottom.mark.s, bottom.mark.at), old, fresh, c);
+    const LawContext* c = &slot->law;
+    const DeepPoint bottom = self_bottom(scene, work->touch.deepest.s);
+    Closing closing = cell_closing(scene, cell_mark(scene, bottom.mark.s, bottom.mark.at), slot);
     write_deepest(scene, bottom, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     closing.approach = max_r(closing.approach, critical_speed(closing.depth_t0, line_mass, c->m));
-    return closing;
+    work->closing = closing;
 }
 
 // What such a cell exerts.
-SEL_FN void push_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, real spread, Closing closing, const LawContext* c,
-                      SEL_OUT SelfLobes* lobes, SEL_OUT SelfSums* sums, SEL_OUT InstrumentForce* out,
-                      SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void push_self(const InstrumentScene* scene, const LawContext* c, real spread, SEL_OUT SelfWork* work,
+                      SEL_OUT InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
-    const LawContext law = pair_law(c, self->scene.part.reach_a + self->scene.part.reach_b, spread);
-    const real whole = (real)0.5 * (1 - (real)1e-9) * (self->s1 - self->s0) / SEL_SELF_RULES;
+    const LawContext law = pair_law(c, scene->part.reach_a + scene->part.reach_b, spread);
+    const real whole = (real)0.5 * (1 - (real)1e-9) * (scene->s1 - scene->s0) / SEL_SELF_RULES;
+    const Closing closing = work->closing;
+    SEL_OUT const SelfTouch* touch = &work->touch;
+    SEL_OUT SelfSums* sums = &work->sums;
     sums->along_a = sums->along_b = sums->metres = sums->n[0] = sums->n[1] = sums->n[2] = 0;
     SEL_ONCE for (uint k = 0; k < touch->count; ++k)
     {
@@ -557,48 +541,21 @@ SEL_FN void push_self(const SelfScene* self, SEL_OUT const SelfTouch* touch, rea
         SEL_ONCE for (uint q = 0; q < (inner ? SEL_INNER_POINTS : rule_points(c->m.exponent - 1)); ++q)
         {
             const RulePoint rule = inner ? inner_point(q) : rule_point(q, c->m.exponent - 1);
-            push_lobes(self, middle + half_length * rule.u, half_length * rule.weight, closing, &law, lobes, sums, out, points);
+            push_lobes(scene, middle + half_length * rule.u, half_length * rule.weight, closing, &law, &work->lobes, sums, out,
+                       points);
         }
     }
 }
 
-// Its state, and friction, once it has pushed. @param gap  where it is deepest
-SEL_FN void rub_self(const SelfScene* self, SelfSums sums, real gap, ContactState old, int fresh, LawContext* c,
-                     SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
+// Its state, and friction, once it has pushed.
+SEL_FN void finish_self(const InstrumentScene* scene, const SlotLaw* slot, SEL_OUT const SelfWork* work,
+                        SEL_OUT InstrumentState* now, SEL_OUT InstrumentForce* out)
 {
-    if (out->count == 0) return;
-    now->length = out->length = sums.metres;
-    now->contact.flags |= SEL_CONTACT_ACTIVE;
-    now->contact.normal_force = out->normal_sum;
-    if (c->par.friction == SEL_FRICTION_NONE || sums.n[0] * sums.n[0] + sums.n[1] * sums.n[1] + sums.n[2] * sums.n[2] <= 0)
-        return;
-    CarriedState carried;
-    carried.old = old;
-    carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
-    c->m.weight = sums.metres;
-    rub_at(&self->scene, self_middle(self, sums, out->normal_sum, gap), carried, c, now, out);
+    const SelfSums sums = work->sums;
+    if (out->count == 0 || !write_touch(sums.metres, slot, now, out)) return;
+    if (sums.n[0] * sums.n[0] + sums.n[1] * sums.n[1] + sums.n[2] * sums.n[2] > 0)
+        rub_at(scene, self_middle(scene, sums, out->normal_sum, now->contact.gap), slot, now, out);
 }
-
-#if !SEL_SUMS_IN_MEMORY
-SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
-{
-    SelfMarks marks;
-    SelfTouch touch;
-    if (mark_self(self, follows, &marks, &touch)) touch_self(self, &marks, &touch);
-    return touch;
-}
-
-// As cell_force() of instrument_block.h.
-SEL_FN void self_force(const SelfScene* self, const SelfTouch* touch, real spread, real line_mass, ContactState old, int fresh,
-                       LawContext* c, InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
-{
-    const Closing closing = self_closing(self, touch, line_mass, old, fresh, c, now, out);
-    SelfLobes lobes;
-    SelfSums sums;
-    push_self(self, touch, spread, closing, c, &lobes, &sums, out, points);
-    rub_self(self, sums, now->contact.gap, old, fresh, c, now, out);
-}
-#endif
 
 SEL_END
 #endif

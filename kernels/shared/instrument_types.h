@@ -10,12 +10,6 @@
 SEL_BEGIN
 
 #define SEL_INSTRUMENT_SLOTS 4    // stretches that one cell is near to, at most
-// Slots that one item evaluates: on a processor side by side (lanes.h)
-#if defined(__cplusplus) || SEL_WORKGROUP == 1
-    #define SEL_BLOCK 4u
-#else
-    #define SEL_BLOCK 1u
-#endif
 #define SEL_CELL_PIECES 8         // smooth ones that one cell is cut into, at most
 #define SEL_INSTRUMENT_POINTS 128  // of one slot: Gauss points; four of a piece, or 24 of a lobe in a quarter of a cell
 

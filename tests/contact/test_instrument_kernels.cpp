@@ -3,7 +3,7 @@
 #include "contact/host_reference_support.h"
 #include "contact/rods/instrument_cells.h"
 #include "contact/spline_rod.h"
-#include "shared/instrument_block.h"
+#include "shared/instrument_slot.h"
 
 #include <doctest/doctest.h>
 
@@ -11,7 +11,6 @@
 #include <cstring>
 #include <memory>
 #include <random>
-#include <tuple>
 #include <vector>
 
 namespace test_instrument_kernels {
@@ -186,19 +185,11 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
     std::vector<InstrumentPoint> points(list.size() * SEL_INSTRUMENT_POINTS);
     Counts counts;
     Guarded<InstrumentState> device_states(context, queue, states), states_t0(context, queue, s.states);
-    for (std::size_t i = 0; i < list.size(); i += SEL_BLOCK)
-        instrument_forces(list.data() + i, static_cast<uint>(std::min<std::size_t>(SEL_BLOCK, list.size() - i)), slots.data(),
-                          s.bodies(), s.nodes(), s.nodes_t0(), s.states.data(), s.par, states.data(), forces.data() + i,
-                          points.data() + SEL_INSTRUMENT_POINTS * i);
     for (std::size_t i = 0; i < list.size(); ++i) {
         const uint k = list[i], cell = k / SEL_INSTRUMENT_SLOTS;
-        if (slots[k].touch == SEL_TOUCH_SELF) {
-            InstrumentState now;
-            instrument_self_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(),
-                                  s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par, &now, &forces[i],
-                                  points.data() + SEL_INSTRUMENT_POINTS * i);
-            states[k] = now;
-        }
+        const auto force_of = slots[k].touch == SEL_TOUCH_SELF ? instrument_self_force : instrument_force;
+        force_of(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(), s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par,
+                 &states[k], &forces[i], points.data() + SEL_INSTRUMENT_POINTS * i);
         const InstrumentForce& f = forces[i];
         (slots[k].touch == SEL_TOUCH_INSIDE ? counts.inside : slots[k].touch == SEL_TOUCH_SELF ? counts.self : counts.outside)++;
         counts.self_pushing += slots[k].touch == SEL_TOUCH_SELF && f.count > 0;
@@ -214,7 +205,7 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
     for (const InstrumentKernels::Of of : {InstrumentKernels::Of::Others, InstrumentKernels::Of::Itself}) {
         InstrumentKernels kernels(context, "contact/instruments.cl", of);
         kernels.provide(list.size());
-        kernels.launch(queue, kernels.items(list.size()), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(),
+        kernels.launch(queue, list.size(), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(),
                        on.surfaces.buffer(), on.rod_of.buffer(), device_slots.buffer(), on.nodes.buffer(), on.nodes_t0.buffer(),
                        states_t0.buffer(), device_states.buffer(), device_forces.buffer(), device_points.buffer());
     }
@@ -258,92 +249,6 @@ TEST_SUITE("contact/instrument_kernels")
             REQUIRE(one.whole > 3);  // and so taken as a whole in the second step
             REQUIRE(two.sliding > 3);
         }
-    }
-
-    // A lane knows of no other lane.
-    TEST_CASE("instrument blocks: what a slot exerts does not depend on which others are evaluated with it")
-    {
-        for (const bool follow : {false, true}) {
-            Bundle scene = make_scene(11);
-            scene.par.follow = follow;
-            std::vector<InstrumentSlot> slots(scene.states.size());
-            std::vector<uint> list;
-            const std::vector<double> axes = scene.axes();
-            for (uint cell = 0; cell < scene.cell_count(); ++cell) {
-                const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), axes.data(), 0, scene.par);
-                for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
-                    slots[SEL_INSTRUMENT_SLOTS * cell + k] = found.slots[k];
-                    if (found.slots[k].touch == SEL_TOUCH_INSIDE || found.slots[k].touch == SEL_TOUCH_OUTSIDE)
-                        list.push_back(SEL_INSTRUMENT_SLOTS * cell + k);
-                }
-            }
-            REQUIRE(list.size() > 40);
-            const auto evaluated = [&](std::size_t at_once) {
-                std::vector<InstrumentState> states(scene.states);
-                std::vector<InstrumentForce> forces(list.size());
-                std::vector<InstrumentPoint> points(list.size() * SEL_INSTRUMENT_POINTS);
-                for (std::size_t i = 0; i < list.size(); i += at_once)
-                    instrument_forces(list.data() + i, static_cast<uint>(std::min(at_once, list.size() - i)), slots.data(),
-                                      scene.bodies(), scene.nodes(), scene.nodes_t0(), scene.states.data(), scene.par,
-                                      states.data(), forces.data() + i, points.data() + SEL_INSTRUMENT_POINTS * i);
-                return std::tuple{states, forces, points};
-            };
-            const auto [states, forces, points] = evaluated(1);
-            for (const std::size_t at_once : {2, 3, 4}) {
-                const auto [other_states, other_forces, other_points] = evaluated(at_once);
-                CHECK(first_difference(other_states, states) == -1);
-                for (std::size_t k = 0; k < list.size(); ++k) {
-                    CHECK(same_force(other_forces[k], forces[k], other_points.data() + SEL_INSTRUMENT_POINTS * k,
-                                     points.data() + SEL_INSTRUMENT_POINTS * k));
-                    CHECK(other_forces[k].clear == forces[k].clear);
-                }
-            }
-        }
-    }
-
-    // Ends and followed gaps by lanes against the searches one by one: Newton steps shorter than 1e-7 of an edge leave their
-    // square.
-    TEST_CASE("instrument blocks: a cell that is clear is as clear, and followed as it is, one by one")
-    {
-        Bundle scene = make_scene(5);
-        scene.par.follow = 1;
-        int clear = 0;
-        const std::vector<double> axes = scene.axes();
-        for (uint cell = 0; cell < scene.cell_count(); ++cell) {
-            const SlotList found = near_slots(cell, scene.bodies(), scene.nodes(), axes.data(), 0, scene.par);
-            for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
-                const InstrumentSlot slot = found.slots[k];
-                if (slot.touch != SEL_TOUCH_INSIDE) continue;
-                const SlotCell its = slot_cell(cell, slot, scene.bodies(), scene.nodes(), scene.nodes_t0(),
-                                               scene.states.data() + SEL_INSTRUMENT_SLOTS * cell, scene.par.inv_dt);
-                const CellEnds ends = cell_ends(&its.scene, its.s0, its.s1, its.at);
-                CellEnds lanes[SEL_BLOCK];
-                int known[SEL_BLOCK] = {}, due[SEL_BLOCK] = {1, 0, 0, 0};
-                const SlotCell all[SEL_BLOCK] = {its, its, its, its};
-                ends_in_lanes(all, lanes, known);
-                if (!known[0]) continue;
-                CHECK(std::abs(lanes[0].first.gap - ends.first.gap) < 1e-14);
-                CHECK(std::abs(lanes[0].last.gap - ends.last.gap) < 1e-14);
-                CHECK(std::abs(lanes[0].first.slope - ends.first.slope) < 1e-10);
-                CHECK(std::abs(lanes[0].last.at - ends.last.at) < 1e-10);
-                CHECK(std::abs(lanes[0].room - ends.room) < 1e-13);
-                if (ends.room <= 0) continue;
-                CellPieces pieces;
-                InstrumentForce force = no_instrument_force();
-                look_through(&its.scene, ends, &pieces, &force);
-                InstrumentState one = no_instrument_state(), now[SEL_BLOCK] = {one, one, one, one};
-                follow_cell(&its.scene, &pieces, scene.par.inv_dt, its.epoch, &one);
-                follow_in_lanes(all, lanes, scene.par.inv_dt, due, now);
-                if (due[0]) continue;
-                ++clear;
-                CHECK(std::abs(now[0].contact.gap - one.contact.gap) < 1e-14);
-                CHECK(std::abs(now[0].contact.rate - one.contact.rate) < 2e-14 * scene.par.inv_dt);
-                for (int c = 0; c < 3; ++c) CHECK(std::abs(now[0].contact.normal[c] - one.contact.normal[c]) < 1e-10);
-                CHECK(std::abs(now[0].along_b - one.along_b) < 1e-12);
-                CHECK(now[0].contact.epoch == one.contact.epoch);
-            }
-        }
-        CHECK(clear > 20);
     }
 }
 

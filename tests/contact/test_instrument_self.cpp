@@ -20,6 +20,42 @@ namespace {
 constexpr double radius = 5e-4, spacing = 1e-3, depth = 1e-5, stiffness = 1e7;
 constexpr int half = 12;  // nodes of each strand
 
+/// The cell that begins at s0 and a stretch of the same rod.
+InstrumentScene scene_of(SplineView rod, double s0, double from, double until)
+{
+    InstrumentScene scene;
+    scene.a = scene.b = scene.a_t0 = scene.b_t0 = rod;
+    scene.part = {SEL_TOUCH_SELF, 0, rod.count - 1.0, radius, radius, 0, 0, 1};
+    scene.apart = SEL_SELF_APART * radius;
+    scene.s0 = s0;
+    scene.s1 = s0 + spacing;
+    scene.edge = edge_of_material(rod, s0);
+    scene.from = from;
+    scene.until = until;
+    return scene;
+}
+
+/// What a cell exerts in equilibrium; nothing where it does not touch.
+InstrumentForce force_of(const InstrumentScene& scene, double exponent)
+{
+    SlotLaw slot{no_contact_state(), {}};
+    slot.law.m.stiffness = stiffness;
+    slot.law.m.exponent = exponent;
+    slot.law.m.radius = radius;
+    slot.law.mv.fresh = 1;
+    InstrumentForce force = no_instrument_force();
+    InstrumentState now = no_instrument_state();
+    std::array<InstrumentPoint, SEL_INSTRUMENT_POINTS> points;
+    SelfWork work;
+    if (!mark_self(&scene, radius / 2, &work.marks, &work.touch)) return force;
+    touch_self(&scene, &work.marks, &work.touch);
+    if (work.touch.count == 0) return force;
+    close_self(&scene, &slot, 1, &work, &now, &force);
+    push_self(&scene, &slot.law, 1 / std::beta(0.5, exponent + 0.5), &work, &force, points.data());
+    finish_self(&scene, &slot, &work, &now, &force);
+    return force;
+}
+
 /// Two straight strands of one wire, under an angle, whose middles overlap. (The way from one to the other is of no account.)
 struct Strands {
     std::vector<double> position, material, theta = std::vector<double>(2 * half + 2, 0.0);
@@ -37,40 +73,21 @@ struct Strands {
         position.resize(position.size() + 6);
         material.resize(material.size() + 2);
     }
-    [[nodiscard]] SelfScene cell(int k) const
+    [[nodiscard]] InstrumentScene cell(int k) const
     {
         const SplineView rod{position.data(), material.data(), theta.data(), 2 * half};
-        SelfScene self;
-        self.scene.a = self.scene.b = self.scene.a_t0 = self.scene.b_t0 = rod;
-        self.scene.part = {SEL_TOUCH_SELF, 0, 2 * half - 1.0, radius, radius, 0, 0, 1};
-        self.scene.apart = SEL_SELF_APART * radius;
-        self.s0 = k * spacing;
-        self.s1 = self.s0 + spacing;
-        self.scene.edge = edge_of_material(rod, self.s0);
-        self.from = spline_at(rod, half * spacing);
-        self.until = spline_at(rod, (2 * half - 1) * spacing);
-        return self;
+        return scene_of(rod, k * spacing, spline_at(rod, half * spacing), spline_at(rod, (2 * half - 1) * spacing));
     }
 };
+
 
 /// Over all cells of the first strand, in equilibrium.
 InstrumentForce force_of(const Strands& strands, double exponent, int from, int until, double* metres)
 {
-    LawContext law{};
-    law.m.stiffness = stiffness;
-    law.m.exponent = exponent;
-    law.m.radius = radius;
     InstrumentForce all = no_instrument_force();
     *metres = 0;
     for (int k = from; k < until; ++k) {
-        const SelfScene self = strands.cell(k);
-        const SelfTouch touch = self_touch(&self, radius / 2);
-        if (touch.count == 0) continue;
-        InstrumentForce force = no_instrument_force();
-        InstrumentState now = no_instrument_state();
-        std::array<InstrumentPoint, SEL_INSTRUMENT_POINTS> points;
-        LawContext c = law;
-        self_force(&self, &touch, 1 / std::beta(0.5, exponent + 0.5), 1, no_contact_state(), 1, &c, &now, &force, points.data());
+        const InstrumentForce force = force_of(strands.cell(k), exponent);
         all.normal_sum += force.normal_sum;
         all.slope_sum += force.slope_sum;
         *metres += force.length;
@@ -100,24 +117,7 @@ double shelf_force(double crest, double place, std::uint32_t* points_that_push)
     position.resize(position.size() + 6);
     material.resize(material.size() + 2);
     const SplineView rod{position.data(), material.data(), theta.data(), 2 * nodes};
-    SelfScene self;
-    self.scene.a = self.scene.b = self.scene.a_t0 = self.scene.b_t0 = rod;
-    self.scene.part = {SEL_TOUCH_SELF, 0, 2 * nodes - 1.0, radius, radius, 0, 0, 1};
-    self.scene.apart = SEL_SELF_APART * radius;
-    self.s0 = start;
-    self.s1 = self.s0 + spacing;
-    self.scene.edge = edge_of_material(rod, self.s0);
-    self.from = nodes;
-    self.until = 2 * nodes - 1;
-    const SelfTouch touch = self_touch(&self, radius / 2);
-    LawContext law{};
-    law.m.stiffness = stiffness;
-    law.m.exponent = 1.5;
-    law.m.radius = radius;
-    InstrumentForce force = no_instrument_force();
-    InstrumentState now = no_instrument_state();
-    std::array<InstrumentPoint, SEL_INSTRUMENT_POINTS> points;
-    self_force(&self, &touch, 1 / std::beta(0.5, 2.0), 1, no_contact_state(), 1, &law, &now, &force, points.data());
+    const InstrumentForce force = force_of(scene_of(rod, start, nodes, 2 * nodes - 1), 1.5);
     *points_that_push = force.count;
     return force.normal_sum;
 }

@@ -1,7 +1,7 @@
 // A cell that touches all along is taken as one (instrument_cell.h): its force, and that nothing jumps within a step.
 
 #include "contact/spline_rod.h"
-#include "shared/instrument_block.h"
+#include "shared/instrument_slot.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -38,7 +38,7 @@ SplineRod arc(double about, double rough, unsigned seed)
 struct Lying {
     SplineRod a, b, a_t0, b_t0;
     InstrumentScene scene{};
-    LawContext c;
+    SlotLaw law{no_contact_state(), {}};
     Lying(double deep, double rough, unsigned seed)
         : a(arc(0.05 + lumen - radius + deep, rough, seed)), b(arc(0.05, rough, seed + 1)), a_t0(a), b_t0(b)
     {
@@ -49,7 +49,7 @@ struct Lying {
         pair.touch = SEL_TOUCH_INSIDE, pair.stiffness = stiffness, pair.exponent = 1.5;
         InstrumentParams par{};
         par.inv_dt = 1e3, par.friction = SEL_FRICTION_NONE;
-        c = slot_law(wire, tube, pair, 0, 1, par);
+        law.law = law_between(wire, tube, pair, 0, 1, par);
         scene.part = gap_part(pair, wire, tube, b.view());
         look();
     }
@@ -57,7 +57,9 @@ struct Lying {
     [[nodiscard]] InstrumentScene of_cell(int cell) const
     {
         InstrumentScene its = scene;
-        its.edge = edge_of_material(scene.a, spacing * cell);
+        its.s0 = spacing * cell;
+        its.s1 = its.s0 + spacing;
+        its.edge = edge_of_material(scene.a, its.s0);
         return its;
     }
 };
@@ -66,19 +68,15 @@ struct Exerted {
     InstrumentForce force = no_instrument_force();
     InstrumentState state = no_instrument_state();
     std::vector<InstrumentPoint> points = std::vector<InstrumentPoint>(SEL_INSTRUMENT_POINTS);
-    CellTouch touch{};
+    CellWork work{};
 };
 
 Exerted as_whole(const Lying& lying, int cell)
 {
     Exerted out;
     const InstrumentScene scene = lying.of_cell(cell);
-    CellBeside beside;
-    const double middle = spacing * (cell + 0.5);
-    REQUIRE(beside_other(&scene, middle, middle / edge, &beside));
-    CellRule rule;
-    push_whole(&scene, middle, 0.5 * spacing, beside, no_contact_state(), &lying.c, &rule, &out.touch, &out.state, &out.force,
-               out.points.data());
+    REQUIRE(beside_other(&scene, spacing * (cell + 0.5) / edge, &out.work.beside));
+    push_whole(&scene, &lying.law, &out.work, &out.state, &out.force, out.points.data());
     return out;
 }
 
@@ -86,12 +84,9 @@ Exerted in_pieces(const Lying& lying, int cell)
 {
     Exerted out;
     const InstrumentScene scene = lying.of_cell(cell);
-    CellPieces pieces;
-    look_through(&scene, cell_ends(&scene, spacing * cell, spacing * (cell + 1), spacing * (cell + 0.5) / edge), &pieces,
-                 &out.force);
+    look_through(&scene, cell_ends(&scene, spacing * (cell + 0.5) / edge), &out.work.pieces, &out.force);
     REQUIRE(out.force.depth > 0);
-    CellRule rule;
-    push_pieces(&scene, &pieces, no_contact_state(), 0, &lying.c, &rule, &out.touch, &out.state, &out.force, out.points.data());
+    push_pieces(&scene, &lying.law, &out.work, &out.state, &out.force, out.points.data());
     return out;
 }
 
@@ -149,10 +144,10 @@ TEST_CASE("instrument whole: force and its middle are those of the pieces, and o
             CHECK(whole.force.count == SEL_PIECE_POINTS);
             CHECK(std::abs(pieces.force.normal_sum - force) < 2.2e-4 * force);
             CHECK(std::abs(whole.force.normal_sum - force) < tolerance * force);
-            CHECK(std::abs(whole.touch.moment / whole.force.normal_sum - moment / force) < tolerance * spacing);
+            CHECK(std::abs(whole.work.moment / whole.force.normal_sum - moment / force) < tolerance * spacing);
             CHECK(std::abs(whole.force.depth - pieces.force.depth) <
                   0.03 * pieces.force.depth);  // a cubic through the points, at the ends
-            CHECK(whole.touch.length == test::about(pieces.touch.length).epsilon(1e-12));
+            CHECK(whole.work.length == test::about(pieces.work.length).epsilon(1e-12));
             worst = std::max(worst, std::abs(whole.force.normal_sum / force - 1));
         }
     }
@@ -166,7 +161,7 @@ TEST_CASE("instrument whole: force and its middle are those of the pieces, and o
 TEST_CASE("instrument whole: forces are the slope of one energy, which does not jump as a cell lifts")
 {
     Lying lying(3e-6, 1e-6, 3);
-    lying.c.m.damping = 0;
+    lying.law.law.m.damping = 0;
     constexpr int cell = 11;
     int partly = 0;
     double last = as_whole(lying, cell).force.stored;

@@ -1,7 +1,7 @@
 // Search for places where a wire touches itself, against all pairs of points: what is passed over is too far apart to touch.
 
 #include "contact/spline_rod.h"
-#include "shared/instrument_block.h"
+#include "shared/instrument_slot.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

@@ -4,7 +4,7 @@
 
 #include "contact/programs.h"
 #include "shared/contact_stages.h"
-#include "shared/instrument_stages.h"
+#include "shared/instrument_slot.h"
 
 namespace seldinger {
 
@@ -74,21 +74,15 @@ InstrumentKernels::InstrumentKernels(device::Context& context, const std::string
         for (const char* name : names) add(name);
     };
     if (of == Of::Others)
-        add_all({"instruments_ends", "instruments_follow", "instruments_look", "instruments_push", "instruments_whole",
-                 "instruments_rub"});
+        add_all({"instruments_ends", "instruments_look", "instruments_push", "instruments_whole", "instruments_rub"});
     else
         add_all({"instruments_self_mark", "instruments_self_touch", "instruments_self_close", "instruments_self_push",
                  "instruments_self_rub"});
 }
 
-std::size_t InstrumentKernels::items(std::size_t slots) const
-{
-    return is_whole() && of_ == Of::Others ? (slots + SEL_BLOCK - 1) / SEL_BLOCK : slots;
-}
-
 void InstrumentKernels::provide(std::size_t slots)
 {
-    const std::size_t record = of_ == Of::Others ? sizeof(InstrumentStage) : sizeof(SelfStage);
+    const std::size_t record = of_ == Of::Others ? sizeof(CellWork) : sizeof(SelfWork);
     if (is_whole() || records_.bytes() >= slots * record) return;
     records_ = device::Buffer(*context_, 2 * slots * record);
     todo_ = device::Buffer(*context_, (2 * slots + 1) * sizeof(cl_uint));

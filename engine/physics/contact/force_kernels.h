@@ -3,7 +3,7 @@
 // that the first has put on a list. The bits are the same.
 //   ForceKernels       forces of quadrature points (kernels/contact/evaluation.cl, kernels/shared/contact_stages.h)
 //   GapKernels         gaps of quadrature points: contact_clearance, or the stages of forces that find the wall
-//   InstrumentKernels  forces between instruments (kernels/contact/instruments.cl, kernels/shared/instrument_stages.h)
+//   InstrumentKernels  forces between instruments (kernels/contact/instruments.cl, kernels/shared/instrument_slot.h)
 
 #include "device/device.h"
 
@@ -81,8 +81,6 @@ public:
     enum class Of { Others, Itself };  // with what an instrument is in contact
     /// @param program  with contact/instruments.cl
     InstrumentKernels(device::Context& context, const std::string& program, Of of);
-    /// Items for so many slots.
-    [[nodiscard]] std::size_t items(std::size_t slots) const;
     /// Before a launch over so many slots.
     void provide(std::size_t slots);
 

@@ -266,7 +266,7 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     }));
     const auto evaluate = [&](InstrumentKernels& kernels) {
         kernels.provide(picked_.size());
-        kernels.launch(queue, kernels.items(picked_.size()), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_,
+        kernels.launch(queue, picked_.size(), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_,
                        slots_, nodes_.buffer, nodes_t0_.buffer, states_t0_, states_, forces, points_buffer_);
     };
     if (of_itself < picked_.size()) evaluate(evaluate_);
