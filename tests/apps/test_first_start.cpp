@@ -97,8 +97,8 @@ TEST_SUITE("apps/first_start")
         if (!fs::exists(folder.path / "kernels")) return;  // another OpenCL
         CHECK(warmed.out.find(" kernels compiled, 0 were there; kept in ") != std::string::npos);
         CHECK(run_app(folder, "devices --warm", cache).out.find("0 kernels compiled, ") == 0);
-        for (const char* how : {"", "--set contact.precision=float32", "--set contact.normal=constraint", "--set contact.normal=barrier",
-                                "--set contact.detection=layer"})
+        for (const char* how : {"", "--set contact.precision=float32", "--set contact.normal=constraint",
+                                "--set contact.normal=barrier", "--set contact.detection=layer"})
             CHECK_FALSE(run_app(folder, fmt::format("run t.toml -o A --overwrite {}", how), cache).compiled);
         const AppResult alone = run_app(folder, "devices --device 0");
         CHECK(alone.code == 2);  // the command line is wrong

@@ -152,7 +152,8 @@ cl_program SharedContext::build(const std::string& file, std::string text, const
         built = from_bitcode(code, options);
         if (!built) {
             built = source_program(context_, text);
-            status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
+            const auto count = static_cast<cl_uint>(devices_.size());
+            status = clBuildProgram(built, count, devices_.data(), options.c_str(), nullptr, nullptr);
         }
     }
     if (status == CL_SUCCESS && pocl_) {
