@@ -65,8 +65,7 @@ int kept_kernels()
     return count;
 }
 
-/// What a run launches with the default detection: each law of the wall by a world that has it, in both precisions, and
-/// instruments.
+/// What a run launches: each law of the wall by a world that has it, in both precisions, the layer's, and instruments.
 ErrorKind warm(int device)
 {
     (void)list_devices();  // which settles where kernels are kept
@@ -74,7 +73,8 @@ ErrorKind warm(int device)
     for (const std::vector<std::string>& how : std::vector<std::vector<std::string>>{{},
                                                                                    {"contact.precision=float32"},
                                                                                    {"contact.normal=augmented"},
-                                                                                   {"contact.normal=barrier"}})
+                                                                                   {"contact.normal=barrier"},
+                                                                                   {"contact.detection=layer"}})
         (void)World(make_setup(read_scene_text(smallest_scene, "kernels.toml", how), device));
     warm_instrument_kernels(device);
     const int after = kept_kernels();

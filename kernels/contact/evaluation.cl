@@ -10,7 +10,7 @@
 //           start of the step; states_t0, multipliers [points][2]; clearances, memories [points] (stages have no memories)
 //   writes  forces, barys [item_count]; states [points][2]; clearances, memories
 #define SEL_FORCE_ARGUMENTS                                                                                              \
-    const ContactParams par, __global const uint *restrict list, __global const QuadratureModel *restrict models,        \
+    __global const uint *restrict list, __global const QuadratureModel *restrict models,                                 \
         __global const QuadraturePlace *restrict places, __global const uint *restrict near_cells,                       \
         __global const uint *restrict counts, SEL_WALL_ARGUMENTS, SEL_NODE_ARGUMENTS(node), SEL_NODE_ARGUMENTS(node_t0), \
         __global const ContactState *restrict states_t0, __global ContactState *restrict states,                         \
@@ -34,26 +34,33 @@ static inline void ahead(const __global void* at, uint bytes)
 static inline void ahead(const __global void* at, uint bytes) {}
     #endif
 
-SEL_WALK_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
+// An item, whole: a part, so that it is compiled once.
+SEL_PART void evaluate_item(const uint item, const ContactParams* params, SEL_FORCE_ARGUMENTS)
 {
-    const uint item = get_global_id(0);
-    if (item < par.item_count) {
-        const uint s = list[item];
-        if (SEL_AHEAD > 0 && item + SEL_AHEAD < par.item_count) {
-            const uint then = list[item + SEL_AHEAD];
-            ahead(states_t0 + 2 * then, 2 * sizeof(ContactState));
-            ahead(states + 2 * then, 2 * sizeof(ContactState));
-            ahead(models + then, sizeof(QuadratureModel));
-            ahead(memories + then, sizeof(WallMemory) - (par.returns ? 0u : (uint)sizeof(TouchMemory)));
-            ahead(forces + item + SEL_AHEAD, sizeof(ContactForce));
-        }
-        const NearWallView near = near_wall_view(SEL_WALL, near_cells + (ulong)s * par.slots, counts[s]);
-        const PointView point = point_view(s, models[s], places[s], near);
-        write_force(contact_force(point, par, SEL_NODES(node), SEL_NODES(node_t0), state_view(states_t0, states, multipliers),
-                                  clearances + s, memories + s),
-                    forces + item);
-        barys[item] = places[s].bary;
+    const ContactParams par = *params;
+    if (item >= par.item_count) return;
+    const uint s = list[item];
+    if (SEL_AHEAD > 0 && item + SEL_AHEAD < par.item_count) {
+        const uint then = list[item + SEL_AHEAD];
+        ahead(states_t0 + 2 * then, 2 * sizeof(ContactState));
+        ahead(states + 2 * then, 2 * sizeof(ContactState));
+        ahead(models + then, sizeof(QuadratureModel));
+        ahead(memories + then, sizeof(WallMemory) - (par.returns ? 0u : (uint)sizeof(TouchMemory)));
+        ahead(forces + item + SEL_AHEAD, sizeof(ContactForce));
     }
+    const NearWallView near = near_wall_view(SEL_WALL, near_cells + (ulong)s * par.slots, counts[s]);
+    const PointView point = point_view(s, models[s], places[s], near);
+    write_force(contact_force(point, par, SEL_NODES(node), SEL_NODES(node_t0), state_view(states_t0, states, multipliers),
+                              clearances + s, memories + s),
+                forces + item);
+    barys[item] = places[s].bary;
+}
+
+SEL_WALK_KERNEL void contact_evaluate(const ContactParams par, SEL_FORCE_ARGUMENTS)
+{
+    evaluate_item(get_global_id(0), &par, list, models, places, near_cells, counts, wall_nodes, wall_vertices, wall_boundary,
+                  node_hi, node_lo, node_theta, node_t0_hi, node_t0_lo, node_t0_theta, states_t0, states, forces, barys,
+                  multipliers, clearances, memories);
 }
 
 #else
@@ -63,9 +70,9 @@ SEL_WALK_KERNEL void contact_evaluate(SEL_FORCE_ARGUMENTS)
 //   reads   side: 0, the nearer side of the lumen; 1, the opposite one
 //   writes  todo: places in `list` of the quadrature points that have to be evaluated, in any order; todo[0] is 0 before.
 //           stages [points]
-    #define SEL_STAGE(name)                                                                                                  \
-        SEL_WALK_KERNEL void name(SEL_FORCE_ARGUMENTS, __global ContactStage* restrict stages, __global uint* restrict todo, \
-                                  const uint side)
+    #define SEL_STAGE(name)                                                                                             \
+        SEL_WALK_KERNEL void name(const ContactParams par, SEL_FORCE_ARGUMENTS, __global ContactStage* restrict stages, \
+                                  __global uint* restrict todo, const uint side)
     #define SEL_POINT_OF(item)                                             \
         const uint s = list[item];                                         \
         const StateView view = state_view(states_t0, states, multipliers); \

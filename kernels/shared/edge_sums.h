@@ -91,8 +91,8 @@ SEL_FN void add_sliding(SEL_GLOBAL const ContactForce* f, real a, real b, SEL_GL
 }
 
 // Sums forces[first..last) (consecutive on one edge) in order. barys: where on the edge they act.
-SEL_FN void reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last,
-                        SEL_GLOBAL EdgeForce* out)
+SEL_PART void reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last,
+                          SEL_GLOBAL EdgeForce* out)
 {
     *out = no_edge_force();
     for (uint k = first; k < last; ++k) {

@@ -90,7 +90,8 @@ SEL_FN real clamp_r(real a, real lo, real hi) { return a < lo ? lo : (a > hi ? h
 SEL_END
 
 // A part of what an item does. PoCL compiles a kernel three times (for launches of any size, of a known and of a small one), and
-// what it calls once. Not for what a step spends its time in: calls in contact_evaluate cost 5 to 9 % of the steps.
+// what it calls once. In contact_evaluate it is the item as a whole: calls within it, which copy records, cost 5 to 9 % of the
+// steps.
 #if SEL_SUMS_IN_MEMORY
     #define SEL_PART SEL_FN
 #else

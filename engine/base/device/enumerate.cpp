@@ -90,20 +90,29 @@ void check_device_index(int index)
                 fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, count - 1));
 }
 
-std::string platform_name(cl_device_id device)
+std::string platform_text(cl_device_id device, cl_platform_info what)
 {
     cl_platform_id platform = nullptr;
     clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr);
-    char name[256] = {};
-    if (platform) clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
-    return name;
+    char text[512] = {};
+    if (platform) clGetPlatformInfo(platform, what, sizeof text - 1, text, nullptr);
+    return text;
 }
+
+std::string platform_name(cl_device_id device) { return platform_text(device, CL_PLATFORM_NAME); }
 
 PoclDevice pocl_device(std::string_view platform, std::string_view device)
 {
     if (platform != pocl) return PoclDevice::None;
     if (device.starts_with("basic") || device.starts_with("cpu-minimal")) return PoclDevice::Caller;
     return device.starts_with("pthread") || device.starts_with("cpu") ? PoclDevice::Pool : PoclDevice::None;
+}
+
+std::string_view processor_name(std::string_view device)
+{
+    for (const std::string_view kind : {"basic-", "pthread-", "cpu-minimal-", "cpu-"})
+        if (device.starts_with(kind)) return device.substr(kind.size());
+    return device;
 }
 
 PoclDevice pocl_device(cl_device_id device) { return pocl_device(platform_name(device), device_text(device, CL_DEVICE_NAME)); }

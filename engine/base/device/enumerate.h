@@ -24,6 +24,9 @@ enum class PoclDevice { None, Caller, Pool };
 /// The same for a name that is known already.
 [[nodiscard]] PoclDevice pocl_device(std::string_view platform, std::string_view device);
 
+/// Name of a device of PoCL's without its kind: what both devices of a processor are called.
+[[nodiscard]] std::string_view processor_name(std::string_view device);
+
 /// PoCL's threaded CPU device where present (the built-in default), else the first device.
 [[nodiscard]] int default_device(const std::vector<cl_device_id>& devices);
 /// Of all devices.
@@ -44,7 +47,8 @@ void check_device_index(int index);
 /// A textual property; empty where the device does not answer.
 [[nodiscard]] std::string device_text(cl_device_id device, cl_device_info what);
 
-/// Name of the platform that the device belongs to.
+/// A text of the platform that the device belongs to, and its name.
+[[nodiscard]] std::string platform_text(cl_device_id device, cl_platform_info what);
 [[nodiscard]] std::string platform_name(cl_device_id device);
 
 }  // namespace seldinger::device

@@ -1,13 +1,13 @@
 #pragma once
 // Text of every kernel file, embedded at build time by cmake/EmbedKernels.cmake.
 
-#include <string>
+#include <string_view>
 #include <vector>
 
 namespace seldinger::device {
 
 struct KernelSource {
-    std::string name, text;
+    std::string_view name, text;
 };
 
 /// The engine's own. Names are relative to kernels/.

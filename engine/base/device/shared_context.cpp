@@ -2,7 +2,9 @@
 #include "device/shared_context.h"
 
 #include "core/error.h"
+#include "core/file_io.h"
 #include "core/printable.h"
+#include "core/sealed_file.h"
 #include "device/compiler_watch.h"
 #include "device/enumerate.h"
 #include "device/kernel_cache.h"
@@ -52,6 +54,7 @@ SharedContext::SharedContext(std::vector<cl_device_id> devices) : devices_(std::
     context_ = clCreateContext(properties, static_cast<cl_uint>(devices_.size()), devices_.data(), nullptr, nullptr, &status);
     check(status, "clCreateContext");
     pocl_ = device_text(devices_.front(), CL_DEVICE_VERSION).find("PoCL") != std::string::npos;
+    processors_ = pocl_device(devices_.front()) != PoclDevice::None;
 }
 
 std::pair<cl_program, bool> SharedContext::program(const std::string& file, const std::string& text, const std::string& options)
@@ -63,6 +66,63 @@ std::pair<cl_program, bool> SharedContext::program(const std::string& file, cons
     return {known, true};
 }
 
+namespace {
+
+cl_program source_program(cl_context context, const std::string& text)
+{
+    const char* source = text.c_str();
+    const std::size_t length = text.size();
+    cl_int status = CL_SUCCESS;
+    cl_program program = clCreateProgramWithSource(context, 1, &source, &length, &status);
+    check(status, "clCreateProgramWithSource");
+    return program;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> SharedContext::bitcode(const std::string& text, const std::string& options,
+                                                 const std::string& mark) const
+{
+    constexpr std::string_view magic = "SELCODE1";
+    const std::filesystem::path kept = kernel_cache_folder() / (mark + ".program");
+    try {
+        return read_sealed(kept, magic);
+    } catch (const Error&) {  // not there yet, or damaged
+    }
+    timespec begun{};
+    ::clock_gettime(CLOCK_REALTIME_COARSE, &begun);  // the clock of file dates
+    cl_program program = source_program(context_, text);
+    (void)clCompileProgram(program, 1, devices_.data(), options.c_str(), 0, nullptr, nullptr, nullptr, nullptr);
+    clReleaseProgram(program);
+    const std::vector<std::filesystem::path> fresh = new_programs(begun, mark);
+    if (fresh.empty()) return {};
+    try {
+        const std::string code = read_file(fresh.front() / "program.bc");
+        std::error_code ignored;
+        std::filesystem::remove_all(fresh.front(), ignored);  // it gets no kernel
+        std::vector<std::uint8_t> bytes(code.begin(), code.end());
+        write_sealed(kept, magic, bytes);
+        return bytes;
+    } catch (const Error&) {
+        return {};
+    }
+}
+
+cl_program SharedContext::from_bitcode(const std::vector<std::uint8_t>& code, const std::string& options) const
+{
+    if (code.empty()) return nullptr;
+    std::vector<const unsigned char*> codes(devices_.size(), code.data());
+    const std::vector<std::size_t> sizes(devices_.size(), code.size());
+    const auto count = static_cast<cl_uint>(devices_.size());
+    cl_int status = CL_SUCCESS;
+    cl_program program =
+        clCreateProgramWithBinary(context_, count, devices_.data(), sizes.data(), codes.data(), nullptr, &status);
+    if (status != CL_SUCCESS) return nullptr;
+    if (clBuildProgram(program, count, devices_.data(), options.c_str(), nullptr, nullptr) == CL_SUCCESS) return program;
+    clReleaseProgram(program);
+    return nullptr;
+}
+
 cl_program SharedContext::build(const std::string& file, std::string text, const std::string& options)
 {
     const std::string name = device_text(devices_.front(), CL_DEVICE_NAME);
@@ -72,26 +132,29 @@ cl_program SharedContext::build(const std::string& file, std::string text, const
     std::optional<CompilerTurn> turn;
     if (pocl_) {
         // a kernel that does nothing, by whose name the program's folders in the cache are known
-        compiled.mark =
-            fmt::format("seldinger_{:016x}",
-                        std::hash<std::string>()(text + options + name + device_text(devices_.front(), CL_DRIVER_VERSION)));
+        const std::string made_for =
+            std::string(processor_name(name)) + platform_text(devices_.front(), CL_PLATFORM_VERSION);  // and LLVM's version
+        compiled.mark = fmt::format("seldinger_{:016x}", std::hash<std::string>()(text + options + made_for));
         text += fmt::format("__kernel void {}(void) {{}}\n", compiled.mark);
         said.emplace();
         turn.emplace(compiled.mark);
-        ::clock_gettime(CLOCK_REALTIME_COARSE, &begun);  // the clock of file dates
     }
-    const char* source = text.c_str();
-    const std::size_t length = text.size();
     cl_int status = CL_SUCCESS;
-    cl_program built = clCreateProgramWithSource(context_, 1, &source, &length, &status);
-    check(status, "clCreateProgramWithSource");
+    cl_program built = nullptr;
     {
         const CompilerWatch watch(
             fmt::format("seldinger: device \"{}\": its OpenCL driver ended the process while it compiled kernels/{}. Fix: choose "
                         "another device "
                         "with --device (`seldinger devices` lists them), or update the driver",
                         printable(name), file));
-        status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
+        const std::vector<std::uint8_t> code = processors_ ? bitcode(text, options, compiled.mark) : std::vector<std::uint8_t>();
+        ::clock_gettime(CLOCK_REALTIME_COARSE, &begun);  // the clock of file dates
+        built = from_bitcode(code, options);
+        if (!built) {
+            built = source_program(context_, text);
+            const auto count = static_cast<cl_uint>(devices_.size());
+            status = clBuildProgram(built, count, devices_.data(), options.c_str(), nullptr, nullptr);
+        }
     }
     if (status == CL_SUCCESS && pocl_) {
         if (devices_.size() == 2) compiled.folders = new_programs(begun, compiled.mark);

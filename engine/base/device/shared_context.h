@@ -1,10 +1,11 @@
 #pragma once
 // State that all Contexts of one process share on the same devices: the cl_context and the programs built in it. Building a
-// program takes 50 ms even if PoCL finds its kernels compiled on disk (it preprocesses the text to know). That is longer than a
-// small world computes for a second of its time, and studies make thousands of worlds.
+// program takes 20 ms even if PoCL finds its kernels compiled on disk. That is long beside what a small world computes for a
+// second of its time, and studies make thousands of worlds.
 
 #include "device/device.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -39,6 +40,12 @@ public:
 private:
     explicit SharedContext(std::vector<cl_device_id> devices);
     [[nodiscard]] cl_program build(const std::string& file, std::string text, const std::string& options);
+    /// LLVM's code of a text, of which PoCL makes kernels: the same for both devices of a processor, and kept beside PoCL's own
+    /// files. Empty: PoCL has not left it in its cache
+    [[nodiscard]] std::vector<std::uint8_t> bitcode(const std::string& text, const std::string& options,
+                                                    const std::string& mark) const;
+    /// @return nullptr: not with this code
+    [[nodiscard]] cl_program from_bitcode(const std::vector<std::uint8_t>& code, const std::string& options) const;
 
     /// What PoCL has made of a program.
     struct Compiled {
@@ -49,7 +56,7 @@ private:
 
     std::vector<cl_device_id> devices_;
     cl_context context_ = nullptr;
-    bool pocl_ = false;
+    bool pocl_ = false, processors_ = false;  // processors_: PoCL's two devices, or one of them
     std::mutex building_, launching_;
     std::map<cl_program, Compiled> compiled_;  // under launching_
     std::map<std::pair<std::string, std::string>, cl_program>

@@ -20,18 +20,18 @@ namespace {
 std::mutex added_guard;
 std::set<const std::vector<KernelSource>*> added;
 
-const std::string* find_in(const std::vector<KernelSource>& sources, const std::string& name)
+const KernelSource* find_in(const std::vector<KernelSource>& sources, const std::string& name)
 {
     for (const KernelSource& source : sources)
-        if (source.name == name) return &source.text;
+        if (source.name == name) return &source;
     return nullptr;
 }
 
-const std::string* find_added(const std::string& name)
+const KernelSource* find_added(const std::string& name)
 {
     const std::lock_guard lock(added_guard);
     for (const auto* sources : added)
-        if (const std::string* text = find_in(*sources, name)) return text;
+        if (const KernelSource* one = find_in(*sources, name)) return one;
     return nullptr;
 }
 
@@ -41,11 +41,11 @@ std::string text_of_file(const std::string& name)
         std::ifstream in(std::string(folder) + "/" + name);
         std::stringstream text;
         if (in) return text << in.rdbuf(), text.str();
-        if (const std::string* own = find_added(name)) return *own;
+        if (const KernelSource* own = find_added(name)) return std::string(own->text);
         throw Error(ErrorKind::NoDevice, fmt::format("SEL_KERNEL_DIR: no kernel file {}/{}", folder, name));
     }
-    if (const std::string* own = find_in(embedded_kernels(), name)) return *own;
-    if (const std::string* own = find_added(name)) return *own;
+    if (const KernelSource* own = find_in(embedded_kernels(), name)) return std::string(own->text);
+    if (const KernelSource* own = find_added(name)) return std::string(own->text);
     throw Error(ErrorKind::NoDevice, fmt::format("no kernel file \"{}\" in this build", name));
 }
 

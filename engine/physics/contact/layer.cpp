@@ -57,6 +57,19 @@ LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, 
     first_buffer_ = device::Buffer(context, (n + 1) * sizeof(std::uint32_t));
     edge_sums_ = device::Buffer(context, n * sizeof(EdgeForce));
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
+    warm_up();
+}
+
+// See CapsuleContact::warm_up.
+void LayerContact::warm_up()
+{
+    ContactParams none = params_;
+    none.item_count = 0;
+    context_.enter(light);
+    find_.launch(light, 1, none, edge_list_, nodes_, wall_, candidates_, count_buffer_, touching_buffer_);
+    evaluate_.launch(light, 1, none, pair_list_, edge_list_, wall_, nodes_, nodes_before(), states_t0_, states_, forces_, barys_);
+    reduce_.launch(light, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_sums_);
+    context_.finish(light);
 }
 
 void LayerContact::begin(RodArrays& rods)

@@ -27,6 +27,7 @@ private:
         std::uint32_t wire, edge, triangle;
         auto operator<=>(const Key&) const = default;
     };
+    void warm_up();
     void begin(RodArrays& rods) override;
     void evaluate_forces(const TermTrial& trial) override;
     void list_edges(std::span<const std::uint8_t> live);
