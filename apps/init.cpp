@@ -6,6 +6,7 @@
 #include "core/file_io.h"
 #include "core/printable.h"
 #include "io/file_remarks.h"
+#include "io/label_map.h"
 #include "run/ready.h"
 #include "scene/scene.h"
 #include "setup/access.h"
@@ -30,7 +31,7 @@ namespace fs = std::filesystem;
 
 struct InitArguments {
     fs::path mesh, scene;
-    std::string units, instrument;
+    std::string units, instrument, label;
     int inlet = 0;  // 0: chosen
     bool overwrite = false;
 };
@@ -69,20 +70,16 @@ std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline
 LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
 {
     LoadedVessel vessel;
-    const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel);
-    const std::string said = remarks_of_file(options.mesh).units, asked = options.units.empty() ? said : options.units;
-    UnitGuess unit = guesses.front();
-    if (!asked.empty() && asked != unit.unit) {
-        unit = *std::find_if(guesses.begin(), guesses.end(), [&](const UnitGuess& g) { return g.unit == asked; });
-        VesselSpec spec;
-        spec.shape = VesselShape::Mesh;
-        spec.mesh = fs::absolute(options.mesh);
-        spec.units = unit.unit;
-        vessel = load_vessel(spec);
-    }
+    const FileRemarks remarks = remarks_of_file(options.mesh);
+    const std::string said = remarks.units, asked = options.units.empty() ? said : options.units;
+    const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel, asked, options.label);
+    const UnitGuess unit =
+        asked.empty() ? guesses.front() : *std::ranges::find(guesses, asked, &UnitGuess::unit);
     first.unit = unit.unit;
+    first.label = options.label;
     first.unit_why = describe_unit(guesses, unit,
                                    !options.units.empty() ? "given"
+                                   : remarks.by_format    ? "as label maps are read"
                                    : !said.empty()        ? "said by the file's header"
                                                           : "guessed from its size");
     if (options.units.empty() && !unit.plausible)
@@ -103,10 +100,12 @@ LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
 /// DICOM's axes unless the file's header says others.
 void find_axes(const InitArguments& options, FirstScene& first)
 {
-    const FileAxes axes = remarks_of_file(options.mesh).axes;
+    const FileRemarks remarks = remarks_of_file(options.mesh);
+    const FileAxes axes = remarks.axes;
     if (axes == FileAxes::Ras) first.back = -Vec3::UnitY();
     first.axes_why =
-        axes == FileAxes::Ras ? "The file says SPACE=RAS: x to the right, y to the front, z to the head"
+        remarks.by_format ? "The surface of a label map is in LPS: x to the left, y to the back, z to the head"
+        : axes == FileAxes::Ras ? "The file says SPACE=RAS: x to the right, y to the front, z to the head"
         : axes == FileAxes::Lps
             ? "The file says SPACE=LPS: x to the left, y to the back, z to the head"
             : "The file says nothing of its axes; LPS is taken, as in DICOM: x to the left, y to the back, z to the head";
@@ -165,7 +164,8 @@ ErrorKind init(InitArguments& options)
         throw Error(ErrorKind::BadScene,
                     fmt::format("{}: got a scene; expected a mesh. Fix: give the file of the vessel's surface, or run the scene",
                                 options.mesh.string()));
-    if (options.scene.empty()) options.scene = options.mesh.stem().string() + ".toml";
+    if (options.scene.empty())
+        options.scene = (is_label_map(options.mesh) ? options.mesh.stem().stem() : options.mesh.stem()).string() + ".toml";
     const fs::path picture = options.scene.parent_path() / (options.scene.stem().string() + "-ways-in.png");
     refuse_to_overwrite(options, picture);
     FirstScene first;
@@ -182,6 +182,8 @@ ErrorKind init(InitArguments& options)
     make_folder_of(options.scene);
     write_file(options.scene, text);
     std::string out = fmt::format("{}: units \"{}\", {}\n", printable(options.mesh.string()), first.unit, first.unit_why);
+    for (const std::string& note : vessel.report.notes)
+        if (is_label_map(options.mesh)) out += fmt::format("  {}\n", note);
     out += fmt::format("  axes: {}\n", first.axes_why);
     for (const std::string& line : ways) out += fmt::format("  {}\n", line);
     out += fmt::format("  wire: {}\n  {}: the scene; next: seldinger run {}\n", first.wire.why, options.scene.string(),
@@ -196,10 +198,13 @@ void add_init(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<InitArguments>();
     CommandLine* command = app.add_subcommand("init", "write a first scene for a mesh: its unit, inlet and a wire that fits");
-    command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP, VTK)")->required();
+    command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP, VTK) or label map (NIfTI, NRRD, MetaImage)")
+        ->required();
     command->add_option("-o", options->scene, "the scene to write (default: <mesh>.toml here)")->type_name("SCENE.toml");
     command->add_option("--units", options->units, "of the mesh: m, cm, mm, um, in (default: guessed from its size)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
+    command->add_option("--label", options->label, "of a label map: number or name of the vessel's (default: the only one)")
+        ->type_name("LABEL");
     command->add_option("--inlet", options->inlet, "number of an inlet of the list (default: chosen, with the reason)")
         ->type_name("N")
         ->check(in_range(1, 1000));

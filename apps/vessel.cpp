@@ -27,7 +27,7 @@ using Json = nlohmann::ordered_json;
 
 struct VesselArguments {
     std::filesystem::path input, dir;
-    std::string units;
+    std::string units, label;
     bool json = false;
     int subdivide = 0;
 };
@@ -36,6 +36,7 @@ VesselSpec spec_of(const VesselArguments& options)
 {
     if (options.input.extension() == ".toml") {
         if (!options.units.empty()) throw Error(ErrorKind::BadScene, "--units: a scene states its own; take it out");
+        if (!options.label.empty()) throw Error(ErrorKind::BadScene, "--label: a scene states its own; take it out");
         const Scene scene = read_scene(options.input);
         if (scene.vessel.shape == VesselShape::None)
             throw Error(ErrorKind::BadScene, fmt::format("{}: vessel: the scene has no [vessel]", options.input.string()));
@@ -46,6 +47,7 @@ VesselSpec spec_of(const VesselArguments& options)
     spec.mesh = std::filesystem::absolute(options.input);
     if (const std::string said = remarks_of_file(options.input).units; !said.empty()) spec.units = said;
     if (!options.units.empty()) spec.units = options.units;
+    spec.label_name = options.label;
     return spec;
 }
 
@@ -178,12 +180,16 @@ void add_vessel(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<VesselArguments>();
     CommandLine* vessel = app.add_subcommand("vessel", "inspect a vessel mesh, or the vessel of a scene");
-    vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP, VTK) or scene file (TOML)")
+    vessel
+        ->add_option("INPUT", options->input,
+                     "mesh (STL, OBJ, PLY, VTP, VTK), label map (NIfTI, NRRD, MetaImage) or scene file (TOML)")
         ->type_name("MESH|SCENE.toml")
         ->required();
     vessel
         ->add_option("--units", options->units, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
+    vessel->add_option("--label", options->label, "of a label map: number or name of the vessel's (default: the only one)")
+        ->type_name("LABEL");
     vessel->add_flag("--json", options->json, "print one JSON object");
     vessel->add_option("-o", options->dir, "folder for the cleaned mesh and the centreline")->type_name("DIR");
     vessel

@@ -209,7 +209,7 @@ TEST_SUITE("io/everyday_files")
         const auto read = [](const std::string& bytes) {
             MeshFileFacts facts;
             check_tetrahedron(parse_mesh(bytes, "x.stl", "mm", &facts));
-            return facts.note;
+            return facts.notes.empty() ? std::string() : facts.notes[0];
         };
         CHECK(read(stl(4, 4, 0)).empty());
         CHECK(read(stl(0, 4, 0)).find("announces 0 triangles, its body holds 4") != std::string::npos);

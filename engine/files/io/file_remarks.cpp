@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "io/label_map.h"
 #include "io/mesh_file.h"
 #include "io/text_words.h"
 #include "io/vtk_legacy.h"
@@ -97,6 +98,7 @@ std::string remark_text(std::string_view bytes, const std::filesystem::path& nam
 
 FileRemarks remarks_in(std::string_view bytes, const std::filesystem::path& name)
 {
+    if (is_label_map(name)) return {FileAxes::Lps, "mm", true};
     try {
         const std::string text = remark_text(bytes, name);
         return {axes_in(text), units_in(text)};

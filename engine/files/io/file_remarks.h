@@ -13,6 +13,7 @@ enum class FileAxes { Unsaid, Lps, Ras };
 struct FileRemarks {
     FileAxes axes = FileAxes::Unsaid;
     std::string units;  // m, cm, mm, um or in; empty: not said
+    bool by_format = false;  // a label map's surface has the axes and the unit that its reader gives it
 };
 
 /// Reads SPACE=RAS or LPS and UNITS=mm where programs write them. Case does not matter; UNIT and "units: millimetres" count

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "io/label_map.h"
 #include "io/ply_read.h"
 #include "io/stl_obj_read.h"
 #include "io/vtk_legacy.h"
@@ -137,22 +138,44 @@ PolyData cells_of(const std::string& bytes, const std::filesystem::path& path)
     return parse_ply(bytes, name);
 }
 
+WallMesh triangles_in(const std::string& bytes, const std::filesystem::path& path, std::vector<std::string>& notes)
+{
+    const PolyData data = cells_of(bytes, path);
+    check_size(data, bytes.size(), path);
+    if (!data.note.empty()) notes.push_back(data.note);
+    try {
+        return from_polydata(data);
+    } catch (const Error& error) {
+        bad_file(path, error.what());
+    }
+}
+
+WallMesh surface_in(const std::string& bytes, const std::filesystem::path& path, const std::string& label,
+                    std::vector<std::string>& notes)
+{
+    LabelVoxels voxels = read_label(bytes, path, label);
+    const LumenVoxels lumen = lumen_of(voxels.grid, voxels.runs);
+    notes = std::move(voxels.notes);
+    notes.insert(notes.end(), lumen.notes.begin(), lumen.notes.end());
+    return surface_of(voxels.grid, lumen, voxels.fractions);
+}
+
 void require_known(const std::filesystem::path& path)
 {
     const std::string extension = lower_extension(path);
     for (const char* known : {".stl", ".obj", ".ply", ".vtp", ".vtk"})
         if (extension == known) return;
+    if (is_label_map(path)) return;
     std::string fix = "export the surface as one of these";
-    for (const char* image : {".nii", ".gz", ".nrrd", ".mha", ".mhd", ".dcm"})
-        if (extension == image)
-            fix =
-                "segment the lumen and export its surface (3D Slicer: Segmentations, Export to files; ITK-SNAP: Export as "
-                "Surface Mesh)";
+    for (const char* image : {".hdr", ".img", ".gz", ".nhdr", ".dcm"})
+        if (extension == image) fix = "segment the lumen and save the label map as .nii.gz, .nrrd or .mha";
     for (const char* cad : {".step", ".stp", ".iges", ".igs", ".sldprt", ".x_t", ".3mf", ".3dm", ".brep"})
         if (extension == cad) fix = "export it from the CAD program as binary STL, in millimetres";
     for (const char* grid : {".vtu", ".vtm", ".pvd", ".vts", ".msh", ".cas"})
         if (extension == grid) fix = "extract its surface (ParaView: Extract Surface) and save that as .vtp";
-    bad_file(path, fmt::format("got format \"{}\"; expected .stl, .obj, .ply, .vtp or .vtk. Fix: {}", extension, fix));
+    bad_file(path, fmt::format("got format \"{}\"; expected .stl, .obj, .ply, .vtp or .vtk, or a label map (.nii, .nii.gz, "
+                               ".nrrd, .mha, .mhd). Fix: {}",
+                               extension, fix));
 }
 
 void require_usable(const WallMesh& mesh, const std::filesystem::path& path, const std::string& units)
@@ -186,33 +209,32 @@ double metres_per_unit(const std::string& units)
                 fmt::format("units: got \"{}\"; expected m, cm, mm, um or in. Fix: name the unit of the file's numbers", units));
 }
 
-WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts)
+WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts, const std::string& label)
 {
-    return parse_mesh(read_mesh_bytes(path, units), path, units, facts);
+    return parse_mesh(read_mesh_bytes(path, units), path, units, facts, label);
 }
 
 std::string read_mesh_bytes(const std::filesystem::path& path, const std::string& units)
 {
     (void)metres_per_unit(units);
     require_known(path);
-    return read_file(path);
+    return lower_extension(path) == ".mhd" ? with_voxels(read_file(path), path) : read_file(path);
 }
 
-WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts)
+WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units, MeshFileFacts* facts,
+                    const std::string& label)
 {
     const double scale = metres_per_unit(units);
     require_known(path);
     if (bytes.empty()) bad_file(path, "the file is empty");
-    const PolyData data = cells_of(bytes, path);
-    check_size(data, bytes.size(), path);
     WallMesh mesh;
-    try {
-        mesh = from_polydata(data);
-    } catch (const Error& error) {
-        bad_file(path, error.what());
-    }
+    std::vector<std::string> notes;
+    if (is_label_map(path)) mesh = surface_in(bytes, path, label, notes);
+    else if (!label.empty())
+        bad_file(path, fmt::format("got label \"{}\" for a mesh; expected it with a label map only. Fix: take it out", label));
+    else mesh = triangles_in(bytes, path, notes);
     if (mesh.triangles.empty()) bad_file(path, "got no triangles; expected a surface. Fix: export the mesh again");
-    if (facts) *facts = {static_cast<long>(mesh.triangles.size()), scale * float32_rounding(mesh.vertices), data.note};
+    if (facts) *facts = {static_cast<long>(mesh.triangles.size()), scale * float32_rounding(mesh.vertices), std::move(notes)};
     for (Vec3& v : mesh.vertices) v *= scale;
     require_usable(mesh, path, units);
     return mesh;

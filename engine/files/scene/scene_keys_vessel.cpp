@@ -17,7 +17,12 @@ std::vector<Key> vessel(VesselSpec& v)
     const Use elastic = quiet_if(!v.elastic && of_elastic(v) == of_elastic(VesselSpec()));
     return {
         {"mesh", "", &v.mesh,
-         "STL, OBJ, PLY, VTP or legacy VTK file, relative to the scene file's folder", "*needed* without `shape`", only_if(mesh)},
+         "STL, OBJ, PLY, VTP or legacy VTK file, or a label map (NIfTI, NRRD, MetaImage), relative to the scene file's folder",
+         "*needed* without `shape`", only_if(mesh)},
+        {"label", "",
+         keys::Count{&v.label, 1, 2'000'000'000, {}, "a label's number, or its name in quotes, as \"aorta\"", &v.label_name},
+         "which label of a map is the vessel: its number, or its name in quotes", "the only one",
+         mesh ? quiet_if(v.label_text().empty()) : Use::Unused},
         {"units", "", words(v.units, unit_words), "unit of the mesh", "what the file's header says, else `\"mm\"`", only_if(mesh)},
         {"shape", "", words(v.shape, vessel_words),
          "a generated wall with an exact centreline, open at both ends", "*needed* without `mesh`", only_if(!mesh)},

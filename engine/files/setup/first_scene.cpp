@@ -97,15 +97,23 @@ std::vector<UnitGuess> guesses_of(const std::vector<std::pair<double, double>>& 
 
 }  // namespace
 
-std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel)
+std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel, const std::string& said,
+                                   const std::string& label)
 {
+    VesselSpec spec;
+    spec.shape = VesselShape::Mesh;
+    spec.mesh = std::filesystem::absolute(mesh);
+    spec.units = said;
+    spec.label_name = label;
+    if (!said.empty()) {
+        vessel = load_vessel(spec);
+        const double metre = metres_per_unit(said);
+        return guesses_of(lumen_sizes(vessel, metre), diagonal_of(vessel.mesh) / metre);
+    }
     // the axis takes no unit but for a vessel's usual size: so in the one in which the box is nearest to that
     // (micrometres: a reader refuses positions kilometres away)
     const double box = diagonal_of(read_mesh(mesh, "um")) / metres_per_unit("um");
     if (!(box > 0)) throw Error(ErrorKind::BadFile, mesh.string() + ": all of it is in one place");
-    VesselSpec spec;
-    spec.shape = VesselShape::Mesh;
-    spec.mesh = std::filesystem::absolute(mesh);
     spec.units = guesses_of({{box / usual_ratio, 1.0}}, box).front().unit;
     vessel = load_vessel(spec);
     const double metre = metres_per_unit(spec.units);
@@ -307,6 +315,8 @@ std::string first_scene_text(const FirstScene& first)
     const auto folder = std::filesystem::weakly_canonical(std::filesystem::absolute(first.file), ignored).parent_path();
     const auto mesh = std::filesystem::weakly_canonical(std::filesystem::absolute(first.mesh), ignored);
     const std::string path = mesh.lexically_proximate(folder).generic_string();
+    const bool digits = first.label.find_first_not_of("0123456789") == std::string::npos;
+    const std::string label = digits ? first.label : toml_quoted(first.label);
     std::string text = fmt::format("# {}: a first scene, as `seldinger init` proposes it. Every key: docs/scene-file.md.\n\n",
                                    one_line(first.mesh.filename().string()));
     const auto list = [](const Vec3& v) {
@@ -317,9 +327,9 @@ std::string first_scene_text(const FirstScene& first)
         "dt_s = 0.001\n\n",
         toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
     text += fmt::format(
-        "[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
+        "[vessel]\nmesh = {}\n{}units = \"{}\"  # {}\nwall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
         "it yields, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
-        toml_quoted(path), first.unit, first.unit_why);
+        toml_quoted(path), first.label.empty() ? "" : fmt::format("label = {}\n", label), first.unit, first.unit_why);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
                         first.wire.why, first.wire.name, length);

@@ -22,8 +22,9 @@ struct UnitGuess {
 /// Every known unit, the most likely one first. Lumens of 0.3 to 20 mm with a median of 1.2 to 13 mm, in a box of 18 to 500 mm,
 /// cost nothing. Sizes outside of these ranges cost the logarithm of their ratio to the bound. Millimetres are preferred.
 /// @throws Error BadFile: no mesh, or no vessel
-/// @param vessel  out: loaded in the first of them
-[[nodiscard]] std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel);
+/// @param vessel  out: loaded in `said`, or in the first of them where that is empty  @param label  of a label map
+[[nodiscard]] std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel,
+                                                 const std::string& said = {}, const std::string& label = {});
 
 /// The unit, its sizes and the doubt, one line. @param source  "given", "guessed from its size", ...
 [[nodiscard]] std::string describe_unit(const std::vector<UnitGuess>& guesses, const UnitGuess& taken, const std::string& source);
@@ -57,7 +58,7 @@ struct WireChoice {
 /// What the scene is written from.
 struct FirstScene {
     std::filesystem::path mesh, file;  // file: where the text is to be saved
-    std::string unit, unit_why;
+    std::string unit, unit_why, label;
     Vec3 head = Vec3::UnitZ(), back = Vec3::UnitY();  // the patient's directions
     std::string axes_why;
     std::vector<Inlet> inlets;

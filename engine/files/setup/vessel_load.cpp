@@ -44,7 +44,7 @@ std::string describe_rounding(double rounding)
 std::string describe_remarks(const FileRemarks& remarks, const std::string& units)
 {
     std::string text;
-    if (remarks.axes != FileAxes::Unsaid)
+    if (remarks.axes != FileAxes::Unsaid && !remarks.by_format)
         text = remarks.axes == FileAxes::Ras ? "The file says SPACE=RAS: x to the patient's right, y to the front, z to the head."
                                              : "The file says SPACE=LPS: x to the patient's left, y to the back, z to the head.";
     if (!remarks.units.empty() && remarks.units != units)
@@ -76,12 +76,12 @@ LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
 {
     LoadedVessel vessel;
     MeshFileFacts facts;
-    vessel.mesh = parse_mesh(bytes, spec.mesh, spec.units, &facts);
+    vessel.mesh = parse_mesh(bytes, spec.mesh, spec.units, &facts, spec.label_text());
     const std::string remarks = describe_remarks(remarks_in(bytes, spec.mesh), spec.units);
     bytes = {};  // as much memory as the mesh
     try {
         vessel.report = repair(vessel.mesh, spec.close_holes);
-        if (!facts.note.empty()) vessel.report.notes.push_back(facts.note);
+        vessel.report.notes.insert(vessel.report.notes.begin(), facts.notes.begin(), facts.notes.end());
         if (!remarks.empty()) vessel.report.notes.push_back(remarks);
         if (facts.rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(facts.rounding));
         if (spec.centreline.empty()) {
@@ -100,8 +100,9 @@ LoadedVessel from_file(const VesselSpec& spec)
     std::string key;
     std::optional<LoadedVessel> vessel;
     if (vessel_cache_limit() > 0) {
-        key = vessel_key(bytes, spec.mesh.extension().string() + (spec.close_holes ? "" : ", holes open"), spec.units,
-                         spec.centreline.empty());
+        std::string kind = spec.mesh.extension().string() + (spec.close_holes ? "" : ", holes open");
+        if (const std::string label = spec.label_text(); !label.empty()) kind += ", label " + label;
+        key = vessel_key(bytes, kind, spec.units, spec.centreline.empty());
         vessel = find_prepared(key);
     }
     if (!vessel) {

@@ -22,6 +22,8 @@ struct VesselSpec {
     VesselShape shape = VesselShape::None;
     std::filesystem::path mesh;         // absolute after loading
     std::string units = "mm";           // of the mesh file: m, cm, mm, um, in
+    int label = 0;                      // of a label map: its number, or 0 and its name; neither: the only one
+    std::string label_name;
     bool close_holes = true;            // of the mesh file: small ones; else each is an opening
     double radius = 0, length = 0;      // tube, arc: lumen radius; tube: length [m]
     double bend_radius = 0, angle = 0;  // arc [m], [rad]
@@ -48,6 +50,8 @@ struct VesselSpec {
     std::string centreline_units;      // as units; empty: what its header says, else the mesh's
     std::string centreline_space;      // "LPS" or "RAS"; empty: what its header says, else the mesh's
     bool branches_from_root = false;  // branches count from the centreline's root; else from the inlet in use (vessel/branches.h)
+
+    [[nodiscard]] std::string label_text() const { return label > 0 ? std::to_string(label) : label_name; }
 };
 
 }  // namespace seldinger
