@@ -43,6 +43,20 @@ void ply(Bytes bytes) { read_as(bytes, "x.ply"); }
 void vtp(Bytes bytes) { read_as(bytes, "x.vtp"); }
 void vtk(Bytes bytes) { read_as(bytes, "x.vtk"); }
 
+/// A label map, in the format that it begins like. Every vertex that comes of it has to be a number.
+void label(Bytes bytes)
+{
+    const std::string text = text_of(bytes);
+    const char* name = text.starts_with("NRRD")                             ? "x.nrrd"
+                       : text.starts_with("\x1f\x8b")                       ? "x.nii.gz"
+                       : text.find("ElementDataFile") != std::string::npos ? "x.mha"
+                                                                           : "x.nii";
+    for (const char* which : {"", "1", "a"})
+        answer([&] {
+            for (const Vec3& v : parse_mesh(text, name, "mm", nullptr, which).vertices) require(v.allFinite());
+        });
+}
+
 void centreline(Bytes bytes)
 {
     answer([&] {

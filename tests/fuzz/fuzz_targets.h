@@ -16,6 +16,7 @@ void obj(Bytes bytes);
 void ply(Bytes bytes);
 void vtp(Bytes bytes);
 void vtk(Bytes bytes);
+void label(Bytes bytes);
 void centreline(Bytes bytes);
 void pipeline(Bytes bytes);
 void pipeline_raw(Bytes bytes);

@@ -3,6 +3,7 @@
 harm over them (tests/fuzz/seeds_open.py reads them with VTK). Every encoding that a reader knows, once; scenes are the
 project's own, and their words DIR/scene.dict. What the engine's own writers make is fuzz_seeds.cpp's."""
 import base64
+import gzip
 import math
 import pathlib
 import re
@@ -124,6 +125,22 @@ def raw(points, faces):
     return data + bytes(flat(faces))
 
 
+def labels():
+    """A bar of label 1 with a part beside it, in each format."""
+    cells = [(x, y, z) for z in range(8) for y in range(6) for x in range(5)]
+    voxels = bytes(1 if 1 <= x <= 3 and 1 <= y <= 4 and z < 7 else 2 if (x, y, z) == (0, 5, 7) else 0 for x, y, z in cells)
+    nifti = struct.pack('<i36x8h14xhh', 348, 3, 5, 6, 8, 1, 1, 1, 1, 2, 8) + struct.pack('<2x8f3fhB', 1, 1, 1, 1, 1, 1, 1, 1, 352, 0, 0, 0, 2)
+    nifti = (nifti.ljust(254, b'\0') + struct.pack('<h24x12f', 1, 1, 0, 0, 5, 0, 1, .2, 6, 0, 0, 2, 7)).ljust(344, b'\0') + b'n+1\0\0\0\0\0'
+    nrrd = 'NRRD0004\ndimension: 3\ntype: {}\nspace: RAS\nsizes: 5 6 8\nencoding: {}\nspace directions: (1,0,0) (0,1,0) (0,0,2)\n{}\n'
+    meta = 'NDims = 3\nTransformMatrix = 0 1 0 1 0 0 0 0 1\nOffset = 1 2 3\nElementSpacing = 1 1 2\nDimSize = 5 6 8\n{}ElementDataFile = LOCAL\n'
+    packed, ascii = zlib.compress(voxels), ' '.join(str(v / 2) for v in voxels if v < 3).encode()
+    return {'plain.nii': nifti + voxels, 'packed.nii.gz': gzip.compress(nifti + voxels),
+            'raw.nrrd': nrrd.format('uint8', 'raw', 'Segment0_Name:=a\nSegment0_LabelValue:=1\n').encode() + voxels,
+            'packed.nrrd': nrrd.format('uint8', 'gzip', 'space origin: (1,2,3)\n').encode() + gzip.compress(voxels),
+            'text.nrrd': nrrd.format('float', 'ascii', '').encode() + ascii, 'raw.mha': meta.format('ElementType = MET_UCHAR\n').encode() + voxels,
+            'packed.mha': meta.format(f'ElementType = MET_UCHAR\nCompressedData = True\nCompressedDataSize = {len(packed)}\n').encode() + packed}
+
+
 def scenes():
     """Each scene of the project, with its mesh and what it includes by the names that the target has; then a sweep of each key."""
     root = pathlib.Path(__file__).resolve().parents[2]
@@ -170,7 +187,7 @@ def pages():
 
 
 def main():
-    names = ('stl', 'obj', 'ply', 'vtp', 'vtk', 'centreline', 'pipeline', 'pipeline_raw', 'scene', 'sweep', 'web')
+    names = ('stl', 'obj', 'ply', 'vtp', 'vtk', 'label', 'centreline', 'pipeline', 'pipeline_raw', 'scene', 'sweep', 'web')
     seeds = {name: {} for name in names}
     for label, mesh in (('tetrahedron', TETRAHEDRON), ('tube', tube(5, 3))):
         seeds['stl'][label] = stl(*mesh)
@@ -200,7 +217,7 @@ def main():
     seeds['scene'] = {name: text.encode() for name, text in texts.items()}
     seeds['scene']['layers'] = PART.format(next(iter(texts.values()))).encode()
     seeds['sweep'] = {'all': SWEEP.encode()}
-    seeds['web'] = pages()
+    seeds['web'], seeds['label'] = pages(), labels()
     for target, files in seeds.items():
         folder = pathlib.Path(sys.argv[1]) / target
         folder.mkdir(parents=True, exist_ok=True)
