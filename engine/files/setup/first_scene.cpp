@@ -305,8 +305,14 @@ std::string first_scene_text(const FirstScene& first)
     const double length = 0.01 * std::ceil(100 * (advance + 0.05));
     std::error_code ignored;
     const auto folder = std::filesystem::weakly_canonical(std::filesystem::absolute(first.file), ignored).parent_path();
-    const auto mesh = std::filesystem::weakly_canonical(std::filesystem::absolute(first.mesh), ignored);
-    const std::string path = mesh.lexically_proximate(folder).generic_string();
+    const auto path_of = [&](const std::filesystem::path& file) {
+        const auto whole = std::filesystem::weakly_canonical(std::filesystem::absolute(file), ignored);
+        return toml_quoted(whole.lexically_proximate(folder).generic_string());
+    };
+    std::string centreline;
+    if (!first.centreline.empty()) centreline = "centreline = " + path_of(first.centreline) + "\n";
+    if (!first.centreline_units.empty()) centreline += fmt::format("centreline_units = \"{}\"\n", first.centreline_units);
+    if (!first.centreline_space.empty()) centreline += fmt::format("centreline_space = \"{}\"\n", first.centreline_space);
     std::string text = fmt::format("# {}: a first scene, as `seldinger init` proposes it. Every key: docs/scene-file.md.\n\n",
                                    one_line(first.mesh.filename().string()));
     const auto list = [](const Vec3& v) {
@@ -317,9 +323,9 @@ std::string first_scene_text(const FirstScene& first)
         "dt_s = 0.001\n\n",
         toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
     text += fmt::format(
-        "[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
+        "[vessel]\nmesh = {}\nunits = \"{}\"  # {}\n{}wall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
         "it yields, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
-        toml_quoted(path), first.unit, first.unit_why);
+        path_of(first.mesh), first.unit, first.unit_why, centreline);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
                         first.wire.why, first.wire.name, length);
