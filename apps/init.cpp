@@ -1,5 +1,5 @@
-// seldinger init MESH [-o scene.toml] [--units mm] [--inlet N] [--instrument NAME] [--overwrite]: a first scene for the user's
-// own mesh, and a picture of its inlets.
+// seldinger init MESH [-o scene.toml] [--units mm] [--centreline FILE] [--inlet N] [--instrument NAME] [--overwrite]: a first scene
+// for the user's own mesh, and a picture of its inlets.
 
 #include "command_line.h"
 #include "commands.h"
@@ -7,6 +7,7 @@
 #include "core/printable.h"
 #include "io/file_remarks.h"
 #include "io/label_map.h"
+#include "mesh_options.h"
 #include "run/ready.h"
 #include "scene/scene.h"
 #include "setup/access.h"
@@ -31,7 +32,8 @@ namespace fs = std::filesystem;
 
 struct InitArguments {
     fs::path mesh, scene;
-    std::string units, instrument, label;
+    MeshOptions given;
+    std::string instrument;
     int inlet = 0;  // 0: chosen
     bool overwrite = false;
 };
@@ -71,24 +73,27 @@ LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
 {
     LoadedVessel vessel;
     const FileRemarks remarks = remarks_of_file(options.mesh);
-    const std::string said = remarks.units, asked = options.units.empty() ? said : options.units;
-    const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel, asked, options.label);
-    const UnitGuess unit =
-        asked.empty() ? guesses.front() : *std::ranges::find(guesses, asked, &UnitGuess::unit);
+    const std::string said = remarks.units, asked = options.given.units.empty() ? said : options.given.units;
+    const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel, asked, options.given.label);
+    const UnitGuess unit = asked.empty() ? guesses.front() : *std::ranges::find(guesses, asked, &UnitGuess::unit);
+    if (options.given.has_centreline()) vessel = options.given.load(options.mesh, unit.unit);
     first.unit = unit.unit;
-    first.label = options.label;
+    first.label = options.given.label;
+    first.centreline = options.given.centreline;
+    first.centreline_units = options.given.centreline_units;
+    first.centreline_space = options.given.centreline_space;
     first.unit_why = describe_unit(guesses, unit,
-                                   !options.units.empty() ? "given"
+                                   !options.given.units.empty() ? "given"
                                    : remarks.by_format    ? "as label maps are read"
                                    : !said.empty()        ? "said by the file's header"
                                                           : "guessed from its size");
-    if (options.units.empty() && !unit.plausible)
+    if (options.given.units.empty() && !unit.plausible)
         throw Error(
             ErrorKind::BadScene,
             fmt::format("{}: got units \"{}\", {}; expected a lumen of 0.3 to 20 mm radius along most of its axis. Fix: say "
                         "with --units which unit it has",
                         options.mesh.string(), unit.unit, first.unit_why));
-    if (const std::string why = describe_no_vessel(vessel); !why.empty() && options.units.empty())
+    if (const std::string why = describe_no_vessel(vessel); !why.empty() && options.given.units.empty())
         throw Error(
             ErrorKind::BadFile,
             fmt::format("{}: is no vessel: {}. Fix: give the surface of a lumen, cut where the vessel ends; --units takes "
@@ -201,10 +206,7 @@ void add_init(CommandLine& app, Command& chosen)
     command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP, VTK) or label map (NIfTI, NRRD, MetaImage)")
         ->required();
     command->add_option("-o", options->scene, "the scene to write (default: <mesh>.toml here)")->type_name("SCENE.toml");
-    command->add_option("--units", options->units, "of the mesh: m, cm, mm, um, in (default: guessed from its size)")
-        ->check(one_of({"m", "cm", "mm", "um", "in"}));
-    command->add_option("--label", options->label, "of a label map: number or name of the vessel's (default: the only one)")
-        ->type_name("LABEL");
+    options->given.add_to(*command, "of the mesh: m, cm, mm, um, in (default: guessed from its size)");
     command->add_option("--inlet", options->inlet, "number of an inlet of the list (default: chosen, with the reason)")
         ->type_name("N")
         ->check(in_range(1, 1000));

@@ -1,5 +1,5 @@
-// seldinger vessel MESH --units mm | SCENE.toml [--json] [--subdivide N] [-o DIR]: what import finds and mends, and the mesh as
-// the engine sees it.
+// seldinger vessel MESH --units mm [--centreline FILE] | SCENE.toml [--json] [--subdivide N] [-o DIR]: what import finds and
+// mends, and the mesh as the engine sees it.
 
 #include "command_line.h"
 #include "commands.h"
@@ -8,6 +8,7 @@
 #include "io/file_remarks.h"
 #include "io/json_text.h"
 #include "io/mesh_file.h"
+#include "mesh_options.h"
 #include "repair/repair.h"
 #include "scene/scene.h"
 #include "setup/vessel_load.h"
@@ -27,28 +28,27 @@ using Json = nlohmann::ordered_json;
 
 struct VesselArguments {
     std::filesystem::path input, dir;
-    std::string units, label;
+    MeshOptions mesh;
     bool json = false;
     int subdivide = 0;
 };
 
-VesselSpec spec_of(const VesselArguments& options)
+/// @param unit  out
+LoadedVessel load(const VesselArguments& options, std::string& unit)
 {
     if (options.input.extension() == ".toml") {
-        if (!options.units.empty()) throw Error(ErrorKind::BadScene, "--units: a scene states its own; take it out");
-        if (!options.label.empty()) throw Error(ErrorKind::BadScene, "--label: a scene states its own; take it out");
+        if (const std::string given = options.mesh.first_given(); !given.empty())
+            throw Error(ErrorKind::BadScene, given + ": a scene states its own; take it out");
         const Scene scene = read_scene(options.input);
         if (scene.vessel.shape == VesselShape::None)
             throw Error(ErrorKind::BadScene, fmt::format("{}: vessel: the scene has no [vessel]", options.input.string()));
-        return scene.vessel;
+        unit = scene.vessel.units;
+        return load_vessel(scene.vessel);
     }
-    VesselSpec spec;
-    spec.shape = VesselShape::Mesh;
-    spec.mesh = std::filesystem::absolute(options.input);
-    if (const std::string said = remarks_of_file(options.input).units; !said.empty()) spec.units = said;
-    if (!options.units.empty()) spec.units = options.units;
-    spec.label_name = options.label;
-    return spec;
+    unit = options.mesh.units;
+    if (unit.empty()) unit = remarks_of_file(options.input).units;
+    if (unit.empty()) unit = VesselSpec{}.units;
+    return options.mesh.load(options.input, unit);
 }
 
 Json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -152,8 +152,8 @@ void write_files(const LoadedVessel& vessel, const std::string& units, const std
 
 ErrorKind inspect(const VesselArguments& options)
 {
-    const VesselSpec spec = spec_of(options);
-    LoadedVessel vessel = load_vessel(spec);
+    std::string unit;
+    LoadedVessel vessel = load(options, unit);
     if (options.subdivide > 0) {
         const long read = vessel.report.triangles_read;
         for (int round = 0; round < options.subdivide; ++round) vessel.mesh = subdivide_loop(vessel.mesh);
@@ -162,14 +162,14 @@ ErrorKind inspect(const VesselArguments& options)
     }
     Json report = report_of(vessel);
     if (!options.dir.empty()) {
-        write_files(vessel, spec.units, options.dir);
-        report["files_unit"] = spec.units;
+        write_files(vessel, unit, options.dir);
+        report["files_unit"] = unit;
     }
     std::string text = options.json ? json_text(report, 2) + "\n"
                                     : for_people(report, printable(options.input.string()));
     if (!options.json && !options.dir.empty())
         text += fmt::format("  {}: vessel.stl, vessel.vtp{} (in {})\n", options.dir.string(),
-                            vessel.centreline.empty() ? "" : ", centreline.vtp", spec.units);
+                            vessel.centreline.empty() ? "" : ", centreline.vtp", unit);
     print(text);
     return ErrorKind::None;
 }
@@ -185,11 +185,7 @@ void add_vessel(CommandLine& app, Command& chosen)
                      "mesh (STL, OBJ, PLY, VTP, VTK), label map (NIfTI, NRRD, MetaImage) or scene file (TOML)")
         ->type_name("MESH|SCENE.toml")
         ->required();
-    vessel
-        ->add_option("--units", options->units, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)")
-        ->check(one_of({"m", "cm", "mm", "um", "in"}));
-    vessel->add_option("--label", options->label, "of a label map: number or name of the vessel's (default: the only one)")
-        ->type_name("LABEL");
+    options->mesh.add_to(*vessel, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)");
     vessel->add_flag("--json", options->json, "print one JSON object");
     vessel->add_option("-o", options->dir, "folder for the cleaned mesh and the centreline")->type_name("DIR");
     vessel

@@ -52,6 +52,48 @@ TEST_SUITE("apps/vessel")
         CHECK(fs::exists(folder.path / "V/centreline.vtp"));
     }
 
+    TEST_CASE("property: a centreline's file is taken with its unit and axes, by vessel and init as by a scene's keys")
+    {
+        const ScratchFolder folder;
+        std::string scene = tube_scene();
+        folder.write("t.toml", scene);
+        REQUIRE(run_app(folder, "vessel t.toml -o V").code == 0);
+        const std::string line = slurp(folder.path / "V/centreline.vtp");
+        REQUIRE(run_app(folder, "vessel V/vessel.stl --units m -o M --centreline V/centreline.vtp").code == 3);
+        const AppResult same = run_app(folder, "vessel V/vessel.stl --centreline V/centreline.vtp");
+        REQUIRE(same.code == 0);
+        CHECK(same.out.find("centreline 0.1000 m long") != std::string::npos);
+        // the mesh in millimetres, the line in centimetres with x and y turned round
+        REQUIRE(run_app(folder, "vessel V/vessel.stl --units cm -o C").code == 0);
+        const AppResult other =
+            run_app(folder, "vessel C/vessel.stl --units cm --centreline V/centreline.vtp --centreline-units cm");
+        CHECK(other.code == 0);
+        const AppResult refused = run_app(folder, "vessel V/vessel.stl --centreline V/centreline.vtp --centreline-units m");
+        CHECK(refused.code == 3);
+        CHECK(refused.err.find("Fix: --centreline-units \"mm\"") != std::string::npos);
+        CHECK(refused.err.find("vessel.centreline") == std::string::npos);
+        for (const char* command : {"vessel", "init"}) {
+            CAPTURE(command);
+            const AppResult lone = run_app(folder, fmt::format("{} V/vessel.stl --centreline-space RAS", command));
+            CHECK(lone.code == 2);
+            CHECK(lone.err.find("Fix: give --centreline FILE") != std::string::npos);
+            const std::string wrong = " V/vessel.stl --centreline V/centreline.vtp --centreline-space XYZ";
+            CHECK(run_app(folder, command + wrong).code == 2);
+        }
+        const AppResult made = run_app(folder, "init V/vessel.stl -o s.toml --centreline V/centreline.vtp --centreline-units mm "
+                                               "--centreline-space LPS");
+        CAPTURE(made.err);
+        REQUIRE(made.code == 0);
+        const std::string text = slurp(folder.path / "s.toml");
+        for (const char* key :
+             {"centreline = \"V/centreline.vtp\"", "centreline_units = \"mm\"", "centreline_space = \"LPS\""})
+            CHECK(text.find(key) != std::string::npos);
+        CHECK(run_app(folder, "check s.toml").code == 0);
+        const AppResult twice = run_app(folder, "vessel t.toml --centreline V/centreline.vtp");
+        CHECK(twice.code == 2);
+        CHECK(twice.err.find("--centreline: a scene states its own") != std::string::npos);
+    }
+
     TEST_CASE("property: inlet = auto enters through an opening, and the run goes into the tube")
     {
         const ScratchFolder folder;

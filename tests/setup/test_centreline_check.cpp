@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "io/mesh_file.h"
+#include "setup/centreline_check.h"
 #include "setup/vessel_load.h"
 #include "shapes/swept_lumen.h"
 #include "support/temporary_folder.h"
@@ -165,8 +166,41 @@ TEST_SUITE("setup/centreline_check")
         fork.write(bent, "mm");
         const LoadedVessel vessel = load_vessel(fork.spec);
         CHECK(std::any_of(vessel.report.notes.begin(), vessel.report.notes.end(), [](const std::string& note) {
-            return has(note, "points of line.vtp do not fit the mesh, the first near [60");
+            return has(note, "1 point of line.vtp does not fit the mesh, the first near [60");
         }));
+    }
+
+    TEST_CASE("property: points of a found centreline outside of the lumen, or beyond an opening, are named with their place")
+    {
+        const Fork fork;
+        const auto said_of = [&](const std::vector<Vec3>& phantom) {
+            VesselSpec found = fork.spec;
+            found.centreline.clear();
+            LoadedVessel vessel = load_vessel(found);
+            vessel.report.notes.clear();
+            int parent = vessel.centreline.main_path()[8];
+            for (const Vec3& p : phantom) {
+                vessel.centreline.points.push_back(p);
+                vessel.centreline.radius.push_back(1e-3);
+                vessel.centreline.parent.push_back(parent);
+                parent = static_cast<int>(vessel.centreline.points.size()) - 1;
+            }
+            check_found_centreline(vessel);
+            std::string all;
+            for (const std::string& note : vessel.report.notes) all += note + "\n";
+            return all;
+        };
+        CHECK(said_of({}).empty());
+        // through the side of the trunk into the air
+        const std::string aside = said_of({{0.06, 0.03, -0.04}, {0.06, 0.04, -0.04}, {0.06, 0.05, -0.04}});
+        CHECK(has(aside, "3 points of the centreline do not fit the mesh, the first near [60.00, 30.00, -40.00] mm"));
+        CHECK(has(aside, "outside of the lumen"));
+        // out through the trunk's opening at z = -72 mm, where a given line may go on
+        const std::string beyond = said_of({{0.06, 0.02, -0.071}, {0.06, 0.02, -0.08}, {0.06, 0.02, -0.1}});
+        CHECK(has(beyond, "2 points of the centreline do not fit the mesh, the first near [60.00, 20.00, -80.00] mm"));
+        const std::string wide = said_of({{0.06, 0.0248, -0.04}, {0.06, 0.0248, -0.0385}, {0.06, 0.0248, -0.037}});
+        CHECK(has(wide, "2 points of the centreline do not fit the mesh, the first near [60.00, 24.80, -40.00] mm: it has a "
+                        "radius of 1 mm"));
     }
 
     TEST_CASE("property: openings that a given centreline does not reach are counted, with their places")

@@ -171,6 +171,31 @@ TEST_SUITE("step/driven hub")
         }
     }
 
+    // On the edge between two facets at the bottom of a tube of n, each presses W/(2 cos(pi/n)): friction holds as much longer.
+    // With 20 facets that is 1.2 %, slip at 0.758 s and 10 % less way at 1 s than on a smooth floor.
+    TEST_CASE("analytic: in a generated tube a wire lies on an edge, which presses by 1/cos(pi/n) of its weight")
+    {
+        TestSetup setup = on_the_floor(false, 0, 0.45e-3);
+        VesselSpec spec;
+        spec.shape = VesselShape::Tube;
+        spec.radius = 3e-3;
+        spec.length = 0.5;
+        spec.triangles = 20000;
+        const GeneratedVessel vessel = make_tube(spec);
+        const auto around = std::count_if(vessel.mesh.vertices.begin(), vessel.mesh.vertices.end(),
+                                          [](const Vec3& v) { return std::abs(v.x()) < 1e-9; });
+        REQUIRE(around == 20);
+        add_vessel(setup, vessel, spec);
+        setup.wires[0].wire.place.base = {0.01, 0, 0};
+        FedWorld world(setup);
+        run(world, 740, 1e-3);
+        const double weight = mass_per_length(setup.wires[0].wire) * start * lift, from = world.rod(0).pos(0).x();
+        const double pressed = world.readings(0).normal;
+        CHECK(pressed == about(weight / std::cos(std::numbers::pi / 20)).epsilon(1e-4));
+        run(world, 260, 1e-3);
+        CHECK(world.rod(0).pos(0).x() - from == about(by_the_laws(0, false, pressed, 1.0)).epsilon(0.02));
+    }
+
     // nothing answers until half an edge is inside: x_n = h^2 F/m n (n + 1)/2
     TEST_CASE("analytic: from rest outside, a hub is driven as a mass alone until the wire is inside, and on")
     {

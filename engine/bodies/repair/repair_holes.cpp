@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace seldinger::repair_steps {
 namespace {
@@ -33,8 +34,13 @@ const char* hole_by(const BoundaryLoop& loop, double facing, double lumen_radius
     return facing > 0.6 && loop.radius < 0.5 * lumen_radius ? "flat in the wall, below half of the lumen's radius" : nullptr;
 }
 
-/// Fills the loop with the triangles of least total area [Barequet & Sharir 1995, doi:10.1016/0167-8396(94)00011-G].
-void fill(WallMesh& mesh, const std::vector<std::int32_t>& loop)
+using Edge = std::pair<std::int32_t, std::int32_t>;
+Edge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Fills the loop with the triangles of least total area [Barequet & Sharir 1995, doi:10.1016/0167-8396(94)00011-G]; with a fan
+/// round its middle where these would give an edge a third triangle, as beside other holes of a ragged rim.
+/// @param taken  edges between vertices of loops; the new ones are added
+void fill(WallMesh& mesh, const std::vector<std::int32_t>& loop, const Vec3& middle, std::set<Edge>& taken)
 {
     const std::size_t n = loop.size();
     auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(loop[i])]; };
@@ -54,16 +60,29 @@ void fill(WallMesh& mesh, const std::vector<std::int32_t>& loop)
             }
             cost[i * n + j] = best;
         }
+    std::vector<std::array<std::int32_t, 3>> filling;
+    std::set<Edge> diagonals;
+    bool fits = true;
     std::vector<std::pair<std::size_t, std::size_t>> todo = {{0, n - 1}};
     while (!todo.empty()) {
         const auto [i, j] = todo.back();
         todo.pop_back();
         if (j - i < 2) continue;
+        if (j - i + 1 < n) fits = fits && !taken.contains(edge_of(loop[i], loop[j])), diagonals.insert(edge_of(loop[i], loop[j]));
         const std::size_t k = apex[i * n + j];
-        mesh.triangles.push_back({loop[j], loop[k], loop[i]});  // against the loop, as a neighbour must run
+        filling.push_back({loop[j], loop[k], loop[i]});  // against the loop, as a neighbour must run
         todo.push_back({i, k});
         todo.push_back({k, j});
     }
+    if (fits) {
+        taken.merge(diagonals);
+    } else {
+        filling.clear();
+        for (std::size_t i = 0; i < n; ++i)
+            filling.push_back({loop[(i + 1) % n], loop[i], static_cast<std::int32_t>(mesh.vertices.size())});
+        mesh.vertices.push_back(middle);
+    }
+    mesh.triangles.insert(mesh.triangles.end(), filling.begin(), filling.end());
 }
 
 }  // namespace
@@ -79,6 +98,13 @@ void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     for (std::size_t k = 0; k < edges.count(); ++k)
         if (edges.uses(k).size() == 1)
             along[static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0]))] = edges.uses(k)[0] / 3;
+
+    std::set<Edge> taken;
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        const std::int32_t h = edges.uses(k)[0], from = half_edge_from(mesh, h), to = half_edge_to(mesh, h);
+        if (along[static_cast<std::size_t>(from)] >= 0 && along[static_cast<std::size_t>(to)] >= 0)
+            taken.insert(edge_of(from, to));
+    }
 
     // a hole of 200 corners takes 1.3 million steps
     std::string places;
@@ -96,7 +122,7 @@ void close_holes(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
         const char* rule = hole_by(loop, facing, 2 * std::abs(part.volume) / part.area);
         if (!rule) continue;
         work.spend(std::pow(static_cast<double>(chain.size()), 3) / 6);
-        fill(mesh, chain);
+        fill(mesh, chain, loop.centre, taken);
         if (++report.hole_loops_closed <= most_named) {
             const Vec3& at = loop.centre;
             places += fmt::format("{}at [{:.4g}, {:.4g}, {:.4g}] m, radius {:.3g} mm ({})", places.empty() ? "" : "; ", at.x(),

@@ -19,7 +19,7 @@ constexpr double far = std::numeric_limits<double>::infinity();
 constexpr double least_sheet = 0.36;   // V/(A t) of a sheet of the thickness t is 1/2, of a round tube 1/4, of a ball 1/6
 // difference of enclosure across a wall: half turns of view in a tube, hardly any across a lumen
 constexpr double least_side = 0.15;
-constexpr double least_inner = 0.2, least_sided = 0.7;  // shares of the surface that are inner, and that are inner or outer
+constexpr double least_inner = 0.2, least_sided = 0.6;  // shares of the surface that are inner, and that are inner or outer
 constexpr double least_enclosed = 0.65;  // median of the inner side: 0.74 in the middle of a tube two diameters long
 constexpr double least_width = 1.25;     // of the lumen, in thicknesses: two lumens with a flap are the other way round
 constexpr double rough = 20;  // [degrees] median turn at an edge: of noise, and not of coarse facets, which turn at every second
@@ -57,33 +57,62 @@ double roughness(const WallMesh& mesh, const MeshEdges& edges)
     return std::acos(std::clamp(-median(std::move(turns)), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// Takes values at vertices a share of the way to the mean of their neighbours.
+/// Takes values at vertices a share of the way to the mean of their neighbours. @param weight  of each edge; empty: all alike
 template <class T>
-void average(std::vector<T>& values, const WallMesh& mesh, const MeshEdges& edges, const T& zero, double share)
+void average(std::vector<T>& values, const WallMesh& mesh, const MeshEdges& edges, const T& zero, double share,
+             const std::vector<double>& weight = {})
 {
     std::vector<T> sum(values.size(), zero);
     std::vector<double> count(values.size(), 0);
     for (std::size_t k = 0; k < edges.count(); ++k) {
         const auto a = static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0])),
                    b = static_cast<std::size_t>(half_edge_to(mesh, edges.uses(k)[0]));
-        sum[a] += values[b], sum[b] += values[a];
-        ++count[a], ++count[b];
+        const double w = weight.empty() ? 1 : weight[k];
+        sum[a] += w * values[b], sum[b] += w * values[a];
+        count[a] += w, count[b] += w;
     }
     for (std::size_t v = 0; v < values.size(); ++v)
         if (count[v] > 0) values[v] = (1 - share) * values[v] + (share / count[v]) * sum[v];
+}
+
+/// Vector area of the triangles at each vertex, out of the material.
+std::vector<Vec3> areas_of_vertices(const Body& body)
+{
+    std::vector<Vec3> area(body.mesh.vertices.size(), Vec3::Zero());
+    for (std::size_t t = 0; t < body.mesh.triangles.size(); ++t)
+        for (const std::int32_t v : body.mesh.triangles[t])
+            area[static_cast<std::size_t>(v)] += 0.5 * body.facing * double_area(triangle_of(body.mesh, t));
+    return area;
+}
+
+/// Of each edge, one over its length: beside long edges of a mesh that was made coarse, short ones even noise out without moving
+/// the shape [Fujiwara 1995, doi:10.1090/S0002-9939-1995-1231297-4].
+std::vector<double> one_over_length(const WallMesh& mesh, const MeshEdges& edges)
+{
+    std::vector<double> weight(edges.count());
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+        const std::int32_t h = edges.uses(k)[0];
+        const double length = (mesh.vertices[static_cast<std::size_t>(half_edge_to(mesh, h))] -
+                               mesh.vertices[static_cast<std::size_t>(half_edge_from(mesh, h))])
+                                  .norm();
+        weight[k] = 1 / std::max(length, 1e-9);
+    }
+    return weight;
 }
 
 /// Averages noise out and leaves the shape [Taubin 1995, doi:10.1145/218380.218473].
 Body evened(const WallMesh& mesh, const MeshEdges& edges)
 {
     Body body{mesh, 0, 0, 1, {}};
+    const std::vector<double> weight = one_over_length(mesh, edges);
     for (int round = 0; round < most_rounds && roughness(body.mesh, edges) > rough; ++round)
-        for (const double share : {0.5, -0.53}) average(body.mesh.vertices, mesh, edges, Vec3(Vec3::Zero()), share);
+        for (const double share : {0.5, -0.53})
+            average(body.mesh.vertices, mesh, edges, Vec3(Vec3::Zero()), share, weight);
     const std::vector<std::int32_t> one(mesh.triangles.size(), 0);
-    const MeshComponent whole = std::move(measure_components(body.mesh, edges, one)[0]);
-    body.volume = std::abs(whole.volume);
-    body.area = whole.area;
-    body.facing = whole.volume > 0 ? 1 : -1;
+    const double volume = measure_components(body.mesh, edges, one)[0].volume;
+    body.volume = std::abs(volume);
+    body.facing = volume > 0 ? 1 : -1;
+    for (const Vec3& area : areas_of_vertices(body)) body.area += area.norm() / 3;  // folds of noise have none
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         body.cumulated.push_back((t ? body.cumulated.back() : 0) + 0.5 * double_area(triangle_of(body.mesh, t)).norm());
     return body;
@@ -182,10 +211,7 @@ bool is_wall(const Body& body, Rays& rays)
 /// Side of each vertex, averaged over its neighbourhood: > 0 inner.
 std::vector<double> sides_of_vertices(const Body& body, const MeshEdges& edges, Rays& rays)
 {
-    std::vector<Vec3> out(body.mesh.vertices.size(), Vec3::Zero());
-    for (std::size_t t = 0; t < body.mesh.triangles.size(); ++t)
-        for (const std::int32_t v : body.mesh.triangles[t])
-            out[static_cast<std::size_t>(v)] += body.facing * double_area(triangle_of(body.mesh, t));
+    const std::vector<Vec3> out = areas_of_vertices(body);
     std::vector<double> side(out.size(), 0), known(out.size(), 0);
     const std::size_t step = 1 + out.size() / most_rays_from;
     for (std::size_t v = 0; v < out.size(); ++v) {

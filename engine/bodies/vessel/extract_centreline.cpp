@@ -60,14 +60,29 @@ public:
             lay_paths();
         }
         if (openings_.empty()) reroot_at_widest_end(tree_, mesh_, lumen_, work_);
+        reach_narrow_branches();
         return std::move(tree_);
     }
     /// Paths side by side in a flat lumen that are no part of the axis.
     [[nodiscard]] int left_out() const { return left_out_; }
 
-    /// One place in each piece of wall without a path that is a tube: branches too fine for their triangles. A tube of length L
-    /// and area A has a radius of A/(2 pi L) and faces its own middle; creases, folds and flaps do not.
+    /// A place in each branch without a path.
     [[nodiscard]] std::vector<Vec3> unreached() const
+    {
+        std::vector<Vec3> places;
+        for (const MissedTube& tube : missed_tubes()) places.push_back(graph_.wall[tube.farthest]);
+        return places;
+    }
+
+private:
+    struct MissedTube {
+        std::size_t farthest;  // sample
+        double radius;         // [m]
+    };
+
+    /// Pieces of wall without a path that are tubes: branches whose triangles are too coarse for a chain of overlapping balls. A
+    /// tube of length L and area A has a radius of A/(2 pi L) and faces its own middle; creases, folds and flaps do not.
+    [[nodiscard]] std::vector<MissedTube> missed_tubes() const
     {
         std::vector<std::vector<std::size_t>> near(graph_.wall.size());
         for (std::size_t k = 0; k < edges_.count(); ++k) {
@@ -111,7 +126,7 @@ public:
             piece.area += area.norm(), piece.moment += middle.dot(area);
             piece.first += area.norm() * middle, piece.facing += area;
         }
-        std::vector<Vec3> places;
+        std::vector<MissedTube> tubes;
         for (const Piece& piece : pieces) {
             if (piece.samples < kFewest || !(piece.area > 0)) continue;
             const double length = piece.box.diagonal().norm(), radius = piece.area / (2 * std::numbers::pi * length);
@@ -119,12 +134,23 @@ public:
             const double round = inward / (piece.area * radius);
             const bool all_round = piece.facing.norm() < kOneSided * piece.area;
             if (length > kLong * radius && all_round && round > least_round && round < most_round)
-                places.push_back(graph_.wall[piece.farthest]);
+                tubes.push_back({piece.farthest, radius});
         }
-        return places;
+        return tubes;
     }
 
-private:
+    /// A piece may hold several branches, and each path serves one.
+    void reach_narrow_branches()
+    {
+        for (std::size_t before = 0; before != tree_.points.size() && !work_.is_nearly_spent();) {
+            before = tree_.points.size();
+            work_.spend(static_cast<double>(10 * edges_.count()));
+            for (const MissedTube& tube : missed_tubes())
+                if (!served_[tube.farthest] && !work_.is_nearly_spent())
+                    add_branch(graph_.ball_of_sample[tube.farthest], nullptr, tube.radius);
+        }
+    }
+
     void lay_paths()
     {
         tree_ = {};
@@ -136,7 +162,8 @@ private:
             start_at_ = openings_[0].centre;
             // the farthest opening first: its path is the trunk
             std::vector<const BoundaryLoop*> ends;
-            for (std::size_t k = 1; k < openings_.size(); ++k) ends.push_back(&openings_[k]);
+            for (std::size_t k = 1; k < openings_.size(); ++k)
+                if (length_to(ball_at(openings_[k])) >= 0) ends.push_back(&openings_[k]);  // of another part no path leads to it
             std::stable_sort(ends.begin(), ends.end(), [&](const BoundaryLoop* a, const BoundaryLoop* b) {
                 return length_to(ball_at(*a)) > length_to(ball_at(*b));
             });
@@ -152,6 +179,7 @@ private:
     // branches with closed ends from which on sheets are looked for, and paths in them that make a comb
     static constexpr int kComb = 12;
     static constexpr std::size_t kFewest = 8;
+    static constexpr int kLoose = 8;  // balls on the path to an opening: the lumen there is narrow for its triangles
     static constexpr double kLong = 8;     // in radii: a branch of four diameters
     static constexpr double least_round = 0.3, most_round = 3;  // a round tube has 1, a fold 0, a strip round a wide lumen more
     // mean direction of its triangles: a tube's cancel; those of a corner (the rim of a cap) do not
@@ -306,17 +334,20 @@ private:
     }
 
     /// Walks from `tip` towards the root until an older path's core, refines that stretch and adds it unless it is a stub.
-    void add_branch(int tip, const BoundaryLoop* opening)
+    /// @param narrow  radius of a lumen whose balls do not overlap all the way; 0: they do
+    void add_branch(int tip, const BoundaryLoop* opening, double narrow = 0)
     {
         mark_served(tip);
         Polyline raw;
         int join = -1;
         if (opening) raw = {{opening->centre}, {opening->radius}};
+        std::vector<bool> loose(raw.points.size(), false);
         for (int at = tip; at >= 0; at = paths_.towards_root[static_cast<std::size_t>(at)]) {
             join = core_at(graph_.centre[static_cast<std::size_t>(at)]);
             if (join >= 0) break;
             raw.points.push_back(graph_.centre[static_cast<std::size_t>(at)]);
             raw.radius.push_back(graph_.radius[static_cast<std::size_t>(at)]);
+            loose.push_back(!graph_.is_lumen[static_cast<std::size_t>(at)]);
             mark_served(at);
         }
         if (raw.points.empty() || (join < 0 && !tree_.empty())) return;
@@ -331,10 +362,13 @@ private:
             }
             ++branches_, in_sheet_ += sheet;
         }
+        if (opening && std::count(loose.begin(), loose.end(), true) >= kLoose) narrow = opening->radius;
+        if (narrow > 0) keep_widest(raw, loose, narrow);
         if (join >= 0) raw.points.push_back(tree_.points[static_cast<std::size_t>(join)]);
         else if (start_at_) raw.points.push_back(*start_at_);
         std::reverse(raw.points.begin(), raw.points.end());
-        Polyline line = refine(raw.points);
+        Polyline line = refine(raw.points, narrow > 0 ? 2 * narrow : std::numeric_limits<double>::infinity());
+        if (!opening && leaves_the_vessel(line)) return serve(raw);
         serve(line);
         if (!opening) trim_tip(line);
         if (join < 0 && !start_at_) {
@@ -343,6 +377,39 @@ private:
             trim_tip(line);
         }
         append(line, join);
+    }
+
+    /// Goes beyond an opening, as a path along a flap of triangles left over from a cut does.
+    [[nodiscard]] bool leaves_the_vessel(const Polyline& line) const
+    {
+        return std::any_of(line.points.begin(), line.points.end(), [&](const Vec3& p) {
+            const int k = locate(p).opening;
+            if (k < 0) return false;
+            const BoundaryLoop& out = openings_[static_cast<std::size_t>(k)];
+            return (p - out.centre).dot(out.inward) < -0.5 * out.radius;
+        });
+    }
+
+    /// Where the balls of a path are loose, leaves the widest of each four radii, moved to the middle of the lumen: between them
+    /// are balls in corners of the wall, from which a path would go to and fro. Fine trees have many such branches: each brings
+    /// steps of its own.
+    /// @param loose  for each point
+    void keep_widest(Polyline& raw, const std::vector<bool>& loose, double radius)
+    {
+        constexpr int most_branches = 100;
+        constexpr std::size_t most_openings = 500;  // of a soup of triangles each is one
+        if (openings_.size() < most_openings && narrow_branches_++ < most_branches) work_.allow(1e7);
+        std::vector<Vec3> kept;
+        for (std::size_t i = 0, end = 0; i < raw.points.size(); i = end) {
+            std::size_t widest = i;
+            for (end = i + 1; loose[i] && end < loose.size() && loose[end] &&
+                              (raw.points[end] - raw.points[i]).norm() <= 4 * radius;
+                 ++end)
+                if (raw.radius[end] > raw.radius[widest]) widest = end;
+            const Vec3& at = raw.points[widest];
+            kept.push_back(loose[i] ? climb(bring_inside(at, 2 * radius), Vec3::Zero(), 2 * radius) : at);
+        }
+        raw.points = std::move(kept);
     }
 
     /// A path to the wall of a closed end runs through its corner: removes the narrow part beside a larger sphere.
@@ -457,9 +524,11 @@ private:
     }
 
     /// Climbs from the wall across the path while that makes the sphere larger.
-    [[nodiscard]] Vec3 climb(Vec3 p, const Vec3& tangent) const
+    /// @param widest  sphere of a narrow lumen: a larger one lies beyond its opening; one that is as large may grow by half
+    [[nodiscard]] Vec3 climb(Vec3 p, const Vec3& tangent, double widest) const
     {
         TreeHit hit = nearest(p);
+        const double most = std::max(widest, 1.5 * std::sqrt(hit.distance2));
         double step = 0.3;
         for (int i = 0; i < 24 && step > 0.005; ++i) {
             const double distance = std::sqrt(hit.distance2);
@@ -467,7 +536,7 @@ private:
             const Vec3 next = p + step * distance * (away - tangent * tangent.dot(away));
             const TreeHit there = nearest(next);
             // beyond all of the wall spheres grow without end
-            if (there.distance2 > hit.distance2 && box_.contains(next)) {
+            if (there.distance2 > hit.distance2 && there.distance2 < most * most && box_.contains(next)) {
                 p = next;
                 hit = there;
             } else step *= 0.5;
@@ -476,24 +545,25 @@ private:
     }
 
     /// Where triangles are longer than the lumen is wide, smoothing may leave a point in the wall: back in, and to the middle.
-    [[nodiscard]] Vec3 bring_inside(const Vec3& p) const
+    [[nodiscard]] Vec3 bring_inside(const Vec3& p, double widest) const
     {
         const LumenPlace place = locate(p);
         if (place.inside()) return p;
         if (place.opening >= 0) return p;  // an opening's own centre, off its mean plane
         for (double step = finest_; step > 1e-4 * finest_; step *= 0.5)
-            if (const Vec3 in = place.nearest + step * place.normal; locate(in).inside()) return climb(in, Vec3::Zero());
+            if (const Vec3 in = place.nearest + step * place.normal; locate(in).inside()) return climb(in, Vec3::Zero(), widest);
         return p;
     }
 
-    [[nodiscard]] Polyline refine(const std::vector<Vec3>& raw) const
+    [[nodiscard]] Polyline refine(const std::vector<Vec3>& raw, double widest) const
     {
         Polyline line;
         line.points = resample(raw);
         smooth(line.points, 6);
         for (int round = 0; round < 2; ++round) {
             for (std::size_t i = 1; i + 1 < line.points.size(); ++i)
-                line.points[i] = climb(bring_inside(line.points[i]), (line.points[i + 1] - line.points[i - 1]).normalized());
+                line.points[i] = climb(bring_inside(line.points[i], widest),
+                                       (line.points[i + 1] - line.points[i - 1]).normalized(), widest);
             std::vector<Vec3> smoothed = line.points;
             smooth(smoothed, 2);
             // smoothing may cut a corner of a narrow lumen: a point that would lose the middle stays
@@ -501,7 +571,7 @@ private:
                 if (locate(smoothed[i]).signed_distance > 0.7 * radius_at(line.points[i])) line.points[i] = smoothed[i];
         }
         for (Vec3& p : line.points) {
-            p = bring_inside(p);
+            p = bring_inside(p, widest);
             line.radius.push_back(radius_at(p));
         }
         // points set close along the wall go to and fro once they have climbed to the middle
@@ -538,6 +608,7 @@ private:
     MedialPaths paths_;
     std::vector<bool> served_;
     std::vector<std::size_t> first_sample_, samples_;  // of each ball
+    int narrow_branches_ = 0;          // that brought steps of their own
     int branches_ = 0, in_sheet_ = 0, left_out_ = 0;  // with closed ends; of them in a flat lumen that has an axis
     bool leave_sheets_out_ = false;
     mutable std::uint64_t sheet_visits_ = 0;

@@ -2,10 +2,12 @@
 #include "vessel/mesh_edges.h"
 
 #include "core/check.h"
+#include "vessel/triangle_geometry.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
 
 namespace seldinger {
 
@@ -143,13 +145,30 @@ bool go_round(const WallMesh& mesh, const std::vector<std::int32_t>& vertices, c
     return gap < 0.5 * std::numbers::pi;
 }
 
+/// Area vectors of the wall at these vertices: zeros of a loop that is small against the mesh, which may have thousands.
+std::unordered_map<std::int32_t, Vec3> wall_at(const WallMesh& mesh, const std::vector<std::int32_t>& vertices)
+{
+    constexpr std::size_t most_triangles = 2000;  // for each vertex
+    std::unordered_map<std::int32_t, Vec3> wall;
+    for (const std::int32_t v : vertices) wall.emplace(v, Vec3::Zero());
+    if (mesh.triangles.size() > most_triangles * vertices.size()) return wall;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const std::int32_t v : mesh.triangles[t])
+            if (const auto found = wall.find(v); found != wall.end()) found->second += double_area(triangle_of(mesh, t));
+    return wall;
+}
+
 /// The vertices of a rim without those of a flap that stands far out of it: the plane through three of them that most
-/// lie in. Empty where there is no such flap.
+/// lie in, those not counted whose wall lies in that plane, too: a flap's own outline. Empty where there is no such flap.
 std::vector<std::int32_t> without_flap(const WallMesh& mesh, const BoundaryLoop& loop)
 {
     constexpr double thickness = 0.15;  // of the plane, in radii: a cut between triangles is a zigzag
     constexpr double stands_out = 0.75;
+    constexpr std::size_t fewest = 8;
+    constexpr double along_plane = 0.7;  // cosine: the wall at a rim stands on the rim's plane
     const std::size_t count = loop.vertices.size();
+    if (count < fewest) return {};
+    const std::unordered_map<std::int32_t, Vec3> wall = wall_at(mesh, loop.vertices);
     const auto at = [&](std::size_t i) -> const Vec3& {
         return mesh.vertices[static_cast<std::size_t>(loop.vertices[i % count])];
     };
@@ -165,10 +184,12 @@ std::vector<std::int32_t> without_flap(const WallMesh& mesh, const BoundaryLoop&
             double out = 0;
             for (std::size_t v = 0; v < count; ++v) {
                 const double away = std::abs((at(v) - middle).dot(normal));
-                if (away < thickness * loop.radius) in.push_back(loop.vertices[v]);
+                const Vec3& facing = wall.at(loop.vertices[v]);
+                if (away < thickness * loop.radius && std::abs(facing.dot(normal)) <= along_plane * facing.norm())
+                    in.push_back(loop.vertices[v]);
                 out = std::max(out, away);
             }
-            if (in.size() > best.size() && in.size() >= 8 && out > stands_out * loop.radius && go_round(mesh, in, normal))
+            if (in.size() > best.size() && in.size() >= fewest && out > stands_out * loop.radius && go_round(mesh, in, normal))
                 best = std::move(in);
         }
     return best;

@@ -32,7 +32,8 @@ public:
         left_ -= steps;
         if (left_ < 0) refuse();
     }
-    [[nodiscard]] double spent() const { return limit_ - left_; }
+    void allow(double more) { left_ += more; }
+    [[nodiscard]] bool is_nearly_spent() const { return left_ < 0.2 * limit_; }
 
 private:
     [[noreturn]] void refuse() const

@@ -16,17 +16,19 @@ namespace {
 constexpr double facing = 0.7;  // cosine: within 45 degrees of straight into the vessel
 
 /// Whether the wall is near in all directions out of the vessel: in a tube's round or flat end it is 2.2 radii away at most,
-/// straight into the corner; twice that for ends that are not round.
+/// straight into the corner; twice that for ends that are not round. Beside the edge of a flat lumen, which is near in all these
+/// too, the lumen is wide to both sides.
 bool is_closed(const WallTree& tree, const Inlet& end)
 {
     constexpr double reach = 4.5;
     const CrossFrame side = cross_frame(end.direction, end.direction.unitOrthogonal());
+    const auto is_far = [&](const Vec3& way) { return first_hit(tree, end.point, way) > reach * end.radius; };
     for (int k = 0; k < 12; ++k) {
         const double turn = 2 * std::numbers::pi * k / 12;
-        const Vec3 out = -0.6 * end.direction + 0.8 * (std::cos(turn) * side.u + std::sin(turn) * side.v);
-        if (first_hit(tree, end.point, out) > reach * end.radius) return false;
+        const Vec3 aside = std::cos(turn) * side.u + std::sin(turn) * side.v;
+        if (is_far(-0.6 * end.direction + 0.8 * aside) || (is_far(aside) && is_far(-aside))) return false;
     }
-    return first_hit(tree, end.point, -end.direction) <= reach * end.radius;
+    return !is_far(-end.direction);
 }
 
 bool is_near(const Vec3& p, const Inlet& way, double radii) { return (p - way.point).norm() < radii * way.radius; }

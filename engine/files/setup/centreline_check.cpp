@@ -62,8 +62,11 @@ public:
         if (!openings_.empty()) enclosure_.emplace(vessel.mesh, openings_, lumen_);
     }
 
+    /// Where a line may leave the mesh: a given one may go on beyond openings, a found one ends at them.
+    enum class Ends { Beyond, AtOpenings };
+
     /// @param every  looks at each so manyth point
-    [[nodiscard]] Fit measure(const Centreline& line, std::size_t every) const
+    [[nodiscard]] Fit measure(const Centreline& line, std::size_t every, Ends ends = Ends::Beyond) const
     {
         Fit fit;
         std::vector<double> ratios;
@@ -74,7 +77,8 @@ public:
                          r = line.radius[i];
             fit.all += length;
             const LumenPlace at = lumen_.locate(p);
-            if (at.opening >= 0 || is_beside_opening(p)) continue;
+            if (ends == Ends::Beyond ? at.opening >= 0 || is_beside_opening(p) : enclosure_ && enclosure_->is_at_opening(p))
+                continue;
             const bool in = is_in(p, at), near_end = to_end[i] < r;
             const double ratio = std::abs(at.signed_distance) / r;
             if (in && !near_end) ratios.push_back(ratio);
@@ -152,6 +156,16 @@ std::string fix_of(const Cure& cure, const Cure& tried, const std::string& mesh_
     return fmt::format("It fits {}. Fix: {}", words, keys);
 }
 
+std::string count_of(std::size_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+
+void note_points_off(const Fit& fit, const std::string& line, std::vector<std::string>& notes)
+{
+    if (fit.points_off == 0) return;
+    notes.push_back(fmt::format("{} of {} {} not fit the mesh, the first near {}: it {}.",
+                                count_of(fit.points_off, "point", "points"), line, fit.points_off == 1 ? "does" : "do",
+                                place(fit.first), fit.why));
+}
+
 class GivenCentreline {
 public:
     GivenCentreline(const VesselSpec& spec, const LoadedVessel& vessel) : spec_(spec), meter_(vessel)
@@ -215,9 +229,7 @@ private:
             notes.push_back(fmt::format("{} says{}{} in its header, but it fits the mesh as it stands, and is read so.", name,
                                         own_space_.empty() ? "" : " SPACE=" + own_space_,
                                         own_unit_.empty() ? "" : " unit " + own_unit_));
-        if (fit.points_off > 0)
-            notes.push_back(fmt::format("{} points of {} do not fit the mesh, the first near {}: it {}.", fit.points_off, name,
-                                        place(fit.first), fit.why));
+        note_points_off(fit, name, notes);
     }
 
     [[noreturn]] void refuse(const Cure& tried) const
@@ -264,32 +276,25 @@ private:
     std::string own_space_, own_unit_, mesh_space_;
 };
 
-std::string count_of(std::size_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
-
 /// Rims that are no ring: a flap of triangles left over from a cut.
 void note_flaps(LoadedVessel& vessel)
 {
+    constexpr std::size_t most = 4;  // with a sentence of its own
+    std::size_t ragged = 0;
     for (const BoundaryLoop& loop : vessel.report.loops) {
         std::int32_t vertex = 0;
         const double height = rim_height(vessel.mesh, loop, &vertex);
-        if (height < 0.75 * loop.radius) continue;
+        if (height < 0.75 * loop.radius || ++ragged > most) continue;
         vessel.report.notes.push_back(
             fmt::format("The opening near {} has a ragged rim: triangles stand out of it by {:.3g} mm, near {}. Fix: cut the "
                         "vessel there anew.",
                         place(loop.centre), 1e3 * height, place(vessel.mesh.vertices[static_cast<std::size_t>(vertex)])));
     }
+    if (ragged > most) vessel.report.notes.push_back(fmt::format("{} more openings have ragged rims.", ragged - most));
 }
 
-}  // namespace
-
-void read_given_centreline(const VesselSpec& spec, LoadedVessel& vessel)
-{
-    vessel.centreline = GivenCentreline(spec, vessel).read(vessel.report.notes);
-    vessel.report.unreached.clear();
-    note_centreline(vessel);
-}
-
-void note_centreline(LoadedVessel& vessel)
+/// Rims with a flap, openings and branches that the centreline does not reach.
+void note_reach(LoadedVessel& vessel)
 {
     constexpr double reached = 4;  // radii from an opening to the line: a line may stop short of its end
     const Centreline& line = vessel.centreline;
@@ -315,6 +320,23 @@ void note_centreline(LoadedVessel& vessel)
         report.notes.push_back(fmt::format("The centreline does not reach {}: near {}{}.",
                                            count_of(openings, "opening of the mesh", "openings of the mesh"), places,
                                            openings > 8 ? " and others" : ""));
+}
+
+}  // namespace
+
+void read_given_centreline(const VesselSpec& spec, LoadedVessel& vessel)
+{
+    vessel.centreline = GivenCentreline(spec, vessel).read(vessel.report.notes);
+    vessel.report.unreached.clear();
+    note_reach(vessel);
+}
+
+void check_found_centreline(LoadedVessel& vessel)
+{
+    if (!vessel.centreline.empty())
+        note_points_off(FitMeter(vessel).measure(vessel.centreline, 1, FitMeter::Ends::AtOpenings), "the centreline",
+                        vessel.report.notes);
+    note_reach(vessel);
 }
 
 }  // namespace seldinger

@@ -13,8 +13,9 @@ namespace seldinger {
 /// @throws Error BadFile, BadScene
 void read_given_centreline(const VesselSpec& spec, LoadedVessel& vessel);
 
-/// Adds notes: rims with a flap, openings and branches that the centreline does not reach (RepairReport::unreached, which has the
-/// branches already).
-void note_centreline(LoadedVessel& vessel);
+/// The same check of the centreline that was found in `vessel`: notes name its points outside of the lumen. Both add notes of
+/// rims with a flap, openings and branches that the centreline does not reach (RepairReport::unreached, which has the branches of
+/// a found one already).
+void check_found_centreline(LoadedVessel& vessel);
 
 }  // namespace seldinger

@@ -313,10 +313,17 @@ std::string first_scene_text(const FirstScene& first)
     const double length = 0.01 * std::ceil(100 * (advance + 0.05));
     std::error_code ignored;
     const auto folder = std::filesystem::weakly_canonical(std::filesystem::absolute(first.file), ignored).parent_path();
-    const auto mesh = std::filesystem::weakly_canonical(std::filesystem::absolute(first.mesh), ignored);
-    const std::string path = mesh.lexically_proximate(folder).generic_string();
+    const auto path_of = [&](const std::filesystem::path& file) {
+        const auto whole = std::filesystem::weakly_canonical(std::filesystem::absolute(file), ignored);
+        return toml_quoted(whole.lexically_proximate(folder).generic_string());
+    };
+    std::string centreline;
+    if (!first.centreline.empty()) centreline = "centreline = " + path_of(first.centreline) + "\n";
+    if (!first.centreline_units.empty()) centreline += fmt::format("centreline_units = \"{}\"\n", first.centreline_units);
+    if (!first.centreline_space.empty()) centreline += fmt::format("centreline_space = \"{}\"\n", first.centreline_space);
     const bool digits = first.label.find_first_not_of("0123456789") == std::string::npos;
-    const std::string label = digits ? first.label : toml_quoted(first.label);
+    const std::string label =
+        first.label.empty() ? "" : fmt::format("label = {}\n", digits ? first.label : toml_quoted(first.label));
     std::string text = fmt::format("# {}: a first scene, as `seldinger init` proposes it. Every key: docs/scene-file.md.\n\n",
                                    one_line(first.mesh.filename().string()));
     const auto list = [](const Vec3& v) {
@@ -327,9 +334,9 @@ std::string first_scene_text(const FirstScene& first)
         "dt_s = 0.001\n\n",
         toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
     text += fmt::format(
-        "[vessel]\nmesh = {}\n{}units = \"{}\"  # {}\nwall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
+        "[vessel]\nmesh = {}\n{}units = \"{}\"  # {}\n{}wall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
         "it yields, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
-        toml_quoted(path), first.label.empty() ? "" : fmt::format("label = {}\n", label), first.unit, first.unit_why);
+        path_of(first.mesh), label, first.unit, first.unit_why, centreline);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
                         first.wire.why, first.wire.name, length);

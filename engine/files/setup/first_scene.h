@@ -59,6 +59,8 @@ struct WireChoice {
 struct FirstScene {
     std::filesystem::path mesh, file;  // file: where the text is to be saved
     std::string unit, unit_why, label;
+    std::filesystem::path centreline;                // empty: found from the mesh
+    std::string centreline_units, centreline_space;  // empty: as vessel.centreline_units, ..._space left out
     Vec3 head = Vec3::UnitZ(), back = Vec3::UnitY();  // the patient's directions
     std::string axes_why;
     std::vector<Inlet> inlets;

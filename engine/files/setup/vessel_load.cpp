@@ -86,7 +86,7 @@ LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
         if (facts.rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(facts.rounding));
         if (spec.centreline.empty()) {
             vessel.centreline = found_centreline(vessel);
-            note_centreline(vessel);
+            check_found_centreline(vessel);
         }
     } catch (const Error& error) {
         throw Error(error.kind(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
