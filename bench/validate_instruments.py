@@ -10,7 +10,7 @@ dupont     Dupont's pair: curvature 10/m each, nu 0.3: angle at the tip for angl
 crossing   two clamped wires, and two cantilevers, pressed across each other: force, deflection (extensible elastica)
 support    a wire on two fixed wires, pressed down in its middle: deflection, force on each
 
-Expected values and tolerances are those of reference/15_coaxial.json and 16_rod_rod.json; Dupont's angles are repeated here. error is relative for forces and
+Expected values are those of tests/coaxial/references.json, which the tests read too, and of 16_rod_rod.json of the reference folder. error is relative for forces and
 deflections, of the length for tips, in degrees for angles.
 """
 import json
@@ -23,7 +23,7 @@ import numpy as np
 
 import runner
 
-DUPONT = {0.060: [(45, 36.733), (90, 76.851), (150, 142.002)], 0.120: [(45, 21.973), (90, 47.120), (150, 99.931)]}
+COAXIAL = json.loads((runner.ROOT / "tests/coaxial/references.json").read_text())
 STIFF = 1e3  # of what hardly twists, over what bends
 
 
@@ -94,18 +94,13 @@ def touching(*parts):
 # ---- cases --------------------------------------------------------------------------------------------------------------------
 
 
-def rows_overlap(case, runs, nodes, tolerance):
-    inputs = case["inputs"]
-    for deployment in inputs["deployments"]:
-        inserted = deployment["inserted"]
-        for alpha in inputs.get("alpha_deg", [0.0]):
-            expected = next(row for row in case["expected"]["table"]
-                            if row["inserted [outer, inner]"] == inserted and row.get("alpha_deg", 0.0) == alpha)
-            text = coaxial(inputs["instruments"], inserted, math.radians(alpha), (STIFF, STIFF), nodes)
-            run = runs("overlap", text)
-            name = f'{case["id"].split("/")[1]} {inserted[0]}/{inserted[1]}' + (f" {alpha:g} deg" if alpha else "")
-            for who in ("outer", "inner"):
-                yield name, f"tip of {who}", run, expected[f"tip_{who}"], lambda r, w=who: plane(r.nodes(w)[0]), max(inserted), tolerance
+def rows_overlap(name, runs, nodes, tolerance):
+    for row in COAXIAL[name]["rows"]:
+        inserted, alpha = row["inserted"], row.get("alpha_deg", 0.0)
+        run = runs("overlap", coaxial(COAXIAL[name]["instruments"], inserted, math.radians(alpha), (STIFF, STIFF), nodes))
+        case = f"{name} {inserted[0]}/{inserted[1]}" + (f" {alpha:g} deg" if alpha else "")
+        for who in ("outer", "inner"):
+            yield case, f"tip of {who}", run, row[f"tip_{who}"], lambda r, w=who: plane(r.nodes(w)[0]), max(inserted), tolerance
 
 
 def plane(point):
@@ -132,25 +127,24 @@ def find_axes(runs):
     SIGN = math.copysign(1.0, tip[1] if FIRST == "y" else tip[2])
 
 
-def rows_torsion(case, runs, nodes, tolerance):
-    i = case["inputs"]
-    outer = [[i["L"], i["B1"], i["kappa1"]], [i["L0"] + 0.1, i["B1"], 0.0]]
-    inner = [[i["L_inner_beyond"] + i["L"], i["B2"], i["kappa2"]], [i["L0"] + 0.1, i["B2"], 0.0]]
-    inserted = [i["L"] + i["L0"], i["L"] + i["L0"] + i["L_inner_beyond"]]
-    for expected in case["expected"]["table"]:
-        text = coaxial([outer, inner], inserted, math.radians(expected["alpha_deg"]), (i["C1"] / i["B1"], i["C2"] / i["B2"]), nodes, case["expected"]["snaps"])
-        run = runs("torsion", text)
-        name = f'{case["id"].split("/")[1]} {expected["alpha_deg"]:g} deg'
-        yield name, "tip of outer", run, expected["tip_outer"], lambda r: plane(r.nodes("outer")[0]), max(inserted), tolerance
-        yield name, "tip of inner", run, expected["tip_inner"], lambda r: plane(r.nodes("inner")[0]), max(inserted), tolerance
+def rows_torsion(name, runs, nodes, tolerance):
+    of, i = COAXIAL[name], COAXIAL["torsion"]
+    outer = [[of["curved"], i["B1"], i["kappa1"]], [of["straight"] + 0.1, i["B1"], 0.0]]
+    inner = [[of["beyond"] + of["curved"], i["B2"], i["kappa2"]], [of["straight"] + 0.1, i["B2"], 0.0]]
+    inserted = [of["curved"] + of["straight"], of["curved"] + of["straight"] + of["beyond"]]
+    for row in of["rows"]:
+        run = runs("torsion", coaxial([outer, inner], inserted, math.radians(row["alpha_deg"]), (i["C1"] / i["B1"], i["C2"] / i["B2"]), nodes, of["snaps"]))
+        for who in ("outer", "inner"):
+            yield (f"{name} {row['alpha_deg']:g} deg", f"tip of {who}", run, row[f"tip_{who}"], lambda r, w=who: plane(r.nodes(w)[0]), max(inserted),
+                   tolerance)
 
 
 def rows_dupont(runs, nodes):
-    for length, pairs in DUPONT.items():
-        for base, tip in pairs:
-            tube = [[length, 1e-3, 10.0], [0.05, 1e-3, 0.0]]
-            run = runs("dupont", coaxial([tube, tube], [length, length], math.radians(base), (1 / 1.3, 1 / 1.3), nodes))
-            yield f"dupont {1e3 * length:g} mm, base {base} deg", "angle at the tip", run, tip, relative_spin, 1.0, 2.0
+    for row in COAXIAL["lag"]["rows"]:
+        length, base = row["overlap"], row["base_deg"]
+        tube = [[length, 1e-3, 10.0], [0.05, 1e-3, 0.0]]
+        run = runs("dupont", coaxial([tube, tube], [length, length], math.radians(base), (1 / 1.3, 1 / 1.3), nodes))
+        yield f"dupont {1e3 * length:g} mm, base {base} deg", "angle at the tip", run, row["tip_deg"], relative_spin, 1.0, 2.0
 
 
 def relative_spin(run):
@@ -196,12 +190,10 @@ def rows_support(case, runs, tolerance):
 
 
 def all_rows(runs, reference, nodes):
-    with open(reference / "15_coaxial.json") as file:
-        for case in json.load(file)["cases"]:
-            if case["kind"] in ("planar_overlap", "rotated_rigid"):
-                yield from rows_overlap(case, runs, nodes, 0.005)
-            if case["kind"] == "torsion":
-                yield from rows_torsion(case, runs, nodes, 0.005)
+    for name in ("j_wire_in_catheter", "rotated_rigid"):
+        yield from rows_overlap(name, runs, nodes, 0.005)
+    for name in ("torsion_short", "torsion_transmission", "torsion_snap"):
+        yield from rows_torsion(name, runs, nodes, 0.005)
     yield from rows_dupont(runs, nodes)
     with open(reference / "16_rod_rod.json") as file:
         for case in json.load(file)["cases"]:
