@@ -1,12 +1,12 @@
 // The steps of a run that take longest, and why.
 //
-//     late_steps SCENE.toml [--least 4] [--set table.key=value]…    runs the scene; causes of all steps of so many iterations and more
+//     late_steps SCENE.toml [--least 4] [--set table.key=value]…    runs the scene; causes of all steps of so many iterations
 //     … [--cut N]                                                    steps whose time is up at the trial N (World::cut_when)
 //     … [--session FILE]                                             moves the hubs as this record of a live session has it
 //     … [--steps N]                                                  the first N steps only
 //
-// Prints the distributions of Newton iterations, trials and processor time per step, of all and of the late ones. Causes are told by
-// what changed most in newtons from the last trial that was taken to the next (see Change).
+// Prints the distributions of Newton iterations, trials and processor time per step, of all and of the late ones (so many
+// iterations and more). Causes are told by what changed most in newtons from the last trial that was taken to the next (Change).
 
 #include "contact/capsule.h"
 #include "core/error.h"
@@ -129,7 +129,8 @@ private:
             const ContactState& was = found->second;
             double& of = is.triangle != was.triangle ? change.facets : change.turns;
             of = std::max(of, std::min<double>(was.normal_force, is.normal_force) * apart(is.normal, was.normal));
-            if ((is.flags ^ was.flags) & SEL_CONTACT_STUCK) change.slips = std::max(change.slips, apart(is.friction, was.friction));
+            if ((is.flags ^ was.flags) & SEL_CONTACT_STUCK)
+                change.slips = std::max(change.slips, apart(is.friction, was.friction));
         }
         return change;
     }
@@ -139,7 +140,7 @@ private:
     Touches base_;
 };
 
-// ---- steps ------------------------------------------------------------------------------------------------------------------------
+// ---- steps --------------------------------------------------------------------------------------------------------------------
 
 struct Seen {
     NewtonTrial trial;
@@ -188,7 +189,7 @@ private:
     Step step_;
 };
 
-// ---- output -----------------------------------------------------------------------------------------------------------------------
+// ---- output -------------------------------------------------------------------------------------------------------------------
 
 void print_row(const char* what, std::vector<double> values)
 {

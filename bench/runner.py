@@ -195,6 +195,8 @@ class Table:
 
     def __init__(self, path, columns, keep=lambda row: False):
         self.path, self.columns, self.rows = path, columns, read_rows(path, keep)
+        if self.rows and list(self.rows[0]) != columns:
+            sys.exit(f"{path}: got the columns {', '.join(self.rows[0])}; expected {', '.join(columns)}. Fix: move the table away.")
 
     def add(self, row, show=True):
         row = row if isinstance(row, dict) else dict(zip(self.columns, row, strict=True))
