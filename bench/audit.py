@@ -23,9 +23,7 @@ on several cores. --again runs the default runs anew and keeps the refined ones:
 whose state differs is reported). --table only prints. Seconds are processor time (user + system). ./dev audit builds
 the program first.
 """
-import argparse
 import bisect
-import csv
 import json
 import math
 import os
@@ -33,9 +31,10 @@ import pathlib
 import random
 import statistics
 import sys
-import tempfile
 
-HERE = pathlib.Path(__file__).resolve().parent.parent
+import runner
+
+HERE = runner.ROOT
 MEAN = 0.02  # of peaks [s]
 READINGS = ("hand_force_n", "hand_force_peak_n", "friction_n", "friction_peak_n", "patch_force_max_n", "hand_work_j", "tip_m", "wall_move_max_m",
             "wall_stress_max_pa", "other_hand_n", "other_hand_peak_n")
@@ -134,24 +133,13 @@ def scene_of(s, finer):
     return text
 
 
-def run(app, text, is_default, *more):
+def run(app, text, is_default, estimate):
     """What one run says, or why there is nothing."""
-    with tempfile.TemporaryDirectory() as folder:
-        scene, out = pathlib.Path(folder) / "scene.toml", pathlib.Path(folder) / "out"
-        scene.write_text(text)
-        log = os.open(f"{folder}/log", os.O_WRONLY | os.O_CREAT)
-        process = os.posix_spawn(app, [app, "run", str(scene), "-o", str(out), "--quiet", *more], os.environ,
-                                 file_actions=[(os.POSIX_SPAWN_DUP2, log, 1), (os.POSIX_SPAWN_DUP2, log, 2)])
-        _, status, used = os.wait4(process, 0)
-        code = os.waitstatus_to_exitcode(status)
-        os.close(log)
-        said = {"seconds": used.ru_utime + used.ru_stime, "exit": code}
-        if not (out / "summary.json").exists() or code:
-            return said | {"log": pathlib.Path(f"{folder}/log").read_text()[-500:]}
-        summary = json.loads((out / "summary.json").read_text())
-        with open(out / "trace.csv", newline="") as stream:
-            rows = list(csv.DictReader(stream))
-        return said | readings_of(summary, rows, is_default)
+    done = runner.run(app, text, estimate=estimate, accept=None)
+    said = {"seconds": done.seconds, "exit": done.code}
+    if done.code or not (done.folder / "summary.json").exists():
+        return said | {"log": done.said[-500:]}
+    return said | readings_of(done.summary, done.rows(), is_default)
 
 
 def largest_mean(values, times):
@@ -171,14 +159,14 @@ def largest_mean(values, times):
 
 
 def readings_of(summary, rows, is_default):
-    times = [float(row["time_s"]) for row in rows]
-    hand, friction = ([float(row[key]) for row in rows] for key in ("hand_force_n", "friction_n"))
+    times = [row["time_s"] for row in rows]
+    hand, friction = ([row[key] for row in rows] for key in ("hand_force_n", "friction_n"))
     values = {"hand_force_n": summary["hand_force_mean_n"], "friction_n": summary["friction_mean_n"],
               "hand_force_peak_n": largest_mean([abs(value) for value in hand], times), "friction_peak_n": largest_mean(friction, times)}
     for key in READINGS[4:]:
         if key in summary:
             values[key] = summary[key]
-    values["tip_m"] = [float(rows[-1][f"tip_{axis}_m"]) for axis in "xyz"]
+    values["tip_m"] = [rows[-1][f"tip_{axis}_m"] for axis in "xyz"]
     bands = {key: summary[band] for key, band in (("wall_move_max_m", "wall_move_max_band_m"), ("wall_stress_max_pa", "wall_stress_max_band_pa"))
              if key in summary}
     shares = {}
@@ -216,7 +204,7 @@ def measure(options, number):
             said = json.loads(file.read_text())
         else:
             old = json.loads(file.read_text()) if file.exists() else {}
-            said = run(options.app, scene_of(setup, finer), name == "default", *(["--error-estimate", "off"] if name == "off" else []))
+            said = run(options.app, scene_of(setup, finer), name == "default", "off" if name == "off" else None)
             if old and old.get("state") != said.get("state"):
                 print(f"audit.py: draw {number} of seed {options.seed}: the default run's state differs; remove its files to refine it anew", file=sys.stderr)
             new = file.with_suffix(".new")
@@ -302,8 +290,7 @@ def print_table(draws):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default=str(HERE / "build" / "seldinger"))
+    parser = runner.parser(__doc__)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--draws", type=int, default=12)
     parser.add_argument("--first", type=int, default=0, help="number of the first draw")

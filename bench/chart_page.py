@@ -6,12 +6,10 @@
 Reads chart.csv and references.csv of DIR and writes two tables over what stands between the marks <!-- published --> … <!-- end --> and
 <!-- fronts --> … <!-- end --> of the page: where the published method stands in every scene, and the front of every scene.
 """
-import argparse
-import csv
 import pathlib
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent.parent
+import runner
 
 
 def number(text):
@@ -79,14 +77,14 @@ def replaced(text, mark, lines):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = runner.parser(__doc__, app=False)
     parser.add_argument("dir", type=pathlib.Path)
-    parser.add_argument("--page", type=pathlib.Path, default=HERE / "bench" / "results" / "chart.md")
+    parser.add_argument("--page", type=pathlib.Path, default=runner.RESULTS / "chart.md")
     options = parser.parse_args()
     scenes, references = {}, {}
-    for reference in csv.DictReader(open(options.dir / "references.csv", newline="", encoding="utf-8")):
+    for reference in runner.read_rows(options.dir / "references.csv"):
         references[(reference["scene"], reference["observable"])] = reference
-    for row in csv.DictReader(open(options.dir / "chart.csv", newline="", encoding="utf-8")):
+    for row in runner.read_rows(options.dir / "chart.csv"):
         if (row["scene"], "tip") in references:
             scenes.setdefault(row["scene"], []).append(row)
     text = options.page.read_text(encoding="utf-8")

@@ -7,17 +7,13 @@ tip, hand forces and whip compared.
 After the scene's own end the outer instrument's hub is turned once in --turn-s seconds. Whip: over that turn, the share of its way round
 that the tip has gone less the share that the hub has turned, largest less smallest, of 360 degrees; 0 where the tip follows the hub.
 """
-import argparse, csv, json, math, pathlib, subprocess, sys, tempfile
+import json
+import math
+import pathlib
+import sys
+import tomllib
 
-try:
-    import tomllib
-except ImportError:
-    sys.exit("coaxial_models: needs Python 3.11 (Debian 12's python3)")
-
-
-def trace(folder, name):
-    with open(folder / f"trace_{name}.csv") as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+import runner
 
 
 def tip(row):
@@ -38,10 +34,8 @@ MODELS = {"merged": ["coaxial.model=merged"], "lumen": ["coaxial.model=merged", 
 
 
 def main():
-    here = pathlib.Path(__file__).resolve().parent.parent
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", required=True)
-    parser.add_argument("--scene", type=pathlib.Path, default=here / "assets/scenes/catheter-over-wire.toml")
+    parser = runner.parser(__doc__)
+    parser.add_argument("--scene", type=pathlib.Path, default=runner.ROOT / "assets/scenes/catheter-over-wire.toml")
     parser.add_argument("--turn-s", type=float, default=4)
     parser.add_argument("-o", dest="table", type=pathlib.Path)
     given = parser.parse_args()
@@ -56,16 +50,9 @@ def main():
         sys.exit(f"coaxial_models: {given.scene}: expected one line {key!r}, the outer instrument's last key")
     text = text.replace(key, key + f"    {{t_s = {start + given.turn_s}, advance_m = {last['advance_m']}, turn_rad = {2 * math.pi}}},\n")
     traces, summary = {}, {}
-    with tempfile.TemporaryDirectory() as scratch:
-        scratch = pathlib.Path(scratch)
-        (scratch / "scene.toml").write_text(text)
-        for model, settings in MODELS.items():
-            sets = [word for setting in settings for word in ("--set", setting)]
-            done = subprocess.run([given.app, "run", scratch / "scene.toml", *sets, "-o", scratch / model, "--quiet"])
-            if done.returncode:
-                sys.exit(f"coaxial_models: {model} ended with {done.returncode}")
-            traces[model] = {name: trace(scratch / model, name) for name in names}
-            summary[model] = json.loads((scratch / model / "summary.json").read_text())
+    for model, settings in MODELS.items():
+        run = runner.run(given.app, text, settings=settings)
+        traces[model], summary[model] = {name: run.rows(f"trace_{name}") for name in names}, run.summary
     rows = []
     for name in names:
         row = {"instrument": name}
@@ -85,11 +72,7 @@ def main():
         print(json.dumps(row, indent=2))
     print(json.dumps({model: {key: one[key] for key in ("steps", "halved_steps", "outside_max_m", "friction_loss_j", "energy_open_j")}
                       for model, one in summary.items()}, indent=2))
-    if given.table:
-        with open(given.table, "w", newline="") as file:
-            table = csv.DictWriter(file, rows[0].keys())
-            table.writeheader()
-            table.writerows(rows)
+    runner.write_rows(given.table, rows)
 
 
 if __name__ == "__main__":

@@ -12,16 +12,14 @@ Needs gvxr and numpy, scipy (pip), the system's Python with vtk, and Debian's li
     python3 bench/fluoro_speed.py [--build build] [--rounds 3] [--csv FILE] [--out DIR]
 """
 
-import argparse
-import csv
 import os
 import pathlib
 import shutil
-import subprocess
 import time
 
 import numpy as np
 
+import runner
 from validate_xray import BLOOD, IODINE, STEEL, cap, make_view, read_vtp, tube_mesh
 
 SIZE, FIELD, ANGLES = 1024, 0.4, "LAO 30"
@@ -68,13 +66,13 @@ def prepare(app, out):
     scene = out / "speed.toml"
     scene.write_text(SCENE.format(demo=pathlib.Path("assets/scenes/aortic-arch.toml").resolve()))
     if not (coarse / "wire.pvd").exists():
-        subprocess.run([app, "run", str(scene), "-o", str(coarse), "--overwrite", "--quiet"], check=True, stdout=subprocess.DEVNULL)
+        runner.run(app, scene, coarse)
     if not (fine / "vessel.vtp").exists():
         shutil.copytree(coarse, fine)
         vessel = read_vtp(coarse / "vessel.vtp")
         points, polys = subdivided(vessel["points"], vessel["polys"].reshape(-1, 3), 10)
         np.savez(out / "fine.npz", points=points, polys=polys)
-        subprocess.run(["/usr/bin/python3", "-c", WRITE_VTP, str(out / "fine.npz"), str(fine / "vessel.vtp")], check=True)
+        runner.call(["/usr/bin/python3", "-c", WRITE_VTP, out / "fine.npz", fine / "vessel.vtp"])
     return coarse, fine
 
 
@@ -146,38 +144,31 @@ def theirs_in_child(folder, full, count):
 
 
 def ours(program, folder, last, extra):
-    line = subprocess.run([program, str(folder), ANGLES, str(SIZE), str(FIRST), str(last), *extra], check=True, capture_output=True, text=True).stdout
-    size, frames, ready, median, worst, processor, digest = line.strip().split(",")
+    size, frames, ready, median, worst, processor, digest = runner.call([program, folder, ANGLES, SIZE, FIRST, last, *extra]).stdout.strip().split(",")
     return float(median), float(worst), float(processor), digest
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = runner.parser(__doc__, "2-core-epyc/fluoroscopy.csv", app=False)
     parser.add_argument("--build", default="build")
     parser.add_argument("--out", default="out/fluoro-speed")
-    parser.add_argument("--csv", default="bench/results/2-core-epyc/fluoroscopy.csv")
     parser.add_argument("--rounds", type=int, default=3)
     args = parser.parse_args()
-    folders = prepare(f"{args.build}/seldinger", pathlib.Path(args.out))
-    best, triangles = {}, {}
-    for _ in range(args.rounds):
-        for folder in folders:
-            for what, extra in (("still arm", []), ("turning arm", ["turn"])):
-                got = ours(f"{args.build}/bench/fluoro_speed", folder, LAST, extra)
-                key = (folder.name, "seldinger", what)
-                best[key] = min(best.get(key, got), got)
-            for what, full in (("plain", False), ("full", True)):
-                count, *got = theirs_in_child(folder, full, 10 if folder.name == "coarse" else 3)
-                key = (folder.name, "gVirtualXRay", what)
-                triangles[folder.name] = count
-                best[key] = min(best.get(key, tuple(got)), tuple(got))
-    with open(args.csv, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["triangles", "program", "picture", "size", "ms_median", "ms_worst", "processor_ms", "pictures_per_s"])
-        for (folder, program, what), (median, worst, processor, *_) in best.items():
-            row = [triangles[folder], program, what, SIZE, f"{median:.1f}", f"{worst:.1f}", f"{processor:.1f}", f"{1e3 / median:.1f}"]
-            writer.writerow(row)
-            print(*row, sep=", ")
+    calls, triangles = {}, {}
+    for folder in prepare(f"{args.build}/seldinger", pathlib.Path(args.out)):
+        for what, extra in (("still arm", []), ("turning arm", ["turn"])):
+            calls[f"{folder.name}, seldinger, {what}"] = lambda f=folder, e=extra: ours(f"{args.build}/bench/fluoro_speed", f, LAST, e)
+        for what, full in (("plain", False), ("full", True)):
+            def theirs(folder=folder, full=full):
+                triangles[folder.name], *got = theirs_in_child(folder, full, 10 if folder.name == "coarse" else 3)
+                return tuple(got)
+            calls[f"{folder.name}, gVirtualXRay, {what}"] = theirs
+    results = runner.in_turn(args.rounds, **calls)
+    table = runner.Table(args.csv, ["triangles", "program", "picture", "size", "ms_median", "ms_worst", "processor_ms", "pictures_per_s"])
+    for name, found in results.items():
+        folder, program, what = name.split(", ")
+        median, worst, processor, *_ = min(found)
+        table.add([triangles[folder], program, what, SIZE, f"{median:.1f}", f"{worst:.1f}", f"{processor:.1f}", f"{1e3 / median:.1f}"])
 
 
 if __name__ == "__main__":

@@ -13,16 +13,16 @@ points lie in the wall, and is let go without friction for 2.5 s of damped motio
 simulated wire. Bending stiffness: 5e-4 N m^2; the angled wire 6e-5 over its last 3 cm, 2e-5 with 98 1/m over the last 12 mm, straight over the
 last 3 mm; the straight wire 6e-5, since no more than its tip of 15 cm is inside. All are estimates. A straight tip has no roll.
 """
-import argparse
-import csv
 import json
 import math
-import os
+import pathlib
 import statistics
-import struct
-import subprocess
 import sys
 import tempfile
+
+import numpy as np
+
+import runner
 
 INLET_Y = 0.229        # [m] nearer to the inlet the shape is not to be used
 RADIUS = 0.000445      # [m] of both wires
@@ -36,67 +36,41 @@ COLUMNS = ["video", "frame", "roll_deg", "start_mean_mm", "mean_mm", "max_mm", "
            "newton_mean", "newton_max", "halved_steps", "overlap_max_um", "moved", "exit"]
 
 
-def minus(a, b):
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-def dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def along(p, s, d):
-    return (p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
-
-
-def closest_on_segment(p, a, b):
-    d = minus(b, a)
-    t = dot(minus(p, a), d) / dot(d, d)
-    return along(a, min(1.0, max(0.0, t)), d)
+def closest_on_segments(p, a, b):
+    d = b - a
+    t = np.clip(np.sum((p - a) * d, axis=-1) / np.sum(d * d, axis=-1), 0, 1)
+    return a + t[..., None] * d
 
 
 class Wall:
     """The triangles of a binary STL, with the nearest point of the surface."""
 
     def __init__(self, path, unit):
-        with open(path, "rb") as file:
-            data = file.read()
-        count = struct.unpack_from("<I", data, 80)[0]
-        self.facets = []
-        for k in range(count):
-            v = [unit * x for x in struct.unpack_from("<9f", data, 84 + 50 * k + 12)]
-            corners = [tuple(v[3 * i:3 * i + 3]) for i in range(3)]
-            normal = cross(minus(corners[1], corners[0]), minus(corners[2], corners[0]))
-            size = math.sqrt(dot(normal, normal))
-            if size == 0:
-                continue
-            centre = tuple(sum(c[i] for c in corners) / 3 for i in range(3))
-            reach = max(math.dist(centre, c) for c in corners)
-            self.facets.append((centre, reach, corners, tuple(x / size for x in normal)))
+        data = pathlib.Path(path).read_bytes()[84:]
+        corners = unit * np.frombuffer(data, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])["corners"].astype(float)
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        size = np.linalg.norm(normal, axis=1)
+        self.corners, self.normal = corners[size > 0], normal[size > 0] / size[size > 0, None]
         # normals into the lumen: a closed surface whose normals point out has a positive volume
-        volume = sum(dot(c[0], cross(c[1], c[2])) for _, _, c, _ in self.facets)
-        if volume > 0:
-            self.facets = [(centre, reach, c, (-n[0], -n[1], -n[2])) for centre, reach, c, n in self.facets]
+        if np.sum(self.corners[:, 0] * np.cross(self.corners[:, 1], self.corners[:, 2])) > 0:
+            self.normal = -self.normal
+        self.next = np.roll(self.corners, -1, axis=1)  # the other end of the edge from each corner
+        self.inward = np.cross(normal[size > 0, None], self.next - self.corners)
 
     def nearest(self, p):
         """The nearest point of the wall, and the distance from it: positive inside."""
-        best, at, side = math.inf, None, -math.inf
-        for centre, reach, (a, b, c), normal in self.facets:
-            if math.dist(p, centre) - reach > best + 1e-9:
-                continue
-            height = dot(minus(p, a), normal)
-            q = along(p, -height, normal)
-            if any(dot(cross(minus(v, u), minus(q, u)), cross(minus(b, a), minus(c, a))) < 0 for u, v in ((a, b), (b, c), (c, a))):
-                q = min((closest_on_segment(p, u, v) for u, v in ((a, b), (b, c), (c, a))), key=lambda x: math.dist(p, x))
-            d = math.dist(p, q)
-            # on a shared edge the side is told by the facet that looks most along the way there
-            looks = height / d if d > 0 else 1.0
-            if d < best - 1e-9 or (d < best + 1e-9 and abs(looks) > abs(side)):
-                best, at, side = min(best, d), q, looks
-        return at, math.copysign(best, side)
+        height = np.sum((p - self.corners[:, 0]) * self.normal, axis=1)
+        at = p - height[:, None] * self.normal
+        edges = closest_on_segments(p, self.corners, self.next)
+        nearest = np.argmin(np.linalg.norm(p - edges, axis=2), axis=1)
+        beside = np.any(np.sum(self.inward * (at[:, None] - self.corners), axis=2) < 0, axis=1)
+        at[beside] = edges[np.arange(len(edges)), nearest][beside]
+        d = np.linalg.norm(p - at, axis=1)
+        # on a shared edge the side is told by the facet that looks most along the way there
+        looks = np.divide(height, d, out=np.ones_like(d), where=d > 0)
+        near = np.flatnonzero(d < d.min() + 1e-9)
+        side = near[np.argmax(np.abs(looks[near]))]
+        return at[side], math.copysign(d.min(), looks[side])
 
 
 def pushed(p, wall):
@@ -105,19 +79,20 @@ def pushed(p, wall):
         q, clearance = wall.nearest(p)
         if clearance >= MARGIN - 1e-6:
             break
-        d = minus(p, q) if clearance > 0 else minus(q, p)
-        p = along(q, MARGIN / math.sqrt(dot(d, d)), d)
+        d = p - q if clearance > 0 else q - p
+        p = q + MARGIN / np.linalg.norm(d) * d
     return p
 
 
 def push_inside(points, wall):
     """Points that lie in the wall go inside, the way there evened out; of the shaft between them the engine takes care."""
-    inside = [pushed(p, wall) for p in points]
-    moved = [i for i in range(1, len(points) - 1) if any(inside[k] != points[k] for k in (i - 1, i, i + 1))]
+    inside = np.array([pushed(p, wall) for p in points])
+    different = np.any(inside != points, axis=1)
+    moved = [i for i in range(1, len(points) - 1) if different[i - 1:i + 2].any()]
     for _ in range(10):
-        even = {i: along(inside[i - 1], 0.5, minus(inside[i + 1], inside[i - 1])) for i in moved}
-        for i, p in even.items():
-            inside[i] = pushed(along(inside[i], 0.5, minus(p, inside[i])), wall)
+        even = [0.5 * (inside[i - 1] + inside[i + 1]) for i in moved]
+        for i, p in zip(moved, even):
+            inside[i] = pushed(0.5 * (inside[i] + p), wall)
     return inside
 
 
@@ -126,7 +101,8 @@ def polyline_length(points):
 
 
 def distance_to(points, p):
-    return min(math.dist(p, closest_on_segment(p, a, b)) for a, b in zip(points, points[1:]))
+    points = np.array(points)
+    return np.linalg.norm(p - closest_on_segments(p, points[:-1], points[1:]), axis=1).min()
 
 
 def part_from_tip(points, length):
@@ -139,85 +115,38 @@ def part_from_tip(points, length):
 
 
 def section(length, bend, curvature=None):
-    text = f"\n[[wire.section]]\nfrom_tip_m = [0.0, {length}]\nbend_nm2 = {bend}\ntwist_nm2 = {0.77 * bend}\n"
-    return text + (f"rest_curvature_1_m = [{curvature[0]:.3f}, {curvature[1]:.3f}]\n" if curvature else "")
+    return {"from_tip_m": [0.0, length], "bend_nm2": bend, "twist_nm2": 0.77 * bend} | ({"rest_curvature_1_m": curvature} if curvature else {})
 
 
 def scene_of(frame, placed, roll, gravity, mesh, share):
     length = share * polyline_length(placed)
-    points = ", ".join(f"[{p[0]:.6f}, {p[1]:.6f}, {p[2]:.6f}]" for p in placed)
+    stiffness, tip = 6e-5, []  # no straight wire is longer than its tip
     if "angle" in frame["video"]:
-        bend = (98 * math.cos(math.radians(roll)), 98 * math.sin(math.radians(roll)))
-        tip = section(0.03, 6e-5) + section(0.012, 2e-5, bend) + section(0.003, 2e-5, (0, 0))
-        stiffness = 5e-4
-    else:
-        tip, stiffness = "", 6e-5  # no wire is longer than its tip
-    g = ", ".join(f"{9.81 * x:.4f}" for x in gravity)
-    return f"""# {frame['video']} frame {frame['frame']}: the measured shape, let go
-[scene]
-name = "guide3d"
-gravity = [{g}]
-duration_s = 2.5
-dt_s = 0.001
-record_every = 1
-
-[wire]
-length_m = {length:.6f}
-radius_m = {RADIUS}
-density = 5000.0
-bend_nm2 = {stiffness}
-twist_nm2 = {0.77 * stiffness}
-stretch_n = 1e4
-nodes = {round(length / EDGE) + 1}
-place = {{ shape = "points", points = [{points}] }}
-rest = "straight"
-{tip}
-[integrator]
-damping_mass_1_s = 20.0
-
-[vessel]
-mesh = "{mesh}"
-units = "cm"
-youngs_pa = 2.0e6
-poisson = 0.45
-thickness_m = 0.0015
-
-[contact]
-detection = "swept"
-friction = "none"
-
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-
-[output]
-wire_every = 0
-contacts_every = 0
-"""
+        bend = [98 * math.cos(math.radians(roll)), 98 * math.sin(math.radians(roll))]
+        stiffness, tip = 5e-4, [section(0.03, 6e-5), section(0.012, 2e-5, bend), section(0.003, 2e-5, [0.0, 0.0])]
+    return runner.scene({
+        "scene": {"name": f"{frame['video']} frame {frame['frame']}: the measured shape, let go", "gravity": [9.81 * x for x in gravity], "duration_s": 2.5,
+                  "dt_s": 0.001, "record_every": 1},
+        "wire": {"length_m": round(length, 6), "radius_m": RADIUS, "density": 5000.0, "bend_nm2": stiffness, "twist_nm2": 0.77 * stiffness, "stretch_n": 1e4,
+                 "nodes": round(length / EDGE) + 1, "place": {"shape": "points", "points": [[round(c, 6) for c in p] for p in placed]}, "rest": "straight"},
+        "wire.section": tip,
+        "integrator": {"damping_mass_1_s": 20.0},
+        "vessel": {"mesh": mesh, "units": "cm", "youngs_pa": 2.0e6, "poisson": 0.45, "thickness_m": 0.0015},
+        "contact": {"detection": "swept", "friction": "none"},
+        "hold": [runner.HELD], "output": runner.QUIET})
 
 
 def let_go(app, text, folder):
     """Final axis, base to tip, the run's summary and its trace; None where the wire cannot be placed."""
-    scene, out = os.path.join(folder, "scene.toml"), os.path.join(folder, "run")
-    with open(scene, "w") as file:
-        file.write(text)
-    done = subprocess.run([app, "run", scene, "-o", out, "--overwrite", "--quiet"], capture_output=True, text=True)
-    if done.returncode == 2 and "beyond the wall" in done.stderr:
+    run = runner.run(app, text, folder, accept=None)
+    if run.code == 2 and "beyond the wall" in run.said:
         return None
-    if done.returncode == 2 and "is longer than" in done.stderr:
+    if run.code == 2 and "is longer than" in run.said:
         return TOO_LONG
-    if done.returncode not in (0, 4):  # 4: stopped, with the last good state
-        sys.exit(f"{scene}: exit {done.returncode}: {done.stderr.strip()}")
-    tables = {}
-    for name in ("wire", "trace"):
-        with open(os.path.join(out, f"{name}.csv"), newline="") as file:
-            tables[name] = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
-    with open(os.path.join(out, "summary.json")) as file:
-        summary = json.load(file)
-    axis = [(r["x_m"], r["y_m"], r["z_m"]) for r in reversed(tables["wire"])]
-    return axis, summary, tables["trace"], done.returncode
+    if run.code not in (0, 4):  # 4: stopped, with the last good state
+        sys.exit(f"{run.command}: exit {run.code}: {run.said}")
+    axis = [(r["x_m"], r["y_m"], r["z_m"]) for r in reversed(run.rows("wire"))]
+    return axis, run.summary, run.rows(), run.code
 
 
 def row_of(frame, roll, measured, placed, axis, summary, trace, code):
@@ -240,51 +169,42 @@ def distribution(name, values):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
-    parser.add_argument("--phantom", default="../shared/phantom/guide3d")
-    parser.add_argument("--csv", default="bench/results/validation/guide3d.csv")
+    parser = runner.parser(__doc__, "validation/guide3d.csv")
+    parser.add_argument("--phantom", type=pathlib.Path, default="../shared/phantom/guide3d")
     parser.add_argument("--rolls", type=int, default=4)
     parser.add_argument("--only", default="", help="videos or video:frame whose name begins so")
-    parser.add_argument("--keep", help="writes the scenes here, too")
+    parser.add_argument("--keep", help="keeps the scenes and runs here")
     options = parser.parse_args()
-    if not os.path.isfile(os.path.join(options.phantom, "frames.json")):
+    if not (options.phantom / "frames.json").is_file():
         print(f"skipped: {options.phantom} is absent (the phantom's measurements are no part of this project; --phantom says where they are)")
         return
-    with open(os.path.join(options.phantom, "frames.json")) as file:
-        frames = json.load(file)["frames"]
-    with open(os.path.join(options.phantom, "registration.json")) as file:
-        gravity = {state: entry["gravity_direction"] for state, entry in json.load(file).items() if isinstance(entry, dict) and "gravity_direction" in entry}
-    mesh = os.path.abspath(os.path.join(options.phantom, "mesh.stl"))
+    frames = json.loads((options.phantom / "frames.json").read_text())["frames"]
+    states = json.loads((options.phantom / "registration.json").read_text())
+    gravity = {state: entry["gravity_direction"] for state, entry in states.items() if isinstance(entry, dict) and "gravity_direction" in entry}
+    mesh = str((options.phantom / "mesh.stl").resolve())
     wall = Wall(mesh, 0.01)
-    os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
     best, without_tip, every = [], [], []
-    with open(options.csv, "w", newline="") as file, tempfile.TemporaryDirectory() as folder:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
+    table = runner.Table(options.csv, COLUMNS)
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = pathlib.Path(options.keep or scratch)
         for frame in frames:
             name = f"{frame['video']}:{frame['frame']}"
             if not name.startswith(options.only):
                 continue
-            measured = [tuple(p) for p in frame["points_m"] if p[1] <= INLET_Y]
+            measured = np.array([p for p in frame["points_m"] if p[1] <= INLET_Y])
             placed = push_inside(measured, wall)
             rolls = [360 * k // options.rolls for k in range(options.rolls)] if "angle" in frame["video"] else [0]
             rows = []
             for roll in rolls:
                 for share in SHARES:
                     text = scene_of(frame, placed, roll, gravity["water" if frame["fluid"] else "air"], mesh, share)
-                    run = let_go(options.app, text, folder)
+                    run = let_go(options.app, text, folder / f"{frame['video']}-{frame['frame']}-{roll}")
                     if run != TOO_LONG:
                         break
-                if options.keep:
-                    os.makedirs(options.keep, exist_ok=True)
-                    with open(os.path.join(options.keep, f"{frame['video']}-{frame['frame']}-{roll}.toml"), "w") as scene:
-                        scene.write(text)
                 if run in (None, TOO_LONG):
                     break
                 rows.append(row_of(frame, roll, measured, placed, *run))
-                table.writerow(rows[-1])
-                file.flush()
+                table.add(rows[-1], show=False)
                 print(*(f"{k} {v}" for k, v in rows[-1].items()), sep="  ", flush=True)
             if not rows:
                 print(f"{name}: not placed, measured too far beyond the wall", flush=True)

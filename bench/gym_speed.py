@@ -7,21 +7,12 @@ A step is a control of 1/60 s, four converged steps of the engine. `engine` is t
 takes; `overhead` what the environment adds to that: observations, rewards, resets.
 """
 
-import argparse
-import csv
-import resource
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
-
 import seldinger.gym
 
-
-def memory_mb() -> float:
-    with open("/proc/self/statm") as statm:
-        return int(statm.read().split()[1]) * resource.getpagesize() / 1e6
+import runner
 
 
 class Timed:
@@ -53,14 +44,13 @@ def drive(env, seconds, rng):
     return steps, wall, engine.seconds, float(np.mean(nodes)), float(np.mean(contacts))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def main():
+    parser = runner.parser(__doc__, "", app=False)
     parser.add_argument("--envs", default="1,16,64,256,1024")
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--image", action="store_true", help="each sees 64 x 64 of its X-ray")
     parser.add_argument("--memory-steps", type=int, default=0, help="controls of 16 environments, memory printed ten times")
     parser.add_argument("--memory-rate", type=float, default=60.0, help="controls a second of those")
-    parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
     rows = []
     print("envs  env steps/s  real-time factor each  nodes  contacts  engine ms  overhead %")
@@ -80,17 +70,12 @@ def main() -> int:
         rng = np.random.default_rng(0)
         per = max(1, options.memory_steps // 16 // 10)
         for k in range(11):
-            print(f"after {16 * per * k:7d} environment steps: {memory_mb():.1f} MB", flush=True)
+            print(f"after {16 * per * k:7d} environment steps: {runner.memory_mb():.1f} MB", flush=True)
             for _ in range(per if k < 10 else 0):
                 env.step(rng.uniform(-1, 1, (16, 2)).astype(np.float32))
         env.close()
-    if options.csv and rows:
-        with options.csv.open("w", newline="") as file:
-            table = csv.DictWriter(file, rows[0])
-            table.writeheader()
-            table.writerows(rows)
-    return 0
+    runner.write_rows(options.csv, rows)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -15,15 +15,13 @@ tight      drawn together until 9.7 diameters are left, edges of a radius and of
            the law lets the axes come. A knot of a wire that bends cannot be shorter than the ideal one.
 friction   mu = 0.1, drawn together until R/r = 50: along the braid, where it slides, the pull falls by mu P: (T - H at the apex)/(mu P) is 1.
 """
-import argparse
-import csv
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
+
+import runner
 
 RADIUS = 0.18e-3
 IDEAL = 10.1  # diameters
@@ -96,16 +94,9 @@ class Knot:
 
     def __init__(self, app, folder, name, made, wire):
         text, self.length = made
-        file = folder / f"{name}.toml"
-        file.write_text(text, encoding="utf-8")
-        done = subprocess.run([app, "run", str(file), "-o", str(folder / name), "--overwrite", "--quiet", "--error-estimate", "off"], capture_output=True, text=True)
-        if done.returncode != 0:
-            sys.exit(f"{file}: exit {done.returncode}: {done.stderr.strip()}")
-        nodes = np.genfromtxt(folder / name / "wire.csv", delimiter=",", names=True)
-        self.axis = np.stack([nodes["x_m"], nodes["y_m"], nodes["z_m"]], axis=1)
-        rows = np.genfromtxt(folder / name / "contacts.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
-        self.pressed = float(np.sum(rows["normal_n"]))
-        self.stuck = int(np.sum(rows["stuck"]))
+        run = runner.run(app, text, folder / name, estimate="off")
+        self.axis = run.nodes()
+        self.pressed, self.stuck = run.columns("contacts", "normal_n", "stuck").sum(axis=0)
         rest = self.length / (len(self.axis) - 1)
         edges = np.diff(self.axis, axis=0)
         along = np.linalg.norm(edges, axis=1)
@@ -162,31 +153,27 @@ def rows_friction(app, folder):
     knot = Knot(app, folder, "friction", drawn(STIFF, 60, 0.05, 0.061, 0.03, 3.0, mu, 300.0, 0.0, LINEAR), STIFF)
     loop = np.sqrt(STIFF.bend / (2 * knot.apex))
     yield "drawn together, mu 0.1", "R/r", "", loop / RADIUS, "", ""
-    yield "drawn together, mu 0.1", "contacts that stick", "", knot.stuck, "", ""
+    yield "drawn together, mu 0.1", "contacts that stick", "", int(knot.stuck), "", ""
     yield "drawn together, mu 0.1", "(T - H at the apex)/(mu P)", 1.0, (knot.pull - knot.apex) / (mu * knot.pressed), "rel", 0.03
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
-    parser.add_argument("--csv", default="bench/results/validation/knots.csv")
+    parser = runner.parser(__doc__, "validation/knots.csv")
     parser.add_argument("--only", default="loose,tight,friction")
     parser.add_argument("--keep")
     options = parser.parse_args()
     folder = pathlib.Path(options.keep or tempfile.mkdtemp(prefix="knots-"))
-    folder.mkdir(parents=True, exist_ok=True)
-    bad, table = 0, [["case", "quantity", "expected", "got", "tolerance", "within"]]
+    bad, table = 0, []
     for name, rows in (("loose", rows_loose), ("tight", rows_tight), ("friction", rows_friction)):
         if name not in options.only.split(","):
             continue
-        for case, quantity, expected, got, how, tolerance in rows(os.path.abspath(options.app), folder):
+        for case, quantity, expected, got, how, tolerance in rows(options.app, folder):
             off = got / expected - 1 if how else 0
             within = "" if not how else "yes" if (0 if how == "above" else -tolerance) <= off <= tolerance else "no"
             bad += within == "no"
-            table.append([case, quantity, expected, f"{got:.5g}", tolerance, within])
-            print(*table[-1], sep="; ", flush=True)
-    with open(options.csv, "w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows(table)
+            table.append({"case": case, "quantity": quantity, "expected": expected, "got": f"{got:.5g}", "tolerance": tolerance, "within": within})
+            print(*table[-1].values(), sep="; ", flush=True)
+    runner.write_rows(options.csv, table)
     return 1 if bad else 0
 
 

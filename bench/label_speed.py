@@ -8,72 +8,43 @@ and planning included, from its processor time as if both cores were busy all th
 
     python3 bench/label_speed.py [--app build/seldinger] [--frames 60] [--rounds 3] [--csv FILE]
 """
-
-import argparse
-import csv
-import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
 
-SCENES = {1: ("aortic-arch.toml", ["scene.duration_s=6", "output.wire_every=50", "output.contacts_every=50", "scene.record_every=50"]),
-          3: ("sheath-catheter-wire.toml", ["scene.duration_s=6", "output.wire_every=50", "output.contacts_every=50", "scene.record_every=50"])}
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+import runner
 
-
-def processor_seconds(words):
-    before = os.times()
-    subprocess.run(words, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    after = os.times()
-    return after.children_user - before.children_user + after.children_system - before.children_system
-
-
-def make_run(app, folder, instruments):
-    scene, changes = SCENES[instruments]
-    sets = [word for change in changes for word in ("--set", change)]
-    subprocess.run([app, "run", str(ROOT / "assets/scenes" / scene), "-o", str(folder), "--quiet", *sets], check=True)
+SCENES = {1: "aortic-arch.toml", 3: "sheath-catheter-wire.toml"}
+RECORDED = {"scene.duration_s": 6, "output.wire_every": 50, "output.contacts_every": 50, "scene.record_every": 50}
+FIRST = 60
 
 
 def measure(app, run, scratch, size, frames, rounds):
-    first = 60
-    render = [app, "render", str(run), "--view", "fluoro", "--c-arm", "LAO 30", "--field", "0.4", "--size", f"{size}x{size}", "--quiet"]
-    plain, labelled = [], []
-    start = processor_seconds([*render, "--frames", f"{first}:{first}", "-o", str(scratch / "s.png")])
-    for _ in range(rounds):
-        span = ["--frames", f"{first}:{first + frames - 1}", "-o", str(scratch / "p.png")]
-        plain.append((processor_seconds([*render, *span]) - start) / (frames - 1))
-        labelled.append((processor_seconds([*render, *span, "--labels", str(scratch / "labels")]) - start) / (frames - 1))
-    farm = scratch / "farm"
-    shutil.rmtree(farm, ignore_errors=True)
-    words = [app, "farm", str(run), "--frames", f"{first}:{first + frames - 1}", "-o", str(farm), "--tasks", "2", "--jobs", "2", "--threads", "1",
-             "--quiet", *render[3:-1], "--labels", "labels"]
-    hour = 2 * 3600 * frames / processor_seconds(words)
-    return 1e3 * min(plain), 1e3 * min(labelled), hour
+    view = ["--view", "fluoro", "--c-arm", "LAO 30", "--field", "0.4", "--size", f"{size}x{size}"]
+    render = [app, "render", run, *view, "--quiet", "-o", scratch / "p.png", "--frames"]
+    span = f"{FIRST}:{FIRST + frames - 1}"
+    start = runner.call([*render, f"{FIRST}:{FIRST}"]).seconds
+    times = runner.in_turn(rounds, plain=lambda: runner.call([*render, span]).seconds,
+                           labelled=lambda: runner.call([*render, span, "--labels", scratch / "labels"]).seconds)
+    plain, labelled = ((min(times[name]) - start) / (frames - 1) for name in ("plain", "labelled"))
+    shutil.rmtree(scratch / "farm", ignore_errors=True)
+    farm = runner.call([app, "farm", run, "--frames", span, "-o", scratch / "farm", "--tasks", "2", "--jobs", "2", "--threads", "1", "--quiet", *view,
+                        "--labels", "labels"])
+    return [f"{1e3 * plain:.1f}", f"{1e3 * labelled:.1f}", f"{100 * (labelled / plain - 1):.0f}", f"{2 * 3600 * frames / farm.seconds:.0f}"]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--app", default="build/seldinger")
+    parser = runner.parser(__doc__, "")
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--csv")
     options = parser.parse_args()
-    app = str(pathlib.Path(options.app).resolve())
-    rows = []
+    table = runner.Table(options.csv, ["instruments", "size", "picture_ms", "labelled_ms", "cost_percent", "labelled_frames_per_hour"])
     with tempfile.TemporaryDirectory() as place:
         scratch = pathlib.Path(place)
-        for instruments in SCENES:
-            run = scratch / f"run{instruments}"
-            make_run(app, run, instruments)
+        for instruments, scene in SCENES.items():
+            runner.run(options.app, runner.ROOT / "assets/scenes" / scene, scratch / f"run{instruments}", RECORDED)
             for size in (512, 1024):
-                plain, labelled, hour = measure(app, run, scratch, size, options.frames, options.rounds)
-                rows.append([instruments, size, f"{plain:.1f}", f"{labelled:.1f}", f"{100 * (labelled / plain - 1):.0f}", f"{hour:.0f}"])
-                print(*rows[-1], flush=True)
-    header = ["instruments", "size", "picture_ms", "labelled_ms", "cost_percent", "labelled_frames_per_hour"]
-    if options.csv:
-        with open(options.csv, "w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([header, *rows])
+                table.add([instruments, size, *measure(options.app, scratch / f"run{instruments}", scratch, size, options.frames, options.rounds)])
 
 
 if __name__ == "__main__":

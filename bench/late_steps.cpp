@@ -1,35 +1,27 @@
 // The steps of a run that take longest, and why.
 //
-//     late_steps SCENE.toml [--worst 200] [--keep FILE] [--set table.key=value]…      runs the scene
-//     late_steps SCENE.toml --replay FILE [--repeat 1] [--set table.key=value]…       takes the kept steps again
-//     … [--trials FILE]                                                                a row for each trial of the kept steps
-//     … [--least N]                                                                    causes and trials of all steps of N iterations and more
-//     … [--cut N]                                                                      steps whose time is up at the trial N (World::cut_when)
-//     … [--session FILE]                                                               moves the hubs as this record of a live session has it
-//     … [--steps N]                                                                    the first N steps only
+//     late_steps SCENE.toml [--least 4] [--set table.key=value]…    runs the scene; causes of all steps of so many iterations
+//     … [--cut N]                                                    steps whose time is up at the trial N (World::cut_when)
+//     … [--session FILE]                                             moves the hubs as this record of a live session has it
+//     … [--steps N]                                                  the first N steps only
 //
-// A run prints the distributions of Newton iterations, trials and processor time per step, and keeps the steps of most iterations
-// with the state before each. A replay takes the same steps by another program or another law (--set contact.friction=none): what
-// falls away with a law is its share. Causes are told by what changed most in newtons from the last trial that was taken to the
-// next (see Change).
+// Prints the distributions of Newton iterations, trials and processor time per step, of all and of the late ones (so many
+// iterations and more). Causes are told by what changed most in newtons from the last trial that was taken to the next (Change).
 
 #include "contact/capsule.h"
 #include "core/error.h"
 #include "core/exit_code.h"
-#include "core/file_io.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
 #include "setup/scene_setup.h"
 #include "world/world.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <limits>
 #include <map>
@@ -48,39 +40,12 @@ double thread_time()
 }
 
 struct Options {
-    std::string scene, keep, replay, trials, session;
+    std::string scene, session;
     std::vector<std::string> overrides;
-    std::size_t worst = 200;
-    int repeat = 1;
-    int cut = 0;    // 0: never
-    int least = 0;  // 0: the kept steps
+    int cut = 0;  // 0: never
+    int least = 4;
     long steps = std::numeric_limits<long>::max();
 };
-
-Options read_options(int argc, char** argv)
-{
-    Options options;
-    for (int k = 1; k < argc; ++k) {
-        const std::string word = argv[k];
-        const auto value = [&]() -> std::string {
-            return k + 1 < argc ? argv[++k] : throw Error(ErrorKind::BadScene, word + ": a value is missing");
-        };
-        if (word == "--worst") options.worst = static_cast<std::size_t>(std::atol(value().c_str()));
-        else if (word == "--keep") options.keep = value();
-        else if (word == "--replay") options.replay = value();
-        else if (word == "--trials") options.trials = value();
-        else if (word == "--session") options.session = value();
-        else if (word == "--repeat") options.repeat = std::max(1, std::atoi(value().c_str()));
-        else if (word == "--cut") options.cut = std::max(0, std::atoi(value().c_str()));
-        else if (word == "--least") options.least = std::max(0, std::atoi(value().c_str()));
-        else if (word == "--steps") options.steps = std::max(1L, std::atol(value().c_str()));
-        else if (word == "--set") options.overrides.push_back(value());
-        else if (options.scene.empty() && word[0] != '-') options.scene = word;
-        else throw Error(ErrorKind::BadScene, word + ": unknown. The head of bench/late_steps.cpp says what there is");
-    }
-    if (options.scene.empty()) throw Error(ErrorKind::BadScene, "give a scene file");
-    return options;
-}
 
 /// Where the hubs go: by the scene's key frames, or as a session's record has it.
 class Hubs {
@@ -117,19 +82,10 @@ private:
 
 // ---- what contact does from one trial to another ------------------------------------------------------------------------------
 
-struct Touch {
-    std::size_t record;
-    Vec3 normal, friction;
-    double force;
-    std::uint32_t triangle;
-    bool stuck;
-};
-
 /// From the last trial that was taken to this one [N]: forces that begin or end; the turn of the normal, times the force, where
 /// the same facet is touched and where another one is; friction of contacts that begin to slip or stick; all others.
 struct Change {
     double begins = 0, turns = 0, facets = 0, slips = 0;
-    int began = 0, other_facets = 0, slipped = 0, touches = 0;
 };
 
 class Contacts {
@@ -139,60 +95,52 @@ public:
 
     Change look(bool take)
     {
-        Change change;
-        if (!contact_) return change;
-        read();
-        change.touches = static_cast<int>(now_.size());
-        if (known_) compare(change);
-        if (take || !known_) base_ = now_, known_ = true;
+        if (!contact_) return {};
+        const Touches now = touches();
+        const Change change = known_ ? from_base(now) : Change{};
+        if (take || !known_) base_ = now, known_ = true;
         return change;
     }
 
 private:
-    void read()
+    using Touches = std::map<std::size_t, ContactState>;  // by their place in the arrays
+
+    [[nodiscard]] Touches touches() const
     {
+        Touches found;
         const std::span<const ContactState> states = contact_->at_trial();
-        now_.clear();
-        for (std::size_t k = 0; k < states.size(); ++k) {
-            const ContactState& s = states[k];
-            if (s.epoch != contact_->epoch(0) || !(s.flags & SEL_CONTACT_ACTIVE)) continue;
-            now_.push_back({k,
-                            {s.normal[0], s.normal[1], s.normal[2]},
-                            {s.friction[0], s.friction[1], s.friction[2]},
-                            s.normal_force,
-                            s.triangle,
-                            (s.flags & SEL_CONTACT_STUCK) != 0});
-        }
+        for (std::size_t k = 0; k < states.size(); ++k)
+            if (states[k].epoch == contact_->epoch(0) && (states[k].flags & SEL_CONTACT_ACTIVE)) found.emplace(k, states[k]);
+        return found;
     }
 
-    void compare(Change& change) const
+    [[nodiscard]] Change from_base(const Touches& now) const
     {
-        std::size_t b = 0;
-        const auto begins = [&](const Touch& t) { change.begins = std::max(change.begins, t.force), ++change.began; };
-        for (const Touch& now : now_) {
-            while (b < base_.size() && base_[b].record < now.record) begins(base_[b++]);
-            if (b == base_.size() || base_[b].record != now.record) {
-                begins(now);
+        const auto apart = [](const auto& a, const auto& b) { return Vec3(a[0] - b[0], a[1] - b[1], a[2] - b[2]).norm(); };
+        Change change;
+        for (const auto& [k, was] : base_)
+            if (!now.count(k)) change.begins = std::max<double>(change.begins, was.normal_force);
+        for (const auto& [k, is] : now) {
+            const auto found = base_.find(k);
+            if (found == base_.end()) {
+                change.begins = std::max<double>(change.begins, is.normal_force);
                 continue;
             }
-            const Touch& was = base_[b++];
-            const double turn = std::min(was.force, now.force) * (now.normal - was.normal).norm();
-            double& of = now.triangle != was.triangle ? change.facets : change.turns;
-            of = std::max(of, turn);
-            change.other_facets += now.triangle != was.triangle;
-            if (now.stuck == was.stuck) continue;
-            ++change.slipped;
-            change.slips = std::max(change.slips, (now.friction - was.friction).norm());
+            const ContactState& was = found->second;
+            double& of = is.triangle != was.triangle ? change.facets : change.turns;
+            of = std::max(of, std::min<double>(was.normal_force, is.normal_force) * apart(is.normal, was.normal));
+            if ((is.flags ^ was.flags) & SEL_CONTACT_STUCK)
+                change.slips = std::max(change.slips, apart(is.friction, was.friction));
         }
-        while (b < base_.size()) begins(base_[b++]);
+        return change;
     }
 
     const CapsuleContact* contact_;
     bool known_ = false;
-    std::vector<Touch> base_, now_;
+    Touches base_;
 };
 
-// ---- steps ------------------------------------------------------------------------------------------------------------------------
+// ---- steps --------------------------------------------------------------------------------------------------------------------
 
 struct Seen {
     NewtonTrial trial;
@@ -200,30 +148,27 @@ struct Seen {
 };
 
 struct Step {
-    long number = 0;
-    int iterations = 0, trials = 0, sub_steps = 1, nodes = 0;
+    int iterations = 0, trials = 0, sub_steps = 1;
     bool cut_short = false;
     double hand = 0;  // force [N]
     double time = 0;  // of the processor [s]
-    std::vector<std::uint8_t> before;
     std::vector<Seen> seen;
 };
 
 class Recorder {
 public:
-    Recorder(World& world, bool look, int cut) : world_(world), contacts_(world), look_(look)
+    Recorder(World& world, int cut) : world_(world), contacts_(world)
     {
         if (cut > 0) world.cut_when([this, cut] { return ++asked_ >= cut; });
         data_of(world).solver->watch([this](const NewtonTrial& trial) {
             ++step_.trials;
-            if (look_) step_.seen.push_back({trial, contacts_.look(trial.end == NewtonTrial::End::Taken)});
+            step_.seen.push_back({trial, contacts_.look(trial.end == NewtonTrial::End::Taken)});
         });
     }
 
     Step take(const Control& control, double dt, long number)
     {
         step_ = {};
-        step_.number = number;
         contacts_.start();
         asked_ = 0;
         const double start = thread_time();
@@ -232,7 +177,6 @@ public:
         if (report.failed()) throw Error(ErrorKind::Stopped, fmt::format("step {} failed", number));
         step_.iterations = report.newton_iterations;
         step_.sub_steps = report.sub_steps;
-        step_.nodes = world_.rod(0).n;
         step_.cut_short = (report.flags & StepCutShort) != 0;
         step_.hand = world_.readings(0).hand_force;
         return std::move(step_);
@@ -241,12 +185,11 @@ public:
 private:
     World& world_;
     Contacts contacts_;
-    bool look_;
     int asked_ = 0;
     Step step_;
 };
 
-// ---- output -----------------------------------------------------------------------------------------------------------------------
+// ---- output -------------------------------------------------------------------------------------------------------------------
 
 void print_row(const char* what, std::vector<double> values)
 {
@@ -273,26 +216,6 @@ void print_steps(const std::vector<Step>& steps)
     row("time [ms]", [](const Step& s) { return 1e3 * s.time; });
     fmt::print("cut short    {}\n", std::count_if(steps.begin(), steps.end(), [](const Step& s) { return s.cut_short; }));
     fmt::print("halved       {}\n", std::count_if(steps.begin(), steps.end(), [](const Step& s) { return s.sub_steps > 1; }));
-}
-
-const char* name_of(NewtonTrial::End end)
-{
-    using enum NewtonTrial::End;
-    switch (end) {
-        case Taken:
-            return "taken";
-        case Refused:
-            return "refused";
-        case TooLong:
-            return "too long";
-        case Solved:
-            return "solved";
-        case Settled:
-            return "settled";
-        case GivenUp:
-            return "given up";
-    }
-    return "";
 }
 
 /// Of a trial after the first direction: what changed most in newtons, where that is more than the tolerance leaves.
@@ -330,123 +253,24 @@ void print_causes(const std::vector<Step>& steps)
         fmt::print("{:28} {:10.1f} {:10.1f}\n", name, 100.0 * count / all, 100.0 * led[name] / late);
 }
 
-void write_trials(const std::string& file, const std::vector<Step>& steps)
-{
-    std::string text =
-        "step,end,iteration,alpha,move_um,residual,contraction,projected,touches,began,begins_mn,turns_mn,facets,facets_mn,"
-        "slipped,slips_mn\n";
-    for (const Step& step : steps)
-        for (const auto& [t, c] : step.seen)
-            text += fmt::format("{},{},{},{:.3g},{:.4g},{:.4g},{:.3g},{},{},{},{:.3g},{:.3g},{},{:.3g},{},{:.3g}\n", step.number,
-                                name_of(t.end), t.iteration, t.alpha, 1e6 * t.move, t.residual, t.contraction,
-                                t.projected ? 1 : 0, c.touches, c.began, 1e3 * c.begins, 1e3 * c.turns, c.other_facets,
-                                1e3 * c.facets, c.slipped, 1e3 * c.slips);
-    write_file(file, text);
-}
-
-// ---- kept steps -------------------------------------------------------------------------------------------------------------------
-
-void write_kept(const std::string& file, const std::vector<Step>& steps)
-{
-    std::string bytes;
-    const auto put = [&](std::int64_t number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof(number)); };
-    for (const Step& step : steps) {
-        put(step.number);
-        put(static_cast<std::int64_t>(step.before.size()));
-        bytes.append(reinterpret_cast<const char*>(step.before.data()), step.before.size());
-    }
-    write_file(file, bytes);
-}
-
-std::vector<Step> read_kept(const std::string& file)
-{
-    const std::string bytes = read_file(file);
-    std::vector<Step> steps;
-    for (std::size_t at = 0; at + 16 <= bytes.size();) {
-        std::int64_t head[2];
-        std::memcpy(head, bytes.data() + at, sizeof(head));
-        at += sizeof(head);
-        if (head[1] < 0 || static_cast<std::size_t>(head[1]) > bytes.size() - at)
-            throw Error(ErrorKind::BadFile, file + ": cut off");
-        Step step;
-        step.number = head[0];
-        step.before.assign(bytes.begin() + static_cast<std::ptrdiff_t>(at),
-                           bytes.begin() + static_cast<std::ptrdiff_t>(at) + head[1]);
-        at += static_cast<std::size_t>(head[1]);
-        steps.push_back(std::move(step));
-    }
-    return steps;
-}
-
-void take_again(World& world, const Scene& scene, Hubs& hubs, std::vector<Step>& steps, bool look, int repeat, int cut)
-{
-    Recorder recorder(world, look, cut);
-    for (Step& kept : steps) {
-        std::vector<double> times;
-        for (int k = 0; k < repeat; ++k) {
-            world.restore_state(kept.before);
-            Step taken = recorder.take(hubs.control(world, kept.number), scene.dt, kept.number);
-            times.push_back(taken.time);
-            taken.before = std::move(kept.before);
-            kept = std::move(taken);
-        }
-        std::sort(times.begin(), times.end());
-        kept.time = times[times.size() / 2];
-    }
-}
-
-std::vector<Step> run_scene(World& world, const Scene& scene, Hubs& hubs, std::vector<Step>& kept, const Options& options)
-{
-    const std::size_t worst = options.worst;
-    Recorder recorder(world, options.least > 0, options.cut);
-    std::vector<Step> steps;
-    int least = 2;  // iterations of a step that is kept
-    const auto thin_out = [&] {
-        std::stable_sort(kept.begin(), kept.end(), [](const Step& a, const Step& b) { return a.iterations > b.iterations; });
-        if (kept.size() <= worst) return;
-        kept.resize(worst);
-        least = kept.back().iterations;
-    };
-    for (long k = 1; k <= hubs.steps(); ++k) {
-        std::vector<std::uint8_t> before = world.save_state();
-        steps.push_back(recorder.take(hubs.control(world, k), scene.dt, k));
-        if (steps.back().iterations <= least) continue;
-        kept.push_back(steps.back());
-        kept.back().before = std::move(before);
-        if (kept.size() > 2 * worst) thin_out();
-    }
-    thin_out();
-    std::sort(kept.begin(), kept.end(), [](const Step& a, const Step& b) { return a.number < b.number; });
-    return steps;
-}
-
 int run(const Options& options)
 {
     const Scene scene = read_scene(options.scene, options.overrides);
     World world(make_setup(scene));
     Hubs hubs(scene, options.session, options.steps);
-    std::vector<Step> kept;
-    if (options.replay.empty()) {
-        std::vector<Step> all = run_scene(world, scene, hubs, kept, options);
-        print_steps(all);
-        if (options.least > 0) {
-            std::erase_if(all, [&](const Step& s) { return s.iterations < options.least; });
-            fmt::print("\n{} steps of {} iterations and more:\n", all.size(), options.least);
-            print_causes(all);
-            if (!options.trials.empty()) write_trials(options.trials, all);
-        }
-        if (!options.keep.empty()) write_kept(options.keep, kept);
-        fmt::print("state        {}\n\nthe {} of most iterations, taken again:\n", world.state_hash(), kept.size());
-    } else {
-        kept = read_kept(options.replay);
+    Recorder recorder(world, options.cut);
+    std::vector<Step> all, late;
+    for (long k = 1; k <= hubs.steps(); ++k) {
+        all.push_back(recorder.take(hubs.control(world, k), scene.dt, k));
+        if (all.back().iterations >= options.least) late.push_back(all.back());
+        all.back().seen.clear();
     }
-    if (kept.empty()) return 0;
-    take_again(world, scene, hubs, kept, true, 1, options.cut);
-    print_causes(kept);
-    if (!options.trials.empty() && options.least == 0) write_trials(options.trials, kept);
+    print_steps(all);
+    fmt::print("state        {}\n\n{} steps of {} iterations and more:\n", world.state_hash(), late.size(), options.least);
+    if (late.empty()) return 0;
+    print_causes(late);
     fmt::print("\n");
-    take_again(world, scene, hubs, kept, false, options.repeat, options.cut);
-    print_steps(kept);
+    print_steps(late);
     return 0;
 }
 
@@ -454,9 +278,18 @@ int run(const Options& options)
 
 int main(int argc, char** argv)
 {
+    Options options;
+    CLI::App app("The steps of a run that take longest, and why.");
+    app.add_option("scene", options.scene, "scene file")->required();
+    app.add_option("--least", options.least, "iterations of a late step");
+    app.add_option("--cut", options.cut, "steps whose time is up at this trial");
+    app.add_option("--session", options.session, "record of a live session");
+    app.add_option("--steps", options.steps, "the first so many steps only");
+    app.add_option("--set", options.overrides, "table.key=value")->allow_extra_args(false);
+    CLI11_PARSE(app, argc, argv);
     try {
-        return run(read_options(argc, argv));
-    } catch (const seldinger::Error& error) {
+        return run(options);
+    } catch (const Error& error) {
         fmt::print(stderr, "late_steps: {}\n", error.what());
         return exit_code(error.kind());
     }

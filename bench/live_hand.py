@@ -12,9 +12,7 @@ The hand is integrated in 20 parts of a millisecond, the force held for a period
 is made in lockstep (`seldinger live --lockstep`): a step for each datagram, so that it is the same on any machine. Colgate's line, with a force that is held for
 T and comes tau late, is b_hand = k (T/2 + tau) + b [Colgate & Schenkel 1997].
 """
-import argparse
 import collections
-import csv
 import json
 import math
 import os
@@ -29,6 +27,8 @@ import sys
 import tempfile
 import threading
 import time
+
+import runner
 
 REQUEST, ANSWER = struct.Struct("<IHHQdddII"), struct.Struct("<IHHQQdddddII")
 
@@ -130,17 +130,12 @@ def follow(speed):
 
 def open_page(url):
     """The session's page in a headless Chromium that draws on the same cores. @return the browser, once frames arrive"""
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests" / "web"))
+    sys.path.insert(0, str(runner.ROOT / "tests" / "web"))
     from browser import Browser
     browser = Browser()
     browser.open(url)
     browser.wait("window.seldinger && seldinger.frames > 5 && seldinger.viewer", 60)
     return browser
-
-
-def resident_mb(process):
-    with open(f"/proc/{process.pid}/statm") as statm:
-        return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def stolen_s():
@@ -162,7 +157,7 @@ def to_and_fro(options):
 def holdings(process):
     """What a process has of the system: resident memory [MB], open files, threads."""
     folder = f"/proc/{process.pid}"
-    return {"memory_mb": round(resident_mb(process), 2), "files": len(os.listdir(folder + "/fd")), "threads": len(os.listdir(folder + "/task"))}
+    return {"memory_mb": round(runner.memory_mb(process.pid), 2), "files": len(os.listdir(folder + "/fd")), "threads": len(os.listdir(folder + "/task"))}
 
 
 class Page(threading.Thread):
@@ -203,10 +198,7 @@ def soak(options):
                      "inserted_mm": round(1e3 * hand.answer[9], 1), "round_trip_p50_ms": trip["p50_ms"], "round_trip_p99_ms": trip["p99_ms"]})
         hand.trips.clear()
         hand.sent.clear()
-        with open(options.output, "w", newline="") as file:
-            table = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-            table.writeheader()
-            table.writerows(rows)
+        runner.write_rows(options.output, rows)
         return session.process.poll() is not None or len(rows) >= options.minutes
 
     hand.go(math.inf, push, note)
@@ -247,7 +239,7 @@ def run(options):
     if options.malformed:
         Malformed(session.port, options.malformed, options.seconds).start()
     hand.go(options.seconds, follow(options.speed))
-    seen = {"memory_mb": round(resident_mb(session.process), 1), "stolen_s": round(stolen_s() - stolen, 2)}
+    seen = {"memory_mb": round(runner.memory_mb(session.process.pid), 1), "stolen_s": round(stolen_s() - stolen, 2)}
     if browser:
         seen["page_frames_per_s"] = browser.evaluate("seldinger.fps")
         browser.close()
@@ -315,10 +307,7 @@ def swing(app, scene, stiffness, delay, options):
 
 def stability(options):
     name = pathlib.Path(options.scene).stem
-    rows = []
-    if os.path.exists(options.output):
-        with open(options.output) as file:
-            rows = [row for row in csv.DictReader(file) if row["scene"] != name]
+    rows = runner.read_rows(options.output, lambda row: row["scene"] != name)
     for delay in options.delays:
         for stiffness in options.stiffnesses:
             gone, summary = swing(options.app, options.scene, stiffness, delay, options)
@@ -327,21 +316,17 @@ def stability(options):
                          "colgate_n_m": round(line, 1), "hand_energy_j": summary["coupling"][0]["energy_j"],
                          "coupling_energy_lowest_j": summary["coupling"][0]["advance_energy_lowest_j"]})
             print(rows[-1], flush=True)
-            with open(options.output, "w", newline="") as file:
-                table = csv.DictWriter(file, rows[0].keys())
-                table.writeheader()
-                table.writerows(rows)
+            runner.write_rows(options.output, rows)
 
 
 def plot(options):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "assets"))
+    sys.path.insert(0, str(runner.ROOT / "assets"))
     from plot_style import BLACK, BLUE, GREEN, RED, use_style
     use_style()
-    with open(options.table) as file:
-        rows = list(csv.DictReader(file))
+    rows = runner.read_rows(options.table)
     scenes = sorted({row["scene"] for row in rows})
     figure, panels = plt.subplots(1, len(scenes), figsize=(3.4 * len(scenes), 3.2), sharey=True, squeeze=False)
     for axes, scene in zip(panels[0], scenes):
@@ -367,7 +352,7 @@ def plot(options):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = runner.parser(__doc__, app=False)
     commands = parser.add_subparsers(dest="command", required=True)
     for name in ("run", "map", "wild", "soak"):
         command = commands.add_parser(name)

@@ -11,79 +11,21 @@ growth.csv   a wire let go from an arc, tip off by `amplitude` of its length, `s
              the first step, by the trapezoid and by energy-momentum steps. A run that is stopped by its time limit has blown up: steps are
              halved again and again.
 """
-import argparse
-import csv
 import pathlib
-import subprocess
-import sys
-import tempfile
 
 import numpy as np
 
-HOLD = """[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-[output]
-wire_every = 0
-contacts_every = 0
-"""
+import runner
 
-STIFF = """[scene]
-gravity = [0.0, 0.0, -9.81]
-duration_s = 20.0
-dt_s = 0.001
-record_every = 1
-[wire]
-length_m = 0.2
-radius_m = 0.0002
-density = 6450.0
-youngs_pa = 60.0e9
-poisson = 0.33
-nodes = 101
-place = { shape = "straight", direction = [1.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0] }
-""" + HOLD
-SHAPED = STIFF.replace("[[hold]]", """[[wire.section]]
-from_tip_m = [0.0, 0.01]
-rest_curvature_1_m = [150.0, 0.0]
-[[hold]]""")
-
+STIFF = {"scene": {"gravity": [0.0, 0.0, -9.81], "duration_s": 20.0, "dt_s": 0.001, "record_every": 1},
+         "wire": {"length_m": 0.2, "radius_m": 0.0002, "density": 6450.0, "youngs_pa": 60.0e9, "poisson": 0.33, "nodes": 101,
+                  "place": runner.LEVEL | {"normal": [0.0, 1.0, 0.0]}},
+         "hold": [runner.HELD], "output": runner.QUIET}
+SHAPED = STIFF | {"wire.section": [{"from_tip_m": [0.0, 0.01], "rest_curvature_1_m": [150.0, 0.0]}]}
 PERIOD = 0.0609494718531634  # [s]
-PLUCKED = """[scene]
-gravity = [0.0, 0.0, 0.0]
-duration_s = 6.0
-dt_s = 0.001
-record_every = 1
-[wire]
-length_m = 0.1
-radius_m = 0.000178
-density = 6450.0
-bend_nm2 = 5.5190957750700876e-5
-twist_nm2 = 4.2e-5
-stretch_n = 6966.0
-nodes = 41
-place = { shape = "arc", bend_radius_m = 300.0, direction = [1.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
-[integrator]
-tolerance = 1e-9
-""" + HOLD
-
-
-class Runner:
-    def __init__(self, app, folder):
-        self.app, self.folder = app, pathlib.Path(folder)
-
-    def __call__(self, scene, settings, limit):
-        """(trace, finished)"""
-        (self.folder / "scene.toml").write_text(scene)
-        command = [self.app, "run", str(self.folder / "scene.toml"), "-o", str(self.folder / "run"), "--overwrite", "--quiet",
-                   "--time-limit", str(limit)]
-        for key, value in settings.items():
-            command += ["--set", f"{key}={value}"]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode not in (0, 4, 75):  # 4: even the smallest step failed
-            sys.exit(f"{' '.join(command)}: exit {done.returncode}: {done.stderr.strip()}")
-        return np.genfromtxt(self.folder / "run" / "trace.csv", delimiter=",", names=True), done.returncode == 0
+PLUCKED = STIFF | {"scene": STIFF["scene"] | {"gravity": [0.0, 0.0, 0.0]}, "integrator": {"tolerance": 1e-9},
+                   "wire": {"length_m": 0.1, "radius_m": 0.000178, "density": 6450.0, "bend_nm2": 5.5190957750700876e-5, "twist_nm2": 4.2e-5,
+                            "stretch_n": 6966.0, "nodes": 41, "place": {**runner.LEVEL, "shape": "arc", "bend_radius_m": 300.0}}}
 
 
 def drift(run, duration):
@@ -128,23 +70,20 @@ def growth(run, quick):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
-    parser.add_argument("--csv-folder", default="")
+    parser = runner.parser(__doc__)
+    parser.add_argument("--csv-folder", type=pathlib.Path)
     parser.add_argument("--only", choices=["drift", "growth"], default=None)
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        run = Runner(options.app, folder)
-        for name, make in (("drift", lambda: drift(run, 2 if options.quick else 20)), ("growth", lambda: growth(run, options.quick))):
-            if options.only not in (None, name):
-                continue
-            rows = make()
-            if options.csv_folder:
-                with open(pathlib.Path(options.csv_folder) / f"{name}.csv", "w", newline="") as file:
-                    table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-                    table.writeheader()
-                    table.writerows(rows)
+
+    def run(scene, settings, limit):
+        """(trace, finished); 4: even the smallest step failed"""
+        done = runner.run(options.app, runner.scene(scene), settings=settings, more=["--time-limit", limit], accept=(0, 4, 75))
+        return done.trace(), done.code == 0
+
+    for name, make in (("drift", lambda: drift(run, 2 if options.quick else 20)), ("growth", lambda: growth(run, options.quick))):
+        if options.only in (None, name):
+            runner.write_rows(options.csv_folder and options.csv_folder / f"{name}.csv", make())
 
 
 if __name__ == "__main__":

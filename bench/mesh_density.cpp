@@ -9,19 +9,20 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "core/exit_code.h"
+#include "core/file_io.h"
 #include "run/key_frames.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "shapes/subdivide.h"
 #include "vessel/tree.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <malloc.h>
 #include <unistd.h>
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <fstream>
 
@@ -52,30 +53,6 @@ struct Options {
     int rounds = 4, first = 0, repeat = 1;
     long steps = 0;  // 0: all
 };
-
-Options read_options(int argc, char** argv)
-{
-    Options options;
-    for (int k = 1; k < argc; ++k) {
-        const std::string word = argv[k];
-        const auto value = [&]() -> std::string {
-            return k + 1 < argc ? argv[++k] : throw Error(ErrorKind::BadScene, word + ": a value is missing");
-        };
-        if (word == "--rounds") options.rounds = std::atoi(value().c_str());
-        else if (word == "--first") options.first = std::atoi(value().c_str());
-        else if (word == "--steps") options.steps = std::atol(value().c_str());
-        else if (word == "--repeat") options.repeat = std::max(1, std::atoi(value().c_str()));
-        else if (word == "--csv") options.csv = value();
-        else if (word == "--set") options.overrides.push_back(value());
-        else if (options.scene.empty() && word[0] != '-') options.scene = word;
-        else
-            throw Error(ErrorKind::BadScene, word +
-                                                ": unknown; usage: mesh_density SCENE.toml [--rounds N] [--first N] [--steps N] "
-                                                "[--repeat N] [--csv FILE] [--set k=v]");
-    }
-    if (options.scene.empty()) throw Error(ErrorKind::BadScene, "give a scene file");
-    return options;
-}
 
 /// The wall's arrays that stay: the mesh (world), tree nodes, vertices, rims and the way back to the mesh's triangles (contact).
 double kept_bytes(const WallMesh& mesh, const WallTree& tree)
@@ -154,11 +131,7 @@ int run(const Options& options)
         fmt::print("{}", row);
         std::fflush(stdout);
     }
-    if (!options.csv.empty()) {
-        std::ofstream out(options.csv);
-        out << table;
-        if (!out.flush()) throw Error(ErrorKind::BadFile, options.csv + ": cannot be written");
-    }
+    if (!options.csv.empty()) write_file(options.csv, table);
     return 0;
 }
 
@@ -166,9 +139,19 @@ int run(const Options& options)
 
 int main(int argc, char** argv)
 {
+    Options options;
+    CLI::App app("Step time against mesh density: the same wire in the same vessel, Loop-subdivided round by round.");
+    app.add_option("scene", options.scene, "scene file")->required();
+    app.add_option("--rounds", options.rounds, "subdivisions");
+    app.add_option("--first", options.first, "the first round that is measured");
+    app.add_option("--steps", options.steps, "the first so many steps only");
+    app.add_option("--repeat", options.repeat)->check(CLI::PositiveNumber);
+    app.add_option("--csv", options.csv, "the table");
+    app.add_option("--set", options.overrides, "table.key=value")->allow_extra_args(false);
+    CLI11_PARSE(app, argc, argv);
     try {
-        return run(read_options(argc, argv));
-    } catch (const seldinger::Error& error) {
+        return run(options);
+    } catch (const Error& error) {
         fmt::print(stderr, "mesh_density: {}\n", error.what());
         return exit_code(error.kind());
     }

@@ -10,8 +10,6 @@ fro at 3 cm/s and turned at random, as far into the arch. What each delivers is 
 through the wall at most; `unconverged`, shares of steps that ended above the solver's tolerance (ours: steps that failed).
 """
 
-import argparse
-import csv
 import math
 import os
 import sys
@@ -22,8 +20,9 @@ from pathlib import Path
 import mujoco
 import mujoco.rollout
 import numpy as np
-
 import seldinger.gym
+
+import runner
 
 CONTROL, SPEED = 1 / 60, 0.03          # [s], [m/s]
 RADIUS, DENSITY, BEND, TWIST = 4.445e-4, 3700.0, 2.9e-4, 2.2e-4  # assets/scenes/navigate.toml: [m], [kg/m^3], [N m^2]
@@ -145,11 +144,10 @@ def time_ours(count, seconds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = runner.parser(__doc__, "", app=False)
     parser.add_argument("--envs", default="1,16")
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--threads", type=int, default=os.cpu_count())
-    parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
     if int(mujoco.__version__.split(".")[0]) > 3:
         sys.exit(f"mujoco_cable.py: MuJoCo {mujoco.__version__} has no composite cables in its XML: pip install 'mujoco<4'")
@@ -168,11 +166,7 @@ def main():
         for row in rows[-2:]:
             print("{who:15s} {envs:4d} environments, steps of {step_us:.0f} us: {controls_per_s:8.1f} controls/s, wall {wall_um:.1f} um, "
                   "unconverged {unconverged:.4f}, {contacts:.1f} contacts".format(**row), flush=True)
-    if options.csv:
-        with options.csv.open("w", newline="") as file:
-            table = csv.DictWriter(file, rows[0])
-            table.writeheader()
-            table.writerows(rows)
+    runner.write_rows(options.csv, rows)
 
 
 if __name__ == "__main__":

@@ -12,17 +12,14 @@ link     (Tw + Wr)/N, the writhe as the Gauss integral of the polygon.
 moment   of the rod, force per length of a strand, tension: those of a ply of polygons (tests/contact/test_plectoneme.cpp) with the distance
          and turn measured over the middle 40 % of the ply.
 """
-import argparse
-import csv
-import json
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 import numpy as np
 
-SCENE = pathlib.Path(__file__).resolve().parent / "plectoneme.toml"
+import runner
+
+SCENE = runner.ROOT / "bench" / "plectoneme.toml"
 BEND, TWIST = 1e-6, 7e-7
 
 
@@ -68,12 +65,9 @@ def curve(nodes, edge, s):
     return (0.5 - u)**2 / 2 * nodes[i - 1] + (0.75 - u**2) * nodes[i] + (0.5 + u)**2 / 2 * nodes[i + 1]
 
 
-def measure(folder):
-    wire = np.genfromtxt(folder / "wire.csv", delimiter=",", names=True)
-    summary = json.loads((folder / "summary.json").read_text())
-    with open(folder / "contacts.csv") as file:
-        contact = np.array([[float(r[k]) for k in ("s_a_m", "s_b_m", "normal_n", "length_m")] for r in csv.DictReader(file)])
-    nodes, s = np.column_stack([wire["x_m"], wire["y_m"], wire["z_m"]]), wire["s_m"]
+def measure(run):
+    wire, summary, contact, nodes = run.trace("wire"), run.summary, run.columns("contacts", "s_a_m", "s_b_m", "normal_n", "length_m"), run.nodes()
+    s = wire["s_m"]
     edge, opposite, begin, end = s[1] - s[0], np.median(contact[:, 0] + contact[:, 1]), contact[:, 0].min(), contact[:, 0].max()
     at = np.linspace(begin, end, 8001)
     a, b = curve(nodes, edge, at), curve(nodes, edge, opposite - at)
@@ -100,21 +94,11 @@ def measure(folder):
 
 
 def main():
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--app", default="build/seldinger")
+    options = runner.parser(__doc__)
     options.add_argument("--set", action="append", default=[])
     options.add_argument("--keep", type=pathlib.Path)
-    options.add_argument("--folder", type=pathlib.Path, help="a run that is there")
     given = options.parse_args()
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = given.folder or given.keep or pathlib.Path(scratch) / "run"
-        if not given.folder:
-            command = [given.app, "run", str(SCENE), "-o", str(folder), "--overwrite", "--quiet", "--error-estimate", "off"]
-            for value in given.set:
-                command += ["--set", value]
-            if subprocess.run(command).returncode != 0:
-                sys.exit("the run failed")
-        found = measure(folder)
+    found = measure(runner.run(given.app, SCENE, given.keep, given.set, estimate="off"))
     # link: the hub's torque stands for the twist of the whole rod, 1e-3; ply: as in test_plectoneme
     allowed = {"turns": (10, 12), "link": (0.999, 1.001), "moment": (0.98, 1.02), "force per length": (0.98, 1.02),
                "tension": (0.97, 1.03), "distance of axes over diameter": (0.98, 1.02)}

@@ -4,8 +4,6 @@
 bench/plot_learning.py [bench/results/learning] [-o docs/learning.png]      files TARGET-SEED.csv
 """
 
-import argparse
-import csv
 import sys
 from collections import defaultdict
 from pathlib import Path
@@ -16,7 +14,9 @@ matplotlib.use("Agg")
 import numpy as np
 from matplotlib import pyplot
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "assets"))
+import runner
+
+sys.path.insert(0, str(runner.ROOT / "assets"))
 import plot_style
 
 
@@ -24,14 +24,12 @@ def curves(folder):
     """@return target: [(processor minutes, success)] of its seeds"""
     found = defaultdict(list)
     for path in sorted(folder.glob("*-[0-9].csv")):
-        with path.open() as file:
-            rows = [(float(r["cpu_s"]) / 60, float(r["success"])) for r in csv.DictReader(file)]
-        found[path.stem[:-2]].append(np.array(rows))
+        found[path.stem[:-2]].append(np.array([(float(r["cpu_s"]) / 60, float(r["success"])) for r in runner.read_rows(path)]))
     return found
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = runner.parser(__doc__, app=False)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("bench/results/learning"))
     parser.add_argument("-o", dest="out", default="docs/learning.png")
     options = parser.parse_args()

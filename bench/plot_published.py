@@ -7,20 +7,17 @@ SCENES: the folder with experiment1.toml and experiment2.toml. What the publishe
 touch (3 cm; near zero on the arch), then a straight line of slope 0.0493 N/m in the cylinder, and on the arch growth with a jump where the
 tip meets the arch.
 """
-import argparse
-import csv
-import os
-import subprocess
+import pathlib
 import sys
-import tempfile
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-sys.path.insert(0, os.path.join(ROOT, "assets"))
+import runner
+
+sys.path.insert(0, str(runner.ROOT / "assets"))
 from plot_style import BLUE, COLUMN, GREEN, ORANGE, PURPLE, RED, use_style  # noqa: E402  (beside the scripts for users)
 
 PUBLISHED = ["integrator.scheme=linearised", "contact.detection=layer", "contact.normal=lankarani-nikravesh", "contact.friction=sign"]
@@ -38,39 +35,33 @@ RUNS = {  # scene -> until [s], curves: label, colour, texts
 }
 
 
-def curve(app, scene, until, settings, folder):
+def curve(app, scene, until, settings):
     dt = next((float(s.split("=")[1]) for s in settings if s.startswith("scene.dt_s")), 1e-3)
-    texts = settings + [f"scene.duration_s={round(until / dt) * dt!r}", "scene.record_every=1"]
-    command = [app, "run", scene, "-o", folder, "--overwrite", "--quiet"] + [x for t in texts for x in ("--set", t)]
-    subprocess.run(command, capture_output=True)
-    with open(os.path.join(folder, "trace.csv")) as file:
-        rows = list(csv.DictReader(file))
-    return [100 * float(r["inserted_m"]) for r in rows], [1e3 * float(r["friction_n"]) for r in rows]
+    rows = runner.run(app, scene, settings=settings + [f"scene.duration_s={round(until / dt) * dt!r}", "scene.record_every=1"], accept=None).rows()
+    return [100 * r["inserted_m"] for r in rows], [1e3 * r["friction_n"] for r in rows]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes")
-    parser.add_argument("--app", default=os.path.join(ROOT, "build", "seldinger"))
-    parser.add_argument("-o", default=os.path.join(ROOT, "docs", "charts", "published.png"))
+    parser = runner.parser(__doc__)
+    parser.add_argument("scenes", type=pathlib.Path)
+    parser.add_argument("-o", default=runner.ROOT / "docs/charts/published.png")
     options = parser.parse_args()
     use_style()
     figure, panels = plt.subplots(1, 2, figsize=(2 * COLUMN, 3.4), layout="constrained")
-    with tempfile.TemporaryDirectory() as folder:
-        for axes, (name, (until, curves)) in zip(panels, RUNS.items()):
-            for label, colour, settings in curves:
-                x, y = curve(options.app, os.path.join(options.scenes, name + ".toml"), until, settings, folder)
-                ended = x[-1] < 2 * until - 0.1
-                axes.plot(x, y, color=colour, linewidth=0.8, label=label + (" (ended by the energy it makes)" if ended else ""))
-                if ended:
-                    axes.plot(x[-1:], [min(y[-1], 11)], "x", color=colour)
-            axes.set_xlabel("inserted length [cm]")
-            axes.set_ylabel("friction [mN]")
-            axes.set_title({"experiment1": "experiment 1: cylinder", "experiment2": "experiment 2: a patient's arch"}[name], pad=42)
-            axes.set_ylim(0, {"experiment1": 12, "experiment2": 6}[name])
-            axes.legend(loc="lower left", bbox_to_anchor=(0, 1), fontsize=6.5, labelspacing=0.2)  # on no curve
-        panels[0].plot([8, 24], [0.0493 * 10 * (8 - 3.45), 0.0493 * 10 * (24 - 3.45)], color="0.5", linestyle=":", linewidth=1)
-        panels[0].text(17.5, 5.0, "slope 0.0493 N/m", fontsize=7, color="0.4")
+    for axes, (name, (until, curves)) in zip(panels, RUNS.items()):
+        for label, colour, settings in curves:
+            x, y = curve(options.app, options.scenes / f"{name}.toml", until, settings)
+            ended = x[-1] < 2 * until - 0.1
+            axes.plot(x, y, color=colour, linewidth=0.8, label=label + (" (ended by the energy it makes)" if ended else ""))
+            if ended:
+                axes.plot(x[-1:], [min(y[-1], 11)], "x", color=colour)
+        axes.set_xlabel("inserted length [cm]")
+        axes.set_ylabel("friction [mN]")
+        axes.set_title({"experiment1": "experiment 1: cylinder", "experiment2": "experiment 2: a patient's arch"}[name], pad=42)
+        axes.set_ylim(0, {"experiment1": 12, "experiment2": 6}[name])
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), fontsize=6.5, labelspacing=0.2)  # on no curve
+    panels[0].plot([8, 24], [0.0493 * 10 * (8 - 3.45), 0.0493 * 10 * (24 - 3.45)], color="0.5", linestyle=":", linewidth=1)
+    panels[0].text(17.5, 5.0, "slope 0.0493 N/m", fontsize=7, color="0.4")
     figure.savefig(options.o, dpi=200)
 
 

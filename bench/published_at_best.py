@@ -13,17 +13,12 @@ Better is, in this order: a run that ends by itself; no point of the axis outsid
 that does not jitter (engine/studies/models/classify.h); the root mean square distance of the tip from that of converged steps of 1 ms.
 Every run is one line of the table, with the texts that repeat it; `best` marks the winner of a search.
 """
-import argparse
-import csv
-import json
 import math
-import os
-import subprocess
 import sys
-import tempfile
 import tomllib
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+import runner
+
 FRAME = 1 / 60
 # scene, its file under assets/scenes, until [s], where times count from [s]
 SCENES = {
@@ -61,24 +56,13 @@ def choices(scene, frame):
     }
 
 
-def rows_of(folder):
-    with open(os.path.join(folder, "trace.csv")) as file:
-        return list(csv.DictReader(file))
-
-
-def run(app, scene, until, settings, limit, folder):
+def run(app, scene, until, settings, limit):
     dt = float(settings["scene.dt_s"])
-    steps = round(until / dt)
-    command = [app, "run", scene, "-o", folder, "--overwrite", "--quiet", "--time-limit", str(limit), "--set", "scene.record_every=1",
-               "--set", "output.wire_every=1000000", "--set", f"scene.duration_s={steps * dt!r}"]
-    for key, value in settings.items():
-        command += ["--set", f"{key}={value}"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    try:
-        with open(os.path.join(folder, "summary.json")) as file:
-            return done.returncode, json.load(file), rows_of(folder)
-    except FileNotFoundError:
-        raise SystemExit(f"{' '.join(command)}: {done.stderr.strip()}")
+    done = runner.run(app, scene, settings={"scene.record_every": 1, "output.wire_every": 1000000, "scene.duration_s": round(until / dt) * dt, **settings},
+                      more=["--time-limit", limit], accept=None)
+    if not (done.folder / "summary.json").exists():
+        sys.exit(f"{done.command}: {done.said}")
+    return done.code, done.summary, done.rows()
 
 
 def jitter(forces):
@@ -93,24 +77,19 @@ def jitter(forces):
     return worst
 
 
-def tips(rows, since):
-    return {round(float(r["time_s"]), 4): tuple(float(r[k]) for k in ("tip_x_m", "tip_y_m", "tip_z_m")) for r in rows
-            if float(r["time_s"]) >= since}
-
-
 def judge(code, summary, rows, radius, reference, since):
     """(severity, outcome, tip error [m], hand error [N])"""
     far, hand, count = 0.0, 0.0, 0
     for r in rows:
-        there = reference.get(round(float(r["time_s"]), 3))
-        if there is None or float(r["time_s"]) < since or abs(float(r["time_s"]) - there[4]) > 1e-6:
+        there = reference.get(round(r["time_s"], 3))
+        if there is None or r["time_s"] < since or abs(r["time_s"] - there[4]) > 1e-6:
             continue
-        far += sum((float(r[k]) - there[i]) ** 2 for i, k in enumerate(("tip_x_m", "tip_y_m", "tip_z_m")))
-        hand += (float(r["hand_force_n"]) - there[3]) ** 2
+        far += sum((r[k] - there[i]) ** 2 for i, k in enumerate(("tip_x_m", "tip_y_m", "tip_z_m")))
+        hand += (r["hand_force_n"] - there[3]) ** 2
         count += 1
     tip = math.sqrt(far / count) if count else math.inf
     force = math.sqrt(hand / count) if count else math.inf
-    shaking = jitter([float(r["hand_force_n"]) for r in rows])
+    shaking = jitter([r["hand_force_n"] for r in rows])
     if code != 0 or not math.isfinite(tip):
         return 4, "stopped", tip, force
     if summary["outside_max_m"] > 0:
@@ -122,13 +101,13 @@ def judge(code, summary, rows, radius, reference, since):
     return 0, "hold", tip, force
 
 
-def search(app, name, frame, limit, table, folder):
+def search(app, name, frame, limit, table):
     file, until, since = SCENES[name]
-    path = os.path.join(ROOT, "assets", "scenes", file)
+    path = runner.ROOT / "assets" / "scenes" / file
     with open(path, "rb") as text:
         scene = tomllib.load(text)
-    _, _, rows = run(app, path, until, {"scene.dt_s": "0.001", "wire.nodes": "201"}, 600, folder)
-    reference = {round(float(r["time_s"]), 3): tuple(float(r[k]) for k in ("tip_x_m", "tip_y_m", "tip_z_m", "hand_force_n", "time_s"))
+    _, _, rows = run(app, path, until, {"scene.dt_s": "0.001", "wire.nodes": "201"}, 600)
+    reference = {round(r["time_s"], 3): tuple(r[k] for k in ("tip_x_m", "tip_y_m", "tip_z_m", "hand_force_n", "time_s"))
                  for r in rows}
     radius = scene["wire"]["radius_m"]
     options = choices(scene, frame)
@@ -140,7 +119,7 @@ def search(app, name, frame, limit, table, folder):
             settings.update(choice)
         key = tuple(sorted(settings.items()))
         if key not in tried:
-            code, summary, rows = run(app, path, until, settings, limit, folder)
+            code, summary, rows = run(app, path, until, settings, limit)
             tried[key] = judge(code, summary, rows, radius, reference, since) + (summary["steps_per_s"],)
             severity, outcome, tip, force, rate = tried[key]
             table.append({"scene": name, "search": "frame" if frame else "free", "outcome": outcome, "tip_rms_m": tip,
@@ -169,9 +148,7 @@ def search(app, name, frame, limit, table, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default=os.path.join(ROOT, "build", "seldinger"))
-    parser.add_argument("--csv", default=os.path.join(ROOT, "bench", "results", "chart", "published_best.csv"))
+    parser = runner.parser(__doc__, "chart/published_best.csv")
     parser.add_argument("--limit", type=float, default=300, help="seconds for one run")
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(SCENES)} (all)")
     arguments = parser.parse_args()
@@ -179,25 +156,13 @@ def main():
     if unknown:
         sys.exit(f"no scene {unknown[0]!r}; expected of {', '.join(SCENES)}")
     table = []
-    with tempfile.TemporaryDirectory() as folder:
-        for name in arguments.scenes or SCENES:
-            for frame in (False, True):
-                search(arguments.app, name, frame, arguments.limit, table, folder)
-                write(arguments.csv, table)
-
-
-def write(path, table):
-    """The rows of scenes searched now replace those of the file."""
-    done = {(row["scene"], row["search"]) for row in table}
-    kept = []
-    if os.path.exists(path):
-        with open(path) as file:
-            kept = [row for row in csv.DictReader(file) if (row["scene"], row["search"]) not in done]
-    with open(path + ".part", "w", newline="") as file:
-        writer = csv.DictWriter(file, fieldnames=list(table[0]))
-        writer.writeheader()
-        writer.writerows(kept + table)
-    os.replace(path + ".part", path)
+    for name in arguments.scenes or SCENES:
+        for frame in (False, True):
+            search(arguments.app, name, frame, arguments.limit, table)
+            # the rows of scenes searched now replace those of the file
+            done = {(row["scene"], row["search"]) for row in table}
+            kept = runner.read_rows(arguments.csv, lambda row: (row["scene"], row["search"]) not in done)
+            runner.write_rows(arguments.csv, kept + table, list(table[0]))
 
 
 if __name__ == "__main__":

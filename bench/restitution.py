@@ -14,13 +14,9 @@ First order in h, a scheme integrates not x' = v, v' = a(x, v) = -x^n (1 + b v) 
     conserve         x' = v,          v' = a + h/2 a_x v      contact is taken at the end of the step, its rate as the mean
 of which the restitution e(h) = e(0) - c h/t_c is found by integrating them: column `theory`.
 """
-import argparse
-import csv
 import math
-import os
-import subprocess
-import sys
-import tempfile
+
+import runner
 
 SCENE = "assets/scenes/reference/bounce.toml"
 SPEED, RADIUS, DENSITY, LENGTH = 0.05, 0.0004445, 7900.0, 0.02
@@ -105,20 +101,14 @@ def run(app, law, scheme, asked, dt, gap, most_steps):
     """Restitution got; None: still in contact at the end."""
     sets = [f"contact.normal={law}", f"contact.restitution={asked}", f"scene.dt_s={dt!r}", f"scene.duration_s={most_steps * dt!r}",
             f"wire.place.base=[-0.01, 0.0, {RADIUS + gap!r}]", *SCHEMES[scheme]]
-    with tempfile.TemporaryDirectory() as folder:
-        command = [app, "run", SCENE, "-o", os.path.join(folder, "run"), "--quiet"]
-        for s in sets:
-            command += ["--set", s]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode != 0:
-            return None, f"exit {done.returncode}"
-        with open(os.path.join(folder, "run", "trace.csv"), newline="") as file:
-            rows = [(float(row["kinetic_j"]), int(float(row["contacts"]))) for row in csv.DictReader(file)]
+    done = runner.run(app, SCENE, settings=sets, accept=None)
+    if done.code != 0:
+        return None, f"exit {done.code}"
     touched = False
-    for kinetic, contacts in rows:
-        if touched and contacts == 0:
-            return math.sqrt(kinetic / (0.5 * DENSITY * math.pi * RADIUS**2 * LENGTH * SPEED**2)), ""
-        touched = touched or contacts > 0
+    for row in done.rows():
+        if touched and row["contacts"] == 0:
+            return math.sqrt(row["kinetic_j"] / (0.5 * DENSITY * math.pi * RADIUS**2 * LENGTH * SPEED**2)), ""
+        touched = touched or row["contacts"] > 0
     return None, "still in contact"
 
 
@@ -145,8 +135,7 @@ def cases(laws, schemes):
 
 
 def print_tables(path):
-    with open(path, newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = runner.read_rows(path)
     parts = sorted({int(row["t_c/dt"]) for row in rows})
     print("| law | scheme | " + " | ".join(f"t_c/{p}" for p in parts) + " | c: theory; got |")
     print("|---|---|" + "---|" * (len(parts) + 1))
@@ -162,9 +151,7 @@ def print_tables(path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
-    parser.add_argument("--csv", default="bench/results/validation/restitution.csv")
+    parser = runner.parser(__doc__, "validation/restitution.csv")
     parser.add_argument("--laws", default=",".join(DAMPED + HARD))
     parser.add_argument("--schemes", default=",".join(SCHEMES))
     parser.add_argument("--table", action="store_true")
@@ -172,26 +159,17 @@ def main():
     if options.table:
         return print_tables(options.csv)
     laws, schemes = options.laws.split(","), options.schemes.split(",")
-    kept = []
-    if os.path.exists(options.csv):
-        with open(options.csv, newline="") as file:
-            kept = [row for row in list(csv.reader(file))[1:] if row[0] not in laws or row[1] not in schemes]
-    os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
-    with open(options.csv, "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["law", "scheme", "asked", "t_c/dt", "expected", "got", "error", "c", "theory", "note"])
-        table.writerows(kept)
-        for law, scheme, asked in cases(laws, schemes):
-            beta = damping(law, asked) if law in DAMPED else 0.0
-            duration = contact_time(beta)
-            c = f"{theory(scheme, beta):.3f}" if law in DAMPED else ""
-            for part in PARTS:
-                expected, got, note = measure(options.app, law, scheme, asked, part, duration)
-                numbers = ["", "", ""] if got is None else [f"{got:.6f}", f"{got - expected:.6f}", f"{(expected - got) * part:.3f}"]
-                table.writerow([law, scheme, asked, part, f"{expected:.6f}", *numbers, c, note])
-                file.flush()
-                print(law, scheme, asked, part, *numbers, c, note, flush=True)
+    table = runner.Table(options.csv, ["law", "scheme", "asked", "t_c/dt", "expected", "got", "error", "c", "theory", "note"],
+                         lambda row: row["law"] not in laws or row["scheme"] not in schemes)
+    for law, scheme, asked in cases(laws, schemes):
+        beta = damping(law, asked) if law in DAMPED else 0.0
+        duration = contact_time(beta)
+        c = f"{theory(scheme, beta):.3f}" if law in DAMPED else ""
+        for part in PARTS:
+            expected, got, note = measure(options.app, law, scheme, asked, part, duration)
+            numbers = ["", "", ""] if got is None else [f"{got:.6f}", f"{got - expected:.6f}", f"{(expected - got) * part:.3f}"]
+            table.add([law, scheme, asked, part, f"{expected:.6f}", *numbers, c, note])
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

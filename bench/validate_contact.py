@@ -10,15 +10,10 @@ stiff      stiff wire round a drum: shear, lift-off and point reactions taken in
 insertion  wire pushed into and pulled out of a bend, against a discrete rod with hard contact and mobilised friction
 cost       time per step with and without friction and rolling, experiment 2 from 10 to 24 cm, side by side; --vessel: the patient's
 """
-import argparse
-import csv
-import json
 import math
-import os
-import statistics
-import subprocess
 import sys
-import tempfile
+
+import runner
 
 SCENES = "assets/scenes/reference"
 STRING_ANGLES = [math.pi / 4, math.pi / 2, math.pi, 3 * math.pi / 2]
@@ -35,34 +30,9 @@ INSERTION = [  # tip angle [rad], mu, sense (+1 push), force on the base [N]
 ]
 
 
-class Run:
-    """One `seldinger run`; what it wrote, and the command that repeats it."""
-
-    def __init__(self, app, scene, **settings):
-        sets = [f"{key.replace('__', '.')}={toml(value)}" for key, value in settings.items()]
-        self.command = " ".join(["run", scene] + [f"--set '{s}'" if "[" in s else f"--set {s}" for s in sets])
-        with tempfile.TemporaryDirectory() as folder:
-            out = os.path.join(folder, "run")
-            command = [app, "run", scene, "-o", out, "--quiet"]
-            for s in sets:
-                command += ["--set", s]
-            done = subprocess.run(command, capture_output=True, text=True)
-            if done.returncode != 0:
-                sys.exit(f"{self.command}: exit {done.returncode}: {done.stderr.strip()}")
-            with open(os.path.join(out, "trace.csv"), newline="") as file:
-                self.trace = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
-            with open(os.path.join(out, "summary.json")) as file:
-                self.summary = json.load(file)
-
-    def mean(self, column, part=0.5):
-        rows = self.trace[int(len(self.trace) * (1 - part)):]
-        return sum(row[column] for row in rows) / len(rows)
-
-
-def toml(value):
-    if isinstance(value, bool):
-        return str(value).lower()
-    return "[" + ", ".join(toml(v) for v in value) + "]" if isinstance(value, (list, tuple)) else repr(value)
+def ran(app, scene, **settings):
+    """A key's dots are written as two underscores."""
+    return runner.run(app, scene, settings={key.replace("__", "."): value for key, value in settings.items()})
 
 
 def capstan_pull(stiffness, axis, wire, back, mu, wrap):
@@ -103,7 +73,8 @@ def capstan_exponent(stiffness, axis, wire, back, pull, mu, wrap):
 
 def pull_and_wrap(run, turn):
     """Mean pull over the second half, and the angle from its direction to that of the back tension, near `turn`."""
-    x, y, z = (-run.mean(f"base_force_{c}_n") for c in "xyz")  # what the wire does to the hand
+    forces = run.columns("trace", *(f"base_force_{c}_n" for c in "xyz"))
+    x, y, z = -forces[len(forces) // 2:].mean(axis=0)  # what the wire does to the hand
     # the wire leaves the base along +x and ends along (cos turn, sin turn)
     return math.sqrt(x * x + y * y + z * z), turn - math.atan2(y, x)
 
@@ -114,7 +85,7 @@ def capstan(app):
         for mu in STRING_MU:
             back = 0.05
             length = 0.025 + 0.04 * turn + 0.045
-            run = Run(app, f"{SCENES}/capstan.toml", vessel__angle_deg=math.degrees(turn), wire__length_m=length,
+            run = ran(app, f"{SCENES}/capstan.toml", vessel__angle_deg=math.degrees(turn), wire__length_m=length,
                       wire__nodes=round(length / 0.001) + 1, contact__mu_static=mu, contact__mu_sliding=mu,
                       load__0__force_n=[back * math.cos(turn), back * math.sin(turn), 0.0])
             pull, wrap = pull_and_wrap(run, turn)
@@ -130,7 +101,7 @@ def thick(app):
             bend = axis + lumen - wire
             length = 0.031 + bend * turn
             edge = min(0.0005, axis / 20)
-            run = Run(app, f"{SCENES}/capstan.toml", wire__length_m=length, wire__radius_m=wire, wire__density=7900.0,
+            run = ran(app, f"{SCENES}/capstan.toml", wire__length_m=length, wire__radius_m=wire, wire__density=7900.0,
                       wire__nodes=round(length / edge) + 1, vessel__bend_radius_m=bend, vessel__lead_in_m=0.02, vessel__lead_out_m=0.03,
                       contact__mu_static=mu, contact__mu_sliding=mu, load__0__force_n=[0.0, back, 0.0], load__0__ramp_s=0.05,
                       hold__0__velocity_m_s=[-0.01, 0.0, 0.0], scene__duration_s=0.4, vessel__youngs_pa=1e8)
@@ -144,7 +115,7 @@ def stiff(app):
     for stiffness, radius, back, mu, turn in STIFF:
         bend = radius - 0.000178 + 0.02
         length = 0.08 + bend * turn + 0.09
-        run = Run(app, f"{SCENES}/capstan-stiff.toml", wire__bend_nm2=stiffness, wire__twist_nm2=stiffness, wire__length_m=length,
+        run = ran(app, f"{SCENES}/capstan-stiff.toml", wire__bend_nm2=stiffness, wire__twist_nm2=stiffness, wire__length_m=length,
                   wire__nodes=round(length / 0.001) + 1, vessel__bend_radius_m=bend, vessel__angle_deg=math.degrees(turn),
                   contact__mu_static=mu, contact__mu_sliding=mu,
                   load__0__force_n=[back * math.cos(turn), back * math.sin(turn), 0.0])
@@ -156,7 +127,7 @@ def stiff(app):
 def insertion(app):
     travel = 0.006
     for angle, mu, sense, expected in INSERTION:
-        run = Run(app, f"{SCENES}/bend-insertion.toml", wire__length_m=0.05 + 0.05 * angle, contact__mu_static=mu, contact__mu_sliding=mu,
+        run = ran(app, f"{SCENES}/bend-insertion.toml", wire__length_m=0.05 + 0.05 * angle, contact__mu_static=mu, contact__mu_sliding=mu,
                   hold__0__velocity_m_s=[sense * 0.01, 0.0, 0.0],
                   wire__place__from_m=0.012 - sense * travel)
         got = run.summary["base_force_n"][0]
@@ -166,47 +137,34 @@ def insertion(app):
 def cost(app, vessel):
     scene = "assets/scenes/patients/tha001-arch.toml" if vessel else "assets/scenes/experiment2.toml"
     extra = {"vessel__mesh": vessel} if vessel else {}
-    variants = [("none", False), ("stick-slip", False), ("stick-slip", True)]
-    medians = {v: [] for v in variants}
-    for _ in range(5):  # side by side: what else the machine does hits all alike
-        for friction, rolling in variants:
-            run = Run(app, scene, contact__friction=friction, contact__rolling=rolling, scene__duration_s=12.0, scene__record_every=1,
-                      output__wire_every=0, output__contacts_every=0, **extra)
-            medians[friction, rolling].append(statistics.median(row["step_ms"] for row in run.trace if row["inserted_m"] >= 0.1))
-            command = run.command
-    base = statistics.median(medians["none", False])
-    for friction, rolling in variants[1:]:
-        got = statistics.median(medians[friction, rolling]) / base
-        yield (f"time per step with {friction}{' and rolling' if rolling else ''} over none ({base:.4f} ms)", 1, got, 0.15, command)
+
+    def timed(friction, rolling=False):
+        run = ran(app, scene, contact__friction=friction, contact__rolling=rolling, scene__duration_s=12.0, scene__record_every=1,
+                  output__wire_every=0, output__contacts_every=0, **extra)
+        return runner.median(row["step_ms"] for row in run.rows() if row["inserted_m"] >= 0.1), run.command
+
+    rounds = runner.in_turn(5, none=lambda: timed("none"), friction=lambda: timed("stick-slip"), rolling=lambda: timed("stick-slip", True))
+    medians = {name: runner.median(step for step, _ in found) for name, found in rounds.items()}
+    for name in ("friction", "rolling"):
+        yield (f"time per step with stick-slip{' and rolling' if name == 'rolling' else ''} over none ({medians['none']:.4f} ms)", 1,
+               medians[name] / medians["none"], 0.15, rounds[name][0][1])
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
-    parser.add_argument("--csv", default="bench/results/validation/contact.csv")
+    parser = runner.parser(__doc__, "validation/contact.csv")
     parser.add_argument("--only", default="capstan,thick,stiff,insertion,cost")
     parser.add_argument("--vessel", help="patient mesh of assets/scenes/patients/tha001-arch.toml")
     options = parser.parse_args()
     suites = {"capstan": capstan, "thick": thick, "stiff": stiff, "insertion": insertion, "cost": lambda app: cost(app, options.vessel)}
-    os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
-    missed = 0
-    kept = []
-    wanted = options.only.split(",")
-    if os.path.exists(options.csv):
-        with open(options.csv, newline="") as file:
-            kept = [row for row in csv.reader(file) if row[0] not in [*wanted, "suite"]]
-    with open(options.csv, "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["suite", "case", "expected", "got", "error", "tolerance", "command"])
-        table.writerows(kept)
-        for name in wanted:
-            for case, expected, got, tolerance, command in suites[name](options.app):
-                error = got / expected - 1
-                ok = error <= tolerance if name == "cost" else abs(error) <= tolerance
-                missed += not ok
-                table.writerow([name, case, f"{expected:.6g}", f"{got:.6g}", f"{error:.5f}", tolerance, command])
-                file.flush()
-                print(f"{'ok  ' if ok else 'MISS'} {case}: expected {expected:.6g}, got {got:.6g} ({100 * error:+.2f} %)", flush=True)
+    wanted, missed = options.only.split(","), 0
+    table = runner.Table(options.csv, ["suite", "case", "expected", "got", "error", "tolerance", "command"], lambda row: row["suite"] not in wanted)
+    for name in wanted:
+        for case, expected, got, tolerance, command in suites[name](options.app):
+            error = got / expected - 1
+            ok = error <= tolerance if name == "cost" else abs(error) <= tolerance
+            missed += not ok
+            table.add([name, case, f"{expected:.6g}", f"{got:.6g}", f"{error:.5f}", tolerance, command], show=False)
+            print(f"{'ok  ' if ok else 'MISS'} {case}: expected {expected:.6g}, got {got:.6g} ({100 * error:+.2f} %)", flush=True)
     sys.exit(missed > 0)
 
 

@@ -8,17 +8,14 @@ Scenes of bench/validate_plan.py, planned for peaks within 10 %, or what is aske
 of the plan's own reference, run by `seldinger run`) are compared by the largest 20 ms means of hand force, friction and force per
 length in trace.csv. `known_to` is what the finer one moved from the plan's own reference. --table prints the rows as Markdown.
 """
-import argparse
-import csv
 import json
-import os
 import pathlib
-import subprocess
 
+import runner
 from audit import largest_mean
 from validate_plan import scenes
 
-HERE = pathlib.Path(__file__).resolve().parent.parent
+HERE = runner.ROOT
 SCENES = ("tube", "tube-narrow", "bend", "bend-coarse", "u-turn", "siphon", "hook-turned", "push-pull")
 LEAST = 1e-3  # [N]: a share is one of so much at least; of a force per length on one diameter of the wire
 PEAKS = {"hand_force_n": "hand_force_n", "friction_n": "friction_n", "force_per_length_n_per_m": "force_per_length_max_n_per_m"}
@@ -26,21 +23,17 @@ COLUMNS = ["scene", "asked", "status", "chosen"] + [f"{name}{what}" for name in 
 
 
 def peaks(app, scene, folder, settings=()):
-    words = [word for option in ("scene.record_every=1", *settings) for word in ("--set", option)]
-    subprocess.run([app, "run", scene, "-o", folder, "--overwrite", "--quiet", "--error-estimate", "off", *words], check=True)
-    with open(folder / "trace.csv", newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    times = [float(row["time_s"]) for row in rows]
-    return {name: largest_mean([abs(float(row[column])) for row in rows], times) for name, column in PEAKS.items()}
+    rows = runner.run(app, scene, folder, ["scene.record_every=1", *settings], estimate="off").rows()
+    times = [row["time_s"] for row in rows]
+    return {name: largest_mean([abs(row[column]) for row in rows], times) for name, column in PEAKS.items()}
 
 
 def validate(app, folder, name, tolerance, text, budget, asked):
     folder.mkdir(parents=True, exist_ok=True)
     scene = folder / "scene.toml"
     scene.write_text(text)
-    done = subprocess.run([app, "plan", scene, "--tolerance", f"{tolerance}mm", "--peak-force-tolerance", f"{100 * asked:g}%",
-                           "--budget", str(budget), "--json", "-o", folder / "planned.toml"], capture_output=True, text=True)
-    plan = json.loads(done.stdout)
+    plan = json.loads(runner.call([app, "plan", scene, "--tolerance", f"{tolerance}mm", "--peak-force-tolerance", f"{100 * asked:g}%",
+                                   "--budget", budget, "--json", "-o", folder / "planned.toml"], (0, 4, 6)).stdout)
     row = dict.fromkeys(COLUMNS, "") | {"scene": name, "asked": f"{asked:g}", "status": plan["status"]}
     if plan["status"] != "planned":
         print(f"{name}: {plan['message']}", flush=True)
@@ -74,28 +67,21 @@ def print_table(rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default=str(HERE / "build" / "seldinger"))
+    parser = runner.parser(__doc__, "planned-peaks.csv")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=HERE / "out" / "validate-peaks")
-    parser.add_argument("--csv", type=pathlib.Path, default=HERE / "bench" / "results" / "planned-peaks.csv")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these scenes, again if they are done")
     parser.add_argument("--budget", type=float, default=60, metavar="S", help="of each plan")
     parser.add_argument("--asked", type=float, default=0.1, metavar="SHARE", help="of each peak (default: 0.1)")
     parser.add_argument("--table", action="store_true", help="print the rows that are there as Markdown, run nothing")
     options = parser.parse_args()
-    rows = {r["scene"]: r for r in csv.DictReader(open(options.csv, newline=""))} if options.csv.exists() else {}
+    rows = {r["scene"]: r for r in runner.read_rows(options.csv)}
     if options.table:
         return print_table(rows.values())
     for name, tolerance, _, text in scenes(pathlib.Path()):
         if name not in (options.only or SCENES) or name in rows and not options.only:
             continue
         rows[name] = validate(options.app, options.output / name, name, tolerance, text, options.budget, options.asked)
-        new = options.csv.with_suffix(".new")
-        with open(new, "w", newline="") as stream:
-            writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows.values())
-        os.replace(new, options.csv)
+        runner.write_rows(options.csv, list(rows.values()), COLUMNS)
 
 
 if __name__ == "__main__":

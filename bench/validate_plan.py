@@ -12,14 +12,13 @@ the planned one are stopped: they cannot be cheaper. The planned scene is run by
 
 Scenes that are done are not done again; a scene that was interrupted goes on. --table prints the rows as Markdown.
 """
-import argparse
-import csv
 import json
 import pathlib
-import subprocess
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent.parent
+import runner
+
+HERE = runner.ROOT
 COLUMNS = ["scene", "tolerance_mm", "force_tolerance", "status", "chosen", "nodes", "dt_ms", "expected_mm", "low_mm", "high_mm", "true_mm", "known_to_mm",
            "expected_force", "true_force", "within", "cost", "cheapest", "cheapest_cost", "ratio", "pilots", "plan_s", "run_exit"]
 
@@ -123,23 +122,14 @@ def scenes(vessels):
     return [(name, tolerance, force, scene(name, duration, *parts)) for name, tolerance, force, duration, *parts in table]
 
 
-def call(command, accepted):
-    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
-    if done.returncode in (130, 75):
-        sys.exit(f"interrupted: {done.stderr.strip()}")
-    if done.returncode not in accepted:
-        raise RuntimeError(f"{' '.join(str(c) for c in command)}: exit {done.returncode}: {done.stderr.strip()}")
-    return done
-
-
 def number(text):
     return float(text) if text else float("nan")
 
 
 def charted(folder, tolerance, force, budget):
     """The planned row, the cheapest row that meets the goals, and how well the reference is known [m]."""
-    rows = list(csv.DictReader(open(folder / "chart.csv", newline="")))
-    references = {r["observable"]: r for r in csv.DictReader(open(folder / "references.csv", newline=""))}
+    rows = runner.read_rows(folder / "chart.csv")
+    references = {r["observable"]: r for r in runner.read_rows(folder / "references.csv")}
     force_scale = number(references["hand_force"]["scale"]) if "hand_force" in references else 1.0
     if force:
         force = force * max(1e-3, force_scale)
@@ -160,7 +150,7 @@ def validate(app, out, name, tolerance, force, text, budget):
     (folder / "scene.toml").write_text(text)
     row = dict.fromkeys(COLUMNS, "") | {"scene": name, "tolerance_mm": tolerance, "force_tolerance": force}
     goals = ["--tolerance", f"{tolerance}mm"] + (["--force-tolerance", force] if force else [])
-    done = call([app, "plan", folder / "scene.toml", *goals, "--budget", budget, "--json", "-o", folder / "planned.toml"], (0, 4, 6))
+    done = runner.call([app, "plan", folder / "scene.toml", *goals, "--budget", budget, "--json", "-o", folder / "planned.toml"], (0, 4, 6))
     plan = json.loads(done.stdout)
     row |= {"status": plan["status"], "pilots": plan["pilots"], "plan_s": f"{plan['wall_s']:.1f}"}
     if plan["status"] != "planned":
@@ -170,11 +160,11 @@ def validate(app, out, name, tolerance, force, text, budget):
     row |= {"chosen": chosen["model"], "nodes": chosen["nodes"], "dt_ms": f"{1e3 * chosen['dt_s']:.4g}", "expected_mm": f"{1e3 * chosen['error_m']:.3g}",
             "low_mm": f"{1e3 * chosen['error_low_m']:.3g}", "high_mm": f"{1e3 * chosen['error_high_m']:.3g}",
             "expected_force": f"{chosen['force_error']:.3g}" if force else ""}
-    row["run_exit"] = subprocess.run([app, "run", folder / "planned.toml", "-o", folder / "run", "--overwrite", "--quiet"], capture_output=True).returncode
+    row["run_exit"] = runner.run(app, folder / "planned.toml", folder / "run", accept=None).code
     duration = float(text.split("duration_s = ")[1].split("\n")[0])
     limit = max(0.02, 2 * chosen["seconds_per_second"] * duration)
-    call([app, "chart", "--processor-time", "--scenes", folder / "scene.toml", "--planned", folder / "planned.toml", "--run-limit", f"{limit:.4f}",
-          "--reference-limit", budget, "-o", folder / "chart", "--quiet"], (0,))
+    runner.call([app, "chart", "--processor-time", "--scenes", folder / "scene.toml", "--planned", folder / "planned.toml", "--run-limit", f"{limit:.4f}",
+          "--reference-limit", budget, "-o", folder / "chart", "--quiet"])
     share = float(force.rstrip("%")) / 100 if force else 0
     planned, within, cheapest, reference, force_scale = charted(folder / "chart", 1e-3 * tolerance, share, budget)
     cost = number(planned["cpu_s_per_s"])
@@ -187,16 +177,6 @@ def validate(app, out, name, tolerance, force, text, budget):
     print(f"{name}: {row['chosen']}: expected {row['expected_mm']} mm, true {row['true_mm']} (known to {row['known_to_mm']}), asked {tolerance}; "
           f"cost {row['cost']}, ratio {row['ratio']} to {row['cheapest']}", flush=True)
     return row
-
-
-def write(path, rows):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new = path.with_suffix(".new")
-    with open(new, "w", newline="") as stream:
-        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    new.replace(path)
 
 
 def print_table(rows):
@@ -212,27 +192,25 @@ def print_table(rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", type=pathlib.Path, default=HERE / "build" / "seldinger")
+    parser = runner.parser(__doc__, "planned.csv")
     parser.add_argument("--vessels", type=pathlib.Path, default=HERE.parent / "shared" / "vessels", help="folder of the patient meshes; without it two scenes fewer")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=HERE / "out" / "validate-plan")
-    parser.add_argument("--csv", type=pathlib.Path, default=HERE / "bench" / "results" / "planned.csv")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these scenes, again if they are done")
     parser.add_argument("--budget", type=float, default=30, metavar="S", help="of each plan, and of each reference")
     parser.add_argument("--table", action="store_true", help="print the rows that are there as Markdown, run nothing")
     options = parser.parse_args()
-    rows = {r["scene"]: r for r in csv.DictReader(open(options.csv, newline=""))} if options.csv.exists() else {}
+    rows = {r["scene"]: r for r in runner.read_rows(options.csv)}
     if options.table:
         return print_table(rows.values())
     for name, tolerance, force, text in scenes(options.vessels.resolve()):
-        if options.only and name not in options.only or not options.only and name in rows:
+        if name not in options.only if options.only else name in rows:
             continue
         try:
-            rows[name] = validate(options.app.resolve(), options.output.resolve(), name, tolerance, force, text, options.budget)
-        except RuntimeError as error:
+            rows[name] = validate(options.app, options.output.resolve(), name, tolerance, force, text, options.budget)
+        except SystemExit as error:  # of one command
             print(f"{name}: {error}", file=sys.stderr, flush=True)
             continue
-        write(options.csv, rows.values())
+        runner.write_rows(options.csv, list(rows.values()), COLUMNS)
     planned = [r for r in rows.values() if r["status"] == "planned"]
     within = sum(str(r["within"]) == "1" for r in planned)
     ratios = sorted(float(r["ratio"]) for r in planned)

@@ -9,53 +9,24 @@ A threshold is measured from below: what a small load across does grows as a + b
 expected one [Southwell32]; and it is bracketed: at 0.97 the wire stays, at 1.03 it leaves. Order in time: the swing's tip against a
 trapezoid of 4,096 steps.
 """
-import argparse
-import csv
 import json
 import math
-import pathlib
-import subprocess
 import sys
-import tempfile
 
 import numpy as np
 
-FOLDER = pathlib.Path(__file__).resolve().parent.parent / "assets" / "scenes" / "reference"
+import runner
+
+FOLDER = runner.ROOT / "assets" / "scenes" / "reference"
 EDGES = [25, 50, 100, 200]
 FLOOR = 1e-7
 BELOW = (0.90, 0.95, 0.98)  # of the threshold
 
 
-class Result:
-    """What one run left in its folder."""
-
-    def __init__(self, folder):
-        self.wire = np.genfromtxt(folder / "wire.csv", delimiter=",", names=True)
-        self.summary = json.loads((folder / "summary.json").read_text())
-        self.trace = np.genfromtxt(folder / "trace.csv", delimiter=",", names=True)
-
-    def nodes(self):
-        return np.column_stack([self.wire["x_m"], self.wire["y_m"], self.wire["z_m"]])
-
-
-class Runner:
-    def __init__(self, app, folder):
-        self.app, self.folder, self.runs = app, pathlib.Path(folder), 0
-
-    def __call__(self, scene, settings):
-        command = [self.app, "run", str(FOLDER / scene), "-o", str(self.folder), "--overwrite", "--quiet"]
-        for key, value in settings.items():
-            command += ["--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}"]
-        done = subprocess.run(command, capture_output=True, text=True)
-        self.runs += 1
-        if done.returncode != 0:
-            sys.exit(f"{' '.join(command)}: exit {done.returncode}: {done.stderr.strip()}")
-        return Result(self.folder)
-
-
 def frequency(result, mode, expected):
     """Peak of the windowed spectrum of the tip's motion near the expected frequency [Hz], freed of the trapezoid's own error."""
-    t, z = result.trace["time_s"], result.trace["tip_z_m"]
+    trace = result.trace()
+    t, z = trace["time_s"], trace["tip_z_m"]
     step = t[1] - t[0]
     windowed = (z - z.mean()) * np.hanning(len(z))
     omega = 2 * np.pi * expected * np.linspace(0.9, 1.1, 41)
@@ -95,7 +66,7 @@ def measure(result, quantity, expected):
     if quantity == "steepest":
         return steepest(result)
     if quantity == "lag":
-        return math.degrees(result.wire["spin_rad"][0])
+        return math.degrees(result.trace("wire")["spin_rad"][0])
     if quantity.startswith("frequency_"):
         return frequency(result, int(quantity[-1]), expected)
     raise ValueError(quantity)
@@ -103,11 +74,12 @@ def measure(result, quantity, expected):
 
 def off_straight(result, scene):
     """How far the wire is from the line of its ends, or the ring from its plane [m]; the ring's tilt about its hold is none of it."""
+    wire = result.trace("wire")
     if scene == "ring.toml":
-        s, z = result.wire["s_m"], result.wire["z_m"]
+        s, z = wire["s_m"], wire["z_m"]
         at = lambda part: np.interp(part * s[-1], s, z)
         return abs(at(0.5) - at(0.25) - at(0.75))
-    return float(np.hypot(result.wire["y_m"], result.wire["z_m"]).max())
+    return float(np.hypot(wire["y_m"], wire["z_m"]).max())
 
 
 def threshold(run, case, settings):
@@ -184,7 +156,7 @@ def order_in_time(run):
         settings = {"scene.dt_s": period / steps, "scene.record_every": steps // 16}
         if trapezoid:
             settings["integrator.beta"] = 0.25
-        return run("swing.toml", settings).trace["tip_z_m"]
+        return run("swing.toml", settings).trace()["tip_z_m"]
 
     rows, fine = [], tip(4096, True)
     for name, trapezoid, counts, expected in (("backward Euler", False, (128, 256, 512), 1), ("trapezoid", True, (16, 32, 64), 2)):
@@ -198,30 +170,26 @@ def order_in_time(run):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
+    parser = runner.parser(__doc__, "")
     parser.add_argument("--only", default="", help="cases whose name holds this")
-    parser.add_argument("--csv", default="")
     options = parser.parse_args()
+
+    def run(scene, settings):
+        return runner.run(options.app, FOLDER / scene, settings=settings)
+
     cases = [c for c in json.loads((FOLDER / "expected.json").read_text())["cases"] if options.only in c["case"]]
     rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        run = Runner(options.app, folder)
-        for case in cases:
-            found = run_case(run, case)
-            rows += found
-            at = next(row for row in found if row["edges"] == row["judged_at"])
-            print(f"{case['case']:52} expected {at['expected']:36} error " + " ".join(f"{row['relative_error']:>9}" for row in found) +
-                  f"  order {at['order'] or '-':>5}  {'met' if at['met'] else 'MISSED'}", flush=True)
-        if options.only in "swing":
-            rows += order_in_time(run)
-            for row in rows[-6:]:
-                print(f"{row['case']:52} error {row['error']}  order {row['order']}")
-    if options.csv:
-        with open(options.csv, "w", newline="") as file:
-            table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-            table.writeheader()
-            table.writerows(rows)
+    for case in cases:
+        found = run_case(run, case)
+        rows += found
+        at = next(row for row in found if row["edges"] == row["judged_at"])
+        print(f"{case['case']:52} expected {at['expected']:36} error " + " ".join(f"{row['relative_error']:>9}" for row in found) +
+              f"  order {at['order'] or '-':>5}  {'met' if at['met'] else 'MISSED'}", flush=True)
+    if options.only in "swing":
+        rows += order_in_time(run)
+        for row in rows[-6:]:
+            print(f"{row['case']:52} error {row['error']}  order {row['order']}")
+    runner.write_rows(options.csv, rows)
     sys.exit(0 if all(row["met"] for row in rows) else 1)
 
 

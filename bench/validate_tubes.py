@@ -1,28 +1,41 @@
 #!/usr/bin/env python3
 """Instruments of one centreline (D12) against a measured robot of three nested tubes, and against an independent model of it.
 
-    validate_tubes.py PHANTOM [--program build/bench/tube_tips] [--rows N] [--edge MM]
+    validate_tubes.py PHANTOM [--app build/seldinger] [--rows N] [--edge MM]
 
 PHANTOM holds data.csv (joints and measured tips) and model.py (bending and torsion by shooting; asked where numpy and scipy are
-there). Prints the tip's error against the measurement at the nominal parameters, and how far apart the two models are."""
-import argparse
-import csv
+there). Each time of the table is a run at rest. Prints the tip's error against the measurement
+at the nominal parameters, and how far apart the two models are. The tubes are those of the phantom's table (nominal): only ratios of
+stiffness matter, 1 : 1 : 2/7, nu = 0.3."""
 import importlib.util
 import math
 import pathlib
-import subprocess
-import tempfile
+
+import runner
 
 JOINTS = [f"rotation{k}_rad" for k in (1, 2, 3)] + [f"translation{k}_mm" for k in (1, 2, 3)]
 TIP = ["tip_x_mm", "tip_y_mm", "tip_z_mm"]
+TUBES = [(0.0, 0.15, 1000 / 265, 0.05), (0.017, 0.15, 1000 / 265, 0.05), (0.184, 0.0863938, 1000 / 55, 0.05 * 2 / 7)]  # straight, curved [m], [1/m], [N m^2]
+RADII = [(0.0015, 0.0012), (0.001, 0.0008), (0.0006, 0.0)]  # outer, inner [m]: any that fit
 
 
-def tips_of_program(program, joints, edge):
-    with tempfile.NamedTemporaryFile("w", suffix=".txt") as table:
-        table.writelines(" ".join(map(str, row)) + "\n" for row in joints)
-        table.flush()
-        run = subprocess.run([program, table.name, str(edge)], stdout=subprocess.PIPE, text=True, check=True)
-    return [[float(number) for number in line.split()] for line in run.stdout.splitlines()]
+def tip_of(app, joints, edge):
+    """[mm], z along the tubes' axis from where tube 1 begins."""
+    tables = {"scene": {"gravity": [0.0, 0.0, 0.0]}, "integrator": {"scheme": "static"},
+              "coaxial": {"order": ["tube0", "tube1", "tube2"], "model": "merged"}, "output": runner.QUIET}
+    text = runner.scene(tables)
+    for k, ((straight, curved, curvature, bend), (radius, lumen)) in enumerate(zip(TUBES, RADII)):
+        length, back = straight + curved, -1e-3 * joints[3 + k]
+        stiffness = {"bend_nm2": bend, "twist_nm2": bend / 1.3}
+        keys = [{"t_s": 0.0, "advance_m": length - back - 1e-12, "turn_rad": joints[k]}]
+        inlet = {} if k else {"point": [0.0, 0.0, 0.0], "direction": [1.0, 0.0, 0.0]}
+        text += runner.scene({
+            "instrument": [{"name": f"tube{k}", "length_m": length, "radius_m": radius, "lumen_radius_m": lumen, "density": 6500.0, "stretch_n": 4e6 * bend,
+                            "nodes": math.ceil(length / edge) + 1, **stiffness}],
+            "instrument.section": [{"from_tip_m": [0.0, curved], "rest_curvature_1_m": [curvature, 0.0], **stiffness}],
+            "instrument.feed": {**inlet, "behind_m": back, "keys": keys}})
+    x, y, z = 1e3 * runner.run(app, text).nodes("tube2")[0]
+    return [z, -y, x]  # (k, 0) bends towards +z and turns from +z to -y
 
 
 def tips_of_model(phantom, joints):
@@ -45,17 +58,14 @@ def report(name, ours, theirs):
 
 
 def main():
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("phantom", type=pathlib.Path)
-    arguments.add_argument("--program", default="build/bench/tube_tips")
-    arguments.add_argument("--rows", type=int, default=None)
-    arguments.add_argument("--edge", type=float, default=1.5, help="of the line [mm]")
-    options = arguments.parse_args()
-    with open(options.phantom / "data.csv", newline="") as table:
-        rows = list(csv.DictReader(table))[: options.rows]
-    joints = [[float(row[name]) for name in JOINTS] for row in rows]
-    measured = [[float(row[name]) for name in TIP] for row in rows]
-    merged = tips_of_program(options.program, joints, options.edge)
+    parser = runner.parser(__doc__)
+    parser.add_argument("phantom", type=pathlib.Path)
+    parser.add_argument("--rows", type=int, default=None)
+    parser.add_argument("--edge", type=float, default=1.5, help="of the line [mm]")
+    options = parser.parse_args()
+    rows = runner.read_rows(options.phantom / "data.csv")[: options.rows]
+    joints, measured = ([[float(row[name]) for name in names] for row in rows] for names in (JOINTS, TIP))
+    merged = [tip_of(options.app, row, 1e-3 * options.edge) for row in joints]
     report("merged against the measurement", merged, measured)
     independent = tips_of_model(options.phantom, joints)
     if independent is None:

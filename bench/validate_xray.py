@@ -7,50 +7,25 @@ Wires are polygons of 96 sides for gvxr and cylinders for us; it samples pixel c
     python3 bench/validate_xray.py [--app build/seldinger] [--shared ../shared] [--csv FILE] [--out DIR]
 """
 
-import argparse
-import csv
 import pathlib
-import subprocess
 import sys
 import time
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+import runner
+
 KEV = 60.0
 # 1/m at 60 keV (tests/xray/test_materials.cpp holds ours against the reference)
 BLOOD, STEEL, PLATINUM, IODINE = 21.802, 944.72 * 7900 / 7950, 9136.5, 0.7577
 
-TUBE = """
-[scene]
-duration_s = 0.002
-dt_s = 0.001
-[wire]
-length_m = 0.08
-radius_m = 0.0004445
-density = 7900.0
-youngs_pa = 6.0e10
-place = { base = [0.0, 0.003, -0.04], direction = [0.0, 0.0, 1.0] }
-[vessel]
-shape = "tube"
-radius_m = 0.012
-length_m = 0.1
-axis = [0.0, 0.0, 1.0]
-origin = [0.0, 0.0, -0.05]
-triangles = 20000
-[contrast]
-keys = [ {t_s = 0.0, iodine_mg_ml = 50.0} ]
-[output]
-wire_every = 1
-"""
-CORONARY = """
-include = ["SCENE"]
-[scene]
-duration_s = 3.0
-[[wire.section]]
-from_tip_m = [0.0, 0.03]
-density = 21300.0
-"""
+TUBE = runner.scene({
+    "scene": {"duration_s": 0.002, "dt_s": 0.001},
+    "wire": {"length_m": 0.08, "radius_m": 0.0004445, "density": 7900.0, "youngs_pa": 6.0e10, "place": {"base": [0.0, 0.003, -0.04], "direction": [0.0, 0.0, 1.0]}},
+    "vessel": {"shape": "tube", "radius_m": 0.012, "length_m": 0.1, "axis": [0.0, 0.0, 1.0], "origin": [0.0, 0.0, -0.05], "triangles": 20000},
+    "contrast": {"keys": [{"t_s": 0.0, "iodine_mg_ml": 50.0}]}, "output": {"wire_every": 1}})
+CORONARY = 'include = ["SCENE"]\n' + runner.scene({"scene": {"duration_s": 3.0}, "wire.section": [{"from_tip_m": [0.0, 0.03], "density": 21300.0}]})
 
 
 def read_vtp(app_vtp):
@@ -61,7 +36,7 @@ def read_vtp(app_vtp):
             "radius=n(o.GetPointData().GetArray('radius')) if o.GetPointData().GetArray('radius') else np.zeros(0)\n"
             "np.savez(sys.argv[2],points=n(o.GetPoints().GetData()),polys=polys,radius=radius)\n")
     out = pathlib.Path(app_vtp).with_suffix(".npz")
-    subprocess.run(["/usr/bin/python3", "-c", code, str(app_vtp), str(out)], check=True)
+    runner.call(["/usr/bin/python3", "-c", code, app_vtp, out])
     return np.load(out)
 
 
@@ -156,11 +131,9 @@ def compare(ours, theirs):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
+    parser = runner.parser(__doc__, "validation/xray.csv")
     parser.add_argument("--shared", default="../shared")
     parser.add_argument("--out", default="out/xray")
-    parser.add_argument("--csv", default="bench/results/validation/xray.csv")
     parser.add_argument("--size", type=int, default=512)
     args = parser.parse_args()
     try:
@@ -176,17 +149,16 @@ def main():
     mesh = f"vessel.mesh={(pathlib.Path(args.shared) / 'vessels/tha016-root-coronary/marfan_ao.obj').resolve()}"
     cases = [
         ("tube with contrast", out / "tube.toml", [], 20, 10, 0.12, BLOOD + 50 * IODINE, [0, 0, 1], [0, 1, 0]),
-        ("arch with wire", "assets/scenes/aortic-arch.toml", ["--set", "scene.duration_s=6"], 30, 0, 0.4, BLOOD, [1, 0, 0], [0, 0, -1]),
-        ("coronary, platinum tip", out / "coronary.toml", ["--set", mesh], 30, 15, 0.2, BLOOD, [0, 0, 1], [0, 1, 0]),
+        ("arch with wire", "assets/scenes/aortic-arch.toml", ["scene.duration_s=6"], 30, 0, 0.4, BLOOD, [1, 0, 0], [0, 0, -1]),
+        ("coronary, platinum tip", out / "coronary.toml", [mesh], 30, 15, 0.2, BLOOD, [0, 0, 1], [0, 1, 0]),
     ]
     rows = []
     for name, scene, extra, primary, secondary, field, mu_lumen, head, back in cases:
         folder = out / name.split(",")[0].replace(" ", "-")
-        subprocess.run([args.app, "run", str(scene), *extra, "-o", str(folder), "--overwrite", "--quiet"], check=True, stdout=subprocess.DEVNULL)
+        runner.run(args.app, scene, folder, extra)
         raw = folder / "raw.npy"
-        subprocess.run([args.app, "render", str(folder), "--view", "fluoro", "--kev", str(KEV), "--body", "none", "--c-arm",
-                        f"{primary}, {secondary}", "--sid", "1.2", "--sod", "0.8", "--field", str(field), "--size",
-                        f"{args.size}x{args.size}", "--raw", str(raw)], check=True, stdout=subprocess.DEVNULL)
+        runner.call([args.app, "render", folder, "--view", "fluoro", "--kev", KEV, "--body", "none", "--c-arm", f"{primary}, {secondary}",
+                     "--sid", "1.2", "--sod", "0.8", "--field", field, "--size", f"{args.size}x{args.size}", "--raw", raw])
         ours = np.exp(-np.load(raw).astype(float))
         vessel = read_vtp(folder / "vessel.vtp")
         wire_file = sorted(folder.glob("wire_*.vtp"))[-1]
@@ -211,13 +183,11 @@ def main():
         theirs, seconds = look_with_gvxr(gvxr, meshes, view, field, args.size)
         mape, zncc, ssim, flipped = compare(ours, theirs)
         np.savez(folder / "compared.npz", ours=ours, gvxr=flipped)
-        rows.append([name, args.size, len(triangles), f"{mape:.4f}", f"{zncc:.6f}", f"{ssim:.5f}", f"{1e3 * seconds:.1f}"])
+        rows.append({"case": name, "size": args.size, "triangles": len(triangles), "mape_percent": f"{mape:.4f}", "zncc": f"{zncc:.6f}",
+                     "ssim": f"{ssim:.5f}", "gvxr_ms": f"{1e3 * seconds:.1f}"})
         print(f"{name}: MAPE {mape:.3f} %, ZNCC {zncc:.6f}, SSIM {ssim:.5f}; gvxr {1e3 * seconds:.0f} ms a picture", flush=True)
-    with open(args.csv, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["case", "size", "triangles", "mape_percent", "zncc", "ssim", "gvxr_ms"])
-        writer.writerows(rows)
-    missed = [r[0] for r in rows if float(r[3]) > 1 or float(r[4]) < 0.999 or float(r[5]) < 0.99]
+    runner.write_rows(args.csv, rows)
+    missed = [r["case"] for r in rows if float(r["mape_percent"]) > 1 or float(r["zncc"]) < 0.999 or float(r["ssim"]) < 0.99]
     if missed:
         sys.exit(f"validate_xray: beyond MAPE 1 %, ZNCC 0.999, SSIM 0.99: {', '.join(missed)}")
 

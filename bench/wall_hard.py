@@ -7,40 +7,31 @@
 Runs the table of tests/failure/test_elastic_walls.cpp: walls of 0.1 and 1 MPa, 0.8 mm, in tissue of 1e6 Pa/m; distances are to the wall where it has
 moved to. A row whose outcome is no hold, or that is outside, makes the exit status 1.
 """
-import argparse
-import csv
 import os
 import subprocess
 import sys
+
+import runner
 
 COLUMNS = ["row", "youngs_pa", "dt_s", "steps_asked", "outcome", "steps", "halved", "sub_steps_max", "axis_to_wall_mm", "overlap_um", "wall_move_mm",
            "hand_force_mn", "normal_n", "newton_mean", "newton_max", "far_steps"]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = runner.parser(__doc__, "validation/wall_hard.csv", app=False)
     parser.add_argument("--tests", default="build/tests/seldinger_tests")
-    parser.add_argument("--csv", default="bench/results/validation/wall_hard.csv")
     parser.add_argument("--rows", help="only those whose name begins so; the others of the table stay")
     options = parser.parse_args()
-    os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
     command = ["stdbuf", "-oL", options.tests, "--source-file=*test_elastic_walls.cpp", "--test-case=table:*", "--no-skip", "--no-intro"]
-    kept = []
-    if options.rows and os.path.exists(options.csv):
-        with open(options.csv, newline="") as file:
-            kept = [row for row in list(csv.reader(file))[1:] if not row[0].startswith(options.rows)]
+    table = runner.Table(options.csv, COLUMNS, lambda row: options.rows and not row["row"].startswith(options.rows))
     environment = {**os.environ, **({"SELDINGER_ROWS": options.rows} if options.rows else {})}
     bad = rows = 0
-    with open(options.csv, "w", newline="") as file, subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(COLUMNS)
-        table.writerows(kept)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         for line in process.stdout:
             if "row;" not in line:
                 continue
             row = line.strip().split("row;", 1)[1].split(";")
-            table.writerow(row)
-            file.flush()
+            table.add(row, show=False)
             rows += 1
             thrown = "thrown base" in row[0]  # its force alternates because its base does
             bad += row[4] not in (("hold", "jitter") if thrown else ("hold",)) or float(row[8]) <= 0

@@ -7,20 +7,11 @@ Each pair is a catheter over a wire, the wire on its way into the arch after `se
 is that of the process with the world in it, before the first save and with one saved state.
 """
 
-import argparse
-import resource
-import statistics
 import time
-from pathlib import Path
 
 import seldinger
 
-ROOT = Path(__file__).resolve().parents[1]
-
-
-def memory_mb():
-    with open("/proc/self/statm") as statm:
-        return int(statm.read().split()[1]) * resource.getpagesize() / 1e6
+import runner
 
 
 def milliseconds(function, repeats):
@@ -30,24 +21,24 @@ def milliseconds(function, repeats):
         result = function()
         times.append(1e3 * (time.process_time() - begun))
         del result
-    return statistics.median(times)
+    return runner.median(times)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = runner.parser(__doc__, app=False)
     parser.add_argument("--pairs", type=int, default=200)
     parser.add_argument("--seconds", type=float, default=0.5)
     parser.add_argument("--repeats", type=int, default=7)
-    parser.add_argument("--scene", type=Path, default=ROOT / "assets/scenes/experiment2-pair.toml")
+    parser.add_argument("--scene", default=runner.ROOT / "assets/scenes/experiment2-pair.toml")
     options = parser.parse_args()
     print("| model | steps | saved state [MB] | save [ms] | restore [ms] | hash [ms] | memory [MB] | with a state [MB] |\n|---|---|---|---|---|---|---|---|")
     for model in ("merged", "separate"):
         world = seldinger.World(options.scene, copies=[{}] * options.pairs, set=[f"coaxial.model={model}"])
         steps = round(options.seconds * 1000)
         world.step(n=steps)
-        before = memory_mb()
+        before = runner.memory_mb()
         state = world.save()
-        after = memory_mb()
+        after = runner.memory_mb()
         digits = world.state_hash()
         save = milliseconds(world.save, options.repeats)
         restore = milliseconds(lambda: world.restore(state), options.repeats)

@@ -11,18 +11,17 @@ Wire: 0.014 inch nitinol, 0.3 m, held level at its base, under its own weight (w
 Time: of the solve or the stepping alone, one process at a time, best of two runs where it is short; no start, no import, no compilation. What is
 longer than --cap seconds is broken off and counts as not reached. MuJoCo and PyElastica reach the droop by damped motion, this engine by Newton.
 """
-import argparse
-import csv
-import json
 import math
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 import time
 
 import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import runner  # noqa: E402
 
 LENGTH, RADIUS, DENSITY, BEND, TWIST, STRETCH = 0.3, 0.000178, 6450.0, 5.5190957750700876e-5, 4.2e-5, 6966.0
 YOUNG = BEND / (math.pi * RADIUS**4 / 4)
@@ -66,42 +65,17 @@ def heavy_elastica(steps=4000):
 # ---- this engine ------------------------------------------------------------------------------------------------------------
 
 def seldinger(app, case, nodes, dt, scheme="newton"):
-    text = f"""[scene]
-name = "peer"
-gravity = [0.0, 0.0, -{G}]
-duration_s = {SWING}
-dt_s = {dt}
-record_every = 1000000
-[wire]
-length_m = {LENGTH}
-radius_m = {RADIUS}
-density = {DENSITY}
-bend_nm2 = {BEND!r}
-twist_nm2 = {TWIST}
-stretch_n = {STRETCH}
-nodes = {nodes}
-place = {{ shape = "straight", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}
-[integrator]
-scheme = "{'static' if case == 'droop' else scheme}"
-{'' if case == 'droop' else 'beta = 0.25' + chr(10) + 'gamma = 0.5'}
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-[output]
-wire_every = 0
-contacts_every = 0
-"""
-    with tempfile.TemporaryDirectory() as folder:
-        scene = pathlib.Path(folder) / "peer.toml"
-        scene.write_text(text)
-        done = subprocess.run([app, "run", str(scene), "-o", folder + "/out", "--json", "--quiet"], capture_output=True, text=True)
-        if done.returncode != 0:
-            return None, math.inf
-        with open(folder + "/out/wire.csv", newline="") as stream:
-            tip = next(csv.DictReader(stream))
-        return np.array([float(tip["x_m"]), float(tip["z_m"])]), json.loads(done.stdout)["wall_s"]
+    still = case == "droop"
+    text = runner.scene({
+        "scene": {"gravity": [0.0, 0.0, -G], "duration_s": SWING, "dt_s": dt, "record_every": 1000000},
+        "wire": {"length_m": LENGTH, "radius_m": RADIUS, "density": DENSITY, "bend_nm2": BEND, "twist_nm2": TWIST, "stretch_n": STRETCH, "nodes": nodes,
+                 "place": runner.LEVEL},
+        "integrator": {"scheme": "static"} if still else {"scheme": scheme, "beta": 0.25, "gamma": 0.5},
+        "hold": [runner.HELD], "output": runner.QUIET})
+    run = runner.run(app, text, accept=None)
+    if run.code != 0:
+        return None, math.inf
+    return run.nodes()[0, [0, 2]], run.summary["wall_s"]
 
 
 # ---- MuJoCo's cable ---------------------------------------------------------------------------------------------------------
@@ -185,11 +159,9 @@ def pyelastica(case, elements, dt, cap):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--app", default="build/seldinger")
+    parser = runner.parser(__doc__, "")
     parser.add_argument("--cap", type=float, default=60, help="seconds for one run")
     parser.add_argument("--quick", action="store_true", help="few settings: does it work?")
-    parser.add_argument("--csv")
     options = parser.parse_args()
     options.app = str(pathlib.Path(options.app).absolute())
     options.csv = options.csv and str(pathlib.Path(options.csv).absolute())
@@ -241,11 +213,7 @@ def main():
                 best = min((r["wall_s"] for r in mine if r["tip_error"] <= wanted), default=math.inf)
                 cells.append(f"{wanted:g} L: {best:.3g}" if best < math.inf else f"{wanted:g} L: not reached")
             print(f"{case:6} {code:12} " + "   ".join(cells))
-    if options.csv:
-        with open(options.csv, "w", newline="") as stream:
-            table = csv.DictWriter(stream, ["case", "code", "setting", "tip_error", "wall_s"])
-            table.writeheader()
-            table.writerows(rows)
+    runner.write_rows(options.csv, rows)
 
 
 if __name__ == "__main__":

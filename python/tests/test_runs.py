@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import pathlib
 import subprocess
 
 import numpy as np
@@ -11,35 +12,16 @@ import pytest
 import seldinger
 
 COMMAND = os.environ.get("SELDINGER_COMMAND")
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
 needs_command = pytest.mark.skipif(not COMMAND, reason="the command is not built")
 
-SCENE = """[scene]
-duration_s = 0.3
-dt_s = 0.002
-record_every = 1
-until = "reached"
-[wire]
-length_m = 0.1
-radius_m = 0.0004445
-density = 7900.0
-bend_nm2 = 1.0e-5
-twist_nm2 = 8.0e-6
-stretch_n = 1.0e4
-nodes = 41
-[vessel]
-shape = "tube"
-radius_m = 0.005
-length_m = 0.1
-triangles = 2000
-[feed]
-point = [0.0, 0.0, -0.0035]
-direction = [1.0, 0.0, -0.2]
+SCENE = ('[scene]\nduration_s = 0.3\ndt_s = 0.002\nrecord_every = 1\nuntil = "reached"\n' + (SCENES / "tube.toml").read_text() + """\
 keys = [ {t_s = 0.0, advance_m = 0.004}, {t_s = 0.3, advance_m = 0.05} ]
 [task]
 target = { point = [0.03, 0.0, -0.005], radius_m = 0.002 }
 [output]
 wire_every = 10
-"""
+""")
 
 
 @pytest.fixture(scope="module")

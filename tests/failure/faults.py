@@ -9,35 +9,12 @@ import argparse, os, random, resource, shutil, signal, subprocess, sys, tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-SCENE = """[scene]
-name = "faults"
-duration_s = 0.4
-dt_s = 0.001
-record_every = 5
-[wire]
-length_m = 0.1
-radius_m = 0.0004445
-density = 7900.0
-bend_nm2 = 1.0e-5
-twist_nm2 = 8.0e-6
-stretch_n = 1.0e4
-nodes = 41
-[vessel]
-shape = "tube"
-radius_m = 0.005
-length_m = 0.1
-axis = [1.0, 0.0, 0.0]
-triangles = 2000
-[contact]
-detection = "capsule"
-[feed]
-point = [0.0, 0.0, -0.0035]
-direction = [1.0, 0.0, -0.2]
+SCENE = ('[scene]\nname = "faults"\nduration_s = 0.4\ndt_s = 0.001\nrecord_every = 5\n' + (HERE.parent / "scenes/tube.toml").read_text() + """\
 keys = [ {t_s = 0.0, advance_m = 0.004, turn_rad = 0.0}, {t_s = 1.0, advance_m = 0.084, turn_rad = 1.0} ]
 [output]
 wire_every = 20
 contacts_every = 20
-"""
+""")
 SWEEP = '[vary]\n"contact.mu_sliding" = [0.05, 0.1, 0.15]\n'
 CODES = {0, 2, 3, 4, 5, 75, 130}
 

@@ -5,21 +5,7 @@ installed or do not start (they run here without munge, as who calls this)."""
 import os, shutil, socket, subprocess, sys, tempfile, time
 from pathlib import Path
 
-SCENE = """[scene]
-duration_s = 0.01
-dt_s = 0.001
-[wire]
-length_m = 0.1
-radius_m = 0.0002
-density = 6450.0
-bend_nm2 = 5.0e-5
-twist_nm2 = 4.0e-5
-stretch_n = 7000.0
-nodes = 21
-[[hold]]
-at = "base"
-position = true
-"""
+SCENE = "[scene]\nduration_s = 0.01\ndt_s = 0.001\n" + (Path(__file__).resolve().parent.parent / "scenes/hanging.toml").read_text()
 TAKEN = [b"plain", b"a b", b"100%j%A", b"run-10:00", b"#a; b", b"it's", b"a$(touch owned)`touch owned`", "gefäß".encode(), b"\xff\xfe"]
 REFUSED = [b"a\nb", b'a"b', b"a\\b", b"a\tb"]
 

@@ -140,4 +140,24 @@ inline std::vector<Vec3> straight_nodes(int n, double length)
     return nodes;
 }
 
+inline Vec3 random_unit(std::mt19937& rng)
+{
+    std::normal_distribution<double> normal;
+    return Vec3(normal(rng), normal(rng), normal(rng)).normalized();
+}
+
+/// Of a node, off the wire's own direction and several turns on.
+inline RodClamp random_clamp(const OneWire& wire, int node, bool direction, bool spin, unsigned seed)
+{
+    std::mt19937 rng(seed);
+    RodClamp clamp;
+    clamp.node = node;
+    clamp.direction = direction;
+    clamp.spin = spin;
+    clamp.tangent = (wire.rod.tangent(std::min(node, wire.rod.n - 2)) + 0.4 * random_unit(rng)).normalized();
+    clamp.director = unit_normal(random_unit(rng), clamp.tangent);
+    clamp.turns = 5;
+    return clamp;
+}
+
 }  // namespace seldinger::test

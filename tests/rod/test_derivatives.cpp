@@ -35,12 +35,6 @@ const Shape shapes[] = {
     {"nearly folded", 3.1, 3.0, 1, true, 0.1, 2e-5},
 };
 
-Vec3 random_unit(std::mt19937& rng)
-{
-    std::normal_distribution<double> normal;
-    return Vec3(normal(rng), normal(rng), normal(rng)).normalized();
-}
-
 /// A wire of random stiffness whose accepted state has the asked-for shape.
 OneWire random_wire(const Shape& shape, int n, unsigned seed, CurvatureMeasure measure = CurvatureMeasure::Angle)
 {
@@ -73,20 +67,6 @@ OneWire random_wire(const Shape& shape, int n, unsigned seed, CurvatureMeasure m
     OwnedTrial trial(rod);
     REQUIRE(wire.accept(trial));
     return wire;
-}
-
-RodClamp random_clamp(const OneWire& wire, int node, bool direction, bool spin, unsigned seed)
-{
-    std::mt19937 rng(seed);
-    RodClamp clamp;
-    clamp.node = node;
-    clamp.direction = direction;
-    clamp.spin = spin;
-    const int edge = std::min(node, wire.rod.n - 2);
-    clamp.tangent = (wire.rod.tangent(edge) + 0.4 * random_unit(rng)).normalized();
-    clamp.director = unit_normal(random_unit(rng), clamp.tangent);
-    clamp.turns = 5;
-    return clamp;
 }
 
 /// f(+-h), f(+-2h) -> f'(0), error O(h^4)

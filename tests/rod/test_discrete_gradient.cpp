@@ -13,12 +13,6 @@ using namespace seldinger::test;
 
 namespace {
 
-Vec3 random_unit(std::mt19937& rng)
-{
-    std::normal_distribution<double> normal;
-    return Vec3(normal(rng), normal(rng), normal(rng)).normalized();
-}
-
 /// What the wire has besides being straight: natural curvature and twist.
 enum class Nature { Straight, Curved };
 
@@ -53,19 +47,6 @@ OneWire random_wire(int n, unsigned seed, Nature nature, CurvatureMeasure measur
     OwnedTrial trial(rod);
     REQUIRE(wire.accept(trial));
     return wire;
-}
-
-RodClamp random_clamp(const OneWire& wire, int node, bool direction, bool spin, unsigned seed)
-{
-    std::mt19937 rng(seed);
-    RodClamp clamp;
-    clamp.node = node;
-    clamp.direction = direction;
-    clamp.spin = spin;
-    clamp.tangent = (wire.rod.tangent(std::min(node, wire.rod.n - 2)) + 0.4 * random_unit(rng)).normalized();
-    clamp.director = unit_normal(random_unit(rng), clamp.tangent);
-    clamp.turns = 5;
-    return clamp;
 }
 
 std::vector<std::vector<RodClamp>> clamp_sets(const OneWire& wire)

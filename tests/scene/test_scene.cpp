@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "scene/scene.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 #include "support/shared_folder.h"
 #include "support/temporary_folder.h"
 
@@ -23,14 +24,7 @@ namespace {
 const std::string minimal = R"([scene]
 duration_s = 2.0
 dt_s = 0.001
-[wire]
-length_m = 0.3
-radius_m = 0.0004
-density = 7900
-bend_nm2 = 1e-4
-twist_nm2 = 8e-5
-stretch_n = 1e4
-)";
+)" + test::wire_text(0.3, 1e-4, 8e-5);
 
 // every table and every key that can stand in one scene; generated shapes and placements have cases of their own
 const std::string full = R"([scene]

@@ -3,6 +3,7 @@
 #include "scene/scene.h"
 #include "scene/toml_table.h"
 #include "support/error_text.h"
+#include "support/scenes.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -18,14 +19,7 @@ namespace {
 const std::string good = R"([scene]
 duration_s = 2.0
 dt_s = 0.001
-[wire]
-length_m = 0.3
-radius_m = 0.0004
-density = 7900
-bend_nm2 = 1e-4
-twist_nm2 = 8e-5
-stretch_n = 1e4
-)";
+)" + test::wire_text(0.3, 1e-4, 8e-5);
 
 const std::string fed =
     good + "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0]\nkeys = [{t_s = 0, advance_m = 0}, {t_s = 1, advance_m = 0.1}]\n";
