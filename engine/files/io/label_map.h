@@ -2,9 +2,8 @@
 // Reads label maps: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .seg.nrrd) and MetaImage (.mha, .mhd), as voxels of one label in
 // DICOM's axes: LPS, millimetres.
 //
-// The headers are read here and not by a library. ITK 5.2 reads all three, but refuses sheared NIfTI, has no segments' names, and
-// is 29 MB beside HDF5, GDCM, MINC and FFTW, which a wheel would have to carry. libnifti and teem read one format each, and take
-// a header's word for the memory that it needs. What is left to do is three tables of keys; zlib unpacks.
+// The headers are read here and not by a library. ITK 5.2 reads all three, and is 29 MB beside HDF5, GDCM, MINC and FFTW, which a
+// wheel would have to carry. libnifti and teem read one format each. What is left to do is three tables of keys; zlib unpacks.
 
 #include "voxels/voxels.h"
 

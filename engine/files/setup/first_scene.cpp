@@ -335,7 +335,7 @@ std::string first_scene_text(const FirstScene& first)
         toml_quoted(one_line(first.mesh.stem().string())), list(9.81 * first.back), duration);
     text += fmt::format(
         "[vessel]\nmesh = {}\n{}units = \"{}\"  # {}\n{}wall = \"rigid\"  # as hard as the instrument needs; \"elastic\": "
-        "it yields, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
+        "it gives way, with youngs_pa = 1e6 unless given (docs/wall.md)\nthickness_m = 0.001\n\n",
         path_of(first.mesh), label, first.unit, first.unit_why, centreline);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
