@@ -50,7 +50,7 @@ private:
     /// What PoCL has made of a program.
     struct Compiled {
         std::string mark;                                        // its name, the same in every process
-        std::vector<std::filesystem::path> folders;              // of the cache, one a device, where this process has filled them
+        std::vector<std::filesystem::path> folders;              // of the cache, one a device, where they are new
         std::set<std::pair<std::string, cl_device_id>> kernels;  // that this process has launched
     };
 
