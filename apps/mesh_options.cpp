@@ -23,7 +23,7 @@ void MeshOptions::add_to(CommandLine& command, const std::string& units_help)
     command
         .add_option("--centreline-units", centreline_units, "unit of --centreline (default: what its header says, else the mesh's)")
         ->check(one_of({"m", "cm", "mm", "um", "in"}));
-    command.add_option("--centreline-space", centreline_space, "axes of --centreline: LPS or RAS (default: likewise)")
+    command.add_option("--centreline-space", centreline_space, "axes of --centreline: LPS or RAS (default: as with its unit)")
         ->check(one_of({"LPS", "RAS"}));
 }
 
