@@ -130,7 +130,7 @@ def _vessel(scenario: Scenario, folder: Path) -> dict[str, Any]:
     middle = (points.min(0) + points.max(0)) / 2
     if isinstance(obstacle, Plane):
         normal = obstacle.unit_normal
-        size = 100 * float(np.ptp(points, axis=0).max())
+        size = 10 * max([float(np.ptp(points, axis=0).max()), *(rod.length for rod in scenario.rods)])
         return {"shape": "plane", "size_m": size, "origin": middle - normal * (normal @ (middle - np.asarray(obstacle.point))),
                 "normal": normal, "triangles": 2}
     facets, axis, middle = _facets(obstacle, scenario.rods), obstacle.unit_axis, np.asarray(obstacle.center)
@@ -250,6 +250,7 @@ class SeldingerSolver:
             if scenario.obstacles:
                 scene["vessel"] = _vessel(scenario, Path(folder))
             world = seldinger.World(scene)
+        outer = _outer_middle(scenario) if any(isinstance(o, Cylinder) for o in scenario.obstacles) else None
         with world:
             if world.settle().failed:
                 raise Diverged("no start: the rods cannot be held where the scenario has them", time=0.0)
@@ -260,5 +261,7 @@ class SeldingerSolver:
                     raise Diverged(f"step {world.output.step}: {report.message}", time=world.time)
                 for rod, own in zip(rods, world.output.instruments):
                     rod.take(own)
+                if outer is not None and max(np.linalg.norm(rod.positions[-1] - outer, axis=1).max() for rod in rods) > 0.49 * _WIDEST:
+                    raise NotImplementedError(f"a rod that falls for {world.time:.2g} s: Seldinger's vessels are at most 3 m across")
         return Trajectory(np.linspace(0.0, scenario.duration, n_frames), tuple(np.stack(rod.positions) for rod in rods),
                           tuple(np.stack(rod.directors) for rod in rods))
