@@ -1,7 +1,7 @@
 """Adapter for cosseratbench 0.3: `pip install cosseratbench seldinger; cosseratbench run --solver seldinger`.
 
-A scenario becomes a scene: an instrument for each rod, holds for its ends, a vessel for its obstacles. Every node starts where the
-scenario has it: the nodes are held there in the settling at t = 0, and the holds let go at the first step.
+A scenario becomes a scene: an instrument for each rod, holds for its ends, a vessel for its obstacle. Every node starts where
+the scenario has it: it is held there in the settling at t = 0, and let go at the first step.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def _friction(scenario: Scenario) -> list[float]:
     walls = {float(obstacle.friction) for obstacle in scenario.obstacles}
     own = {float(rod.friction) for rod in scenario.rods}
     if len(walls) > 1 or (_rods_touch(scenario) and (len(own) > 1 or any(mu > min(own) for mu in walls))):
-        raise NotImplementedError("friction that differs between what one rod touches: Seldinger has one coefficient for each rod")
+        raise NotImplementedError("friction that differs between what a rod touches: Seldinger has one coefficient a rod")
     return [max(float(rod.friction), *walls) if walls else float(rod.friction) for rod in scenario.rods]
 
 
@@ -102,7 +102,7 @@ def _outer_middle(scenario: Scenario) -> np.ndarray:
 
 
 def _cylinder_mesh(cylinder: Cylinder, around: int, along: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and triangles of its closed surface. The facets lie outside of it at their edges as far as inside in their middle."""
+    """Vertices and triangles of its closed surface. Facets lie as far outside at their edges as inside in their middle."""
     axis = cylinder.unit_axis
     u = _across(axis)
     radius = 2 * cylinder.radius / (1 + math.cos(math.pi / around))
@@ -122,7 +122,7 @@ def _cylinder_mesh(cylinder: Cylinder, around: int, along: int) -> tuple[np.ndar
 
 
 def _vessel(scenario: Scenario, folder: Path) -> dict[str, Any]:
-    """The [vessel] of the obstacle. A cylinder is an obstacle within a wall as wide as a vessel may be, in a mesh in the folder."""
+    """The [vessel] of the obstacle. A cylinder is an obstacle within a wall as wide as a vessel may be."""
     if len(scenario.obstacles) > 1:
         raise NotImplementedError("several obstacles: Seldinger has one vessel in a scene")
     obstacle = scenario.obstacles[0]
@@ -261,7 +261,9 @@ class SeldingerSolver:
                     raise Diverged(f"step {world.output.step}: {report.message}", time=world.time)
                 for rod, own in zip(rods, world.output.instruments):
                     rod.take(own)
-                if outer is not None and max(np.linalg.norm(rod.positions[-1] - outer, axis=1).max() for rod in rods) > 0.49 * _WIDEST:
-                    raise NotImplementedError(f"a rod that falls for {world.time:.2g} s: Seldinger's vessels are at most 3 m across")
+                if outer is None:
+                    continue
+                if max(np.linalg.norm(rod.positions[-1] - outer, axis=1).max() for rod in rods) > 0.49 * _WIDEST:
+                    raise NotImplementedError(f"a rod that falls for {world.time:.2g} s: a vessel may be 3 m across")
         return Trajectory(np.linspace(0.0, scenario.duration, n_frames), tuple(np.stack(rod.positions) for rod in rods),
                           tuple(np.stack(rod.directors) for rod in rods))
