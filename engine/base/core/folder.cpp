@@ -37,9 +37,9 @@ void check_name(const fs::path& folder, const std::string& name)
 
 std::shared_ptr<const int> handle_of(int fd)
 {
-    return {new int(fd), [](const int* held) {
-                ::close(*held);
-                delete held;
+    return {new int(fd), [](const int* owned) {
+                ::close(*owned);
+                delete owned;
             }};
 }
 

@@ -103,7 +103,7 @@ double patch_band_of(const Json& s)
 /// The branch, or the vessel between branches, that the tip is in.
 std::string place_for_people(const Json& s)
 {
-    const Stretch in{s.at("branch_path").get<std::string>(), "", s.at("branch").get<int>()};
+    const Stretch in{s.at("branch_path").get<std::string>(), "", s.at("branch").get<int>(), -1, 0, {}};
     const std::string name = s.at("branch_name").is_string() ? fmt::format(" ({})", s.at("branch_name").get<std::string>()) : "";
     const int count = s.at("branches").get<int>();
     const double depth = 1e3 * s.at("branch_depth_m").get<double>();

@@ -28,7 +28,7 @@ std::string ends_line(const BatchAnswer::Ends& ends)
         const auto& [branch, path] = place;
         const bool before = branch == 0 && (path.empty() || path == "0");
         text += fmt::format("{}{} {}", text.empty() ? "ended " : ", ",
-                            before ? "before any branch" : "in " + Stretch{path, "", branch}.words(), runs(count));
+                            before ? "before any branch" : "in " + Stretch{path, "", branch, -1, 0, {}}.words(), runs(count));
     }
     for (const auto& [inlet, count] : ends.left)
         text += fmt::format("{}left the vessel through inlet {} {}", text.empty() ? "" : ", ", inlet, runs(count));
