@@ -1,5 +1,6 @@
 """The live page as a phone on the same network has it: small, three pixels to a point, fingers for a mouse, the token in its address."""
 import json
+import math
 import os
 import socket
 import time
@@ -115,6 +116,14 @@ def buttons(browser, check):
     check(True, "phone: a tap switches fluoroscopy on and off")
 
 
+def off_line(points):
+    """Largest distance of points from the line through the first and the last."""
+    def dot(p, q): return sum(x * y for x, y in zip(p, q))
+    along = [b - a for a, b in zip(points[0], points[-1])]
+    from_first = [[b - a for a, b in zip(points[0], p)] for p in points]
+    return max(math.sqrt(max(0, dot(d, d) - dot(d, along) ** 2 / dot(along, along))) for d in from_first)
+
+
 def narrow(browser, check, pictures):
     """330 points: the tip's bend in a corner that the tip is not in, and one unit of force."""
     browser.phone(330, 700, 2)
@@ -129,19 +138,16 @@ def narrow(browser, check, pictures):
     check(min(right - left, bottom - top) > 100 and not (left < x < right and top < y < bottom), "330 points: the tip again, larger, and not over itself")
     # how far nodes leave the straight line between the ends of what is shown: in the frame, and in space with the frame about 1.24 lengths wide.
     # How much the tip is bent depends on where the wire has come to; that the bend is turned to the viewer does not
-    seen, bend = browser.evaluate("""(() => {
-        const v = seldinger.viewer, nodes = seldinger.last.nodes[0], at = [], places = [];
+    points = browser.evaluate("""(() => {
+        const v = seldinger.viewer, nodes = seldinger.last.nodes[0], all = [];
         let way = 0;
         for (let i = 0; i + 4 < nodes.length && way < v.tip.length; i += 4) {
-          places.push(new THREE.Vector3(nodes[i], nodes[i + 1], nodes[i + 2]));
-          at.push(places[places.length - 1].clone().project(v.tip.camera).setZ(0));
+          const at = new THREE.Vector3(nodes[i], nodes[i + 1], nodes[i + 2]).project(v.tip.camera);
+          all.push([at.x, at.y, nodes[i], nodes[i + 1], nodes[i + 2]]);
           way += Math.hypot(nodes[i + 4] - nodes[i], nodes[i + 5] - nodes[i + 1], nodes[i + 6] - nodes[i + 2]);
         }
-        const off = (points) => {
-          const line = new THREE.Line3(points[0], points[points.length - 1]), near = new THREE.Vector3();
-          return Math.max(...points.map((p) => line.closestPointToPoint(p, false, near).distanceTo(p)));
-        };
-        return [off(at) / 2, off(places) / (1.24 * v.tip.length)] })()""")
+        return all })()""")
+    seen, bend = off_line([p[:2] for p in points]) / 2, off_line([p[2:] for p in points]) / (1.24 * browser.evaluate("seldinger.viewer.tip.length"))
     check(seen > 0.8 * bend, f"330 points: the tip's bend is turned to the viewer ({seen:.2f} of the frame, of {bend:.2f})")
     units = browser.evaluate("[seldinger.forces.scaleOf(1e-3).unit, seldinger.forces.scaleOf(1).unit, document.querySelector('#instrument').textContent, "
                              "document.querySelector('#sheet').textContent]")

@@ -149,7 +149,10 @@ cl_program SharedContext::build(const std::string& file, std::string text, const
                         "another device "
                         "with --device (`seldinger devices` lists them), or update the driver",
                         printable(name), file));
-        const std::vector<std::uint8_t> code = processors_ ? bitcode(text, options, compiled.mark) : std::vector<std::uint8_t>();
+        // 3.0, as PyPI has it, makes kernels of its own code that lack its library's functions; later ones have not been tried
+        const bool takes_code =
+            processors_ && platform_text(devices_.front(), CL_PLATFORM_VERSION).find("PoCL 3.1") != std::string::npos;
+        const std::vector<std::uint8_t> code = takes_code ? bitcode(text, options, compiled.mark) : std::vector<std::uint8_t>();
         ::clock_gettime(CLOCK_REALTIME_COARSE, &begun);  // the clock of file dates
         built = from_bitcode(code, options);
         if (!built) {
