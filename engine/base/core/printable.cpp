@@ -86,4 +86,9 @@ std::string one_line(std::string text)
     return text;
 }
 
+std::string count_of(std::size_t n, std::string_view one, std::string_view many)
+{
+    return std::to_string(n) + " " + std::string(n == 1 ? one : many);
+}
+
 }  // namespace seldinger

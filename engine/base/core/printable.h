@@ -18,4 +18,7 @@ namespace seldinger {
 /// The text with line ends and other control characters made spaces: a message is one line, whatever it quotes.
 [[nodiscard]] std::string one_line(std::string text);
 
+/// "1 part", "3 parts".
+[[nodiscard]] std::string count_of(std::size_t n, std::string_view one, std::string_view many);
+
 }  // namespace seldinger

@@ -1,6 +1,8 @@
 // Parts of a label: which one is the vessel, what is left out, and where it is open.
 #include "voxels/voxels.h"
 
+#include "core/printable.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -102,14 +104,14 @@ std::vector<VoxelRun> take_vessel(const VoxelGrid& grid, const std::vector<Voxel
     const std::string size = fmt::format("{:.3g} ml", 1e-3 * std::abs(grid.volume()) * static_cast<double>(largest.voxels));
     if (!away.empty())
         notes.push_back(fmt::format("The largest part, {}, is the vessel; {} not joined to it {} left out: {}.", size,
-                                    away.size() == 1 ? "1 part" : fmt::format("{} parts", away.size()),
-                                    away.size() == 1 ? "was" : "were", list_of(grid, away)));
+                                    count_of(away.size(), "part", "parts"), away.size() == 1 ? "was" : "were",
+                                    list_of(grid, away)));
     if (!touching.empty())
         notes.push_back(
             fmt::format("{} only touch{} the vessel ({}) at edges or corners of voxels and {} left out: {}. If it belongs to "
                         "the vessel, join it by a voxel in the label map.",
-                        touching.size() == 1 ? "1 part" : fmt::format("{} parts", touching.size()),
-                        touching.size() == 1 ? "es" : "", size, touching.size() == 1 ? "was" : "were", list_of(grid, touching)));
+                        count_of(touching.size(), "part", "parts"), touching.size() == 1 ? "es" : "", size,
+                        touching.size() == 1 ? "was" : "were", list_of(grid, touching)));
     return vessel;
 }
 
@@ -159,13 +161,12 @@ void fill_cavities(const VoxelGrid& grid, LumenVoxels& box, std::int64_t voxels)
         std::uint8_t* at = box.flags.data() + static_cast<std::ptrdiff_t>(gaps[i].row) * box.size[0];
         std::fill(at + gaps[i].begin, at + gaps[i].end, LumenVoxels::inside);
     }
-    const auto holes = [](std::size_t n) { return n == 1 ? std::string("1 cavity") : fmt::format("{} cavities", n); };
     if (!filled.empty())
-        box.notes.push_back(fmt::format("{} within the label {} filled: {}.", holes(filled.size()),
+        box.notes.push_back(fmt::format("{} within the label {} filled: {}.", count_of(filled.size(), "cavity", "cavities"),
                                         filled.size() == 1 ? "was" : "were", list_of(grid, filled)));
     if (!kept.empty())
         box.notes.push_back(fmt::format("{} within the label {} left as {}: {}. The label should be the lumen, not its wall.",
-                                        holes(kept.size()), kept.size() == 1 ? "was" : "were",
+                                        count_of(kept.size(), "cavity", "cavities"), kept.size() == 1 ? "was" : "were",
                                         kept.size() == 1 ? "it is" : "they are", list_of(grid, kept)));
 }
 

@@ -30,7 +30,7 @@ T value_at(std::string_view bytes, std::size_t at, bool big_endian)
 {
     char raw[sizeof(T)];
     std::memcpy(raw, bytes.data() + at, sizeof(T));
-    if (big_endian) std::reverse(raw, raw + sizeof(T));
+    if (big_endian != (std::endian::native == std::endian::big)) std::reverse(raw, raw + sizeof(T));
     T value;
     std::memcpy(&value, raw, sizeof(T));
     return value;
@@ -243,12 +243,6 @@ const std::string* find(const Keys& keys, std::initializer_list<const char*> nam
     return nullptr;
 }
 
-std::string_view trimmed(std::string_view text)
-{
-    const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-    return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
-}
-
 /// All numbers of a text, whatever stands between them.
 std::vector<double> numbers_in(std::string text)
 {
@@ -292,9 +286,7 @@ void take_type(VoxelHeader& out, std::string_view word, std::string_view all, co
                               {"|ulonglong|unsigned long long|unsigned long long int|uint64|uint64_t|met_ulong_long|", 'u', 8},
                               {"|float|met_float|", 'f', 4},
                               {"|double|met_double|", 'f', 8}};
-    std::string wanted = "|";
-    for (const char c : word) wanted += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
-    wanted += '|';
+    const std::string wanted = "|" + lower_case(word) + "|";
     for (const Type& type : types)
         if (std::string_view(type.names).find(wanted) != std::string_view::npos) {
             out.kind = type.kind, out.bytes = type.bytes;

@@ -68,6 +68,21 @@ inline std::string excerpt(std::string_view text)
     return shown;
 }
 
+/// The text without blanks and tabs around it.
+inline std::string_view trimmed(std::string_view text)
+{
+    const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+    return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
+}
+
+/// The text with A to Z as a to z.
+inline std::string lower_case(std::string_view text)
+{
+    std::string lower(text);
+    for (char& c : lower) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
+    return lower;
+}
+
 /// @param lower  in lower case
 inline bool same_word(std::string_view word, std::string_view lower)
 {

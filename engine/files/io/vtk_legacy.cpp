@@ -23,7 +23,7 @@ public:
     {
         PolyData data;
         read_header(data);
-        for (std::string key = lower(word()); !key.empty(); key = lower(word())) {
+        for (std::string key = lower_case(word()); !key.empty(); key = lower_case(word())) {
             if (parts_ == PolyParts::Remarks && key == "points") return data;
             if (key == "point_data" || key == "cell_data") {
                 if (parts_ != PolyParts::All) break;
@@ -49,11 +49,6 @@ private:
         damaged(fmt::format("{} is cut off: got {} {}; expected {}", section, there, what, announced));
     }
 
-    static std::string lower(std::string text)
-    {
-        for (char& c : text) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
-        return text;
-    }
     std::string line()
     {
         const std::size_t end = std::min(file_.find('\n', at_), file_.size());
@@ -106,7 +101,7 @@ private:
     void read_points(PolyData& data)
     {
         const std::size_t point_count = count("POINTS");
-        const std::vector<double> xyz = values<double>(3 * point_count, lower(word()), "POINTS");
+        const std::vector<double> xyz = values<double>(3 * point_count, lower_case(word()), "POINTS");
         for (std::size_t i = 0; i < point_count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
     }
 
@@ -117,13 +112,13 @@ private:
                 "got no \"# vtk DataFile\" in its first line; expected a legacy VTK file. Fix: name the file after its format, "
                 "or export it again");
         data.remarks = line() + "\n";  // the title
-        const std::string encoding = lower(word());
+        const std::string encoding = lower_case(word());
         if (encoding != "ascii" && encoding != "binary")
             damaged(fmt::format("got encoding \"{}\"; expected ASCII or BINARY", excerpt(encoding)));
         binary_ = encoding == "binary";
-        if (lower(word()) != "dataset") damaged("got no DATASET line; expected DATASET POLYDATA");
+        if (lower_case(word()) != "dataset") damaged("got no DATASET line; expected DATASET POLYDATA");
         const std::string kind = word();
-        if (lower(kind) != "polydata")
+        if (lower_case(kind) != "polydata")
             fail(fmt::format("got DATASET {}; expected POLYDATA. Fix: extract its surface (ParaView: Extract Surface, VTK: "
                              "vtkGeometryFilter) and save that",
                              excerpt(kind)));
@@ -274,7 +269,7 @@ private:
         word();  // the field's name
         for (std::size_t left = count("FIELD"); left > 0; --left) {
             std::string name = word();
-            for (; lower(name) == "metadata"; name = word()) skip_metadata();
+            for (; lower_case(name) == "metadata"; name = word()) skip_metadata();
             name = decoded(name);
             if (name.empty()) damaged(fmt::format("FIELD is cut off: got no name; expected {} more arrays", left));
             const std::size_t components = count("FIELD"), tuples = count("FIELD");
@@ -282,7 +277,7 @@ private:
                 damaged(fmt::format("got FIELD, which announces {} x {} items; expected no more than the file has bytes for",
                                     components, tuples));
             const std::size_t n = components * tuples;
-            const std::string type = lower(word());
+            const std::string type = lower_case(word());
             if (type == "string" || type == "vtkstdstring" || type == "utf8_string") {
                 line();
                 for (std::size_t k = 0; k < n; ++k) {
@@ -307,7 +302,7 @@ private:
         const std::size_t n = count("POINT_DATA");
         while (true) {
             const std::size_t back = at_;
-            const std::string key = lower(word());
+            const std::string key = lower_case(word());
             if (key == "point_data" || key == "cell_data" || key.empty()) {
                 at_ = back;
                 return;
@@ -325,12 +320,12 @@ private:
             into[decoded(name)] = {static_cast<int>(components), values<double>(n * components, type, "POINT_DATA")};
         };
         if (key == "scalars") {
-            const std::string name = word(), type = lower(word());
+            const std::string name = word(), type = lower_case(word());
             TextWords rest(std::string_view(file_).substr(at_));
             const std::string_view components = TextWords(rest.line()).word();  // left out: one
             const std::size_t width = components.empty() ? 1 : count("SCALARS");
             const std::size_t back = at_;
-            if (lower(word()) == "lookup_table") word();
+            if (lower_case(word()) == "lookup_table") word();
             else at_ = back;
             take(name, type, width);
         } else if (key == "color_scalars" || key == "lookup_table") {
@@ -344,7 +339,7 @@ private:
         } else if (key == "texture_coordinates") {
             const std::string name = word();
             const std::size_t dimension = count("TEXTURE_COORDINATES");
-            take(name, lower(word()), dimension);
+            take(name, lower_case(word()), dimension);
         } else {
             constexpr std::pair<std::string_view, std::size_t> plain[] = {
                 {"vectors", 3},    {"normals", 3},      {"tensors", 9},   {"tensors6", 6},
@@ -352,7 +347,7 @@ private:
             const auto* at = std::find_if(std::begin(plain), std::end(plain), [&](const auto& p) { return p.first == key; });
             if (at == std::end(plain)) return false;
             const std::string name = word();
-            take(name, lower(word()), at->second);
+            take(name, lower_case(word()), at->second);
         }
         return true;
     }
@@ -374,11 +369,11 @@ private:
     {
         const std::size_t first = count(section), second = count(section);
         const std::size_t back = at_;
-        if (lower(word()) == "offsets") {  // 5.1: first = offsets, second = connectivity
-            cells.offsets = values<std::int64_t>(first, lower(word()), section);
-            if (lower(word()) != "connectivity")
+        if (lower_case(word()) == "offsets") {  // 5.1: first = offsets, second = connectivity
+            cells.offsets = values<std::int64_t>(first, lower_case(word()), section);
+            if (lower_case(word()) != "connectivity")
                 damaged(fmt::format("{}: got no CONNECTIVITY; expected it after OFFSETS", section));
-            cells.connectivity = values<std::int64_t>(second, lower(word()), section);
+            cells.connectivity = values<std::int64_t>(second, lower_case(word()), section);
             if (!cells.offsets.empty()) cells.offsets.erase(cells.offsets.begin());  // they begin with 0; PolyCells does not
             return;
         }

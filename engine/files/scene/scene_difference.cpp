@@ -2,6 +2,7 @@
 #include "scene/scene_difference.h"
 
 #include "core/printable.h"
+#include "io/text_words.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -14,13 +15,6 @@ namespace {
 struct Entry {
     std::string_view table, key, value;
 };
-
-std::string_view trimmed(std::string_view text)
-{
-    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-    while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-    return text;
-}
 
 std::vector<Entry> entries(std::string_view text)
 {

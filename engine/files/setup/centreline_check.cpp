@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/printable.h"
 #include "io/centreline_file.h"
 #include "io/file_remarks.h"
 #include "io/mesh_file.h"
@@ -155,8 +156,6 @@ std::string fix_of(const Cure& cure, const Cure& tried, const std::string& mesh_
     }
     return fmt::format("It fits {}. Fix: {}", words, keys);
 }
-
-std::string count_of(std::size_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 
 void note_points_off(const Fit& fit, const std::string& line, std::vector<std::string>& notes)
 {
