@@ -36,11 +36,8 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
         return;
     }
     NewtonTrial trial;
-    const bool guess = at_.phase == Phase::Guess;
     trial.iteration = at_.course.iterations;
-    trial.alpha = guess ? at_.course.guess_fraction : at_.along.alpha;
-    trial.move = trial.alpha * problem.largest_move(guess ? at_.guess : at_.direction);
-    trial.projected = !guess && direction_.projected_steps() > 0;
+    trial.projected = at_.phase != Phase::Guess && direction_.projected_steps() > 0;
     const bool possible = decide(finite, terms);
     tell(trial, possible);
 }
@@ -49,7 +46,6 @@ void NewtonSystem::tell(NewtonTrial trial, bool possible) const
 {
     using enum NewtonTrial::End;
     trial.residual = problem.residual_share();
-    trial.contraction = at_.trial.contraction.value_or(0);
     trial.end = at_.phase == Phase::Failed                  ? GivenUp
                 : !possible                                ? Refused
                 : at_.course.iterations > trial.iteration   ? Taken

@@ -14,10 +14,7 @@ struct NewtonTrial {
     };
     End end = End::Taken;
     int iteration = 0;       // of the direction that led to it; 0: the first guess
-    double alpha = 1;        // share of that direction [-]
-    double move = 0;         // of the farthest node, from the base [m]
     double residual = 0;     // of the tolerance [-]; of the last one that was evaluated where the trial was refused
-    double contraction = 0;  // correction at the trial against the direction [-]; 0: not asked for
     bool projected = false;  // the direction is that of a Hessian made positive
 };
 
