@@ -56,7 +56,9 @@ SharedContext::SharedContext(std::vector<cl_device_id> devices) : devices_(std::
     context_ = clCreateContext(properties, static_cast<cl_uint>(devices_.size()), devices_.data(), nullptr, nullptr, &status);
     check(status, "clCreateContext");
     pocl_ = device_text(devices_.front(), CL_DEVICE_VERSION).find("PoCL") != std::string::npos;
-    processors_ = pocl_device(devices_.front()) != PoclDevice::None;
+    // 3.0, as PyPI has it, makes kernels of its own code that lack its library's functions; later ones have not been tried
+    takes_code_ = pocl_device(devices_.front()) != PoclDevice::None &&
+                  platform_text(devices_.front(), CL_PLATFORM_VERSION).find("PoCL 3.1") != std::string::npos;
 }
 
 std::pair<cl_program, bool> SharedContext::program(const std::string& file, const std::string& text, const std::string& options)
@@ -149,10 +151,7 @@ cl_program SharedContext::build(const std::string& file, std::string text, const
                         "another device "
                         "with --device (`seldinger devices` lists them), or update the driver",
                         printable(name), file));
-        // 3.0, as PyPI has it, makes kernels of its own code that lack its library's functions; later ones have not been tried
-        const bool takes_code =
-            processors_ && platform_text(devices_.front(), CL_PLATFORM_VERSION).find("PoCL 3.1") != std::string::npos;
-        const std::vector<std::uint8_t> code = takes_code ? bitcode(text, options, compiled.mark) : std::vector<std::uint8_t>();
+        const std::vector<std::uint8_t> code = takes_code_ ? bitcode(text, options, compiled.mark) : std::vector<std::uint8_t>();
         ::clock_gettime(CLOCK_REALTIME_COARSE, &begun);  // the clock of file dates
         built = from_bitcode(code, options);
         if (!built) {

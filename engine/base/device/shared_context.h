@@ -56,7 +56,7 @@ private:
 
     std::vector<cl_device_id> devices_;
     cl_context context_ = nullptr;
-    bool pocl_ = false, processors_ = false;  // processors_: PoCL's two devices, or one of them
+    bool pocl_ = false, takes_code_ = false;  // takes_code_: kernels are made of bitcode()
     std::mutex building_, launching_;
     std::map<cl_program, Compiled> compiled_;  // under launching_
     std::map<std::pair<std::string, std::string>, cl_program>
