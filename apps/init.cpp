@@ -69,10 +69,9 @@ std::string draw(const fs::path& picture, const WallMesh& mesh, const Centreline
 }
 
 /// Its unit: given, else said by the file's header, else guessed.
-LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
+LoadedVessel load_in_its_unit(const InitArguments& options, const FileRemarks& remarks, FirstScene& first)
 {
     LoadedVessel vessel;
-    const FileRemarks remarks = remarks_of_file(options.mesh);
     const std::string said = remarks.units, asked = options.given.units.empty() ? said : options.given.units;
     const std::vector<UnitGuess> guesses = guess_units(options.mesh, vessel, asked, options.given.label);
     const UnitGuess unit = asked.empty() ? guesses.front() : *std::ranges::find(guesses, asked, &UnitGuess::unit);
@@ -103,9 +102,8 @@ LoadedVessel load_in_its_unit(const InitArguments& options, FirstScene& first)
 }
 
 /// DICOM's axes unless the file's header says others.
-void find_axes(const InitArguments& options, FirstScene& first)
+void find_axes(const FileRemarks& remarks, FirstScene& first)
 {
-    const FileRemarks remarks = remarks_of_file(options.mesh);
     const FileAxes axes = remarks.axes;
     if (axes == FileAxes::Ras) first.back = -Vec3::UnitY();
     first.axes_why =
@@ -176,8 +174,9 @@ ErrorKind init(InitArguments& options)
     FirstScene first;
     first.mesh = options.mesh;
     first.file = options.scene;
-    const LoadedVessel vessel = load_in_its_unit(options, first);
-    find_axes(options, first);
+    const FileRemarks remarks = remarks_of_file(options.mesh);
+    const LoadedVessel vessel = load_in_its_unit(options, remarks, first);
+    find_axes(remarks, first);
     const std::vector<std::string> ways = choose_inlet(options, vessel, first);
     const Inlet& inlet = first.inlets[static_cast<std::size_t>(first.inlet) - 1];
     first.way = way_through(vessel.centreline, inlet);
@@ -187,8 +186,8 @@ ErrorKind init(InitArguments& options)
     make_folder_of(options.scene);
     write_file(options.scene, text);
     std::string out = fmt::format("{}: units \"{}\", {}\n", printable(options.mesh.string()), first.unit, first.unit_why);
-    for (const std::string& note : vessel.report.notes)
-        if (is_label_map(options.mesh)) out += fmt::format("  {}\n", note);
+    if (remarks.by_format)
+        for (const std::string& note : vessel.report.notes) out += fmt::format("  {}\n", note);
     out += fmt::format("  axes: {}\n", first.axes_why);
     for (const std::string& line : ways) out += fmt::format("  {}\n", line);
     out += fmt::format("  wire: {}\n  {}: the scene; next: seldinger run {}\n", first.wire.why, options.scene.string(),
