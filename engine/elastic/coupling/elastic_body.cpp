@@ -40,8 +40,6 @@ private:
 
 std::shared_ptr<const WallBody> make_wall_body(const WallModel& wall) { return std::make_shared<ElasticBody>(wall); }
 
-void check_wall_body(const WallModel& wall) { check_elastic_wall(wall); }
-
 DefaultEdge default_wall_edge(const WallModel& wall)
 {
     const WallEdge chosen = choose_wall_edge(wall);

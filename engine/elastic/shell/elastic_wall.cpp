@@ -1,6 +1,7 @@
 // The wall as a body, made from the vessel's mesh, and its readings.
 
 #include "shell/elastic_wall.h"
+#include "contact/wall_body.h"
 #include "core/clock.h"
 #include "shell/large_shell.h"
 #include "shell/wall_compliance.h"
@@ -112,7 +113,7 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
 
 }  // namespace
 
-void check_elastic_wall(const WallModel& wall)
+void check_wall_body(const WallModel& wall)
 {
     std::string reason;
     double off = 0, edge_touched = 0;

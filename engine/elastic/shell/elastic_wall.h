@@ -26,9 +26,6 @@ class LargeShell;
 class Shell;
 class WallCompliance;
 
-/// Makes the control mesh of an elastic wall, for what is refused of it. @throws Error  as ElasticWall's constructor
-void check_elastic_wall(const WallModel& wall);
-
 /// Constant part; all systems of a world share it.
 class ElasticWall {
 public:
