@@ -363,11 +363,11 @@ private:
             ++branches_, in_sheet_ += sheet;
         }
         if (opening && std::count(loose.begin(), loose.end(), true) >= kLoose) narrow = opening->radius;
-        if (narrow > 0) keep_widest(raw, loose, narrow);
-        if (join >= 0) raw.points.push_back(tree_.points[static_cast<std::size_t>(join)]);
-        else if (start_at_) raw.points.push_back(*start_at_);
-        std::reverse(raw.points.begin(), raw.points.end());
-        Polyline line = refine(raw.points, narrow > 0 ? 2 * narrow : std::numeric_limits<double>::infinity());
+        std::vector<Vec3> path = narrow > 0 ? widest_of(raw, loose, narrow) : raw.points;
+        if (join >= 0) path.push_back(tree_.points[static_cast<std::size_t>(join)]);
+        else if (start_at_) path.push_back(*start_at_);
+        std::reverse(path.begin(), path.end());
+        Polyline line = refine(path, narrow > 0 ? 2 * narrow : std::numeric_limits<double>::infinity());
         if (!opening && leaves_the_vessel(line)) return serve(raw);
         serve(line);
         if (!opening) trim_tip(line);
@@ -394,7 +394,7 @@ private:
     /// are balls in corners of the wall, from which a path would go to and fro. Fine trees have many such branches: each brings
     /// steps of its own.
     /// @param loose  for each point
-    void keep_widest(Polyline& raw, const std::vector<bool>& loose, double radius)
+    [[nodiscard]] std::vector<Vec3> widest_of(const Polyline& raw, const std::vector<bool>& loose, double radius)
     {
         constexpr int most_branches = 100;
         constexpr std::size_t most_openings = 500;  // of a soup of triangles each is one
@@ -409,7 +409,7 @@ private:
             const Vec3& at = raw.points[widest];
             kept.push_back(loose[i] ? climb(bring_inside(at, 2 * radius), Vec3::Zero(), 2 * radius) : at);
         }
-        raw.points = std::move(kept);
+        return kept;
     }
 
     /// A path to the wall of a closed end runs through its corner: removes the narrow part beside a larger sphere.
