@@ -55,7 +55,7 @@ def main():
     options = runner.parser(__doc__, "validation/dragged_wire.csv").parse_args()
     table = runner.Table(options.csv, ["scheme", "detection", "law", "dt_s", "outcome", "true_n", "felt_n", "reported_n", "normal_n", "worst_n"])
     for scheme in SCHEMES:
-        for detection in ("capsule", "layer") if scheme == "linearised" else ("capsule",):
+        for detection in ("swept", "layer") if scheme == "linearised" else ("swept",):
             for law in ("stick-slip", "smooth", "sign"):
                 for dt in STEPS:
                     row = {"scheme": scheme, "detection": detection, "law": law, "dt_s": dt} | measure(options.app, scheme, detection, law, dt)

@@ -24,13 +24,13 @@ PUBLISHED = ["integrator.scheme=linearised", "contact.detection=layer", "contact
 UNDAMPED = PUBLISHED + ["contact.restitution=1"]
 FRAME = ["scene.dt_s=0.016666666666666666"]
 SOFT = ["contact.stiffness=1e4", "contact.exponent=1", "integrator.damping_mass_1_s=100"]
-CAPSULE = ["contact.detection=capsule"]
+SWEPT = ["contact.detection=swept"]
 RUNS = {  # scene -> until [s], curves: label, colour, texts
     "experiment1": (12, [("as printed, 1 ms", RED, PUBLISHED), ("at its best, 0.5 ms", PURPLE, UNDAMPED + ["scene.dt_s=0.0005"]),
                          ("at its best, 16.7 ms", ORANGE, UNDAMPED + SOFT + FRAME), ("default, 1 ms", BLUE, [])]),
     "experiment2": (12, [("as printed, 1 ms", RED, PUBLISHED + ["wire.nodes=101"]),
                          ("at its best, 1 ms", PURPLE, UNDAMPED + ["wire.nodes=101"]),
-                         ("its step and laws on capsule, 1 ms", GREEN, UNDAMPED + CAPSULE + ["wire.nodes=101"]),
+                         ("its step and laws on exact triangles, 1 ms", GREEN, UNDAMPED + SWEPT + ["wire.nodes=101"]),
                          ("default, 1 ms", BLUE, ["wire.nodes=101"])]),
 }
 

@@ -37,7 +37,7 @@ def main():
     table = runner.Table(options.output, ["samples_per_edge", "dt_s", "largest_sample_n", "force_per_length_n_per_m", "patch_force_n", "contact_regions",
                                           "contacts"] + [part for name in BANDS for part in (name, name + "_band", name + "_true", name + "_inside")])
     for samples in SAMPLES:
-        settings = ["contact.detection=capsule", f"contact.samples_per_edge={samples}", f"scene.duration_s={options.duration}",
+        settings = [f"contact.samples_per_edge={samples}", f"scene.duration_s={options.duration}",
                     "output.force_window_m=0.0015"]
         true = told(options.app, settings, TRUE_STEP, "off")
         for step in STEPS:

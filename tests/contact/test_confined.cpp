@@ -46,7 +46,6 @@ TestSetup in_bend(double clearance, double lead_in, double degrees, double lengt
     setup.wires = {placed_wire(wire, Vec3::Zero())};
     setup.wires[0].wire.place = wire.place;
     ContactSpec& contact = setup.wires[0].contact;
-    contact.detection = Detection::Capsule;
     contact.friction = FrictionLaw::None;
     contact.samples_per_edge = 4;
     return setup;
@@ -242,7 +241,6 @@ TEST_SUITE("contact/confined")
             wire.shaft.stretch_stiffness = soft;
             wire.shaft.density = weight / (9.81 * std::numbers::pi * wire_radius * wire_radius);
             TestWire placed = placed_wire(wire, {0.01, 0, -clearance - 4e-7});
-            placed.contact.detection = Detection::Capsule;
             placed.contact.friction = FrictionLaw::None;
             HoldSpec base, tip;
             base.position = tip.position = true;

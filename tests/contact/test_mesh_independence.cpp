@@ -74,7 +74,7 @@ TEST_SUITE("contact/mesh_independence")
         double force[2] = {};
         for (const int parts : {1, 6, 22, 55}) {
             const WallMesh mesh = subdivided(vessel.mesh, parts);
-            const std::vector<Push> exact = push_at(context, mesh, vessel.centreline, Detection::Capsule, poses);
+            const std::vector<Push> exact = push_at(context, mesh, vessel.centreline, Detection::Swept, poses);
             const std::vector<Push> published = push_at(context, mesh, vessel.centreline, Detection::Layer, poses);
             for (int k = 0; k < 2; ++k) {
                 // beside it, and only shown: triangles times stiffness, where its rays meet the wire at all
@@ -101,7 +101,7 @@ TEST_SUITE("contact/mesh_independence")
         const double tip = std::numbers::pi * foundation_modulus(wall) * r * overlap * overlap / harden;
         const Centreline none;
         const auto on = [&](const WallMesh& mesh, double y) {
-            return push_at(context, mesh, none, Detection::Capsule, {{y, z}}).front();
+            return push_at(context, mesh, none, Detection::Swept, {{y, z}}).front();
         };
         for (const int squares : {1, 4, 40, 333}) {
             CAPTURE(squares);

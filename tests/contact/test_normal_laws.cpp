@@ -172,7 +172,6 @@ TEST_SUITE("contact/normal_laws")
             setup.wires[0].wire.shaft.bend_stiffness = 1e-3;
             setup.integrator.conserve = scheme == 1;
             setup.integrator.newmark = scheme == 2;
-            if (scheme == 2) setup.integrator.beta = 0.25, setup.integrator.gamma = 0.5;
             const QuadratureModel law = line_model(setup.wires[0].wire.shaft, setup.wires[0].contact, setup.vessel, INFINITY, 1);
             const double duration = 3.373 * std::pow(law.line_mass * speed * speed / law.stiffness, 0.4) / speed;
             return (e - restitution(std::move(setup), speed, duration / part, 1000)) * part;

@@ -45,7 +45,6 @@ Rig on_plane(double dt)
     const double depth =
         depth_under(load, line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, foundation_modulus(plane))), 1.5);
     TestWire placed = placed_wire(wire, {0, 0, r - depth});
-    placed.contact.detection = Detection::Capsule;
     placed.contact.rolling = true;
     // K = 2 alpha / (3 pi) sqrt(2 r depth)
     placed.contact.rolling_alpha = arm * 3 * std::numbers::pi / 2 / std::sqrt(2 * r * depth);

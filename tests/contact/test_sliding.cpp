@@ -40,7 +40,6 @@ TestSetup on_incline(double length, int nodes, double angle, double mu_static, d
     wire.shaft.mu_static = mu_static;
     wire.shaft.mu_sliding = mu_sliding;
     setup.wires = {placed_wire(wire, {0, 0, radius - own_depth(7900, gravity)})};
-    setup.wires[0].contact.detection = Detection::Capsule;
     return setup;
 }
 

@@ -31,7 +31,7 @@ inline constexpr Method one_newton_step{"one Newton step", Scheme::Linearised, D
                                         FrictionLaw::StickSlip};
 inline constexpr Method at_nodes{"contact at nodes", Scheme::Newton, Detection::Nodes, NormalLaw::HuntCrossley,
                                  FrictionLaw::StickSlip};
-inline constexpr Method explicit_steps{"explicit", Scheme::Explicit, Detection::Capsule, NormalLaw::HuntCrossley,
+inline constexpr Method explicit_steps{"explicit", Scheme::Explicit, Detection::Swept, NormalLaw::HuntCrossley,
                                        FrictionLaw::StickSlip};
 
 void use(TestSetup& setup, const Method& method);

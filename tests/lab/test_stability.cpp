@@ -232,7 +232,7 @@ TEST_SUITE("lab/stability")
         CHECK(map.name == "free");
         CHECK(stability_scene(map, 1e-6, 0.01, 1, {}).wire.shaft.bend_stiffness == about(1e-6));
         CHECK(why_not_in(map, default_method(), {}).empty());
-        CHECK_FALSE(why_not_in(map, method_named("linearised, capsule"), {}).empty());
+        CHECK_FALSE(why_not_in(map, method_named("linearised, swept"), {}).empty());
         CHECK(std::string(run_stability_cell({map, default_method(), 1e-3, 1e-4, {}}, {}, 60).outcome()) == "hold");
         CHECK_THROWS_AS((void)map_of_scene(file, "wire.bendd_nm2", {1.0}), Error);
         CHECK_THROWS_AS((void)map_of_scene(file, "wire.bend_nm2", {-1.0}), Error);

@@ -43,7 +43,7 @@ Model everything_else()
     model.scheme = Scheme::Linearised;
     model.trapezoid = true;
     model.tolerance = 1e-8;
-    model.detection = Detection::Capsule;
+    model.detection = Detection::Nodes;
     model.normal = NormalLaw::LankaraniNikravesh;
     model.friction = FrictionLaw::Sign;
     model.rolling = true;

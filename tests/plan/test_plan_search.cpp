@@ -242,16 +242,16 @@ TEST_SUITE("plan/plan_search")
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law;
         law.share = [](const Model& m) {
-            return (m.detection == Detection::Capsule ? 0.5 : 1.0) * (m.detection == Detection::Nodes ? 0.1 : 1.0) *
+            return (m.precision == Precision::Float32 ? 0.5 : 1.0) * (m.detection == Detection::Nodes ? 0.1 : 1.0) *
                    (m.rolling == false ? 0.8 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0);
         };
         law.extra_error = [](const Model& m) {
-            return (m.detection == Detection::Capsule ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0);
+            return (m.precision == Precision::Float32 ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0);
         };
         MadeUpTrialRuns trials(law, 2e-4);
         const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always);
         REQUIRE(found.best);
-        CHECK(found.best->detection == Detection::Capsule);
+        CHECK(found.best->precision == Precision::Float32);
         CHECK(found.best->rolling == false);
     }
 
@@ -422,14 +422,14 @@ TEST_SUITE("plan/plan_search")
         const Scene scene = small_scene();
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law;
-        law.share = [](const Model& m) { return (m.detection == Detection::Capsule ? 0.2 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0); };
+        law.share = [](const Model& m) { return (m.precision == Precision::Float32 ? 0.2 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0); };
         law.extra_error = [b = law.b](const Model& m) {
-            return m.detection == Detection::Capsule ? b * *m.dt : 0.0;
+            return m.precision == Precision::Float32 ? b * *m.dt : 0.0;
         };  // twice the error of steps
         MadeUpTrialRuns trials(law, 2e-4);
         const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always);
         REQUIRE(found.best);
-        CHECK(found.best->detection == Detection::Capsule);
+        CHECK(found.best->precision == Precision::Float32);
     }
 
     TEST_CASE("property: what nothing vouches for is never tried, however cheap: a linearised step, the trapezoid in contact")

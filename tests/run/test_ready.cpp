@@ -115,7 +115,6 @@ const std::vector<Refusal>& refusals()
          placed("base = [0, 0, 0.001], direction = [1, 0, 0]") + plane + "wall = \"elastic\"\npressure_pa = 1000\n",
          "vessel.pressure: got 1000 Pa"},
         {"elastic/shell/shell.cpp", wire + feed + tube + "wall = \"elastic\"\nyoungs_pa = 0\n", "vessel.youngs_pa: got 0"},
-        {"physics/newton/solver.cpp", wire + "[integrator]\nbeta = 0\n", "integrator.beta: got 0"},
         {"physics/contact/make_contact.cpp", wire + "[contact]\ndetection = \"layer\"\nnormal = \"barrier\"\n",
          "needs material samples"},
         {"physics/contact/make_contact.cpp", wire + "[contact]\ndetection = \"layer\"\nprecision = \"float32\"\n",

@@ -169,7 +169,7 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"contact.rolling=1"}, "contact.rolling: expected true or false"});
         check_mistake({good, {"scene.name=3"}, "scene.name: expected a text"});
         check_mistake({fed, {"feed.direction=[0, 0, 0]"}, "feed.direction: expected a direction"});
-        check_mistake({good, {"integrator.gamma=0.4"}, "integrator.gamma: expected"});
+        check_mistake({good, {"integrator.gamma=0.6"}, "integrator.gamma: got 0.6; expected 0.5, the trapezoid rule"});
         check_mistake({good, {"output.wire_every=-1"}, "output.wire_every: expected"});
         check_mistake({good, {"integrator.conserve=1"}, "integrator.conserve: expected true or false"});
         check_mistake(
@@ -210,7 +210,7 @@ TEST_SUITE("scene/scene_errors")
     TEST_CASE("property: a word that is none of the choices is answered with the choices")
     {
         check_mistake(
-            {good, {"contact.detection=rays"}, "got 'rays'; expected one of \"swept\", \"capsule\", \"layer\", \"nodes\""});
+            {good, {"contact.detection=rays"}, "got 'rays'; expected one of \"swept\", \"layer\", \"nodes\", \"capsule\""});
         for (const auto key : {"scene.until", "scene.start", "wire.rest", "wire.curvature", "integrator.scheme",
                                "integrator.spins", "contact.normal", "contact.friction", "vessel.shape"})
             check_mistake({good, {std::string(key) + "=nonsense"}, std::string(key) + ": expected one of"});

@@ -69,7 +69,6 @@ TEST_SUITE("step/capstan_radius")
         wire.place.from = 0.005;
         TestWire placed;
         placed.wire = wire;
-        placed.contact.detection = Detection::Capsule;
         placed.contact.samples_per_edge = 2;
         HoldSpec hold;
         hold.position = true;

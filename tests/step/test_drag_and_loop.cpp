@@ -90,7 +90,6 @@ TEST_SUITE("step/drag_and_loop")
         wire.place.from = 0.005;
         TestWire placed;
         placed.wire = wire;
-        placed.contact.detection = Detection::Capsule;
         placed.contact.samples_per_edge = 2;
         placed.holds = {base_at_speed({-0.02, 0, 0})};
         LoadSpec load;
@@ -191,7 +190,6 @@ TEST_SUITE("step/drag_and_loop")
             wire.place.normal = Vec3::UnitX();
             TestWire placed;
             placed.wire = wire;
-            placed.contact.detection = Detection::Capsule;
             // slowly at first, so that the wire buckles gently, and in some air for what still swings
             const double lowered = (at.strain > 0 ? 1.1 * at.strain : 0.32) * length, gently = 2e-4;
             HoldSpec top;

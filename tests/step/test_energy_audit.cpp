@@ -32,7 +32,6 @@ TestSetup in_the_cylinder(double advance)
     cylinder.youngs = 1e6;
     add_tube(setup, cylinder);
     setup.wires = {published_wire(advance)};
-    setup.wires[0].contact.detection = Detection::Capsule;
     return setup;
 }
 

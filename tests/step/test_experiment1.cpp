@@ -21,7 +21,6 @@ TEST_SUITE("step/experiment1")
         wire.shaft.stretch_stiffness = 5e4;
         // 2.452 mm above where the axis comes to rest: w L^4 / (8 B) of 3.0 cm
         TestWire fed = fed_wire(wire, {0.0005, 0, -0.014548}, 0.02, 0, 12);
-        fed.contact.detection = Detection::Capsule;
         fed.contact.rolling = true;
         setup.wires = {fed};
         FedWorld world(std::move(setup));

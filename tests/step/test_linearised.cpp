@@ -35,7 +35,6 @@ FedWorld dragged(Scheme scheme, FrictionLaw law)
     base.velocity = Vec3(-speed, 0, 0);
     wire.holds = {base};
     wire.contact.friction = law;
-    wire.contact.detection = Detection::Capsule;
     setup.wires = {wire};
     setup.integrator.scheme = scheme;
     return FedWorld(std::move(setup));

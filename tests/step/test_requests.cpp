@@ -57,7 +57,7 @@ TEST_SUITE("step/requests")
     TEST_CASE("property: a setup that contradicts itself is refused by a line that names the member")
     {
         refused([](TestSetup& s) { s.wires.clear(); }, "wires: got none; expected at least one wire");
-        refused([](TestSetup& s) { s.wires[1].contact.detection = Detection::Capsule; },
+        refused([](TestSetup& s) { s.wires[1].contact.detection = Detection::Nodes; },
                 "wires[1].contact.detection: got another value than wires[0]");
         refused([](TestSetup& s) { s.wires[1].contact.normal = NormalLaw::LankaraniNikravesh; },
                 "wires[1].contact.normal: got another value than wires[0]");

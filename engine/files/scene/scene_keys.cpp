@@ -45,10 +45,10 @@ std::vector<Key> integrator(IntegratorSpec& i)
         {"scheme", "", words(i.scheme, scheme_words),
          "`newton`: implicit, Newton iterations to `tolerance`; `linearised`: one Newton iteration per step; `static`: equilibrium only, "
          "following prescribed moves and turns in small increments; `explicit`: symplectic Euler"},
-        {"beta", "", number(i.beta, {0, 1, true, false, "a number above 0, at most 1"}),
-         "Newmark's β; both absent: backward Euler", "`0.25` if `gamma` is given", quiet_if(!i.newmark)},
-        {"gamma", "", number(i.gamma, {0.5, 1, false, false, "a number from 0.5 to 1"}),
-         "Newmark's γ; not with a hold on an instrument of a `merged` group", "`0.5` if `beta` is given", quiet_if(!i.newmark)},
+        {"beta", "", Special{"`0.25`", i.newmark ? "0.25" : ""},
+         "Newmark's β of the trapezoid rule; it and `gamma` absent: backward Euler", none},
+        {"gamma", "", Special{"`0.5`", i.newmark ? "0.5" : ""},
+         "Newmark's γ of the trapezoid rule; not with a hold on an instrument of a `merged` group", none},
         {"conserve", "", &i.conserve,
          "energy–momentum steps, second order, instead of Newmark's; only with `scheme = \"newton\"`, and not with `merged` groups"},
         {"spins", "", words(i.spins, spins_words),
@@ -67,8 +67,8 @@ std::vector<Key> contact(Scene& s)
     SceneContact& c = s.contact;
     return {
         {"detection", "", words(c.detection, detection_words),
-         "`swept`: along the whole wire, checked over the motion within the step; `capsule`: along the whole wire, at the end of the step; "
-         "`layer`: [published adaptive layer](#the-published-layer-method); `nodes`: at the nodes only"},
+         "`swept` or `capsule`: along the whole wire, checked over the motion within the step; `layer`: "
+         "[published adaptive layer](#the-published-layer-method); `nodes`: at the nodes only"},
         {"normal", "", words(c.normal, normal_words), "[normal laws](#normal-laws)"},
         {"friction", "", words(c.friction, friction_words),
          "`stick-slip`: Coulomb friction in which a sticking contact is an elastic spring; `smooth`: regularised in velocity, without "
@@ -100,7 +100,7 @@ std::vector<Key> contact(Scene& s)
         {"barrier_distance_m", "m", number(c.barrier_distance, positive),
          "gap at which `barrier` begins to act; at most 1/10 of the radius", "0.02 r", quiet_if(c.barrier_distance == 0)},
         {"precision", "", words(c.precision, precision_words),
-         "precision of the contact kernels; float32 supports `swept`, `capsule` and `nodes` with the damped laws"},
+         "precision of the contact kernels; float32 supports `swept` and `nodes` with the damped laws"},
         {"instruments", "", &s.instruments_touch,
          "contact between the outer surfaces of instruments, and of an instrument with itself (loops, knots). Contact with the lumen around "
          "an instrument does not need this key"},

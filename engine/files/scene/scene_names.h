@@ -41,7 +41,7 @@ inline constexpr Choice<PlaceShape> place_words[] = {{"straight", PlaceShape::St
 inline constexpr Choice<VesselShape> vessel_words[] = {
     {"tube", VesselShape::Tube}, {"arc", VesselShape::Arc}, {"plane", VesselShape::Plane}, {"aortic-arch", VesselShape::Arch}};
 inline constexpr Choice<Detection> detection_words[] = {
-    {"swept", Detection::Swept}, {"capsule", Detection::Capsule}, {"layer", Detection::Layer}, {"nodes", Detection::Nodes}};
+    {"swept", Detection::Swept}, {"layer", Detection::Layer}, {"nodes", Detection::Nodes}, {"capsule", Detection::Swept}};
 inline constexpr Choice<NormalLaw> normal_words[] = {{"hunt-crossley", NormalLaw::HuntCrossley},
                                                      {"lankarani-nikravesh", NormalLaw::LankaraniNikravesh},
                                                      {"augmented", NormalLaw::Augmented},

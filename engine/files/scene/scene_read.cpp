@@ -20,8 +20,10 @@ void read_integrator(const toml::table& table, Scene& scene)
     IntegratorSpec& spec = scene.integrator;
     const TableReader t(table, "integrator", keys::integrator(spec));
     t.read(keys::integrator(spec));
-    // absent: backward Euler; one of the two alone: the other is the trapezoid's. gamma below 1/2 feeds energy into every mode
-    // [Hughes87, sec. 9.1]
+    for (const auto& [key, trapezoid] : {std::pair("beta", 0.25), {"gamma", 0.5}})
+        if (double value = trapezoid; t.number(key, value, any_number) && value != trapezoid)
+            t.fail(key, fmt::format("got {}; expected {}, the trapezoid rule. Fix: give that, or take it out for backward Euler",
+                                    value, trapezoid));
     spec.newmark = t.has("beta") || t.has("gamma");
     if (spec.conserve && spec.scheme != Scheme::Newton)
         t.fail("conserve", "energy is conserved by the converged step only; set scheme = \"newton\" or take this out");
@@ -50,8 +52,8 @@ void check_hard_law(const TableReader& t, const Scene& scene)
     const std::string_view law = word_of(normal_words, spec.normal);
     const Scheme scheme = scene.integrator.scheme;
     if (spec.detection == Detection::Layer)
-        t.fail("normal", fmt::format("\"{}\" needs material samples, which detection = \"layer\" does not have; use \"swept\" or "
-                                     "\"capsule\", or normal = \"hunt-crossley\"",
+        t.fail("normal", fmt::format("\"{}\" needs material samples, which detection = \"layer\" does not have; use \"swept\", or "
+                                     "normal = \"hunt-crossley\"",
                                      law));
     if (scheme == Scheme::Linearised || scheme == Scheme::Explicit)
         t.fail("normal",
@@ -65,7 +67,7 @@ void check_precision(const TableReader& t, const ContactSpec& spec)
     if (spec.precision == Precision::Float32 && (is_nonpenetrating(spec.normal) || spec.detection == Detection::Layer))
         t.fail(
             "precision",
-            "\"float32\" is supported for detection = \"swept\", \"capsule\" and \"nodes\" with normal = \"hunt-crossley\" and "
+            "\"float32\" is supported for detection = \"swept\" and \"nodes\" with normal = \"hunt-crossley\" and "
             "\"lankarani-nikravesh\"; take it out");
 }
 

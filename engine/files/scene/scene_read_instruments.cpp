@@ -237,9 +237,8 @@ void check_several(const toml::table& root, const Scene& scene)
         refuse("integrator", "damping_stiffness_s", fmt::format("is not for {}; take it out", who));
     if (scene.instruments_touch)
         refuse("contact", "instruments", fmt::format("is not for {}; take it out, or set coaxial.model = \"separate\"", who));
-    if (scene.vessel.shape != VesselShape::None && scene.contact.detection != Detection::Swept &&
-        scene.contact.detection != Detection::Capsule)
-        refuse("contact", "detection", fmt::format("does not serve {}; expected \"swept\" or \"capsule\"", who));
+    if (scene.vessel.shape != VesselShape::None && scene.contact.detection != Detection::Swept)
+        refuse("contact", "detection", fmt::format("does not serve {}; expected \"swept\"", who));
 }
 
 }  // namespace seldinger

@@ -1,5 +1,5 @@
 #pragma once
-// `capsule`, `swept` and `nodes`: quadrature points of the wire against the exact mesh. See contact_system.h for the order of
+// `swept` and `nodes`: quadrature points of the wire against the exact mesh. See contact_system.h for the order of
 // calls. The stages of an evaluation: near_wall.h finds the near wall, active_set.h lists the points to evaluate, evaluation.h
 // makes forces and their sums. point_states.h carries the state; multipliers.h and barrier_path.h serve their laws.
 

@@ -1,5 +1,5 @@
 #pragma once
-// Contact of all wires with the wall, found and evaluated on the device (capsule detection and its bounded-move form, `swept`;
+// Contact of all wires with the wall, found and evaluated on the device (`swept`;
 // `nodes` is the same with one quadrature point at each control node). Implements what the solver asks for.
 //
 // Per step: begin_step remembers the start of the step. prepare puts quadrature points on the edges and renews candidates if a

@@ -18,11 +18,10 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Cont
                     "contact.normal: this law needs material samples, which detection = \"layer\" does not have");
     if (context.float32() && (is_nonpenetrating(contact.normal) || contact.detection == Detection::Layer))
         throw Error(ErrorKind::BadScene,
-                    "contact.precision: float32 is supported for detection \"swept\", \"capsule\" and \"nodes\" with normal "
+                    "contact.precision: float32 is supported for detection \"swept\" and \"nodes\" with normal "
                     "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
     switch (contact.detection) {
         case Detection::Swept:
-        case Detection::Capsule:
         case Detection::Nodes:
             return std::make_unique<CapsuleContact>(context, setup, rods, tree);
         case Detection::Layer:

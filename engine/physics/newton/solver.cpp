@@ -22,10 +22,6 @@ constexpr int most_multiplier_rounds = 40;
 Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity, std::span<const int> partition)
     : rods_(rods), spec_(spec), gravity_(gravity)
 {
-    if (spec.newmark && !(spec.beta > 0))
-        throw Error(ErrorKind::BadScene,
-                    "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
-                    "method set scheme = \"explicit\"");
     const int wires = rods.wire_count();
     std::vector<int> sizes(partition.begin(), partition.end());
     if (sizes.empty()) sizes.assign(wires, 1);

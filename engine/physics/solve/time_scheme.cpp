@@ -38,7 +38,7 @@ void TimeScheme::begin(const RodView& rod, const IntegratorSpec& spec, Motion ki
     if (kind == Motion::Explicit) std::copy_n(start_velocity_.begin(), unknowns_, velocity_base_.begin());
     if (kind != Motion::Implicit) return;
     if (conserving_) set_conserving(unknowns_);
-    else set_newmark(rod, spec);
+    else set_newmark(rod);
 }
 
 // v+ = 2 (q - q_0)/h - v_0, a+ = (v+ - v_0)/h
@@ -54,20 +54,21 @@ void TimeScheme::set_conserving(int unknowns)
 }
 
 // D4 solved for a+ and v+
-void TimeScheme::set_newmark(const RodView& rod, const IntegratorSpec& spec)
+void TimeScheme::set_newmark(const RodView& rod)
 {
+    constexpr double beta = 0.25, gamma = 0.5;
     const double h = h_;
-    acceleration_rate_ = 1 / (spec.beta * h * h);
-    velocity_rate_ = spec.gamma * h * acceleration_rate_;
+    acceleration_rate_ = 1 / (beta * h * h);
+    velocity_rate_ = gamma * h * acceleration_rate_;
     damping_rate_ = velocity_rate_;
     for (int i = 0; i < rod.n; ++i) {
         const double a[RodDofs::per_node] = {rod.ax[i], rod.ay[i], rod.az[i], i < rod.n - 1 ? rod.spin_acc[i] : 0.0};
         for (int c = 0; c < RodDofs::per_node; ++c) {
             const int k = RodDofs::position(i, c);
             const double v = start_velocity_[k];
-            const double base = -(h * v + h * h * (0.5 - spec.beta) * a[c]) * acceleration_rate_;
+            const double base = -(h * v + h * h * (0.5 - beta) * a[c]) * acceleration_rate_;
             acceleration_base_[k] = base;
-            velocity_base_[k] = v + h * ((1 - spec.gamma) * a[c] + spec.gamma * base);
+            velocity_base_[k] = v + h * ((1 - gamma) * a[c] + gamma * base);
         }
     }
 }

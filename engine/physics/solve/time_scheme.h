@@ -57,7 +57,7 @@ private:
     [[nodiscard]] bool is_hub(int i) const { return i >= hub_ && i < hub_ + RodDofs::coordinates; }
     [[nodiscard]] double flow(int i) const { return is_hub(i) ? flow_[i - hub_] : 0.0; }
     void set_conserving(int unknowns);
-    void set_newmark(const RodView& rod, const IntegratorSpec& spec);
+    void set_newmark(const RodView& rod);
 
     Motion motion_ = Motion::Implicit;
     bool conserving_ = false, euler_ = false, fed_ = false;

@@ -16,16 +16,17 @@ namespace seldinger {
 namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
-// touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
-// it (a sample that passes the wall has touched it before, and says so). Contact with an elastic wall takes its displacement to
+// touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` never needs it
+// (a sample that passes the wall has touched it before, and says so) but for explicit steps, whose length nothing limits, of fast
+// wires. Contact with an elastic wall takes its displacement to
 // be linear over a wire's edge and over a step. Where the wall has moved far, the axis is looked up beside the wall as it is.
 bool needs_audit(WorldData& world, int wire, double dt, bool is_wall_far)
 {
     const Detection detection = world.setup.wires[wire].contact.detection;
     if (!world.forces.wall || !world.state.is_solved(wire)) return false;
     if (is_wall_far) return true;
-    if (detection == Detection::Swept) return false;
-    if (detection != Detection::Capsule) return world.state.steps % 10 == 0;
+    if (detection != Detection::Swept) return world.state.steps % 10 == 0;
+    if (world.setup.integrator.scheme != Scheme::Explicit) return false;
     const RodView rod = world.rod(wire);
     double fastest = 0;
     for (int i = 0; i < rod.n; ++i) fastest = std::max(fastest, rod.vel(i).norm());

@@ -268,8 +268,8 @@ void check_merged_scheme(const WorldSetup& setup, std::span<const int> merged)
         refuse("instruments_touch",
                "got true; expected false with instruments of one centreline (merged). Fix: give each a rod (separate)");
     const Detection detection = setup.wires[0].contact.detection;
-    if (!setup.mesh.triangles.empty() && detection != Detection::Swept && detection != Detection::Capsule)
-        refuse("contact.detection", "got another method; expected swept or capsule with instruments of one centreline (merged)");
+    if (!setup.mesh.triangles.empty() && detection != Detection::Swept)
+        refuse("contact.detection", "got another method; expected swept with instruments of one centreline (merged)");
 }
 
 /// Instruments that share one centreline (D12).

@@ -71,7 +71,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     const IntegratorSpec& integrator = world.setup.integrator;
     list.emplace_back("scheme",
                       fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],
-                                  integrator.newmark ? fmt::format("Newmark beta {} gamma {}", integrator.beta, integrator.gamma)
+                                  integrator.newmark    ? "Newmark beta 0.25 gamma 0.5"
                                   : integrator.conserve ? "energy-momentum (asked for)"
                                                         : "backward Euler"));
     if (integrator.scheme == Scheme::Newton || integrator.scheme == Scheme::Linearised)
@@ -83,7 +83,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
         list.emplace_back("contact", "none (no vessel)");
         return list;
     }
-    static const char* const detections[] = {"swept", "capsule", "layer", "nodes"};
+    static const char* const detections[] = {"swept", "layer", "nodes"};
     list.emplace_back("detection", detections[static_cast<int>(wire.contact.detection)]);
     list.emplace_back("rolling", !wire.contact.rolling ? "off" : "on (asked for)");
     list.emplace_back("wall", describe_wall(world));

@@ -81,7 +81,7 @@ void add_published(Collection& models, const Scene& scene, bool quick)
         model.nodes = nodes;
         model.dt = dt;
         const bool layer = detection == Detection::Layer;
-        models.add("published", fmt::format("published{} {} · {}", layer ? "" : " laws, capsule", nodes, step_name(dt)), model)
+        models.add("published", fmt::format("published{} {} · {}", layer ? "" : " laws, swept", nodes, step_name(dt)), model)
             .published = layer;
     };
     add(usual_nodes, 1 * ms, Detection::Layer);
@@ -91,7 +91,7 @@ void add_published(Collection& models, const Scene& scene, bool quick)
         const Model best = published_at_best(benchmark, display);
         models.add("published best", fmt::format("{} · {}", best.name, step_name(*best.dt)), best).published = true;
     }
-    add(usual_nodes, 1 * ms, Detection::Capsule);
+    add(usual_nodes, 1 * ms, Detection::Swept);
     if (quick) return;
     for (const int nodes : {51, 201}) add(nodes, 1 * ms, Detection::Layer);
     for (const int nodes : {51, 201}) add(nodes, frame, Detection::Layer);
@@ -103,7 +103,7 @@ void add_choice(Collection& models, const char* family, const Choice<Enum> (&wor
                 Enum own, const char* after = "")
 {
     for (const Choice<Enum>& word : words) {
-        if (word.value == own) continue;
+        if (word.value == own || word.word != word_of(words, word.value)) continue;  // the latter: another word for a value
         Model model = basis(usual_nodes, 1 * ms);
         model.*choice = word.value;
         models.add(family, std::string(word.word) + after, model);
@@ -121,7 +121,7 @@ void add_contact_choices(Collection& models, const Scene& scene, bool quick)
     models.add("rolling", own.rolling ? "no rolling" : "rolling", rolling);
     if (quick) return;
     for (const auto& word : detection_words) {
-        if (word.value == own.detection) continue;
+        if (word.value == own.detection || word.word != word_of(detection_words, word.value)) continue;
         Model model = basis(usual_nodes, 1 * ms, Scheme::Linearised);
         model.detection = word.value;
         models.add("detection", std::string(word.word) + " · lin", model);

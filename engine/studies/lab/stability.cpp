@@ -50,11 +50,9 @@ std::vector<Model> all_methods()
         method("published, newton", S::Newton, D::Layer, N::LankaraniNikravesh, F::Sign),
         method("linearised, layer", S::Linearised, D::Layer, N::HuntCrossley, F::StickSlip),
         method("linearised, nodes", S::Linearised, D::Nodes, N::HuntCrossley, F::StickSlip),
-        method("linearised, capsule", S::Linearised, D::Capsule, N::HuntCrossley, F::StickSlip),
         method("linearised, swept, sign", S::Linearised, D::Swept, N::LankaraniNikravesh, F::Sign),
         method("linearised, swept", S::Linearised, D::Swept, N::HuntCrossley, F::StickSlip),
-        method("explicit", S::Explicit, D::Capsule, N::HuntCrossley, F::Smooth),
-        method("newton, capsule", S::Newton, D::Capsule, N::HuntCrossley, F::StickSlip),
+        method("explicit", S::Explicit, D::Swept, N::HuntCrossley, F::Smooth),
         method("trapezoid, swept", S::Newton, D::Swept, N::HuntCrossley, F::StickSlip),
         method("augmented", S::Newton, D::Swept, N::Augmented, F::StickSlip),
         method("constraint", S::Newton, D::Swept, N::Constraint, F::StickSlip),
@@ -105,7 +103,7 @@ const std::vector<Model>& stability_methods()
 bool is_shown(const Model& method, bool quick)
 {
     constexpr std::string_view shown[] = {
-        "published", "published, at its best", "published, nodes", "linearised, capsule", "default", "constraint", "barrier"};
+        "published", "published, at its best", "published, nodes", "linearised, swept", "default", "constraint", "barrier"};
     constexpr std::ptrdiff_t quick_count = 5;
     const auto end = quick ? std::begin(shown) + quick_count : std::end(shown);
     return std::find(std::begin(shown), end, method.name) != end;

@@ -48,11 +48,7 @@ Scene apply(const Model& model, Scene scene)
     if (model.lumen_friction && scene.coaxial) scene.coaxial->lumen_friction = *model.lumen_friction;
     if (model.dt) scene.dt = *model.dt;
     if (model.scheme) scene.integrator.scheme = *model.scheme;
-    if (model.trapezoid) {
-        scene.integrator.newmark = *model.trapezoid;
-        scene.integrator.beta = IntegratorSpec{}.beta;
-        scene.integrator.gamma = IntegratorSpec{}.gamma;
-    }
+    if (model.trapezoid) scene.integrator.newmark = *model.trapezoid;
     if (model.tolerance) scene.integrator.tolerance = *model.tolerance;
     if (model.spin) scene.integrator.spins = *model.spin ? Spins::Kept : Spins::Auto;
     if (model.detection) scene.contact.detection = *model.detection;
@@ -175,8 +171,7 @@ std::string why_not_together(const Scene& scene)
     if (touch && scene.contact.precision == Precision::Float32) return "instruments that touch each other take float64";
     if (!merged || scene.vessel.shape == VesselShape::None) return {};
     const Detection detection = scene.contact.detection;
-    if (detection != Detection::Swept && detection != Detection::Capsule)
-        return "instruments of one centreline take swept or capsule detection";
+    if (detection != Detection::Swept) return "instruments of one centreline take swept detection";
     return {};
 }
 

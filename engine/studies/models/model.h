@@ -40,14 +40,13 @@ struct Model {
 /// The scene under the model. A baseline's name changes nothing here: the simulation that it names reads the same scene.
 [[nodiscard]] Scene apply(const Model& model, Scene scene);
 
-/// Every choice of a scene, spelled out: apply(model_of(other), scene) runs `scene` as `other` is run. (Newmark's beta and gamma
-/// other than 1/4 and 1/2 are no model's.)
+/// Every choice of a scene, spelled out: apply(model_of(other), scene) runs `scene` as `other` is run.
 [[nodiscard]] Model model_of(const Scene& scene);
 
 /// The model as texts of `seldinger run SCENE --set`, so that any point of a chart can be run again.
 [[nodiscard]] std::vector<std::string> set_texts(const Model& model, const Scene& scene);
 
-/// Its choices in words, e.g. "101 nodes, 1 ms, newton, capsule"; its name when it has one.
+/// Its choices in words, e.g. "101 nodes, 1 ms, newton, swept"; its name when it has one.
 [[nodiscard]] std::string label(const Model& model);
 
 /// Why this build cannot run the model in the scene, in one sentence; empty when it can. What the scene reader refuses is refused

@@ -310,8 +310,6 @@ std::vector<PlanChoice> choices_in(const Scene& scene, const std::vector<double>
     all.push_back(
         exchange("one Newton step per step", "converged Newton steps", &Model::scheme, Scheme::Linearised, Scheme::Newton));
     all.back().needs_contact = false;
-    all.push_back(exchange("detection at the end of each step only (capsule)", "swept detection", &Model::detection,
-                           Detection::Capsule, Detection::Swept));
     all.push_back(exchange("detection at the nodes only", "detection along the whole wire", &Model::detection, Detection::Nodes,
                            Detection::Swept));
     all.push_back(exchange("the published layer", "the exact wall", &Model::detection, Detection::Layer, Detection::Swept));

@@ -3,7 +3,7 @@
 
 namespace seldinger {
 
-enum class Detection { Swept, Capsule, Layer, Nodes };
+enum class Detection { Swept, Layer, Nodes };
 enum class NormalLaw { HuntCrossley, LankaraniNikravesh, Augmented, Constraint, Impulse, Barrier };
 /// Laws of kernels/shared/multiplier_law.h: they need material quadrature points and Newton's method.
 [[nodiscard]] constexpr bool is_nonpenetrating(NormalLaw law) { return law >= NormalLaw::Augmented; }

@@ -18,8 +18,7 @@ enum class Spins { Auto, Kept };
 
 struct IntegratorSpec {
     Scheme scheme = Scheme::Newton;
-    bool newmark = false;  // false: backward Euler
-    double beta = 0.25, gamma = 0.5;
+    bool newmark = false;   // the trapezoid rule, Newmark's with beta = 1/4 and gamma = 1/2; false: backward Euler
     bool conserve = false;  // energy-momentum steps (rod/discrete_gradient.h); not with newmark
     Spins spins = Spins::Auto;
     double tolerance = 1e-6;       // force residual relative to the scene's own force scale [-] (see solve/wire_scales.cpp)
