@@ -290,13 +290,11 @@ WallReadings read_wall(const ElasticWall& wall, std::span<const double> displace
     const Eigen::Map<const Eigen::VectorXd> w(displaced.data(), static_cast<Eigen::Index>(displaced.size()));
     now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
     const LargeShell* large = wall.large_for(displaced);
-    if (large) {
-        const Shell::Energy linear = wall.shell().energy(displaced);
-        now.energy += large->energy(displaced).sum() - linear.membrane - linear.bending;
-    }
+    double excess = 0;  // in one pass with the stress: a run reads both for every row of its tables
+    const ShellStress at = wall.shell().stress(displaced, large, &excess);
+    now.energy += excess;
     for (std::size_t i = 0; i < wall.load().size(); ++i) work += wall.load()[i] * displaced[i];
     now.loss = work - now.energy;
-    const ShellStress at = wall.shell().stress(displaced, large);
     if (stress) stress->resize(at.mises_inner.size());
     for (std::size_t v = 0; stress && v < at.mises_inner.size(); ++v)
         (*stress)[v] = std::max(at.mises_inner[v], at.mises_outer[v]);

@@ -137,24 +137,44 @@ LargeShell::Moved LargeShell::move(std::size_t triangle, std::span<const double>
     return now;
 }
 
-LargeShell::Energy LargeShell::energy(std::span<const double> displacement) const
+LargeShell::Energy LargeShell::energy_of(std::size_t triangle, const Moved& now) const
 {
-    SEL_ASSERT(displacement.size() == 3 * shell_.surface().control().vertices.size());
     const ShellSpec& spec = shell_.spec();
     const Mat3 h = shell_.law();
     const double d = std::pow(spec.thickness, 3) / 12;
     Energy e;
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-        const Moved now = move(t, displacement);
-        e.membrane += 0.5 * now.area * spec.thickness * now.strain.dot(h * now.strain);
-        for (std::size_t k = 0; k < per_triangle; ++k) {
-            const Point& p = now.at[k];
-            const double area = shell_.points()[per_triangle * t + k].area;
-            e.bending += 0.5 * area * d * p.strain.bending.dot(h * p.strain.bending);
-            e.pressure += spec.pressure * area / 3 * p.u.dot(p.u_1.cross(p.u_2));
-        }
+    e.membrane = 0.5 * now.area * spec.thickness * now.strain.dot(h * now.strain);
+    for (std::size_t k = 0; k < per_triangle; ++k) {
+        const Point& p = now.at[k];
+        const double area = shell_.points()[per_triangle * triangle + k].area;
+        e.bending += 0.5 * area * d * p.strain.bending.dot(h * p.strain.bending);
+        e.pressure += spec.pressure * area / 3 * p.u.dot(p.u_1.cross(p.u_2));
     }
     return e;
+}
+
+/// Of the same displacement by the linear theory of shell.h.
+double LargeShell::linear_energy_of(std::size_t triangle, const Moved& now) const
+{
+    const Mat3 h = shell_.law();
+    const double c = shell_.spec().thickness;
+    double e = 0.5 * now.area * c * now.linear.dot(h * now.linear);
+    for (std::size_t k = 0; k < per_triangle; ++k) {
+        const Vec3& bending = now.at[k].linear.bending;
+        e += 0.5 * shell_.points()[per_triangle * triangle + k].area * std::pow(c, 3) / 12 * bending.dot(h * bending);
+    }
+    return e;
+}
+
+LargeShell::Energy LargeShell::energy(std::span<const double> displacement) const
+{
+    SEL_ASSERT(displacement.size() == 3 * shell_.surface().control().vertices.size());
+    Energy sum;
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        const Energy e = energy_of(t, move(t, displacement));
+        sum.membrane += e.membrane, sum.bending += e.bending, sum.pressure += e.pressure;
+    }
+    return sum;
 }
 
 bool LargeShell::is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2,
@@ -174,10 +194,13 @@ bool LargeShell::is_still(std::size_t triangle, std::span<const double> displace
     });
 }
 
-Vec3 LargeShell::strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at) const
+Vec3 LargeShell::strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at,
+                            double* excess) const
 {
-    const Moved now = move(first / per_triangle, displacement);
+    const std::size_t triangle = first / per_triangle;
+    const Moved now = move(triangle, displacement);
     for (std::size_t k = 0; k < per_triangle; ++k) at[k] = now.at[k].strain;
+    if (excess) *excess += energy_of(triangle, now).sum() - linear_energy_of(triangle, now);
     return now.strain;
 }
 

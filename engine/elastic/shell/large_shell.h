@@ -40,8 +40,10 @@ public:
     /// @param still  triangles count whose control vertices have moved against each other by more than this share of an edge
     void add_excess(std::span<const double> displacement, std::span<double> force, double still = 0) const;
     /// Strains at the four points of a triangle, of which `first` is the first of Shell::points().
+    /// @param excess  to which the triangle's energy is added that linear theory leaves out [J]
     /// @return the triangle's membrane strain, in the frame of the last one
-    Vec3 strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at) const;
+    Vec3 strains_of(std::size_t first, std::span<const double> displacement, std::span<ShellStrain, 4> at,
+                    double* excess = nullptr) const;
 
 private:
     friend struct LargeShellTangent;  // tests/wall/large_shell_tangent.h
@@ -76,6 +78,8 @@ private:
     [[nodiscard]] bool is_still(std::size_t triangle, std::span<const double> displacement, std::span<const double> moves2,
                                 double share) const;
     [[nodiscard]] Moved move(std::size_t triangle, std::span<const double> displacement) const;
+    [[nodiscard]] Energy energy_of(std::size_t triangle, const Moved& now) const;
+    [[nodiscard]] double linear_energy_of(std::size_t triangle, const Moved& now) const;
     [[nodiscard]] Point move_point(std::size_t triangle, std::size_t k, const Local& local) const;
     [[nodiscard]] std::span<const double> edge_weights(std::size_t triangle, std::size_t point) const;
 

@@ -114,7 +114,9 @@ public:
     [[nodiscard]] ShellMatrices assemble(const PrestressAt& prestress = {}) const;
 
     /// @param displacement  [3V] [m]  @param large  of this shell: under large displacements; null: linear theory
-    [[nodiscard]] ShellStress stress(std::span<const double> displacement, const LargeShell* large = nullptr) const;
+    /// @param excess  to which the energy is added that `large` has beyond linear theory [J]
+    [[nodiscard]] ShellStress stress(std::span<const double> displacement, const LargeShell* large = nullptr,
+                                     double* excess = nullptr) const;
     /// Largest von Mises stress of a triangle, of its points and both surfaces [Pa]; its control vertices' displacements are
     /// enough.
     /// @param highest  out: the point

@@ -39,7 +39,7 @@ Shell::Energy Shell::energy(std::span<const double> displacement) const
     return e;
 }
 
-ShellStress Shell::stress(std::span<const double> displacement, const LargeShell* large) const
+ShellStress Shell::stress(std::span<const double> displacement, const LargeShell* large, double* excess) const
 {
     const std::size_t vertices = surface_.control().vertices.size();
     SEL_ASSERT(displacement.size() == 3 * vertices);
@@ -50,7 +50,7 @@ ShellStress Shell::stress(std::span<const double> displacement, const LargeShell
     std::vector<double> area(vertices, 0);
     for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
         std::array<ShellStrain, per_triangle> at;
-        const Vec3 stretch = large ? large->strains_of(first, displacement, at) : strains_of(first, displacement, at);
+        const Vec3 stretch = large ? large->strains_of(first, displacement, at, excess) : strains_of(first, displacement, at);
         const ShellPoint& last = points_[first + per_triangle - 1];
         const auto& corners = surface_.control().triangles[static_cast<std::size_t>(last.triangle)];
         for (std::size_t k = 0; k < per_triangle; ++k) {
