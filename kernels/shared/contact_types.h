@@ -9,7 +9,7 @@
 
 SEL_BEGIN
 
-// Friction laws, as enum FrictionLaw in engine/physics/contact/contact_spec.h.
+// Friction laws, as enum FrictionLaw in engine/include/seldinger/contact/contact_spec.h.
 #define SEL_FRICTION_STICK_SLIP 0
 #define SEL_FRICTION_SMOOTH 1
 #define SEL_FRICTION_SIGN 2

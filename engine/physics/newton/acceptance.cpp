@@ -1,4 +1,4 @@
-// The tests of acceptance.h.
+// How a trial is judged: the two tests of acceptance.h.
 
 #include "newton/acceptance.h"
 

@@ -15,7 +15,7 @@ namespace seldinger {
 struct NewtonIterate {
     enum class Phase { Guess, Search, Done, Failed };
 
-    // of the whole solve; written by the driver
+    // of the whole solve; written by the driver, which settles also where a class asks for it
     struct Course {
         bool settling = false;    // taking the best trial instead of failing
         bool non_finite = false;  // the last evaluation was

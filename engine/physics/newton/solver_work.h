@@ -1,5 +1,5 @@
 #pragma once
-// The solver's data per system, and the loop over systems; private to solve/.
+// The solver's data per system, and the loop over systems; private to newton/.
 
 #include "core/parallel.h"
 #include "newton/newton_system.h"
