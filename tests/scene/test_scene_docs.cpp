@@ -62,7 +62,7 @@ const std::string bases[] = {
     head + stiff + "place = {}\n" + tube + "[carm]\nkeys = [{t_s = 0.0}]\n[contrast]\nkeys = [{t_s = 0.0}]\n",
     head + stiff + "place = {}\n[vessel]\nmesh = \"wall.stl\"\ncentreline = \"other.stl\"\n",
     // with keys that are written only where they are given
-    head + stiff + tube + "[integrator]\nbeta = 0.3\n[contact]\nstiffness = 1e9\nexponent = 2.0\n" +
+    head + stiff + tube + "[integrator]\nbeta = 0.25\n[contact]\nstiffness = 1e9\nexponent = 2.0\n" +
         "[feed]\ninlet = \"auto\"\nkeys = [{t_s = 0.0, advance_m = 0.01}]\n[carm]\nisocentre = [0.0, 0.0, 0.0]\n" +
         "[contrast]\nat = [0.0, 0.0, 0.0]\ninflow = [0.0, 0.0, 0.0]\nkeys = [{t_s = 0.0}]\n",
     two,

@@ -271,7 +271,7 @@ TEST_CASE("property: linear theory is off by at most its band, where it is used"
                          by_linear = tube.wall->shell().stress(linear).mises_max;
             CHECK(std::abs(by_linear - stress) < tube.wall->left_out(most) * stress);
             const Shell::Energy e = tube.wall->shell().energy(w);
-            CHECK(excess == about(large.energy(w).sum() - e.membrane - e.bending).epsilon(1e-9));
+            CHECK(excess == test::about(large.energy(w).sum() - e.membrane - e.bending).epsilon(1e-9));
         }
 }
 

@@ -2,7 +2,7 @@
 // All kinks of the wall that a Newton direction has gone over, balanced together.
 //
 // At a kink a force of size f turns from f n_a to f (n_a - z w), w = n_a - n_b, with the share z of the second facet
-// (contact/valleys.h)
+// (contact/valleys.h, whose z is the share of the first)
 //
 //     z = (rest + y) / width  within 0 ... 1,     y = w . move of the wire's axis there.
 //
