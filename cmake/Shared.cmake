@@ -11,7 +11,7 @@ endif()
 list(TRANSFORM parts REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE part_objects)
 
 function(seldinger_shared_library target loops)
-  add_library(${target} SHARED $<TARGET_OBJECTS:${loops}> $<TARGET_OBJECTS:seldinger> ${part_objects})
+  add_library(${target} SHARED $<TARGET_OBJECTS:${loops}> $<TARGET_OBJECTS:seldinger_files> $<TARGET_OBJECTS:seldinger> ${part_objects})
   # the first two numbers are in the file's name, which is its soname too: a wheel has no links
   set(version ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   set_target_properties(${target} PROPERTIES OUTPUT_NAME seldinger EXPORT_NAME seldinger LINKER_LANGUAGE CXX VERSION ${version} SOVERSION ${version}
