@@ -61,7 +61,6 @@ class Journey:
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
         self.commands, self.begun = 0, time.monotonic()
-        (folder / "assets").symlink_to(options.source / "assets")  # "run in the project's folder"
         (folder / "bin").mkdir()
         (folder / "bin" / "seldinger").symlink_to(options.app)
 
@@ -121,7 +120,7 @@ def robotics(journey, options):
     journey.run(f"cmake --install {options.build} --prefix installed")
     journey.run(f"cmake -S . -B build -DCMAKE_CXX_COMPILER={options.compiler} -DCMAKE_PREFIX_PATH=$PWD/installed -DCMAKE_BUILD_TYPE=Release")
     journey.run("cmake --build build")
-    said = journey.run("build/my_program assets/scenes/aortic-arch.toml")
+    said = journey.run("build/my_program aortic-arch")
     if not re.fullmatch(r"-?[\d.]+ mN\n", said):
         sys.exit(f"journeys.py: the program said {said!r}")
 
@@ -132,7 +131,7 @@ def farm(journey, options):
     for name, text in [(s[1], s[2]) for s in steps_of(page(options, "docs/tutorial.md")) if s[0] == "write"]:
         if name == "arch.toml":
             (journey.folder / name).write_text(text)
-    journey.run("seldinger vessel assets/scenes/aortic-arch.toml -o mesh")
+    journey.run("seldinger vessel aortic-arch -o mesh")
     journey.run("cp mesh/vessel.stl .")
     sweep = page(options, "docs/tutorial-sweep.md")
     journey.follow(sweep.split("## 4.")[0])
