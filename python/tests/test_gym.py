@@ -174,6 +174,11 @@ def test_start_up_is_told_of_and_shared(monkeypatch, capsys):
     assert capsys.readouterr().err.split() == ["seldinger:", "24", "starts"]
 
 
+def test_a_stiffness_that_a_preset_has_is_refused_with_what_to_vary():
+    with pytest.raises(seldinger.Error, match="Fix: with a preset that has stiffnesses, set bend_scale"):
+        seldinger.gym.NavigateEnv(vary={"wire.youngs_pa": [1e10, 2e10]}).reset()
+
+
 def test_steps_that_fail_are_told_alike():
     # explicit steps of 4 ms are far above the stable length
     settings = {"starts": 2, "max_steps": 60, "flat": True, "start_advance": (0.002, 0.003), "least_advance": 0.0,
