@@ -1,4 +1,4 @@
-// Which of two wires, one softer than the other, gets round the arch with less force on the wall: a batch, and its better run alone.
+// Which of two wires, one softer than the other, gets round the arch with less force on the wall: a batch; its better run alone.
 
 #include <seldinger/batch/run_batch.h>
 #include <seldinger/engine.h>
