@@ -70,7 +70,7 @@ if(NOT summary MATCHES "\"state_hash\": *\"${golden}\"" OR NOT summary MATCHES "
 endif()
 
 run(${stranger} ${BUILD}/test-example/ranked_wires)
-expect("a batch and its best run alone" "2 of 2 reached the ascending aorta; .*alone: state")
+expect("a batch and its best run alone" "2 of 2 reached the ascending aorta .branch 4.; .*alone: state")
 run(${stranger} ${BUILD}/test-example/own_device)
 expect("a live session with a device" "[0-9.]+ mm in, -?[0-9.]+ mN against the hand, state [0-9a-f]+")
 string(REGEX MATCH "state [0-9a-f]+" first "${said}")
