@@ -66,7 +66,7 @@ std::string end_for_people(const Session& session, const std::filesystem::path& 
 
 ErrorKind live(LiveArguments& options)
 {
-    const StopSignal listening;
+    const StopSignal listening("start it again");  // there is nothing to resume
     if (options.wire) options.overrides.push_back("wire.preset=" + *options.wire);
     Scene scene = read_scene(options.scene, options.overrides);
     LiveOptions& what = options.live;
