@@ -3,14 +3,11 @@
 
 #include "command_line.h"
 #include "commands.h"
-#include "core/file_io.h"
-#include "core/file_lock.h"
 #include "core/note.h"
 #include "live_model.h"
-#include "run/ready.h"
+#include "session/live_session.h"
 #include "session/session.h"
 #include "session/web_policy.h"
-#include "session/web_server.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -27,11 +24,8 @@ struct LiveArguments {
     std::filesystem::path scene;
     std::vector<std::string> overrides;
     std::optional<std::string> wire;
-    std::string udp_address = "127.0.0.1";
     LiveModelWish model;
-    WebOptions web;
-    SessionOptions session;
-    int udp = 9090, device = -1;
+    LiveOptions live;
     bool quiet = false, json = false;
 };
 
@@ -47,12 +41,12 @@ void note_rate(const Session& session, double rate, bool& noted)
                      rate));
 }
 
-void wait_for_end(Session& session, double rate)
+void wait_for_end(LiveSession& live, double rate)
 {
     bool noted = false;
-    while (session.running()) {
-        if (stop_asked_for() != 0) session.stop();
-        note_rate(session, rate, noted);
+    while (live.running()) {
+        if (stop_asked_for() != 0) live.stop();
+        note_rate(live.session(), rate, noted);
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
 }
@@ -72,49 +66,35 @@ std::string end_for_people(const Session& session, const std::filesystem::path& 
 
 ErrorKind live(LiveArguments& options)
 {
-    const StopSignal listening;
+    const StopSignal listening("start it again");  // there is nothing to resume
     if (options.wire) options.overrides.push_back("wire.preset=" + *options.wire);
     Scene scene = read_scene(options.scene, options.overrides);
-    SessionOptions& what = options.session;
+    LiveOptions& what = options.live;
     scene.dt = 1 / what.rate;
     if (what.record.empty()) what.record = options.scene.stem().string() + "-live.record";
     if (!options.model.tolerance.empty()) {
         options.model.rate = what.rate;
         options.model.trials = beside(what.record, ".pilots");
-        options.model.device = options.device;
+        options.model.device = what.device;
         options.model.quiet = options.quiet;
         scene = model_for(scene, options.model);
     }
-    const FileLock lock = FileLock::of_file(what.record);
+    if (what.page_token.empty() && !is_loopback(what.page_address) && !options.quiet && !options.json)
+        what.page_token = make_token();
     std::optional<NoPolling> loading(std::in_place);
-    WorldSetup setup = ready_setup(scene, options.device);
+    LiveSession live(scene, what);
     loading.reset();
-    HandChannel hand(options.udp_address, options.udp, static_cast<int>(live_instruments(setup).size()));
-    Session session(scene, std::move(setup), what, &hand);
-    // the one that was played: with --set, and the model that was chosen
-    write_file(beside(what.record, ".scene.toml"), write_scene(scene, std::filesystem::absolute(what.record).parent_path()));
-    if (options.web.token.empty() && !is_loopback(options.web.address) && !options.quiet && !options.json)
-        options.web.token = make_token();
-    WebServer web(options.web, scene, session);
-    hand.start([&session] { return session.clock(); }, what.lockstep);
-    web.start();
-    session.start();
+    live.start();
     if (!options.quiet && !options.json)
-        print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", in_url(options.web.address), web.port(),
-                          options.web.token.empty() ? "" : "?token=" + options.web.token, options.udp_address, hand.port(),
-                          what.rate));
-    wait_for_end(session, what.rate);
-    session.finish();
-    web.stop();
-    hand.stop();
-    const std::string summary = session.summary();
-    write_file(beside(what.record, ".summary.json"), summary);
-    write_file(beside(what.record, ".score.json"), score_json(scene, session.score()));
-    write_file(beside(what.record, ".score.html"), score_page(scene, session.score()));
+        print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", in_url(what.page_address),
+                          live.page_port(), what.page_token.empty() ? "" : "?token=" + what.page_token, what.hand_address,
+                          live.hand_port(), what.rate));
+    wait_for_end(live, what.rate);
+    const std::string summary = live.finish();
     if (options.json) print(summary);
-    else if (!options.quiet) print(end_for_people(session, what.record));
-    if (!session.failure().empty())
-        throw Error(ErrorKind::Stopped, fmt::format("{}; record in {}", session.failure(), what.record.string()));
+    else if (!options.quiet) print(end_for_people(live.session(), what.record));
+    if (!live.failure().empty())
+        throw Error(ErrorKind::Stopped, fmt::format("{}; record in {}", live.failure(), what.record.string()));
     const int signal = stop_asked_for();
     return signal == 0 ? ErrorKind::None : signal == SIGTERM ? ErrorKind::TimeLimit : ErrorKind::Interrupted;
 }
@@ -130,11 +110,11 @@ void add_what(CommandLine& command, LiveArguments& options)
         ->type_name("table.key=value")
         ->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
-    command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")
+    command.add_option("--rate", options.live.rate, "steps a second (default: 1000)")
         ->check(in_range(1.0, 10000.0))
         ->type_name("N");
     command
-        .add_option("--deadline", options.session.deadline,
+        .add_option("--deadline", options.live.deadline,
                     "share of the period after which a step ends before its equations hold, e.g. 0.9 (default: never)")
         ->check(in_range(0.05, 1.0))
         ->type_name("SHARE");
@@ -145,14 +125,14 @@ void add_what(CommandLine& command, LiveArguments& options)
         .add_option("--budget", options.model.budget, "with --tolerance: seconds by the clock to choose the model (default: 300)")
         ->check(positive())
         ->type_name("S");
-    command.add_flag("--lockstep", options.session.lockstep,
+    command.add_flag("--lockstep", options.live.lockstep,
                      "one step for each request of the device, independent of the clock: the same on any machine");
-    command.add_option("--record", options.session.record, "record of the session (default: <scene>-live.record)")
+    command.add_option("--record", options.live.record, "record of the session (default: <scene>-live.record)")
         ->type_name("FILE");
-    command.add_option("--duration", options.session.duration, "end after this session time (default: never)")
+    command.add_option("--duration", options.live.duration, "end after this session time (default: never)")
         ->check(positive())
         ->type_name("S");
-    command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")
+    command.add_option("--device", options.live.device, "OpenCL device, as `seldinger devices` lists them")
         ->check(not_negative())
         ->type_name("N");
     command.add_flag("--quiet", options.quiet, "print no address and no summary");
@@ -167,28 +147,29 @@ void add_live(CommandLine& app, Command& chosen)
     CommandLine* command = app.add_subcommand("live", "run a live session: force feedback by UDP, picture in the browser");
     add_what(*command, *options);
     const ArgumentCheck port = in_range(0, 65535);
-    command->add_option("--port", options->web.port, "port of the page; 0: any free one (default: 8080)")
+    command->add_option("--port", options->live.page_port, "port of the page; 0: any free one (default: 8080)")
         ->check(port)
         ->type_name("N");
-    command->add_option("--bind", options->web.address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
+    command->add_option("--bind", options->live.page_address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
     command
         ->add_option(
-            "--token", options->web.token,
+            "--token", options->live.page_token,
             "secret that the page's address must carry, 16 characters or more (default: made where --bind is not loopback)")
         ->type_name("T");
-    command->add_option("--udp", options->udp, "UDP port of the device; 0: any free one (default: 9090)")
+    command->add_option("--udp", options->live.hand_port, "UDP port of the device; 0: any free one (default: 9090)")
         ->check(port)
         ->type_name("N");
     command
-        ->add_option("--udp-bind", options->udp_address, "address of the UDP port (default: 127.0.0.1); not protected by --token")
+        ->add_option("--udp-bind", options->live.hand_address,
+                     "address of the UDP port (default: 127.0.0.1); not protected by --token")
         ->type_name("ADDRESS");
     command
-        ->add_option("--coupling-stiffness", options->session.advance.stiffness,
+        ->add_option("--coupling-stiffness", options->live.coupling_stiffness,
                      "stiffness between hand and instrument (default: 500)")
         ->check(positive())
         ->type_name("N/m");
     command
-        ->add_option("--coupling-damping", options->session.advance.damping, "damping between hand and instrument (default: 1)")
+        ->add_option("--coupling-damping", options->live.coupling_damping, "damping between hand and instrument (default: 1)")
         ->check(not_negative())
         ->type_name("N s/m");
     command->callback([options, &chosen] { chosen = [options] { return live(*options); }; });

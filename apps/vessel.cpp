@@ -182,7 +182,8 @@ void add_vessel(CommandLine& app, Command& chosen)
     CommandLine* vessel = app.add_subcommand("vessel", "inspect a vessel mesh, or the vessel of a scene");
     vessel
         ->add_option("INPUT", options->input,
-                     "mesh (STL, OBJ, PLY, VTP, VTK), label map (NIfTI, NRRD, MetaImage) or scene file (TOML)")
+                     "mesh (STL, OBJ, PLY, VTP, VTK), label map (NIfTI, NRRD, MetaImage), or scene file (TOML) or its name")
+        ->scene()
         ->type_name("MESH|SCENE.toml")
         ->required();
     options->mesh.add_to(*vessel, "unit of the mesh: m, cm, mm, um or in (default: the one in its header, else mm)");

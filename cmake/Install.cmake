@@ -2,6 +2,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 list(TRANSFORM seldinger_components REPLACE "(.+)" "seldinger_component_\\1" OUTPUT_VARIABLE component_targets)
+list(JOIN seldinger_components ", " component_names)
 # the command finds the library wherever both are put; in a system's own folders the loader knows where
 file(RELATIVE_PATH to_library ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
 if(SKBUILD)
@@ -37,6 +38,10 @@ if(Python3_Interpreter_FOUND)
 else()
   message(STATUS "no Python: the command is installed without man page and completion")
 endif()
+
+# programs and scenes that the pages speak of
+install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/seldinger/examples PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY docs/example/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/seldinger/examples/cpp)
 
 # Pages of the site, as ./dev docs makes them
 set(SELDINGER_SITE "" CACHE PATH "A folder of the documents' pages that is installed too (empty: none)")

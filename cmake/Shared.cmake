@@ -11,7 +11,7 @@ endif()
 list(TRANSFORM parts REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE part_objects)
 
 function(seldinger_shared_library target loops)
-  add_library(${target} SHARED $<TARGET_OBJECTS:${loops}> $<TARGET_OBJECTS:seldinger> ${part_objects})
+  add_library(${target} SHARED $<TARGET_OBJECTS:${loops}> $<TARGET_OBJECTS:seldinger_files> $<TARGET_OBJECTS:seldinger> ${part_objects})
   # the first two numbers are in the file's name, which is its soname too: a wheel has no links
   set(version ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   set_target_properties(${target} PROPERTIES OUTPUT_NAME seldinger EXPORT_NAME seldinger LINKER_LANGUAGE CXX VERSION ${version} SOVERSION ${version}
@@ -35,7 +35,10 @@ seldinger_shared_library(seldinger_shared seldinger_loops)
 target_include_directories(seldinger_shared INTERFACE $<INSTALL_INTERFACE:include> $<INSTALL_INTERFACE:include/seldinger>)
 target_compile_features(seldinger_shared INTERFACE cxx_std_20)
 # an optional library as a component: find_package(Seldinger COMPONENTS pictures), Seldinger::pictures
-set(seldinger_components "")
+set(seldinger_components studies live)
+if(SELDINGER_ELASTIC)
+  list(APPEND seldinger_components elastic)
+endif()
 if(SELDINGER_VIEW)
   list(APPEND seldinger_components pictures)
 endif()

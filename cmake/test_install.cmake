@@ -69,9 +69,17 @@ if(NOT summary MATCHES "\"state_hash\": *\"${golden}\"" OR NOT summary MATCHES "
   message(FATAL_ERROR "the recorded run's summary: expected state ${golden} and its task\n${summary}")
 endif()
 
+run(${stranger} ${BUILD}/test-example/ranked_wires)
+expect("a batch and its best run alone" "2 of 2 reached the ascending aorta .branch 4.; .*alone: state")
+run(${stranger} ${BUILD}/test-example/own_device)
+expect("a live session with a device" "[0-9.]+ mm in, -?[0-9.]+ mN against the hand, state [0-9a-f]+")
+string(REGEX MATCH "state [0-9a-f]+" first "${said}")
+run(${stranger} ${BUILD}/test-example/own_device)
+expect("the same session again" "${first}")
+
 # a component that there is not
 file(WRITE ${BUILD}/test-example/none/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(None LANGUAGES CXX)\nfind_package(Seldinger REQUIRED COMPONENTS paintings)\n")
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${BUILD}/test-example/none -B ${BUILD}/test-example/none/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER} ${bare}
   RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
 string(REGEX REPLACE "[ \n]+" " " said "${said}")
-expect("a component that there is not" "COMPONENTS: got \"paintings\"; expected pictures")
+expect("a component that there is not" "COMPONENTS: got \"paintings\"; expected studies, live, (elastic, )?pictures")

@@ -205,7 +205,6 @@ class Fleets:
         with Progress(task.progress_line) as told:
             told.text = (f"seldinger: preparing {len(used)} variant{'s' * (len(used) > 1)}; the first start on a machine compiles "
                          "kernels, too")
-            self._starts = dict(zip(used, starts_of(task, [variants[v] for v in used], device, told)))
             for own in systems:
                 own.sort()
                 self._place.update(((i, v), (len(self.fleets), s)) for s, (i, v) in enumerate(own))
@@ -215,6 +214,7 @@ class Fleets:
             if fleet.wires != task.hubs():
                 raise ValueError(f"vary: got variants with {fleet.wires} instruments; expected {task.hubs()}, as the scene has: an action "
                                  "has two numbers for each. Fix: leave instruments out of vary")
+        self._starts = Starts(task, {v: (variants[v], kind) for v, kind in zip(used, kinds)}, device)
         for (i, v), (k, s) in self._place.items():
             if now[i] != v:
                 self.fleets[k].world._world.retire(s)
@@ -300,11 +300,13 @@ class Fleets:
         world._world.restore(world.save(s), s)  # a state that is restored alone is stepped again
         self._regroup()
 
-    def begin(self, i: int, start: int, variant: int) -> None:
-        """Puts environment i to a start of a variant."""
-        self._take(i, variant)
-        k, s = self._place[i, variant]
-        self.fleets[k].begin(s, start, self._starts[variant][start])
+    def begin(self, episodes: Sequence[tuple[int, int, int]]) -> None:
+        """Puts environments to starts of variants. @param episodes  (environment, start, variant) of each"""
+        starts = self._starts.of([(variant, start) for _, start, variant in episodes])
+        for (i, start, variant), kept in zip(episodes, starts):
+            self._take(i, variant)
+            k, s = self._place[i, variant]
+            self.fleets[k].begin(s, start, kept)
 
     def act(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         reward, terminated, truncated = np.empty(self.count), np.empty(self.count, bool), np.empty(self.count, bool)
@@ -325,40 +327,60 @@ def _kinds(task: Navigate, variants: Sequence[Sequence[str]]) -> list[int]:
     return _engine.world_kinds(scene.text, scene.file, [scene.overrides + list(v) for v in variants])
 
 
-_STARTS: dict[str, list[tuple[Any, ...]]] = {}  # of the last few tasks, by what they depend on
-_MOST_STARTS = 4096                             # kept
+_STARTS: dict[str, tuple[Any, ...]] = {}  # of the last few tasks, by what they depend on
+_MOST_STARTS = 4096                       # kept
 
 
-def starts_of(task: Navigate, variants: Sequence[Sequence[str]], device: int, told: Progress) -> list[list[tuple[Any, ...]]]:
-    """Starts of each variant. Worlds of their own make them, all variants of a kind together."""
-    seen = {name: value for name, value in task.identity().items() if not name.startswith("image") and name != "vary"}
-    keys = [repr((seen, task.start_advance, task.starts, task.start_seed, list(v))) for v in variants]
-    missing = [k for k, key in enumerate(keys) if key not in _STARTS and keys.index(key) == k]
-    kinds = _kinds(task, [variants[k] for k in missing]) if missing else []
-    draw = np.random.default_rng([0x5E1D, task.start_seed])
-    feeds = [(draw.uniform(*task.start_advance), draw.uniform(-math.pi, math.pi)) for _ in range(task.starts)]
-    made: dict[str, list[tuple[Any, ...]]] = {keys[k]: [] for k in missing}
-    done, all_starts = 0.0, len(missing) * task.starts
+class Starts:
+    """Starts of variants. Worlds of their own make them, all of a kind together: at first those that are asked for, so that an
+    episode begins soon; when another is asked for, all that are missing."""
 
-    def tell(part: float) -> None:
-        share = 100 * (done + part) / all_starts
-        told.text = (f"seldinger: {all_starts} start{'s' * (all_starts > 1)} of {len(missing)} variant{'s' * (len(missing) > 1)}: "
-                     f"{share:.0f} %")
+    def __init__(self, task: Navigate, variants: dict[int, tuple[list[str], int]], device: int) -> None:
+        """@param variants  overrides and kind by number"""
+        self._task, self._variants, self._device, self._asked = task, variants, device, False
+        seen = {name: value for name, value in task.identity().items() if not name.startswith("image") and name != "vary"}
+        self._seen = repr((seen, task.start_advance, task.starts, task.start_seed))
+        draw = np.random.default_rng([0x5E1D, task.start_seed])
+        self._feeds = [(draw.uniform(*task.start_advance), draw.uniform(-math.pi, math.pi)) for _ in range(task.starts)]
+        self._own: dict[str, tuple[Any, ...]] = {}
 
-    for kind in range(max(kinds, default=-1) + 1):
-        pairs = [(k, feed) for k, of in zip(missing, kinds) if of == kind for feed in feeds]
-        for first in range(0, len(pairs), _MOST_WIRES):
-            some = pairs[first:first + _MOST_WIRES]
-            fleet = Fleet(task, [variants[k] for k, _ in some], device)
-            for (k, _), start in zip(some, fleet.make_starts(np.array([feed for _, feed in some]), tell)):
-                made[keys[k]].append(start)
-            fleet.close()
-            done += len(some)
-    found = [made[key] if key in made else _STARTS[key] for key in keys]
-    _STARTS.update(made)
-    while sum(map(len, _STARTS.values())) > _MOST_STARTS:
-        del _STARTS[next(iter(_STARTS))]
-    return found
+    def _key(self, variant: int, start: int) -> str:
+        return f"{self._seen} {self._variants[variant][0]} {start}"
+
+    def of(self, pairs: Sequence[tuple[int, int]]) -> list[tuple[Any, ...]]:
+        """@param pairs  (variant, start) of each"""
+        keys = [self._key(*pair) for pair in pairs]
+        for key in keys:
+            if key not in self._own and key in _STARTS:
+                self._own[key] = _STARTS[key]
+        if not all(key in self._own for key in keys):
+            all_pairs = [(v, start) for v in self._variants for start in range(self._task.starts)]
+            self._make(all_pairs if self._asked else pairs)
+        self._asked = True
+        return [self._own[key] for key in keys]
+
+    def _make(self, pairs: Sequence[tuple[int, int]]) -> None:
+        missing = {key: pair for pair in pairs if (key := self._key(*pair)) not in self._own}
+        done = 0.0
+
+        def tell(part: float) -> None:
+            of = len({v for v, _ in missing.values()})
+            told.text = (f"seldinger: {len(missing)} start{'s' * (len(missing) > 1)} of {of} variant{'s' * (of > 1)}: "
+                         f"{100 * (done + part) / len(missing):.0f} %")
+
+        with Progress(self._task.progress_line) as told:
+            tell(0.0)
+            for kind in sorted({self._variants[v][1] for v, _ in missing.values()}):
+                alike = [key for key, (v, _) in missing.items() if self._variants[v][1] == kind]
+                for first in range(0, len(alike), _MOST_WIRES):
+                    some = alike[first:first + _MOST_WIRES]
+                    fleet = Fleet(self._task, [self._variants[missing[key][0]][0] for key in some], self._device)
+                    self._own.update(zip(some, fleet.make_starts(np.array([self._feeds[missing[key][1]] for key in some]), tell)))
+                    fleet.close()
+                    done += len(some)
+        _STARTS.update(self._own)
+        while len(_STARTS) > _MOST_STARTS:
+            del _STARTS[next(iter(_STARTS))]
 
 
 def checked(actions: Any, shape: tuple[int, ...], wires: int) -> np.ndarray:

@@ -78,7 +78,7 @@ def scene_names() -> list[str]:
 
 def _find(name: str | os.PathLike[str]) -> Path:
     path = Path(name)
-    if path.exists() or path.suffix == ".toml" or len(path.parts) > 1:
+    if path.exists() or path.suffix == ".toml" or path.is_absolute() or ".." in path.parts:
         return path
     for folder in ("", "reference"):
         place = assets() / "scenes" / folder / f"{path}.toml"

@@ -238,9 +238,9 @@ class NavigateEnv(_OnAFleet, gymnasium.Env):
         now = self._ask(np.ones(1, bool), options)
         self._take_variants(now)
         start = int(self.np_random.integers(self.task.starts))
-        fleet = self._fleet  # alone on its line: AsyncVectorEnv logs the traceback of an error here, and stumbles over a percent sign
-        fleet.begin(0, (options or {}).get("start", start) % self.task.starts, now[0])
-        fleet.shoot(np.ones(1, bool))
+        start = (options or {}).get("start", start) % self.task.starts
+        self._fleet.begin([(0, start, now[0])])  # AsyncVectorEnv logs the traceback of an error here, and stumbles over a percent sign
+        self._fleet.shoot(np.ones(1, bool))
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -340,11 +340,12 @@ class NavigateVectorEnv(_OnAFleet, VectorEnv):
         now = self._ask(which, options)
         if which.all():
             self._take_variants(now)
-        fleet, chosen = self._fleet, (options or {}).get("start")
+        fleet, chosen, episodes = self._fleet, (options or {}).get("start"), []
         for s in np.flatnonzero(which):
             drawn = int(self._random[s].integers(self.task.starts))
             start = drawn if chosen is None else int(np.broadcast_to(chosen, self.num_envs)[s]) % self.task.starts
-            fleet.begin(int(s), start, now[s])
+            episodes.append((int(s), start, now[s]))
+        fleet.begin(episodes)
         self._ended[which] = False
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,

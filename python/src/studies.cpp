@@ -39,27 +39,14 @@ BatchSource source_of(const std::string& text, const std::string& file, const Te
     return make_source(text, file, overrides, sweep, "vary");
 }
 
-std::vector<BatchRow> run_batch(const BatchSource& source, int device)
-{
-    check_process();
-    std::vector<BatchRow> rows;
-    for (const std::vector<std::size_t>& runs : plan_worlds(source)) {
-        BatchWorld world(source, runs, load_vessel(source.scene(runs.front()).vessel), device);
-        for (long k = 0; !world.finished(); ++k) {
-            for (BatchRow& row : world.step()) rows.push_back(row);
-            if (k % 16 == 0) check_signals();
-        }
-    }
-    return rows;
-}
-
 py::bytes batch(const std::string& text, const std::string& file, const Texts& overrides, const std::string& sweep, int device)
 {
+    check_process();
     std::string table;
     {
         const py::gil_scoped_release others;
         const BatchSource source = source_of(text, file, overrides, sweep);
-        table = batch_npz(source.sweep, source.layout(), run_batch(source, device));
+        table = batch_npz(source.sweep, source.layout(), run_all(source, device, [](std::size_t) { check_signals(); }));
     }
     return py::bytes(table);
 }

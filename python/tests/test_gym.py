@@ -152,19 +152,31 @@ def test_the_reward_is_the_sum_of_its_terms():
 
 
 def test_start_up_is_told_of_and_shared(monkeypatch, capsys):
-    """Twelve variants: one world makes all their starts; a line says how far it is, once a second has gone."""
+    """Twelve variants: one world makes the starts of their first episodes, and one all the others when another is drawn; a line says
+    how far it is, once a second has gone."""
     from seldinger import _fleet
     made, make_starts = [], _fleet.Fleet.make_starts
     monkeypatch.setattr(_fleet.Fleet, "make_starts", lambda fleet, *rest: made.append(fleet.count) or make_starts(fleet, *rest))
     settings = {**SMALL, "start_seed": 23, "vary": {"wire.mu_sliding": [0.02 + 0.01 * k for k in range(12)]}}
-    seldinger.gym.NavigateVectorEnv(12, progress_line=False, **settings).reset(seed=0)
-    assert made == [24] and capsys.readouterr().err == ""
+    env = seldinger.gym.NavigateVectorEnv(12, progress_line=False, **settings)
+    first, _ = env.reset(options={"start": 0})
+    assert made == [12]
+    env.reset(options={"start": [0] * 11 + [1]})
+    assert made == [12, 12] and capsys.readouterr().err == ""
+    env.reset(options={"start": 1})
+    again, _ = env.reset(options={"start": 0})
+    assert made == [12, 12] and same(first, again)
     # what the line says, without waiting for the clock
     progress = _fleet.Progress(True)
     progress.text, waits = "seldinger: 24 starts", iter([False, False, True])
     monkeypatch.setattr(progress._over, "wait", lambda seconds: next(waits))
     progress._tell()
     assert capsys.readouterr().err.split() == ["seldinger:", "24", "starts"]
+
+
+def test_a_stiffness_that_a_preset_has_is_refused_with_what_to_vary():
+    with pytest.raises(seldinger.Error, match="Fix: with a preset that has stiffnesses, set bend_scale"):
+        seldinger.gym.NavigateEnv(vary={"wire.youngs_pa": [1e10, 2e10]}).reset()
 
 
 def test_steps_that_fail_are_told_alike():

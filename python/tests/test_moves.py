@@ -436,10 +436,11 @@ def test_starts_are_made_once(monkeypatch):
     made, make_starts = [], _fleet.Fleet.make_starts
     monkeypatch.setattr(_fleet.Fleet, "make_starts", lambda fleet, *rest: made.append(fleet.count) or make_starts(fleet, *rest))
     settings = {**FLAT, "start_seed": 17}
-    for _ in range(2):
-        seldinger.gym.NavigateEnv(**settings).reset(seed=0)
-    seldinger.gym.NavigateVectorEnv(2, **settings).reset(seed=0)
+    for start in range(2):
+        seldinger.gym.NavigateEnv(**settings).reset(options={"start": start})
+    assert made == [1, 1]
+    seldinger.gym.NavigateVectorEnv(2, **settings).reset(options={"start": [0, 1]})
     seldinger.gym.NavigateEnv(**{**settings, "force": 0.2, "max_steps": 5}).reset(seed=0)  # rewards are not of the start
-    assert made == [2]
+    assert made == [1, 1]
     seldinger.gym.NavigateEnv(**{**settings, "start_seed": 18}).reset(seed=0)
-    assert made == [2, 2]
+    assert made == [1, 1, 1]

@@ -125,6 +125,8 @@ TEST_SUITE("apps/recording")
         CHECK(world.wire_count() == 1);
         CHECK(refused([] { (void)load_scene("swong"); }).find("swong") == 0);
         CHECK(load_scene("swing", {"scene.dt_s=0.0005"}).dt == 0.0005);
+        CHECK(load_scene("training/siphon").task.on);  // a scene in a folder
+        CHECK(refused([] { (void)load_scene("../scenes/swing"); }).find("../scenes/swing") == 0);
     }
 
     TEST_CASE("property: what is no record of a run is refused")

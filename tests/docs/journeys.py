@@ -61,7 +61,6 @@ class Journey:
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
         self.commands, self.begun = 0, time.monotonic()
-        (folder / "assets").symlink_to(options.source / "assets")  # "run in the project's folder"
         (folder / "bin").mkdir()
         (folder / "bin" / "seldinger").symlink_to(options.app)
 
@@ -111,17 +110,14 @@ def student(journey, options):
 
 
 def robotics(journey, options):
-    """Ten lines of C++ and two of CMake: README.md."""
+    """Ten lines of C++ and five of CMake: README.md."""
     text = page(options, "README.md")
-    for name, language in (("main.cpp", "cpp"), ("lines.cmake", "cmake")):
+    for name, language in (("main.cpp", "cpp"), ("CMakeLists.txt", "cmake")):
         (journey.folder / name).write_text(re.search(rf"```{language}\n(.*?)```", text, re.S).group(1))
-    # the target must be made before it is linked; C++20 comes with it
-    lines = (journey.folder / "lines.cmake").read_text().replace("target_link", "add_executable(my_program main.cpp)\ntarget_link")
-    (journey.folder / "CMakeLists.txt").write_text(f"cmake_minimum_required(VERSION 3.25)\nproject(Mine LANGUAGES CXX)\n{lines}")
     journey.run(f"cmake --install {options.build} --prefix installed")
     journey.run(f"cmake -S . -B build -DCMAKE_CXX_COMPILER={options.compiler} -DCMAKE_PREFIX_PATH=$PWD/installed -DCMAKE_BUILD_TYPE=Release")
     journey.run("cmake --build build")
-    said = journey.run("build/my_program assets/scenes/aortic-arch.toml")
+    said = journey.run("build/my_program")
     if not re.fullmatch(r"-?[\d.]+ mN\n", said):
         sys.exit(f"journeys.py: the program said {said!r}")
 
@@ -132,7 +128,7 @@ def farm(journey, options):
     for name, text in [(s[1], s[2]) for s in steps_of(page(options, "docs/tutorial.md")) if s[0] == "write"]:
         if name == "arch.toml":
             (journey.folder / name).write_text(text)
-    journey.run("seldinger vessel assets/scenes/aortic-arch.toml -o mesh")
+    journey.run("seldinger vessel aortic-arch -o mesh")
     journey.run("cp mesh/vessel.stl .")
     sweep = page(options, "docs/tutorial-sweep.md")
     journey.follow(sweep.split("## 4.")[0])

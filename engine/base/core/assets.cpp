@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <vector>
 
@@ -79,7 +80,8 @@ std::string scene_file(const std::string& word)
 {
     const fs::path path(word);
     std::error_code unreadable;
-    if (path.empty() || path.has_parent_path() || path.has_extension() || fs::exists(path, unreadable)) return word;
+    const bool leads_out = path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end();
+    if (path.empty() || leads_out || path.has_extension() || fs::exists(path, unreadable)) return word;
     try {
         for (const char* folder : {"", "reference"})
             if (const fs::path file = assets_folder() / "scenes" / folder / (word + ".toml");

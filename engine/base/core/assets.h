@@ -10,8 +10,8 @@ namespace seldinger {
 /// @throws Error BadFile, none is there
 [[nodiscard]] std::filesystem::path assets_folder();
 
-/// The file of a scene that comes with the program, if `word` is its name (aortic-arch) and no file is called so here; else
-/// `word`.
+/// The file of a scene that comes with the program, if `word` is its name (aortic-arch, training/renal) and no file is called so
+/// here; else `word`.
 [[nodiscard]] std::string scene_file(const std::string& word);
 
 }  // namespace seldinger

@@ -16,7 +16,9 @@ namespace {
 void read_properties(const TableReader& t, const std::vector<Key>& keys, const std::string& path, WireSection& s, Scene& scene)
 {
     for (const auto key : keys::stiffness)
-        if (t.has("youngs_pa")) t.refuse(key, "contradicts youngs_pa; give a material or the three stiffnesses, not both");
+        if (t.has("youngs_pa"))
+            t.refuse(key, "contradicts youngs_pa; give a material or the three stiffnesses, not both. "
+                          "Fix: with a preset that has stiffnesses, set bend_scale");
     if (s.youngs == 0 && !t.has("youngs_pa")) t.refuse("poisson", "needs youngs_pa; add it or take poisson out");
     t.read(keys);
     // an inherited material follows this section's radius, and a stiffness given here wins over it

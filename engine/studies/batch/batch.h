@@ -10,6 +10,7 @@
 #include "run/scene_run.h"
 #include "setup/vessel_load.h"
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -119,5 +120,9 @@ private:
     GridErrorGauge gauge_;
     long wall_read_at_ = -1;
 };
+
+/// All worlds of a batch, one after the other. @param progress  may be empty; called every few steps with the number of rows
+[[nodiscard]] std::vector<BatchRow> run_all(const BatchSource& source, int device,
+                                            const std::function<void(std::size_t)>& progress);
 
 }  // namespace seldinger

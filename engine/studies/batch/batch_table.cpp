@@ -236,6 +236,13 @@ std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<Ba
     return runs;
 }
 
+std::map<std::string, double> numbers_of(const BatchLayout& layout, const RunRows& of)
+{
+    std::map<std::string, double> numbers;
+    for_each_number(layout, [&](const std::string& name, ColumnKind, bool, auto&& value) { numbers[name] = value(of); });
+    return numbers;
+}
+
 std::string label_of(const Sweep& sweep, std::size_t run)
 {
     constexpr std::size_t longest = 48;  // bytes of a value

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -152,6 +153,9 @@ struct RunRows {
 [[nodiscard]] double band_of(const RunRows& of, std::size_t column);
 
 [[nodiscard]] std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<BatchRow>& rows);
+
+/// The numbers of a row by their names in the table.
+[[nodiscard]] std::map<std::string, double> numbers_of(const BatchLayout& layout, const RunRows& of);
 
 /// Rows by run: run, the varied keys, status, batch_columns with their bands, instrument_columns of each name, branch_path,
 /// state_hash. A number that is not finite is an empty field.
