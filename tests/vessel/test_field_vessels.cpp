@@ -539,6 +539,46 @@ TEST_SUITE("vessel/field_vessels")
         for (const Vec3& p : line.points) CHECK(query.locate(p).signed_distance > -1e-6);
     }
 
+    TEST_CASE("regression: folds of long slivers, as decimation leaves them, do not draw the axis to the wall")
+    {
+        // the nearest wall of a point in the middle may be the back of a fold: it was taken for a point in the wall
+        constexpr double radius = 3e-3, length = 0.06;
+        constexpr std::int32_t columns = 24, along = 80;
+        for (const double noise : {0.1e-3, 0.2e-3, 0.3e-3}) {
+            CAPTURE(noise);
+            // columns of 80 points, each between two that have their ends alone
+            WallMesh mesh;
+            std::mt19937 random(1);
+            std::uniform_real_distribution<double> even(-noise, noise);
+            std::vector<std::int32_t> first;
+            for (std::int32_t j = 0; j < columns; ++j) {
+                const std::int32_t points = j % 2 == 0 ? along : 1;
+                first.push_back(static_cast<std::int32_t>(mesh.vertices.size()));
+                for (std::int32_t i = 0; i <= points; ++i) {
+                    const bool moved = i > 0 && i < points;
+                    const auto off = [&] { return moved ? even(random) : 0.0; };
+                    const double r = radius + off(), b = 2 * pi * j / columns + off() / radius;
+                    mesh.vertices.emplace_back(length * i / points + off(), r * std::cos(b), r * std::sin(b));
+                }
+            }
+            for (std::size_t j = 0; j < columns; ++j)
+                for (const std::size_t beside : {j + 1, j + columns - 1}) {
+                    if (j % 2 == 1) continue;
+                    const std::int32_t near = first[j], ends = first[beside % columns];
+                    const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+                        mesh.triangles.push_back({a, beside > j + 1 ? c : b, beside > j + 1 ? b : c});
+                    };
+                    for (std::int32_t i = 0; i < along; ++i) add(near + i, near + i + 1, i < along / 2 ? ends : ends + 1);
+                    add(ends, near + along / 2, ends + 1);
+                }
+            RepairReport report;
+            const Centreline line = axis_of(mesh, report);
+            REQUIRE(report.loops.size() == 2);
+            CHECK(line.total_length() == about(length).epsilon(0.05));
+            for (const double r : line.radius) CHECK(r > 0.7 * radius);
+        }
+    }
+
     TEST_CASE("property: parts whose rims nearly meet, or are divided differently, are one vessel")
     {
         // a half and its mirror image, not turned, a micrometre apart
