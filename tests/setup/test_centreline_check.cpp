@@ -103,6 +103,14 @@ TEST_SUITE("setup/centreline_check")
         CHECK(fork.notes().empty());
     }
 
+    TEST_CASE("property: a centreline beside the middle of the lumen is taken with a note that says how far")
+    {
+        Fork fork;
+        for (Vec3& p : fork.line.points) p.y() += 0.8e-3;
+        fork.write(fork.line, "mm");
+        CHECK(has(fork.notes(), "line.vtp lies 0.8 mm beside the middle of the lumen, 2"));  // radii of 3.2 to 5 mm
+    }
+
     TEST_CASE(
         "property: x and y turned round: refused with the key that says so, taken with the key or where the file's header says "
         "so")
