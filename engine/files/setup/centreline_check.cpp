@@ -91,12 +91,16 @@ public:
                 if (std::isfinite(far)) asides.push_back(0.5 * (far - near)), shares.push_back((far - near) / (far + near));
             }
             const bool like = near_end || (ratio > like_low && ratio < like_high);
+            // points are half a radius apart: one that falls so far has gone into a cleft between folded triangles
+            const double before = length > 0 ? line.radius[static_cast<std::size_t>(line.parent[i])] : 0;
+            const bool clings = ends == Ends::AtOpenings && r < 0.1 * before && to_end[i] > before;
             (in && like ? fit.in : fit.off) += length;
-            if ((in && like) || fit.points_off++ > 0) continue;
+            if ((in && like && !clings) || fit.points_off++ > 0) continue;
+            const double away = 1e3 * std::abs(at.signed_distance);
             fit.first = p;
-            fit.why = in ? fmt::format("has a radius of {:.3g} mm, {:.3g} mm from the wall", 1e3 * r,
-                                       1e3 * std::abs(at.signed_distance))
-                         : fmt::format("lies {:.3g} mm outside of the lumen", 1e3 * std::abs(at.signed_distance));
+            fit.why = !in      ? fmt::format("lies {:.3g} mm outside of the lumen", away)
+                      : !clings ? fmt::format("has a radius of {:.3g} mm, {:.3g} mm from the wall", 1e3 * r, away)
+                                : fmt::format("clings to the wall, at {:.3g} mm, beside one at {:.3g} mm", away, 1e3 * before);
         }
         fit.ratio = median(ratios), fit.aside = median(asides), fit.share = median(shares);
         return fit;
