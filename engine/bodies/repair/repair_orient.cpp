@@ -171,9 +171,10 @@ void orient(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     // a noisy patch reaches 1e-5; nothing a wire could enter stays below 1e-3
     constexpr double kFlat = 1e-4;
     if (std::all_of(parts.begin(), parts.end(), [](const MeshComponent& part) { return compactness(part) < kFlat; }))
-        throw Error(ErrorKind::BadFile, fmt::format("the mesh is a flat patch of {} triangle{} that bounds no lumen; a tube or a "
-                                                   "closed surface is expected",
-                                                   mesh.triangles.size(), mesh.triangles.size() == 1 ? "" : "s"));
+        throw Error(ErrorKind::BadFile,
+                    fmt::format("the mesh bounds no lumen: got {} triangle{} of a flat patch, of sheets on each other or of "
+                                "loose pieces; expected a tube or a closed surface",
+                                mesh.triangles.size(), mesh.triangles.size() == 1 ? "" : "s"));
     long nested = 0, crossing = 0;
     WorkBudget work("telling which of its parts lie inside others", 5e8 + 5000.0 * static_cast<double>(mesh.triangles.size()));
     for (const MeshComponent& part : parts) {
