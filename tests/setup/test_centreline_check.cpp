@@ -7,6 +7,7 @@
 #include "shapes/swept_lumen.h"
 #include "support/temporary_folder.h"
 #include "vessel/branches.h"
+#include "vessel/inside.h"
 
 #include <doctest/doctest.h>
 
@@ -101,6 +102,39 @@ TEST_SUITE("setup/centreline_check")
         Fork fork;
         fork.write(fork.line, "mm");
         CHECK(fork.notes().empty());
+    }
+
+    TEST_CASE("property: a point of a found centreline that clings to the wall is named")
+    {
+        Fork fork;
+        fork.spec.centreline.clear();
+        LoadedVessel vessel = load_vessel(fork.spec);
+        const auto noted = [&] {
+            vessel.report.notes.clear();
+            check_found_centreline(vessel);
+            std::string all;
+            for (const std::string& note : vessel.report.notes) all += note;
+            return has(all, "1 point of the centreline does not fit") &&
+                   has(all, "clings to the wall, at 0.01 mm, beside one at ");
+        };
+        CHECK_FALSE(noted());
+        const std::vector<int> path = vessel.centreline.main_path();
+        const auto i = static_cast<std::size_t>(path[path.size() / 3]);
+        const LumenPlace at = LumenQuery(vessel.mesh, vessel.report.loops).locate(vessel.centreline.points[i]);
+        vessel.centreline.points[i] = at.nearest + 1e-5 * at.normal;
+        vessel.centreline.radius[i] = 1e-5;
+        CHECK(noted());
+    }
+
+    TEST_CASE("property: a centreline beside the middle of the lumen is taken with a note that says how far")
+    {
+        Fork fork;
+        for (Vec3& p : fork.line.points) p.y() += 0.8e-3;
+        fork.write(fork.line, "mm");
+        const std::string notes = fork.notes();
+        CAPTURE(notes);
+        CHECK(has(notes, "line.vtp lies 0.8"));  // to 5 %
+        CHECK(has(notes, " mm beside the middle of the lumen, 2"));  // of radii of 3.2 to 5 mm 16 to 25 %
     }
 
     TEST_CASE(

@@ -442,7 +442,7 @@ TEST_SUITE("vessel/field_vessels")
     {
         // holes that meet in corners: the shortest filling of one gave an edge a third triangle, and the rim was lost there
         constexpr double radius = 4e-3, length = 0.06;
-        for (const unsigned seed : {1u, 2u, 3u, 4u, 5u}) {
+        for (unsigned seed = 1; seed <= 11; ++seed) {
             CAPTURE(seed);
             WallMesh mesh = tube(radius, length, 32, 80);
             std::mt19937 random(seed);
@@ -453,10 +453,10 @@ TEST_SUITE("vessel/field_vessels")
             });
             RepairReport report;
             const Centreline line = axis_of(mesh, report);
-            CHECK(report.hole_loops_closed > 3);
+            CHECK(report.hole_loops_closed > 0);
             CHECK(report.non_manifold_edges == 0);
-            CHECK(std::count_if(report.loops.begin(), report.loops.end(),
-                                [&](const BoundaryLoop& loop) { return loop.radius > 0.8 * radius; }) == 2);
+            REQUIRE(report.loops.size() == 2);  // none of the holes is an opening of its own
+            CHECK(report.loops[1].radius > 0.8 * radius);
             CHECK(line.points[static_cast<std::size_t>(line.main_path().back())].x() * line.points[0].x() < 1e-4);  // end to end
             CHECK(line.total_length() > 0.05);
         }
@@ -537,6 +537,92 @@ TEST_SUITE("vessel/field_vessels")
         }
         CHECK(line.total_length() < 1.2 * (0.03 + 2 * 0.0192 + 4 * 0.0108));  // no path to and fro
         for (const Vec3& p : line.points) CHECK(query.locate(p).signed_distance > -1e-6);
+    }
+
+    TEST_CASE("regression: folds of long slivers, as decimation leaves them, do not draw the axis to the wall")
+    {
+        // the nearest wall of a point in the middle may be the back of a fold: it was taken for a point in the wall
+        constexpr double radius = 3e-3, length = 0.06;
+        constexpr std::int32_t columns = 24, along = 80;
+        for (const double noise : {0.1e-3, 0.2e-3, 0.3e-3}) {
+            CAPTURE(noise);
+            // columns of 80 points, each between two that have their ends alone
+            WallMesh mesh;
+            std::mt19937 random(1);
+            std::uniform_real_distribution<double> even(-noise, noise);
+            std::vector<std::int32_t> first;
+            for (std::int32_t j = 0; j < columns; ++j) {
+                const std::int32_t points = j % 2 == 0 ? along : 1;
+                first.push_back(static_cast<std::int32_t>(mesh.vertices.size()));
+                for (std::int32_t i = 0; i <= points; ++i) {
+                    const bool moved = i > 0 && i < points;
+                    const auto off = [&] { return moved ? even(random) : 0.0; };
+                    const double r = radius + off(), b = 2 * pi * j / columns + off() / radius;
+                    mesh.vertices.emplace_back(length * i / points + off(), r * std::cos(b), r * std::sin(b));
+                }
+            }
+            for (std::size_t j = 0; j < columns; ++j)
+                for (const std::size_t beside : {j + 1, j + columns - 1}) {
+                    if (j % 2 == 1) continue;
+                    const std::int32_t near = first[j], ends = first[beside % columns];
+                    const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+                        mesh.triangles.push_back({a, beside > j + 1 ? c : b, beside > j + 1 ? b : c});
+                    };
+                    for (std::int32_t i = 0; i < along; ++i) add(near + i, near + i + 1, i < along / 2 ? ends : ends + 1);
+                    add(ends, near + along / 2, ends + 1);
+                }
+            RepairReport report;
+            const Centreline line = axis_of(mesh, report);
+            REQUIRE(report.loops.size() == 2);
+            CHECK(line.total_length() == about(length).epsilon(0.05));
+            for (const double r : line.radius) CHECK(r > 0.7 * radius);
+        }
+    }
+
+    TEST_CASE("property: parts whose rims nearly meet, or are divided differently, are one vessel")
+    {
+        // a half and its mirror image, not turned, a micrometre apart
+        WallMesh half = tube(4e-3, 0.06, 32, 60);
+        std::erase_if(half.triangles, [&](const auto& t) {
+            double z = 0;
+            for (const std::int32_t v : t) z += half.vertices[static_cast<std::size_t>(v)].z();
+            return z < 0;
+        });
+        WallMesh other = half;
+        for (Vec3& v : other.vertices) v.z() = -v.z() - 1e-6;
+        append(half, other);
+        const RepairReport halves = repair(half);
+        CHECK(halves.components == 1);
+        CHECK(halves.loops.size() == 2);
+        CHECK(has_note(halves, "rims of parts that nearly meet were joined"));
+        // two prisms of twelve sides: one's sides have two edges each, the other's three
+        const auto prism = [](int edges, double x0) {
+            WallMesh made = tube(1, 0.03, 12 * edges, 20, x0);
+            for (Vec3& v : made.vertices) {
+                const double turn = 12 * edges * std::atan2(v.z(), v.y()) / (2 * pi);
+                const int k = static_cast<int>(std::lround(turn + 12 * edges)), corner = k / edges % 12;
+                const double w = static_cast<double>(k % edges) / edges, b = 2 * pi * corner / 12,
+                             c = 2 * pi * ((corner + 1) % 12) / 12;
+                v.y() = 4e-3 * ((1 - w) * std::cos(b) + w * std::cos(c));
+                v.z() = 4e-3 * ((1 - w) * std::sin(b) + w * std::sin(c));
+            }
+            return made;
+        };
+        WallMesh parts = prism(2, 0);
+        append(parts, prism(3, 0.03));
+        const RepairReport report = repair(parts);
+        CHECK(report.components == 1);
+        CHECK(report.loops.size() == 2);
+    }
+
+    TEST_CASE("property: tubes that run into each other without a union are named, and none is an obstacle")
+    {
+        WallMesh mesh = tube(5e-3, 0.06, 32, 60), branch = tube(3e-3, 0.05, 24, 50);
+        for (Vec3& v : branch.vertices) v = Vec3(0.03 - v.y(), v.x(), v.z());
+        append(mesh, branch);
+        const RepairReport report = repair(mesh);
+        CHECK(has_note(report, "lies in part inside others") != has_note(report, "lie in part inside others"));
+        CHECK_FALSE(has_note(report, "obstacle"));
     }
 
     TEST_CASE("regression: to the opening of another part of the mesh leads no path through the air")

@@ -82,7 +82,8 @@ TEST_SUITE("vessel/hostile_meshes")
             Box3 box;
             for (const Vec3& v : moved.vertices) box.extend(v);
             const LumenQuery lumen(moved, report.loops);
-            const MedialGraph graph = build_medial_graph(moved, find_edges(moved), report.loops, lumen);
+            const Enclosure enclosure(moved, report.loops, lumen);
+            const MedialGraph graph = build_medial_graph(moved, find_edges(moved), report.loops, lumen, enclosure);
             for (std::size_t b = 0; b < graph.ball_count(); ++b) {
                 CHECK(box.exteriorDistance(graph.centre[b]) <= 1e-9);
                 CHECK(std::isfinite(graph.radius[b]));
@@ -101,7 +102,7 @@ TEST_SUITE("vessel/hostile_meshes")
         mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
         const LumenQuery lumen(mesh, {});
         for (std::size_t v = 0; v < 4; ++v) CHECK(lumen.vertex_normal(static_cast<std::int32_t>(v)).norm() == 0);
-        const MedialGraph graph = build_medial_graph(mesh, find_edges(mesh), {}, lumen);
+        const MedialGraph graph = build_medial_graph(mesh, find_edges(mesh), {}, lumen, Enclosure(mesh, {}, lumen));
         for (const double radius : graph.radius) CHECK(radius < 1e-9);
         const MedialPaths paths = cheapest_paths(graph, 0);
         for (const double length : paths.length) CHECK_FALSE(std::isnan(length));

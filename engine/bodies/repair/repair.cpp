@@ -80,6 +80,8 @@ RepairReport repair(WallMesh& mesh, bool holes)
     MeshEdges edges = drop_flaps(mesh, report);
     require_triangles(mesh, report);
     require_no_strays(mesh, median_edge(mesh));
+    weld_rims(mesh, edges, report);
+    drop_crumbs(mesh, edges, report);
     orient(mesh, edges, report);
     if (holes) close_holes(mesh, edges, report);
     dissolve_needles(mesh, edges, report);

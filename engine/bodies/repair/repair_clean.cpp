@@ -1,6 +1,7 @@
 // Repair, first half: removes non-finite, degenerate and double triangles, and welds vertices.
 #include "core/check.h"
 #include "repair/repair_steps.h"
+#include "vessel/mesh_components.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/triangle_geometry.h"
 #include "vessel/work_budget.h"
@@ -320,6 +321,73 @@ MeshEdges drop_flaps(WallMesh& mesh, RepairReport& report)
     }
     drop_unused_vertices(mesh);  // which keeps the order of the others, and with it that of the edges
     return edges;
+}
+
+void weld_rims(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
+{
+    constexpr double gap = 0.02;  // of an edge: rounded numbers, two halves of a mirrored model
+    std::vector<std::int32_t> rim;
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        const std::int32_t h = edges.uses(k)[0];
+        if (edges.uses(k).size() == 1) rim.push_back(half_edge_from(mesh, h)), rim.push_back(half_edge_to(mesh, h));
+    }
+    std::sort(rim.begin(), rim.end());
+    rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+    const std::vector<std::int32_t> label = label_components(mesh, edges);
+    if (rim.empty() || *std::max_element(label.begin(), label.end()) == 0) return;
+    std::vector<std::int32_t> part(mesh.vertices.size(), 0), target(mesh.vertices.size(), -1);
+    for (std::size_t t = 0; t < label.size(); ++t)
+        for (const std::int32_t v : mesh.triangles[t]) part[static_cast<std::size_t>(v)] = label[t];
+    std::vector<Vec3> places;
+    Box3 box;
+    for (const std::int32_t v : rim) places.push_back(mesh.vertices[static_cast<std::size_t>(v)]), box.extend(places.back());
+    const std::vector<std::int32_t> to = weld_targets(places, gap * median_edge(mesh), box.min());
+    long joined = 0;
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+        const auto v = static_cast<std::size_t>(rim[k]), other = static_cast<std::size_t>(rim[static_cast<std::size_t>(to[k])]);
+        if (part[v] != part[other]) target[v] = static_cast<std::int32_t>(other), ++joined;
+    }
+    if (joined == 0) return;
+    report.vertices_welded += joined;
+    report.notes.push_back(std::to_string(joined) +
+                           " points on rims of parts that nearly meet were joined (gaps below 2 % of an edge).");
+    for (auto& triangle : mesh.triangles)
+        for (auto& v : triangle)
+            if (target[static_cast<std::size_t>(v)] >= 0) v = target[static_cast<std::size_t>(v)];
+    drop_degenerate(mesh, report);
+    drop_unused_vertices(mesh);
+    edges = find_edges(mesh);
+}
+
+void drop_crumbs(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
+{
+    constexpr long times = 100;  // more triangles has the part that they hang on
+    constexpr int longest = 5;   // chain of such
+    const std::vector<std::int32_t> label = label_components(mesh, edges);
+    std::vector<long> size, largest(mesh.vertices.size(), 0);  // triangles of each part; of the largest part at each vertex
+    for (const std::int32_t k : label) {
+        if (static_cast<std::size_t>(k) >= size.size()) size.resize(static_cast<std::size_t>(k) + 1, 0);
+        ++size[static_cast<std::size_t>(k)];
+    }
+    std::vector<long> beside = size;  // of the largest part that each hangs on
+    const auto each_corner = [&](const auto& visit) {
+        for (std::size_t t = 0; t < label.size(); ++t)
+            for (const std::int32_t v : mesh.triangles[t])
+                visit(beside[static_cast<std::size_t>(label[t])], largest[static_cast<std::size_t>(v)]);
+    };
+    for (int link = 0; link < longest && size.size() > 1; ++link) {
+        each_corner([](long part, long& most) { most = std::max(most, part); });
+        each_corner([](long& part, long most) { part = std::max(part, most); });
+    }
+    const long dropped = keep_triangles(mesh, [&](std::size_t t) {
+        const auto part = static_cast<std::size_t>(label[t]);
+        return beside[part] < times * size[part];
+    });
+    if (dropped == 0) return;
+    report.degenerate_dropped += dropped;
+    report.notes.push_back(std::to_string(dropped) + " triangles hung on the wall by a corner and were removed.");
+    drop_unused_vertices(mesh);
+    edges = find_edges(mesh);
 }
 
 void dissolve_needles(WallMesh& mesh, MeshEdges& edges, RepairReport& report)

@@ -121,7 +121,20 @@ double compactness(const MeshComponent& part)
     return part.area > 0 ? 6 * std::sqrt(std::numbers::pi) * std::abs(part.volume) / std::pow(part.area, 1.5) : 0.0;
 }
 
-void note_components(const std::vector<MeshComponent>& parts, long nested, RepairReport& report)
+constexpr long places_of_part = 8;
+
+/// How many of some of its vertices lie inside another part.
+long inside_of(const WallMesh& mesh, const MeshComponent& part, const MeshComponent& other, WorkBudget& work)
+{
+    long inside = 0;
+    for (std::size_t k = 0; k < places_of_part; ++k) {
+        const auto t = static_cast<std::size_t>(part.triangles[k * part.triangles.size() / places_of_part]);
+        inside += encloses(mesh, other, mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][0])], work);
+    }
+    return inside;
+}
+
+void note_components(const std::vector<MeshComponent>& parts, long nested, long crossing, RepairReport& report)
 {
     if (parts.size() > 1) {
         double all = 0, largest = 0;
@@ -134,6 +147,10 @@ void note_components(const std::vector<MeshComponent>& parts, long nested, Repai
     if (nested > 0)
         report.notes.push_back(fmt::format("{} part{} inside another and count{} as an obstacle in its lumen.", nested,
                                            nested == 1 ? " lies" : "s lie", nested == 1 ? "s" : ""));
+    if (crossing > 0)
+        report.notes.push_back(fmt::format("{} part{} in part inside others: there a wire meets the walls of both. Fix: unite "
+                                           "parts that are one lumen (a Boolean union) before the export.",
+                                           crossing, crossing == 1 ? " lies" : "s lie"));
 }
 
 }  // namespace
@@ -154,19 +171,20 @@ void orient(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     // a noisy patch reaches 1e-5; nothing a wire could enter stays below 1e-3
     constexpr double kFlat = 1e-4;
     if (std::all_of(parts.begin(), parts.end(), [](const MeshComponent& part) { return compactness(part) < kFlat; }))
-        throw Error(ErrorKind::BadFile, fmt::format("the mesh is a flat patch of {} triangle{} that bounds no lumen; a tube or a "
-                                                   "closed surface is expected",
-                                                   mesh.triangles.size(), mesh.triangles.size() == 1 ? "" : "s"));
-    long nested = 0;
+        throw Error(ErrorKind::BadFile,
+                    fmt::format("the mesh bounds no lumen: got {} triangle{} of a flat patch, of sheets on each other or of "
+                                "loose pieces; expected a tube or a closed surface",
+                                mesh.triangles.size(), mesh.triangles.size() == 1 ? "" : "s"));
+    long nested = 0, crossing = 0;
     WorkBudget work("telling which of its parts lie inside others", 5e8 + 5000.0 * static_cast<double>(mesh.triangles.size()));
     for (const MeshComponent& part : parts) {
-        const Vec3 sample =
-            mesh.vertices[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(part.triangles[0])][0])];
-        const long around = std::count_if(parts.begin(), parts.end(), [&](const MeshComponent& other) {
-            return &other != &part && encloses(mesh, other, sample, work);
-        });
+        long around = 0, some = 0;
+        for (const MeshComponent& other : parts) {
+            const long inside = &other == &part ? 0 : inside_of(mesh, part, other, work);
+            around += 2 * inside > places_of_part, some += inside > 0 && inside < places_of_part;
+        }
         const bool obstacle = around % 2 == 1;
-        nested += obstacle;
+        nested += obstacle, crossing += some > 0;
         if ((part.volume > 0) != obstacle)
             for (const std::int32_t t : part.triangles) turn(mesh, static_cast<std::size_t>(t));
     }
@@ -175,7 +193,7 @@ void orient(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     const long count = static_cast<long>(mesh.triangles.size());
     report.inverted = 2 * turned > count;
     report.flipped = report.inverted ? count - turned : turned;
-    note_components(parts, nested, report);
+    note_components(parts, nested, crossing, report);
     if (shell) drop_unused_vertices(mesh);
     if (turned > 0) edges = find_edges(mesh);
 }

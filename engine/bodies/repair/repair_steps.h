@@ -18,6 +18,10 @@ void weld(WallMesh& mesh, RepairReport& report);
 void drop_degenerate(WallMesh& mesh, RepairReport& report);  // two equal corners
 void drop_duplicates(WallMesh& mesh, RepairReport& report);  // same three corners; folds
 [[nodiscard]] MeshEdges drop_flaps(WallMesh& mesh, RepairReport& report);  // the edges that are left
+/// Vertices on rims of different parts that nearly meet become one. @param edges  in and out: the mesh's
+void weld_rims(WallMesh& mesh, MeshEdges& edges, RepairReport& report);
+/// A few triangles that hang on a corner of a large part, as a ragged cut leaves them. @param edges  in and out: the mesh's
+void drop_crumbs(WallMesh& mesh, MeshEdges& edges, RepairReport& report);
 /// Triangles of no height. @param edges  in and out: the mesh's
 void dissolve_needles(WallMesh& mesh, MeshEdges& edges, RepairReport& report);
 void drop_unused_vertices(WallMesh& mesh);

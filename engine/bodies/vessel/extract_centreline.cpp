@@ -35,7 +35,8 @@ public:
           openings_(openings),
           lumen_(lumen),
           edges_(find_edges(mesh)),
-          graph_(build_medial_graph(mesh, edges_, openings, lumen)),
+          enclosure_(mesh, openings, lumen),
+          graph_(build_medial_graph(mesh, edges_, openings, lumen, enclosure_)),
           work_("laying paths through its lumen", work_limit(5e8, 5e4, mesh.vertices.size()))  // patients: up to 1.5e8
     {
         for (const Vec3& v : mesh.vertices) box_.extend(v);
@@ -297,9 +298,11 @@ private:
             for (double at = 0; at < length;) {
                 const Vec3 p = raw.points[i] + (at / length) * way;
                 if ((p - join).norm() <= parent_radius) break;
-                const double radius = std::sqrt(lumen_.nearest(p, std::numeric_limits<double>::infinity(), &sheet_visits_).distance2);
+                const double far = std::numeric_limits<double>::infinity(),
+                             radius = std::sqrt(lumen_.nearest(p, far, &sheet_visits_).distance2);
                 const Vec3 along = way / length;
-                const bool here = radius > 1e-3 * finest_ && is_flat(p, along) && sees_axis(p, along, kSight * radius + 3 * parent_radius);
+                const bool here = radius > 1e-3 * finest_ && is_flat(p, along) &&
+                                  sees_axis(p, along, kSight * radius + 3 * parent_radius);
                 ++all, flat += here;
                 if (radius <= kNarrow * parent_radius) ++narrow, narrow_flat += here;
                 at += std::max(kStep * radius, least_step);
@@ -550,6 +553,10 @@ private:
         const LumenPlace place = locate(p);
         if (place.inside()) return p;
         if (place.opening >= 0) return p;  // an opening's own centre, off its mean plane
+        std::uint64_t visits = 0;
+        const bool beside_fold = !openings_.empty() && enclosure_.holds(p, &visits);  // of triangles, whose back is nearest
+        spend_visits(visits);
+        if (beside_fold) return p;
         for (double step = finest_; step > 1e-4 * finest_; step *= 0.5)
             if (const Vec3 in = place.nearest + step * place.normal; locate(in).inside()) return climb(in, Vec3::Zero(), widest);
         return p;
@@ -604,6 +611,7 @@ private:
     const std::vector<BoundaryLoop>& openings_;
     const LumenQuery& lumen_;
     const MeshEdges edges_;
+    const Enclosure enclosure_;
     MedialGraph graph_;
     MedialPaths paths_;
     std::vector<bool> served_;

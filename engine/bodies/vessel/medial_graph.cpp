@@ -2,7 +2,6 @@
 #include "vessel/medial_graph.h"
 
 #include "core/parallel.h"
-#include "vessel/enclosure.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/work_budget.h"
 
@@ -14,7 +13,6 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <queue>
 #include <unordered_map>
 
@@ -376,7 +374,7 @@ void mark_lumen(MedialGraph& graph, bool has_patches)
 }  // namespace
 
 MedialGraph build_medial_graph(const WallMesh& mesh, const MeshEdges& edges, const std::vector<BoundaryLoop>& openings,
-                               const LumenQuery& lumen, std::size_t sample_limit)
+                               const LumenQuery& lumen, const Enclosure& enclosure, std::size_t sample_limit)
 {
     MedialGraph graph;
     if (mesh.triangles.empty()) return graph;
@@ -427,9 +425,7 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const MeshEdges& edges, con
     split_coarse_patches(mesh, balls, seeds, graph.sample_of_vertex);
     if (seeds.size() > coarse) find_balls(coarse);
     WorkBudget work(kFindingBalls, work_limit(7e8, 5e4, mesh.vertices.size()));  // patients: up to 2e8
-    std::optional<Enclosure> enclosure;
-    if (!openings.empty()) enclosure.emplace(mesh, openings, lumen);
-    keep_significant(balls, enclosure ? &*enclosure : nullptr, least, graph, work);
+    keep_significant(balls, openings.empty() ? nullptr : &enclosure, least, graph, work);
     link_balls(graph, row, to, work);
     mark_lumen(graph, seeds.size() < mesh.vertices.size());
     return graph;

@@ -1,7 +1,7 @@
 #pragma once
 // Medial balls of the lumen and the links between them.
 
-#include "vessel/inside.h"
+#include "vessel/enclosure.h"
 #include "vessel/mesh_edges.h"
 
 #include <vector>
@@ -26,7 +26,7 @@ struct MedialGraph {
 /// At most about `sample_limit` samples: in finer meshes one represents a patch of neighbouring vertices.
 [[nodiscard]] MedialGraph build_medial_graph(const WallMesh& mesh, const MeshEdges& edges,
                                              const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen,
-                                             std::size_t sample_limit = 50000);
+                                             const Enclosure& enclosure, std::size_t sample_limit = 50000);
 
 /// Cheapest paths from one ball: cost = length / radius^2; `length` is the plain length of that path [m].
 struct MedialPaths {

@@ -56,23 +56,37 @@ std::vector<std::int32_t> opposite_half_edges(const WallMesh& mesh, const MeshEd
 
 std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, const MeshEdges& edges)
 {
+    constexpr std::size_t most_looked_at = 16;  // edges at a knot
     struct OpenEdge {
-        std::int32_t from, to;
+        std::int32_t from, to, triangle;
         bool used = false;
     };
     std::vector<OpenEdge> open;
     for (std::size_t k = 0; k < edges.count(); ++k) {
         const auto uses = edges.uses(k);
-        if (uses.size() == 1) open.push_back({half_edge_from(mesh, uses[0]), half_edge_to(mesh, uses[0])});
+        if (uses.size() == 1) open.push_back({half_edge_from(mesh, uses[0]), half_edge_to(mesh, uses[0]), uses[0] / 3});
     }
     std::sort(open.begin(), open.end(),
               [](const OpenEdge& a, const OpenEdge& b) { return a.from != b.from ? a.from < b.from : a.to < b.to; });
     std::vector<std::size_t> first(mesh.vertices.size(), open.size());  // of each vertex's edges that may be unused still
     for (std::size_t k = open.size(); k-- > 0;) first[static_cast<std::size_t>(open[k].from)] = k;
-    auto unused_from = [&](std::int32_t vertex) -> OpenEdge* {
+    const auto at = [&](std::int32_t v) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(v)]; };
+    const auto facing = [&](const OpenEdge& e) { return double_area(triangle_of(mesh, static_cast<std::size_t>(e.triangle))); };
+    // Turn at the end of an edge through the hole beside it, to another one. That of a slit may be a little below 0.
+    const auto turn = [&](const OpenEdge& in, const OpenEdge& out) {
+        const Vec3 normal = (facing(in) + facing(out)).normalized(), back = at(in.from) - at(in.to), on = at(out.to) - at(in.to);
+        const double angle = std::atan2(back.cross(on).dot(normal), back.dot(on) - back.dot(normal) * on.dot(normal));
+        return angle < -0.05 ? angle + 2 * std::numbers::pi : angle;
+    };
+    // Where holes meet in a corner, the edge that goes on along the same hole. @param in  null: none comes there
+    auto unused_from = [&](std::int32_t vertex, const OpenEdge* in) -> OpenEdge* {
         std::size_t& k = first[static_cast<std::size_t>(vertex)];
         while (k < open.size() && open[k].from == vertex && open[k].used) ++k;
-        return k < open.size() && open[k].from == vertex ? &open[k] : nullptr;
+        if (k >= open.size() || open[k].from != vertex) return nullptr;
+        OpenEdge* best = &open[k];
+        for (std::size_t i = k + 1; in && i < std::min(open.size(), k + most_looked_at) && open[i].from == vertex; ++i)
+            if (!open[i].used && turn(*in, open[i]) < turn(*in, *best)) best = &open[i];
+        return best;
     };
 
     std::vector<std::int32_t> place(mesh.vertices.size(), -1);  // in the walk, -1: not on it
@@ -80,17 +94,18 @@ std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, con
     for (OpenEdge& seed : open) {
         if (seed.used) continue;
         std::vector<std::int32_t> walk = {seed.from};
+        std::vector<const OpenEdge*> way;  // to each vertex of the walk but the first
         place[static_cast<std::size_t>(seed.from)] = 0;
-        for (OpenEdge* edge = &seed; edge; edge = unused_from(walk.back())) {
+        for (OpenEdge* edge = &seed; edge; edge = unused_from(walk.back(), way.empty() ? nullptr : way.back())) {
             edge->used = true;
             const std::int32_t seen = place[static_cast<std::size_t>(edge->to)];
             if (seen < 0) {
                 place[static_cast<std::size_t>(edge->to)] = static_cast<std::int32_t>(walk.size());
-                walk.push_back(edge->to);
+                walk.push_back(edge->to), way.push_back(edge);
                 continue;
             }
             chains.emplace_back(walk.begin() + seen, walk.end());  // a simple loop closes here; go on from its knot
-            for (; walk.size() > static_cast<std::size_t>(seen) + 1; walk.pop_back())
+            for (; walk.size() > static_cast<std::size_t>(seen) + 1; walk.pop_back(), way.pop_back())
                 place[static_cast<std::size_t>(walk.back())] = -1;
         }
         for (const std::int32_t v : walk) place[static_cast<std::size_t>(v)] = -1;

@@ -25,6 +25,7 @@ constexpr double least_in = 0.25;          // and that must lie in the mesh at a
 // median ratio of distance and radius: mean radii of oval lumens are 1.4 times as large, diameters 2
 constexpr double alike_low = 0.6, alike_high = 1.7;
 constexpr double like_low = 1.0 / 3, like_high = 3;  // the same at one point
+constexpr double most_aside = 0.15;  // of the radius, median: axes that are found in patients stay below
 constexpr std::size_t most_points = 400;   // that are looked at in axes and units that nobody has named
 
 std::string place(const Vec3& p) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}] mm", 1e3 * p.x(), 1e3 * p.y(), 1e3 * p.z()); }
@@ -39,6 +40,7 @@ struct Cure {
 struct Fit {
     double in = 0, off = 0, all = 0;  // lengths; the rest lies beyond openings [m]
     double ratio = 0;                 // median of distance to the wall over radius
+    double aside = 0, share = 0;      // medians: distance to the middle between the nearest wall and the one across [m, radii]
     std::size_t points_off = 0;
     Vec3 first = Vec3::Zero();        // point that is off
     std::string why;                  // it is
@@ -58,9 +60,10 @@ Centreline cured(const Centreline& metres, const Cure& cure)
 class FitMeter {
 public:
     explicit FitMeter(const LoadedVessel& vessel)
-        : openings_(vessel.report.loops), lumen_(vessel.mesh, openings_, LumenQuery::Expect::Few)
+        : openings_(vessel.report.loops),
+          lumen_(vessel.mesh, openings_, LumenQuery::Expect::Few),
+          enclosure_(vessel.mesh, openings_, lumen_)
     {
-        if (!openings_.empty()) enclosure_.emplace(vessel.mesh, openings_, lumen_);
     }
 
     /// Where a line may leave the mesh: a given one may go on beyond openings, a found one ends at them.
@@ -70,7 +73,7 @@ public:
     [[nodiscard]] Fit measure(const Centreline& line, std::size_t every, Ends ends = Ends::Beyond) const
     {
         Fit fit;
-        std::vector<double> ratios;
+        std::vector<double> ratios, asides, shares;
         const std::vector<double> to_end = from_ends(line);
         for (std::size_t i = 0; i < line.points.size(); i += every) {
             const Vec3& p = line.points[i];
@@ -78,30 +81,38 @@ public:
                          r = line.radius[i];
             fit.all += length;
             const LumenPlace at = lumen_.locate(p);
-            if (ends == Ends::Beyond ? at.opening >= 0 || is_beside_opening(p) : enclosure_ && enclosure_->is_at_opening(p))
-                continue;
-            const bool in = is_in(p, at), near_end = to_end[i] < r;
+            if (ends == Ends::Beyond ? at.opening >= 0 || is_beside_opening(p) : enclosure_.is_at_opening(p)) continue;
+            const bool in = enclosure_.holds(p), near_end = to_end[i] < r;
             const double ratio = std::abs(at.signed_distance) / r;
-            if (in && !near_end) ratios.push_back(ratio);
+            if (in && !near_end) {
+                ratios.push_back(ratio);
+                const Vec3 across = p - at.nearest;
+                const double near = across.norm(), far = first_hit(lumen_.tree(), p, across / std::max(near, 1e-300));
+                if (std::isfinite(far)) asides.push_back(0.5 * (far - near)), shares.push_back((far - near) / (far + near));
+            }
             const bool like = near_end || (ratio > like_low && ratio < like_high);
+            // points are half a radius apart: one that falls so far has gone into a cleft between folded triangles
+            const double before = length > 0 ? line.radius[static_cast<std::size_t>(line.parent[i])] : 0;
+            const bool clings = ends == Ends::AtOpenings && r < 0.1 * before && to_end[i] > before;
             (in && like ? fit.in : fit.off) += length;
-            if ((in && like) || fit.points_off++ > 0) continue;
+            if ((in && like && !clings) || fit.points_off++ > 0) continue;
+            const double away = 1e3 * std::abs(at.signed_distance);
             fit.first = p;
-            fit.why = in ? fmt::format("has a radius of {:.3g} mm, {:.3g} mm from the wall", 1e3 * r,
-                                       1e3 * std::abs(at.signed_distance))
-                         : fmt::format("lies {:.3g} mm outside of the lumen", 1e3 * std::abs(at.signed_distance));
+            fit.why = !in      ? fmt::format("lies {:.3g} mm outside of the lumen", away)
+                      : !clings ? fmt::format("has a radius of {:.3g} mm, {:.3g} mm from the wall", 1e3 * r, away)
+                                : fmt::format("clings to the wall, at {:.3g} mm, beside one at {:.3g} mm", away, 1e3 * before);
         }
-        if (ratios.empty()) return fit;
-        const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-        std::nth_element(ratios.begin(), middle, ratios.end());
-        fit.ratio = *middle;
+        fit.ratio = median(ratios), fit.aside = median(asides), fit.share = median(shares);
         return fit;
     }
 
 private:
-    [[nodiscard]] bool is_in(const Vec3& p, const LumenPlace& at) const
+    static double median(std::vector<double>& values)
     {
-        return at.inside() && (!enclosure_ || enclosure_->holds(p));
+        if (values.empty()) return 0;
+        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), middle, values.end());
+        return *middle;
     }
 
     /// Lines of a mesh with longer ends go on straight beyond an opening, or stop just before a lid.
@@ -136,7 +147,7 @@ private:
 
     const std::vector<BoundaryLoop>& openings_;
     LumenQuery lumen_;
-    std::optional<Enclosure> enclosure_;
+    Enclosure enclosure_;
 };
 
 const char* word_of(FileAxes axes) { return axes == FileAxes::Ras ? "RAS" : axes == FileAxes::Lps ? "LPS" : ""; }
@@ -229,6 +240,10 @@ private:
                                         own_space_.empty() ? "" : " SPACE=" + own_space_,
                                         own_unit_.empty() ? "" : " unit " + own_unit_));
         note_points_off(fit, name, notes);
+        if (fit.share > most_aside)
+            notes.push_back(fmt::format("{} lies {:.2g} mm beside the middle of the lumen, {:.0f} % of its radius (medians). "
+                                        "Fix: export it from this very mesh, or leave vessel.centreline out.",
+                                        name, 1e3 * fit.aside, 100 * fit.share));
     }
 
     [[noreturn]] void refuse(const Cure& tried) const
