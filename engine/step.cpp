@@ -25,7 +25,7 @@ StepReport step(World& given, const Control& control, double dt)
         find_contacts(world);            // detect: what of the wall is near
         solve(world, *sub);              // Newton: frames, forces and tangent of every trial; factor; step
         accept(world, *sub, report);     // or put back, to go on in two halves
-        if (world.solver->stopped()) return put_back(world, report);
+        if (ends_here(world)) return put_back(world, report);
     }
     carry_on(world.state);           // what steps cut short have left to the next one
     adapt_nodes(world, dt);          // adapt: split and merge edges
@@ -47,7 +47,9 @@ StepReport settle(World& given, const std::function<void(int system, double time
 
     take_control(world, Control{}, 0);
     begin_step(world);
+    keep_start(world);
     find_equilibrium(world, report, passed);
+    if (world.forces.raised()) return put_back(world, report);
     check_state(world, 0, report);
     show_instruments(world);
 

@@ -11,8 +11,9 @@ namespace {
 void add(EnergyLedger& to, const EnergyLedger& e)
 {
     for (double EnergyLedger::*entry :
-         {&EnergyLedger::hand, &EnergyLedger::outside, &EnergyLedger::material, &EnergyLedger::remesh, &EnergyLedger::wire,
-          &EnergyLedger::friction, &EnergyLedger::contact, &EnergyLedger::wall, &EnergyLedger::damping, &EnergyLedger::scheme})
+         {&EnergyLedger::hand, &EnergyLedger::outside, &EnergyLedger::forces, &EnergyLedger::material, &EnergyLedger::remesh,
+          &EnergyLedger::wire, &EnergyLedger::friction, &EnergyLedger::contact, &EnergyLedger::wall, &EnergyLedger::damping,
+          &EnergyLedger::scheme})
         to.*entry += e.*entry;
 }
 
@@ -30,7 +31,7 @@ void add(WireReadings& to, const WireReadings& r)
     for (double WireReadings::*sum :
          {&WireReadings::contact_length, &WireReadings::normal, &WireReadings::normal_between, &WireReadings::friction,
           &WireReadings::sliding, &WireReadings::sticking, &WireReadings::rolling, &WireReadings::kinetic, &WireReadings::elastic,
-          &WireReadings::gravitational, &WireReadings::remesh_energy, &WireReadings::energy_made})
+          &WireReadings::gravitational, &WireReadings::force_energy, &WireReadings::remesh_energy, &WireReadings::energy_made})
         to.*sum += r.*sum;
     for (double WireReadings::*worst : {&WireReadings::overlap, &WireReadings::outside, &WireReadings::force_residual})
         to.*worst = std::max(to.*worst, r.*worst);

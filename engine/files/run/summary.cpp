@@ -401,7 +401,7 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
 std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
 {
     return {{{"hand_work_j", ledger.hand},
-             {"outside_work_j", ledger.outside},
+             {"outside_work_j", ledger.outside + ledger.forces},
              {"material_j", ledger.material},
              {"remesh_j", ledger.remesh},
              {"friction_loss_j", ledger.friction},

@@ -1,6 +1,6 @@
 #pragma once
-// Input of one step: the prescribed insertion and rotation of each instrument's hub at its end. It may come from key frames
-// (run/key_frames.h), a user's hand or a policy.
+// Input of one step: the prescribed insertion and rotation of each instrument's hub at its end, and loads. It may come from key
+// frames (run/key_frames.h), a user's hand or a policy.
 
 #include "solve/solve_spec.h"
 
@@ -31,8 +31,17 @@ public:
     /// @param keys  must outlive the step. @throws Error BadScene: a negative index, no keys
     Control& follow(int instrument, std::span<const FeedKey> keys);
 
+    /// A force [N] and a moment [N m] in world axes, constant through the step, on the instrument's point that is `at` metres
+    /// from its tip along the unstressed wire. Loads add up. A point that is not inside yet feels nothing.
+    /// @throws Error BadScene: a negative index, a number that is not finite
+    Control& load(int instrument, double at, const Vec3& force, const Vec3& moment = Vec3::Zero());
+
     /// Removes everything prescribed.
-    void clear() { hubs_.clear(); }
+    void clear()
+    {
+        hubs_.clear();
+        loads_.clear();
+    }
 
     /// Input of one hub.
     struct Hub {
@@ -43,10 +52,16 @@ public:
     };
     /// From instrument 0 up to the last for which something is prescribed.
     [[nodiscard]] std::span<const Hub> hubs() const { return hubs_; }
+    struct Load {
+        int instrument;
+        LoadSpec spec;
+    };
+    [[nodiscard]] std::span<const Load> loads() const { return loads_; }
 
 private:
     Hub& hub(int instrument);
     std::vector<Hub> hubs_;
+    std::vector<Load> loads_;
 };
 
 }  // namespace seldinger

@@ -15,6 +15,7 @@
 #include "model.h"
 #include "output.h"
 #include "rod/rod_view.h"
+#include "solve/force.h"
 #include "task.h"
 
 #include <cstdint>
@@ -39,7 +40,7 @@ class World {
 public:
     /// @throws Error: a setup that contradicts itself or is out of range (one line that names the member), no usable device
     explicit World(WorldSetup setup);
-    /// Another world of the same setup, as it begins. It shares what is constant of an elastic wall: control mesh, matrices,
+    /// Another world of the same setup and forces, as it begins. It shares what is constant of an elastic wall: mesh, matrices,
     /// factors.
     [[nodiscard]] World twin() const;
     ~World();
@@ -73,6 +74,9 @@ public:
     /// The next step takes the forces that were left back, so momentum is late by a step and not lost. Part of the saved state
     /// where there are such forces; `due` is not. Instruments that share a centreline are always solved to the end.
     void cut_when(std::function<bool()> due);
+    /// A force of the program acts on an instrument from the next step on (solve/force.h). Its state belongs to the saved and
+    /// hashed one. @throws Error BadScene: no such instrument, no force, a place that is not on it, a state that is not finite
+    void add_force(int instrument, std::shared_ptr<const Force> force);
     /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so. Between a restored
     /// state and the next step stress is without what the mesh cuts off under the instruments (wall/wall_resolution.h).
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;

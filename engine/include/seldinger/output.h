@@ -57,6 +57,7 @@ struct EnergyLedger {
     // in
     double hand = 0;      // feeding and turning
     double outside = 0;   // holds, loads, links
+    double forces = 0;    // of the program (World::add_force)
     double material = 0;  // that was fed brings its height and speed along
     double remesh = 0;    // gained by changes of the nodes
     // there
@@ -68,7 +69,7 @@ struct EnergyLedger {
     double damping = 0;   // integrator.damping_*
     double scheme = 0;    // numerical dissipation of backward Euler
 
-    [[nodiscard]] double in() const { return hand + outside + material + remesh; }
+    [[nodiscard]] double in() const { return hand + outside + forces + material + remesh; }
     [[nodiscard]] double out() const { return friction + contact + wall + damping + scheme; }
     [[nodiscard]] double open() const { return in() - wire - out(); }
 };
@@ -90,6 +91,7 @@ struct WireReadings {
     Vec3 overlap_at = Vec3::Zero();                      // where that is, on the wire [m]
     double outside = 0;                                  // farthest axis point beyond the wall [m] >= 0
     double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
+    double force_energy = 0;                             // potential, of forces of the program that tell it [J]
     double remesh_energy = 0;                            // accumulated [J]
     double energy_made = 0;                              // most that no work accounts for (energy_balance.h) [J]
     double force_residual = 0;                           // largest left on a free node [N]

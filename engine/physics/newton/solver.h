@@ -54,6 +54,11 @@ public:
     /// `asked` is called between trials; when it returns true, a step ends as one that has failed, with the spin record that it
     /// had.
     void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
+    /// The spin record from before the last step, which did not stand; only where a step may be stopped.
+    void take_back_spins()
+    {
+        if (!spins_before_.empty()) spin_records_ = spins_before_;
+    }
     /// Whether the last step was ended so.
     [[nodiscard]] bool stopped() const { return stopped_; }
 

@@ -55,8 +55,8 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
     if (at.kind != WirePoint::Kind::Distance) return;
     if (at.from_tip >= 0 && at.from_tip <= length * (1 + 1e-9)) return;
     throw Error(ErrorKind::BadScene, fmt::format("{}[{}].at: {:g} m from the tip is not on the wire, which is {:g} m long; "
-                                                "give \"base\", \"tip\" or a distance from 0 to {:g}",
-                                                what, index, at.from_tip, length, length));
+                                                 "give \"base\", \"tip\" or a distance from 0 to {:g}",
+                                                 what, index, at.from_tip, length, length));
 }
 
 void check_holds_something(std::size_t index, const HoldSpec& spec)
@@ -266,14 +266,17 @@ void WireHolds::add_line_holds(double t, const RodView& line, double offset, Wir
     }
 }
 
+void WireHolds::add_load(const LoadSpec& load, double t, const RodView& line, double offset, int member, WireConstraints& out)
+{
+    const Place place = locate(load.at, line, offset);
+    const double factor = ramp_factor(load, t);
+    if (is_over(t, load.until) || !place.inside) return;
+    out.loads.push_back({place.edge, place.bary, factor * load.force, factor * load.moment, member});
+}
+
 void WireHolds::add_loads(double t, const RodView& line, double offset, int member, WireConstraints& out) const
 {
-    for (const LoadSpec& load : loads_) {
-        const Place place = locate(load.at, line, offset);
-        const double factor = ramp_factor(load, t);
-        if (is_over(t, load.until) || !place.inside) continue;
-        out.loads.push_back({place.edge, place.bary, factor * load.force, factor * load.moment, member});
-    }
+    for (const LoadSpec& load : loads_) add_load(load, t, line, offset, member, out);
     for (const LinkSpec& link : links_) {
         const Place place = locate(link.at, line, offset);
         const auto [x, y, z] = interpolate(link.move, t);

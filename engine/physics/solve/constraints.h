@@ -24,6 +24,16 @@ public:
     /// Overwrites `out` with the constraints at time t [s] (infinity: ramps and moves are over). No allocation once `out`
     /// has been filled before. A load or link on a part of the wire that is not inside yet is left out.
     void fill(double t, const RodView& rod, WireConstraints& out) const;
+    /// A point of the wire's material on the nodes that it has now.
+    struct Place {
+        int edge;
+        double bary;
+        bool inside;
+    };
+    /// @param offset  of an instrument's material along the line that it is in (rod/coaxial.h), 0 for a wire alone [m]
+    [[nodiscard]] static Place locate(const WirePoint& at, const RodView& rod, double offset);
+    /// Adds a load at time t. @param member  as of add_loads
+    static void add_load(const LoadSpec& load, double t, const RodView& line, double offset, int member, WireConstraints& out);
     /// Loads and links alone, of an instrument that shares its centreline with others: added to the line's constraints.
     /// @param offset  of its material along the line (rod/coaxial.h) [m]     @param member  its place among them
     void add_loads(double t, const RodView& line, double offset, int member, WireConstraints& out) const;
@@ -56,14 +66,8 @@ private:
         Vec3 position = Vec3::Zero();       // as placed [m]
         Vec3 tangent = Vec3::UnitX(), director = Vec3::UnitZ();
     };
-    struct Place {
-        int edge;
-        double bary;
-        bool inside;
-    };
 
     [[nodiscard]] static int nearest_node(const WirePoint& at, double material_s, const RodView& rod);
-    [[nodiscard]] static Place locate(const WirePoint& at, const RodView& rod, double offset);
     void refuse_contradictions(const RodView& rod) const;
 
     std::vector<Hold> holds_;

@@ -22,6 +22,8 @@ TermEnergies& TermEnergies::operator+=(const TermEnergies& other)
     stored += other.stored;
     applied += other.applied;
     applied_force += other.applied_force;
+    given += other.given;
+    given_force += other.given_force;
     return *this;
 }
 

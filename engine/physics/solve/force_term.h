@@ -83,6 +83,9 @@ struct TermEnergies {
     // of a term that is no contact, such as holds: its work on the wire, its force on the wire as a whole
     double applied = 0;                 // [J]
     Vec3 applied_force = Vec3::Zero();  // [N]
+    // of forces that the program gives
+    double given = 0;                 // [J]
+    Vec3 given_force = Vec3::Zero();  // [N]
     TermEnergies& operator+=(const TermEnergies& other);
 };
 
@@ -182,6 +185,7 @@ public:
     void add(ForceTerm& term);
     /// Whether there is nothing to evaluate or to add.
     [[nodiscard]] bool empty() const { return list_.empty(); }
+    [[nodiscard]] int count() const { return static_cast<int>(list_.size()); }
     /// Traits of all terms together.
     [[nodiscard]] const TermTraits& traits() const { return traits_; }
     /// TermTraits::most_move; infinity: no limit.

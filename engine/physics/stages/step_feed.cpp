@@ -58,6 +58,8 @@ void take_control(WorldData& world, const Control& control, double dt)
 {
     const std::span<const Control::Hub> hubs = control.hubs();
     world.work.length = dt;
+    for (WireWork& wire : world.work.wires) wire.loads.clear();
+    for (const Control::Load& load : control.loads()) world.work.wires[load.instrument].loads.push_back(load.spec);
     for (int w = 0; w < world.wire_count(); ++w) {
         const FeedState& feed = world.feed(w);
         const Control::Hub hub = static_cast<std::size_t>(w) < hubs.size() ? hubs[w] : Control::Hub{};
@@ -123,6 +125,8 @@ void feed_hubs(WorldData& world, const SubStep& sub)
 
 void hold_and_load(WorldData& world, const SubStep& sub)
 {
+    const double length = world.setup.integrator.scheme == Scheme::Static ? 0 : sub.h;
+    for (int w = 0; w < world.wire_count(); ++w) world.forces.set_time(w, world.state.wires[w].time + sub.h, length);
     for_each_item(world.wire_count(), wire_grain, [&](int w) {
         world.work.live[w] = world.work.active[w] = sub.wires[w] && world.state.is_solved(w);
         if (!sub.wires[w]) return;
@@ -130,6 +134,7 @@ void hold_and_load(WorldData& world, const SubStep& sub)
         if (!world.state.wires[w].carried.empty())
             carry(world.rod(w), world.state.wires[w].carried, world.work.length, world.constraints(w));
         if (!world.is_line(w)) return;
+        WorldRod(world, w).load();
         MomentumStart& start = world.work.wires[w].start;
         start.fed = momentum(world.rod(w)) - start.momentum;
     });

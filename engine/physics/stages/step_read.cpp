@@ -122,6 +122,7 @@ void read_results(WorldData& world, int line, double h)
     else read_hand(world, line);
     read_motion(world, line, rod.contact(), h);
     result.momentum.held += world.audit(line).terms.applied_force;
+    result.momentum.loads += world.audit(line).terms.given_force;
 }
 
 std::pair<double, double> hand_answer(WorldData& world, int wire)

@@ -63,7 +63,9 @@ WireMask balance(WorldData& world, const std::vector<ContinuationPath>& paths, c
     world.forces.terms.begin_step(world.state.rods, settling);
     for (int w = 0; w < world.wire_count(); ++w) {
         world.work.live[w] = world.work.active[w] = mask[w] && world.state.is_solved(w);
-        constrain_at(world, w, paths[world.systems.of(w)].target);
+        const double target = paths[world.systems.of(w)].target;
+        constrain_at(world, w, target);
+        world.forces.set_time(w, std::isfinite(target) ? target : world.state.wires[w].time, 0);
     }
     world.forces.terms.prepare(world.state.rods, world.work.live);
     const auto start = Clock::now();
@@ -75,6 +77,7 @@ WireMask balance(WorldData& world, const std::vector<ContinuationPath>& paths, c
     world.systems.spread(mask, failed);
     put_back_wires(world, failed);
     for (int w = 0; w < world.wire_count(); ++w) done[w] = done[w] && !failed[w];
+    (void)world.forces.conclude(done);
     world.forces.terms.commit(done);
     for (int w = 0; w < world.wire_count(); ++w)
         if (done[w]) {
@@ -166,7 +169,8 @@ bool counts_from_placement(const WorldData& world)
     const auto has_moment = [](const WireSetup& wire) {
         return std::ranges::any_of(wire.loads, [](const LoadSpec& load) { return !load.moment.isZero(); });
     };
-    return world.setup.integrator.scheme == Scheme::Static && std::ranges::none_of(world.setup.wires, has_moment);
+    return world.setup.integrator.scheme == Scheme::Static && !world.forces.given &&
+           std::ranges::none_of(world.setup.wires, has_moment);
 }
 
 }  // namespace

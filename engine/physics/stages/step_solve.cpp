@@ -35,6 +35,9 @@ void start_acceleration(WorldData& world)
     world.solver->initialise_acceleration(world.work.constraints, world.forces.terms, world.work.active);
 }
 
+/// Whether a step may end as if it had not been taken.
+bool may_be_undone(const WorldData& world) { return world.work.stop_asked || world.forces.given; }
+
 bool audited(const WorldData& world) { return world.setup.integrator.scheme != Scheme::Static; }
 
 /// What became of the systems that were solved.
@@ -115,20 +118,30 @@ void begin_step(WorldData& world)
     });
     world.work.terms_in_solve = 0;
     world.work.step_start.clear();
-    if (world.work.stop_asked && world.forces.wall_contact) world.forces.wall_contact->keep_feet();
+    if (may_be_undone(world) && world.forces.wall_contact) world.forces.wall_contact->keep_feet();
     for (WireState& wire : world.state.wires) wire.left.clear();
     world.output.reports.assign(world.wire_count(), WireReport{});
 }
 
-// One sub-step that is stopped is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other
-// systems, may have been accepted by then, and where an attempt starts a block of steps of an elastic wall.
+// One sub-step that ends so is put back as one that has failed. A whole state is kept only where earlier sub-steps, or other
+// systems (of a step that is stopped), may have been accepted by then, and where an attempt starts a block of steps of an elastic
+// wall.
 void keep_start(WorldData& world, const SubStep& sub)
 {
-    if (!world.work.stop_asked || !world.work.step_start.empty()) return;
-    const bool alone = sub.h > 0.999 * world.work.length && world.systems.count() == 1;
+    if (!may_be_undone(world) || !world.work.step_start.empty()) return;
+    const bool all =
+        std::ranges::equal(std::span<const std::uint8_t>(sub.wires), std::span<const std::uint8_t>(world.systems.running()));
+    const bool alone = sub.h > 0.999 * world.work.length && all && (world.systems.count() == 1 || !world.work.stop_asked);
     const bool changes_wall = world.forces.wall_contact && world.forces.wall_contact->begins_block(sub.h);
     if (!alone || changes_wall) save_state(world, world.work.step_start);  // its memory stays
 }
+
+void keep_start(WorldData& world)
+{
+    if (world.forces.given) save_state(world, world.work.step_start);
+}
+
+bool ends_here(const WorldData& world) { return world.solver->stopped() || world.forces.raised(); }
 
 StepReport put_back(WorldData& world, StepReport& report)
 {
@@ -138,6 +151,7 @@ StepReport put_back(WorldData& world, StepReport& report)
     world.work.step_start.clear();
     note(world, report, 0, StepStopped);
     collect_timers(world, report);
+    world.forces.raise();
     return report;
 }
 
@@ -182,6 +196,10 @@ void accept(WorldData& world, const SubStep& sub, StepReport& report)
     for (int w = 0; w < world.wire_count(); ++w) {
         outcomes.failed[w] = lost[w] && !outcomes.ended[w];
         done[w] = done[w] && !lost[w] && !again[w];
+    }
+    if (!world.forces.conclude(done)) {  // nothing of the sub-step stands
+        world.solver->take_back_spins();
+        lost = sub.wires, done = WireMask(sub.wires.size());
     }
     if (world.forces.wall_contact) world.forces.wall_contact->take_unwatched(sub.h, done);
     world.forces.terms.commit(done);

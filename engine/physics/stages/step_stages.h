@@ -48,7 +48,11 @@ void note(WorldData& world, StepReport& report, int wire, unsigned flags, int ne
 void begin_step(WorldData& world);
 /// Keeps the state before the first of several sub-steps, where the step may be stopped.
 void keep_start(WorldData& world, const SubStep& sub);
-/// The state before a step that was stopped. @return its report
+/// The same before an equilibrium, where a force of the program may raise.
+void keep_start(WorldData& world);
+/// Whether the step was stopped, or a force of the program has raised.
+[[nodiscard]] bool ends_here(const WorldData& world);
+/// The state before a step that ends so. @return its report @throws what the force has raised
 StepReport put_back(WorldData& world, StepReport& report);
 /// What a sub-step that follows another one starts from.
 void begin_sub_step(WorldData& world, const SubStep& sub);

@@ -191,8 +191,9 @@ struct WorkDone {
     double hand = 0, turning = 0;  // feeding, clamps that turn
     double outside = 0;            // holds, loads, links
     double wall = 0;               // an elastic one
+    double forces = 0;             // given by the program
     double feed = 0;               // of a common centreline: the elastic part of `hand`
-    [[nodiscard]] double sum() const { return hand + turning + outside + wall; }
+    [[nodiscard]] double sum() const { return hand + turning + outside + wall + forces; }
 };
 
 WorkDone work_done(const WorldRod& rod)
@@ -211,6 +212,7 @@ WorkDone work_done(const WorldRod& rod)
     }
     work.outside = held_work(world, wire) + load_work(rod) + world.audit(wire).terms.applied;
     work.wall = world.audit(wire).terms.from_outside;
+    work.forces = world.audit(wire).terms.given;
     return work;
 }
 
@@ -225,6 +227,7 @@ void take_into_ledger(WorldData& world, int wire, const WorkDone& work)
     const ContactWork& contact = audit.terms.work;
     ledger.hand += work.hand + work.turning;
     ledger.outside += work.outside;
+    ledger.forces += work.forces;
     if (world.work.reports[wire].cut_short)
         ledger.outside += world.solver->residual_work(wire);  // a force from outside; the next step returns it
     ledger.remesh += audit.remeshed_now;
@@ -318,7 +321,7 @@ void FeedingAudit::after() const
 
 void begin_audits(WorldData& world)
 {
-    if (world.state.steps > 0 || !world.forces.terms.empty()) return;
+    if (world.state.steps > 0 || world.forces.are_unknown()) return;
     for (int w = 0; w < world.wire_count(); ++w) {
         if (world.audit(w).known || !world.state.is_solved(w) || !world.is_line(w)) continue;
         WorldRod(world, w).constrain(w, world.state.wires[w].time);

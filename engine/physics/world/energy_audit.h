@@ -9,6 +9,7 @@
 //   loads        force . move, moment . turn         the end's
 //                                                    a path of equilibria: holds and clamps by means of both ends
 //   links        pull . move                         backward Euler: the end's; else at the mean position
+//   given forces Q . move (given_forces.h)           backward Euler: the end's; explicit: the start's; else means of both ends
 //   residual     Newton's residual on the free unknowns . move: allowed within the tolerance. A linearised or explicit step and a best
 //                effort are not exempt.
 // In backward Euler each of these is the end value of a convex function's slope (a strain energy in length and rest length

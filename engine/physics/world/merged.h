@@ -65,6 +65,8 @@ void feed_group(WorldData& world, MergedGroup& group, double step, double h);
 /// Constraints: the line gets its hold at the hub and the loads and links of all instruments in the group at time t; each
 /// instrument gets its own holds.
 void constrain_member(WorldData& world, const MergedGroup& group, int wire, double t);
+/// Loads of the control on its instruments, added to them.
+void load_members(WorldData& world, const MergedGroup& group);
 /// What its instruments' holds keep, of the line as placed. @throws Error BadScene: they cannot be held there
 void take_holds(WorldData& world, MergedGroup& group);
 /// Force of loads, links and holds on an instrument along the line, + towards the tip [N].

@@ -1,6 +1,7 @@
 // Constraints and loads of instruments on one centreline: the hub, and the scene's points on their material.
 
 #include "core/error.h"
+#include "solve/given_forces.h"
 #include "solve/line_holds.h"
 #include "world/merged.h"
 
@@ -92,6 +93,16 @@ void constrain_member(WorldData& world, const MergedGroup& group, int wire, doub
     take_along(group.shared.rod, line, out.springs);
 }
 
+void load_members(WorldData& world, const MergedGroup& group)
+{
+    const RodView line = world.rod(group.line());
+    WireConstraints& out = world.constraints(group.line());
+    for (int k = 0; k < group.shared.count(); ++k)
+        for (const LoadSpec& load : world.work.wires[group.wires()[k]].loads)
+            WireHolds::add_load(load, 0, line, group.shared.rod.instrument[k].offset, k, out);
+    take_along(group.shared.rod, line, out.loads);
+}
+
 double axial_load(WorldData& world, const MergedGroup& group, int k)
 {
     const WireConstraints& constraints = world.constraints(group.line());
@@ -103,6 +114,7 @@ double axial_load(WorldData& world, const MergedGroup& group, int k)
     for (const auto& spring : constraints.springs)
         if (spring.member == k) force += spring.pull(line).dot(forwards(spring.edge));
     if (world.forces.line_holds) force += world.forces.line_holds->along(group.wires()[k]);
+    if (world.forces.given) force += world.forces.given->along(group.wires()[k]);
     return force;
 }
 

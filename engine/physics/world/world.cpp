@@ -2,13 +2,16 @@
 
 #include "world/world.h"
 
+#include "contact/wall_body.h"
 #include "core/error.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
-#include "contact/wall_body.h"
+#include "solve/given_forces.h"
 #include "wall/wall_model.h"
 #include "world/setup_check.h"
 #include "world/world_rod.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -160,7 +163,34 @@ void check_start(const WorldSetup& setup)
 }
 
 World::World(WorldSetup setup) : data_(std::make_unique<WorldData>(std::move(setup))) {}
-World World::twin() const { return World(std::make_unique<WorldData>(data_->setup, data_->forces.wall_body)); }
+World World::twin() const
+{
+    World made(std::make_unique<WorldData>(data_->setup, data_->forces.wall_body));
+    if (data_->forces.given) data_->forces.given->for_each([&](int wire, const auto& force) { made.add_force(wire, force); });
+    return made;
+}
+
+void World::add_force(int instrument, std::shared_ptr<const Force> force)
+{
+    WorldData& world = *data_;
+    if (!force) throw Error(ErrorKind::BadScene, "add_force: got no force; expected one");
+    const std::string where = fmt::format("force \"{}\"", force->name);
+    check_on_wire(world, instrument, 0, where.c_str(), "places");
+    for (const double at : force->places) check_on_wire(world, instrument, at, where.c_str(), "places");
+    if (force->on == Force::On::Points && force->places.empty())
+        throw Error(ErrorKind::BadScene, where + ": places: got none; expected at least one, or every node or edge");
+    if (!std::ranges::all_of(force->state, [](double value) { return std::isfinite(value); }))
+        throw Error(ErrorKind::BadScene, where + ": state: got a number that is not finite; expected finite numbers");
+    if (!world.forces.given) {
+        world.forces.given = std::make_unique<GivenForces>(world.state.rods, world.setup.integrator);
+        world.forces.terms.add(*world.forces.given);
+        watch_ends(world);
+    }
+    const MergedGroup* group = world.groups.of(instrument);
+    const int member = group ? static_cast<int>(std::ranges::find(group->wires(), instrument) - group->wires().begin()) : 0;
+    world.forces.given->add(instrument, std::move(force), group ? &group->shared : nullptr, member);
+    world.forces.given->set_time(instrument, world.state.wires[instrument].time, 0);
+}
 World::World(std::unique_ptr<WorldData> data) : data_(std::move(data)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;

@@ -100,6 +100,7 @@ struct HubTrial {
 
 struct WireWork {
     HubRequest hub;
+    std::vector<LoadSpec> loads;  // of the control
     HubTrial trial;
     NodeAdapter adapter;
     MomentumStart start;             // of the present sub-step
@@ -194,11 +195,16 @@ struct WorldData {
 /// For step.cpp, for readings that renew the scratch of a group, and for tests that look inside.
 [[nodiscard]] inline WorldData& data_of(const World& world) { return *world.data_; }
 
-/// @throws Error BadScene: dt, or the input of a hub. Nothing has changed then
+/// @throws Error BadScene: dt, the input of a hub, or a load. Nothing has changed then
 void check_request(const WorldData& world, const Control& control, double dt);
+/// @throws Error BadScene: no such instrument, or a place that is not on it [m]
+void check_on_wire(const WorldData& world, int instrument, double at, const char* where, const char* what);
 
 /// Whether nodes of a wire come and go by themselves (nodes = "adaptive").
 [[nodiscard]] bool nodes_adapt(const WireSetup& setup);
+
+/// A step ends where it is asked to (World::stop_when), or a force of the program has raised.
+void watch_ends(WorldData& world);
 
 // ---- world_state.cpp: the state, row by row (core/state_walk.h)
 

@@ -422,10 +422,22 @@ void check_setup(const WorldSetup& setup)
     check_driven(setup, SystemList(static_cast<int>(setup.wires.size()), setup.systems));
 }
 
+void check_on_wire(const WorldData& world, int instrument, double at, const char* where, const char* what)
+{
+    const std::string place = fmt::format("{}: instrument {}", where, instrument);
+    if (instrument < 0 || instrument >= world.wire_count())
+        refuse(place, fmt::format("index out of range; expected below {}", world.wire_count()));
+    const double length = world.setup.wires[instrument].wire.length;
+    if (!(at >= 0 && at <= length))
+        refuse(place, fmt::format("{}: got {} m from the tip; expected 0 to the wire's length, {} m", what, at, length));
+}
+
 void check_request(const WorldData& world, const Control& control, double dt)
 {
     if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("got {} s; expected a finite time greater than 0", dt));
     for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(world, static_cast<int>(k), control.hubs()[k], dt);
+    for (const Control::Load& load : control.loads())
+        check_on_wire(world, load.instrument, load.spec.at.from_tip, "control", "load");
     check_exchanges(world, control.hubs(), dt);
 }
 

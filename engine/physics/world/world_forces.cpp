@@ -2,11 +2,12 @@
 
 #include "world/world_forces.h"
 
+#include "contact/contact_system.h"
 #include "contact/rods/coaxial_friction.h"
 #include "contact/rods/instrument_contact.h"
-#include "contact/contact_system.h"
 #include "contact/wall_body.h"
 #include "device/enumerate.h"
+#include "solve/given_forces.h"
 #include "solve/line_holds.h"
 #include "world/systems.h"
 
@@ -70,6 +71,24 @@ void WorldForces::make_contacts(const WorldSetup& setup, const SystemList& syste
     if (!context) context = std::make_unique<device::Context>(setup.device_index);
     instruments = std::make_unique<InstrumentContact>(*context, touching, rods);
     terms.add(*instruments);
+}
+
+void WorldForces::set_time(int wire, double time, double dt) const
+{
+    if (given) given->set_time(wire, time, dt);
+}
+
+bool WorldForces::conclude(std::span<const std::uint8_t> wires) const
+{
+    if (given) given->conclude(wires);
+    return !raised();
+}
+
+bool WorldForces::raised() const { return given && given->raised(); }
+
+void WorldForces::raise() const
+{
+    if (given) given->raise();
 }
 
 std::vector<ContactRow> WorldForces::rows(RodArrays& rods) const

@@ -16,6 +16,7 @@ namespace seldinger {
 class CoaxialFriction;    // contact/rods/coaxial_friction.h
 class ContactMethod;      // contact/contact_system.h
 class InstrumentContact;  // contact/rods/instrument_contact.h
+class GivenForces;        // solve/given_forces.h
 class LineHolds;          // solve/line_holds.h
 class SystemList;         // world/systems.h
 class WallBody;           // contact/wall_body.h
@@ -45,7 +46,17 @@ struct WorldForces {
     std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
     std::unique_ptr<CoaxialFriction> coaxial_friction;  // between those that share a centreline
     std::unique_ptr<LineHolds> line_holds;              // of instruments that share a centreline; none without
+    std::unique_ptr<GivenForces> given;                 // World::add_force; none without
     ForceTerms terms;                                // all of them
+    /// For forces that depend on it: time at the end of the next trials, their length (0: an equilibrium) [s].
+    void set_time(int wire, double time, double dt) const;
+    /// What is to change in forces at the end of a sub-step: their own state. @return false: one has raised, there or before
+    [[nodiscard]] bool conclude(std::span<const std::uint8_t> wires) const;
+    /// Whether a force of the program has raised since raise(), which throws that.
+    [[nodiscard]] bool raised() const;
+    void raise() const;
+    /// Whether anything may act on a wire as it is placed that is not known before the first step: contact, holds of groups.
+    [[nodiscard]] bool are_unknown() const { return terms.count() > (given ? 1 : 0); }
 
     /// Contacts of the accepted state, in an order that does not depend on the device.
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) const;

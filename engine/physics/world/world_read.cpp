@@ -3,9 +3,10 @@
 #include "contact/contact_sums.h"
 #include "contact/contact_system.h"
 #include "contact/rods/instrument_contact.h"
+#include "contact/wall_body.h"
 #include "nodes/adapt.h"
 #include "rod/curvature.h"
-#include "contact/wall_body.h"
+#include "solve/given_forces.h"
 #include "world/node_errors.h"
 #include "world/world.h"
 
@@ -64,6 +65,7 @@ WireReadings World::readings(int wire) const
     r.kinetic = result.kinetic;
     r.elastic = result.elastic;
     r.gravitational = result.gravitational;
+    r.force_energy = data_->forces.given ? data_->forces.given->energy(wire) : 0;
     r.remesh_energy = data_->state.wires[wire].remesh_energy;
     r.energy_made = data_->audit(wire).balance.made();
     r.force_residual = result.residual;
@@ -197,7 +199,15 @@ WallReadings World::wall_readings(int system) const
 void World::stop_when(std::function<bool()> asked)
 {
     data_->work.stop_asked = std::move(asked);
-    data_->solver->stop_when(data_->work.stop_asked);
+    watch_ends(*data_);
+}
+
+void watch_ends(WorldData& world)
+{
+    const bool any = world.work.stop_asked || world.forces.given;
+    world.solver->stop_when(!any ? std::function<bool()>() : [&world] {
+        return world.forces.raised() || (world.work.stop_asked && world.work.stop_asked());
+    });
 }
 
 void World::cut_when(std::function<bool()> due)

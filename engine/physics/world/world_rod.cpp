@@ -49,6 +49,13 @@ void WorldRod::constrain(int wire, double t) const
     if (feed().on) add_feed_constraints(feed(), view(), world_.constraints(wire));
 }
 
+void WorldRod::load() const
+{
+    if (group_) return load_members(world_, *group_);
+    for (const LoadSpec& load : world_.work.wires[line_].loads)
+        WireHolds::add_load(load, 0, view(), 0, 0, world_.constraints(line_));
+}
+
 void WorldRod::refresh() const
 {
     if (group_) refresh_group(world_, *group_);

@@ -40,6 +40,8 @@ public:
     void push(double step, double h) const;
     /// Constraints of one of its instruments at time t.
     void constrain(int wire, double t) const;
+    /// Adds the control's loads to them.
+    void load() const;
 
     // ---- of the accepted state
     /// After nodes or feeds have changed: constraints of a wire; offsets, angles and integrals of a group.

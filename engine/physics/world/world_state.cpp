@@ -16,7 +16,7 @@ constexpr double latest = 1e12;      // [s]
 constexpr double least_edge = 1e-9;  // [m] an edge: a thousandth of what a wire is thick
 
 /// First of the saved bytes: the rows below and their order. Another table, another number.
-constexpr std::uint64_t state_layout = 0x364554415453454C;  // "LESTATE6"
+constexpr std::uint64_t state_layout = 0x374554415453454C;  // "LESTATE7"
 
 void walk_layout(StateWalk& walk)
 {
