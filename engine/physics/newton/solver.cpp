@@ -158,11 +158,11 @@ void Solver::iterate(double h, const ForceTerms& terms)
     }
 }
 
-/// Ends the solves of all systems that are still running, without a result.
+/// Ends the solves of all systems without a result: those that have converged may still lack their spin angles.
 void Solver::abandon()
 {
     for (int s = 0; s < system_count(); ++s) {
-        if (running_[s]) work_[s]->newton.abandon();
+        if (asked_[s]) work_[s]->newton.abandon();
         running_[s] = 0;
     }
 }
