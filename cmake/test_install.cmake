@@ -55,6 +55,7 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/docs/example -B ${BUILD}/test-example -G ${GEN
     -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${BUILD}/test-example)
 run(${BUILD}/test-example/careful_hand)
+run(${BUILD}/test-example/spring_to_a_point)
 run(${stranger} ${BUILD}/test-example/recorded_run ${BUILD}/test-installed-run/recorded)
 expect("a scene by its name, stepped by a program" "state ${golden}\n")
 expect("its task" "task: the ascending aorta .branch 4.: passed")

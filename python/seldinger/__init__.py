@@ -50,6 +50,7 @@ _find_opencl()
 from . import _engine  # noqa: E402
 from ._engine import InstrumentOutput, Output, State  # noqa: E402
 from ._errors import Error  # noqa: E402
+from ._force import Force, Points  # noqa: E402
 from ._runs import Run, load_run  # noqa: E402
 from ._studies import batch, chart, plan, sweep  # noqa: E402
 from ._scene import Scene, assets, scene_names  # noqa: E402
@@ -71,5 +72,5 @@ def devices() -> list[str]:
     return [name for name, _ in _engine.devices()]
 
 
-__all__ = ["Control", "Error", "InstrumentOutput", "Output", "Run", "Scene", "State", "StepReport", "World", "assets", "batch", "chart",
+__all__ = ["Control", "Error", "Force", "InstrumentOutput", "Output", "Points", "Run", "Scene", "State", "StepReport", "World", "assets", "batch", "chart",
            "devices", "load_run", "plan", "scene_names", "sweep"]

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Union
 
 import numpy as np
 
 from . import _engine
 from ._errors import Error
+from ._force import Force, Points, _OnStep
 from ._scene import Scene, SceneLike
 
 _FLAGS = {"halved": 1, "not_converged": 2, "wall_far": 4, "wall_penetration": 8, "non_finite": 16, "best_effort": 32, "energy": 64}
@@ -51,7 +52,7 @@ class StepReport(NamedTuple):
 
 
 class Control:
-    """Input of the hubs in one call of `World.step`. An instrument without input stays.
+    """Input of one call of `World.step`: hubs and loads. A hub without input stays.
 
     Examples
     --------
@@ -59,15 +60,27 @@ class Control:
     >>> control = seldinger.Control().move_to(0, advance=0.002, turn=0.1)
     >>> control.targets
     {0: (0.002, 0.1)}
+    >>> world = seldinger.World("swing")
+    >>> world.step(seldinger.Control().load(0, at=0.0, force=[0.0, 0.0, 0.01])).failed    # 10 mN on the tip, for one step
+    False
     """
 
     def __init__(self) -> None:
         self.targets: dict[Union[int, str], tuple[float, float]] = {}
+        self.loads: list[tuple[Union[int, str], float, np.ndarray, np.ndarray]] = []
 
     def move_to(self, instrument: Union[int, str] = 0, advance: float = 0.0, turn: float = 0.0) -> "Control":
         """At the end of the call the hub of `instrument` (an index or a name) has `advance` [m] of wire pushed in and is turned by
         `turn` [rad], right-handed about the direction of insertion. The speed is constant."""
         self.targets[instrument] = (float(advance), float(turn))
+        return self
+
+    def load(self, instrument: Union[int, str] = 0, at: float = 0.0, force: Sequence[float] = (0.0, 0.0, 0.0),
+             moment: Sequence[float] = (0.0, 0.0, 0.0)) -> "Control":
+        """During the call, `force` [N] and `moment` [N m] in world axes act on the point of `instrument` that is `at` metres from its tip
+        along the unstressed wire. Loads add up. A point that is not inside yet feels nothing."""
+        self.loads.append((instrument, float(_reals(at, (), "load: at")), _reals(force, (3,), "load: force [N]"),
+                           _reals(moment, (3,), "load: moment [N m]")))
         return self
 
 
@@ -137,6 +150,7 @@ class World:
         names = self._world.names()
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
         self._settled = False
+        self._forces: list[tuple[int, Force]] = []
         self._held = False  # by an environment, which counts on nobody else moving it
 
     # -- description ---------------------------------------------------------------------------------------------------
@@ -232,7 +246,45 @@ class World:
         if control is None:
             return StepReport(*self._world.step(None, None, n, dt))
         targets, moves = self._targets(control)
-        return StepReport(*self._world.step(targets, moves, n, dt))
+        loads = [[self._index(k), at, *force, *moment] for k, at, force, moment in getattr(control, "loads", ())]
+        return StepReport(*self._world.step(targets, moves, n, dt, loads=np.array(loads, float).reshape(-1, 8)))
+
+    def on_step(self, force: Union[Force, Callable[[Points], Any]], instrument: Union[int, str] = 0,
+                at: Union[float, str, Sequence[float]] = 0.0) -> Force:
+        """A force of your own acts on an instrument from the next step on.
+
+        Parameters
+        ----------
+        force : Force or function
+            A `Force` is asked at every trial of Newton's method. A function of `Points` is asked once, at the start of a (sub-)step, and
+            what it returns, a force [points, 3] or (force, moment), acts through it.
+        instrument : int or str
+            Index or name.
+        at
+            Points of a function, as `Force.at`.
+
+        Returns
+        -------
+        Force
+
+        Raises
+        ------
+        Error
+            No such instrument, a place that is not on it. What a force raises, ends `step`, `run` and `settle` with its traceback; a force
+            that is not finite raises Error. The world is then as before the step.
+
+        Examples
+        --------
+        >>> import seldinger
+        >>> world = seldinger.World("swing")
+        >>> _ = world.on_step(lambda p: -0.01 * p.velocity)    # a dashpot at the tip, 0.01 N s/m
+        >>> world.step(n=10).failed, world.output.energy["forces"] < 0
+        (False, True)
+        """
+        own = force if isinstance(force, Force) else _OnStep(force, at)
+        self._world.add_force(self._index(instrument), own, own._about())
+        self._forces.append((self._index(instrument), own))
+        return own
 
     def settle(self) -> StepReport:
         """Static equilibrium of the present state (scheme = "static", start = "settled")."""
@@ -480,13 +532,15 @@ class World:
 
     def __getstate__(self) -> dict[str, Any]:
         return {"text": self._scene.text, "file": self._scene.file, "set": self._scene.overrides, "copies": self._copies,
-                "device": self._device, "settled": self._settled, "state": self.save()}
+                "device": self._device, "settled": self._settled, "forces": self._forces, "state": self.save()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
         scene = Scene.__new__(Scene)
         scene.text, scene.file, scene.overrides = kept["text"], kept["file"], kept["set"]
         self.__init__(scene, device=kept["device"], copies=kept["copies"])
         self._settled = kept["settled"]
+        for k, force in kept["forces"]:
+            self.on_step(force, k)
         self.restore(kept["state"])
 
     # -- controls -----------------------------------------------------------------------------------------------------
@@ -521,12 +575,12 @@ class World:
         return targets, moves
 
 
-def _reals(x: Any, shape: tuple[int, ...]) -> np.ndarray:
+def _reals(x: Any, shape: tuple[int, ...], what: str = "advance [m], turn [rad]") -> np.ndarray:
     a = np.asarray(x)
     if a.dtype.kind not in "fiu":
         raise TypeError(f"control: got {a.dtype}; expected numbers")
     if a.shape != shape:
-        raise ValueError(f"control: got shape {a.shape}; expected {shape}: advance [m], turn [rad]")
+        raise ValueError(f"control: got shape {a.shape}; expected {shape}: {what}")
     if not np.isfinite(a).all():
         raise ValueError(f"control: got {a.tolist()}; expected finite numbers")
     return a.astype(np.float64)

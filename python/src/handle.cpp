@@ -167,7 +167,8 @@ World& Handle::world() const
     return *world_;
 }
 
-StepReport Handle::one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt)
+StepReport Handle::one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt,
+                            const std::vector<PointLoad>& loads)
 {
     if (!targets) return seldinger::step(*world_, keys_.control(), dt);
     control_.clear();
@@ -177,10 +178,12 @@ StepReport Handle::one_step(const std::vector<HubTarget>* targets, const std::ve
         const auto between = [share](double a, double b) { return share == 1 ? b : a + share * (b - a); };
         control_.move_to(static_cast<int>(k), between(from.advance, to.advance), between(from.turn, to.turn));
     }
+    for (const PointLoad& load : loads) control_.load(load.instrument, load.at, load.force, load.moment);
     return seldinger::step(*world_, control_, dt);
 }
 
-StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on)
+StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on,
+                         const std::vector<PointLoad>& loads)
 {
     World& at = world();
     failed_.assign(static_cast<std::size_t>(at.wire_count()), 0);
@@ -194,7 +197,8 @@ StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double d
     forget_output();
     StepSummary all;
     while (all.steps < n) {
-        const StepReport report = one_step(targets, start, static_cast<double>(all.steps + 1) / static_cast<double>(n), dt);
+        const StepReport report =
+            one_step(targets, start, static_cast<double>(all.steps + 1) / static_cast<double>(n), dt, loads);
         all.report.flags |= report.flags;
         all.report.newton_iterations = std::max(all.report.newton_iterations, report.newton_iterations);
         all.report.sub_steps = std::max(all.report.sub_steps, report.sub_steps);
@@ -236,8 +240,7 @@ void Handle::begin_run(bool settles)
         part_.settling = part_.failed.has_value();
         return;
     }
-    for (int s = 0; s < at.system_count(); ++s)
-        run_->resume(s, at.step_count(), 0, scene(s).integrator.scheme == Scheme::Static);
+    for (int s = 0; s < at.system_count(); ++s) run_->resume(s, at.step_count(), 0, scene(s).integrator.scheme == Scheme::Static);
 }
 
 Handle::RunPart Handle::run(long to, long most)
@@ -279,7 +282,7 @@ void Handle::check_system(int system) const
 {
     if (system >= world().system_count())
         throw Error(ErrorKind::BadScene, "system " + std::to_string(system) + ": there is no such system; the world has " +
-                                            std::to_string(world().system_count()));
+                                             std::to_string(world().system_count()));
 }
 
 std::string Handle::state_hash(int system) const

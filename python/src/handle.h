@@ -19,6 +19,13 @@ struct HubTarget {
     double advance = 0, turn = 0;  // at the end of the call [m], [rad]
 };
 
+/// A load in a call of step().
+struct PointLoad {
+    int instrument;
+    double at;  // from the tip [m]
+    Vec3 force, moment;
+};
+
 /// What became of the steps of one call.
 struct StepSummary {
     long steps = 0;  // taken; fewer than asked for where one failed
@@ -56,7 +63,8 @@ public:
 
     /// `n` steps of dt. @param targets  per instrument; none: the hubs follow the scene's key frames
     /// @param go_on  past a step that failed; else a world of one system stops there
-    StepSummary step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on = false);
+    StepSummary step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on = false,
+                     const std::vector<PointLoad>& loads = {});
     /// Per instrument: whether a step of the last call failed.
     [[nodiscard]] const std::vector<std::uint8_t>& failed() const { return failed_; }
     StepReport settle();
@@ -99,7 +107,8 @@ private:
     void follow_task(int system, double dt);
     void forget_output();
     void follow_tasks(double dt);
-    StepReport one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt);
+    StepReport one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt,
+                        const std::vector<PointLoad>& loads);
 
     std::vector<Scene> scenes_;
     KeyFrames keys_{std::vector<std::vector<FeedKey>>{}};

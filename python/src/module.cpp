@@ -1,5 +1,6 @@
 // The extension seldinger._engine: worlds, states, studies and pictures for the package's own Python, which checks and documents.
 #include "fluoro.h"
+#include "force.h"
 #include "handle.h"
 #include "navigate.h"
 #include "studies.h"
@@ -32,6 +33,10 @@ template <class Body>
 auto alone(Handle& handle, const Body& body)
 {
     check_process();  // before the lock, which a thread that a forked child does not have may hold
+    if (asking_handle() == &handle)
+        throw Error(ErrorKind::BadScene,
+                    "world: got a call from one of its own forces in the middle of a step; expected a force that "
+                    "uses its points alone. Fix: read the world between steps");
     const py::gil_scoped_release others;
     const std::lock_guard hold(handle.lock());
     return body();
@@ -56,11 +61,17 @@ std::vector<HubTarget> targets_from(const Reals& targets, const py::array_t<bool
     return list;
 }
 
-py::tuple step(Handle& handle, const py::object& targets, const py::object& moves, long n, double dt, bool go_on)
+py::tuple step(Handle& handle, const py::object& targets, const py::object& moves, long n, double dt, bool go_on,
+               const Reals& loads)
 {
+    std::vector<PointLoad> list;
+    for (py::ssize_t k = 0; k < loads.shape(0); ++k) {
+        const double* row = loads.data(k, 0);
+        list.push_back({static_cast<int>(row[0]), row[1], Vec3(row + 2), Vec3(row + 5)});
+    }
     std::optional<std::vector<HubTarget>> asked;
     if (!targets.is_none()) asked = targets_from(targets.cast<Reals>(), moves.cast<py::array_t<bool, py::array::c_style>>());
-    const StepSummary done = alone(handle, [&] { return handle.step(asked ? &*asked : nullptr, n, dt, go_on); });
+    const StepSummary done = alone(handle, [&] { return handle.step(asked ? &*asked : nullptr, n, dt, go_on, list); });
     return summary(done.report, done.steps);
 }
 
@@ -90,8 +101,8 @@ void bind_state(py::module_& module)
             [](const py::tuple& t) {
                 if (t.size() != 4) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
                 const Bytes output = from_bytes(t[2].cast<py::bytes>());
-                return SavedState{t[0].cast<int>(), from_bytes(t[1].cast<py::bytes>()),
-                                  output.empty() ? nullptr : unpack(output), unpack_scores(from_bytes(t[3].cast<py::bytes>()))};
+                return SavedState{t[0].cast<int>(), from_bytes(t[1].cast<py::bytes>()), output.empty() ? nullptr : unpack(output),
+                                  unpack_scores(from_bytes(t[3].cast<py::bytes>()))};
             }));
 }
 
@@ -146,7 +157,12 @@ void bind_world(py::module_& module)
             return std::make_unique<Handle>(text, file, overrides, device);
         },
         py::call_guard<py::gil_scoped_release>());
-    c.def("step", &step, py::arg("targets"), py::arg("moves"), py::arg("n"), py::arg("dt"), py::arg("go_on") = false);
+    c.def("step", &step, py::arg("targets"), py::arg("moves"), py::arg("n"), py::arg("dt"), py::arg("go_on") = false,
+          py::arg("loads") = Reals(std::vector<py::ssize_t>{0, 8}));
+    c.def("add_force", [](Handle& h, int instrument, const py::object& own, const py::dict& about) {
+        const std::shared_ptr<const Force> force = python_force(h, own, about);
+        alone(h, [&] { h.world().add_force(instrument, force); });
+    });
     c.def("settle", [](Handle& h) { return summary(alone(h, [&] { return h.settle(); }), 0); });
     c.def("output", [](Handle& h) { return OutputView{alone(h, [&] { return h.output(); })}; });
     c.def("save", [](Handle& h, int system) { return alone(h, [&] { return h.save(system); }); });
@@ -167,9 +183,7 @@ void bind_world(py::module_& module)
             h.world().retire(system);
         });
     });
-    c.def("state_hash", [](Handle& h, int system) {
-        return alone(h, [&] { return h.state_hash(system); });
-    });
+    c.def("state_hash", [](Handle& h, int system) { return alone(h, [&] { return h.state_hash(system); }); });
     c.def("time", [](Handle& h) { return alone(h, [&] { return h.world().time(); }); });
     c.def("task",
           [](Handle& h, int system) { return alone(h, [&] { return task_json(h.world(), h.scene(), h.score(system)); }); });

@@ -77,7 +77,8 @@ py::array vector(const Vec3& v)
 py::dict ledger(const EnergyLedger& e)
 {
     py::dict d;
-    d["hand"] = e.hand, d["outside"] = e.outside, d["material"] = e.material, d["remesh"] = e.remesh, d["wire"] = e.wire;
+    d["hand"] = e.hand, d["outside"] = e.outside, d["forces"] = e.forces;
+    d["material"] = e.material, d["remesh"] = e.remesh, d["wire"] = e.wire;
     d["friction"] = e.friction, d["contact"] = e.contact, d["wall"] = e.wall, d["damping"] = e.damping, d["scheme"] = e.scheme;
     d["open"] = e.open();
     return d;
@@ -126,6 +127,7 @@ void add_wire(py::class_<View>& c, Get get)
     number("kinetic", &WireReadings::kinetic, "float, J.");
     number("elastic", &WireReadings::elastic, "float, J.");
     number("gravitational", &WireReadings::gravitational, "float, J.");
+    number("force_energy", &WireReadings::force_energy, "float, J: potential energy of forces of your own (`Force.energy`).");
     number("force_residual", &WireReadings::force_residual, "float, N: largest residual on a free node.");
     c.def_property_readonly(
         "contact_count", [get](const View& v) { return get(v).readings.contacts; }, "int.");

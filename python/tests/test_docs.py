@@ -7,7 +7,7 @@ import pytest
 
 import seldinger
 
-MODULES = ["seldinger", "seldinger._errors", "seldinger._scene", "seldinger._world", "seldinger._studies", "seldinger.gym", "seldinger.sb3"]
+MODULES = ["seldinger", "seldinger._errors", "seldinger._force", "seldinger._scene", "seldinger._world", "seldinger._studies", "seldinger.gym", "seldinger.sb3"]
 
 
 @pytest.mark.parametrize("name", MODULES)
