@@ -36,6 +36,8 @@ std::vector<Key> properties(WireSection& s, bool of_section)
         {"bend_nm2", "N m²", number(s.bend_stiffness, positive), "bending stiffness EI", "*needed* without `youngs_pa`", quiet_if(by_material)},
         {"twist_nm2", "N m²", number(s.twist_stiffness, positive), "twisting stiffness GJ", "*needed* without `youngs_pa`", quiet_if(by_material)},
         {"stretch_n", "N", number(s.stretch_stiffness, positive), "stretching stiffness EA", "*needed* without `youngs_pa`", quiet_if(by_material)},
+        {"bend_table", "", Special{"a CSV file"},
+         "stiffness as measured, in place of `bend_nm2` here and in the sections ([tables](#bend_table))", none},
         {"poisson", "", number(s.poisson, poisson_range), "ν, with `youngs_pa` only", {}, quiet_if(!by_material && !(of_section && s.youngs > 0))},
         {"mu_static", "", number(s.mu_static, friction_range),
          "coefficient of static friction, ≥ `mu_sliding`. A smaller explicit value is an error; a smaller default is raised, with a warning",
@@ -168,7 +170,8 @@ std::vector<Key> feed(SceneFeed& f, bool inside)
         {"hub_friction_n", "N", number(f.hub.friction, not_negative), "dry friction at such a hub: of a valve, a grip", {},
          quiet_if(f.hub.friction == 0)},
         {"keys", "", list_of(f.keys, [driven = f.hub.driven()](FeedKey& k) { return feed_key(k, driven); }), "[`feed.keys`](#feedkeys)",
-         needed},
+         "*needed* without `log`"},
+        {"log", "", Special{"a CSV file"}, "motion as recorded by a robot, in place of `keys` ([logs](#log))", none},
     };
 }
 

@@ -23,7 +23,7 @@ struct FeedPlace {
 };
 /// Reads the place where an instrument enters, and its key frames.
 void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into,
-                     const Scene& scene);
+                     Scene& scene);
 
 /// A contact cannot need less force to start sliding than to continue. A mu_static of the table below mu_sliding is refused; one
 /// that nobody gave is raised, for the summary and with a warning. @param path  of the table

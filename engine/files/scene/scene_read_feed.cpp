@@ -1,5 +1,6 @@
 // Feeds: where an instrument enters, and its key frames.
 #include "scene/scene_read.h"
+#include "scene/scene_tables.h"
 
 #include <fmt/format.h>
 
@@ -55,19 +56,10 @@ void check_behind(const TableReader& t, FeedPlace place, const SceneInstrument& 
                            feed.behind, inside, into.wire.length));
 }
 
-}  // namespace
-
-void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into,
-                     const Scene& scene)
+void read_keys(const TableReader& t, const std::string& path, SceneInstrument& into)
 {
     SceneFeed& feed = into.feed;
-    feed.on = true;
-    const TableReader t(table, path, keys::feed(feed, place.inside));
-    t.refuse_unused(keys::feed(feed, place.inside),
-                    "is that of the outer instrument: those inside each other enter at one place; take it out");
-    if (!place.inside) check_inlet(t, scene);
     t.need("keys", "key frames of the feed");
-    t.read(keys::feed(feed, place.inside));
     const toml::array* keys = t.node("keys")->as_array();
     if (!keys || keys->empty()) t.fail("keys", "expected [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, ... ]");
     for (const toml::node& node : *keys) {
@@ -78,6 +70,35 @@ void read_feed_table(const toml::table& table, const std::string& path, FeedPlac
                     fmt::format("{} m is more than the whole wire, {} m; make {}length_m longer", feed.keys.back().advance,
                                 into.wire.length, into.label.empty() ? "wire." : ""));
     }
+}
+
+/// The log of a robot in place of key frames, which --set log=... may find in a scene.
+void read_log(const TableReader& t, const std::string& path, SceneInstrument& into, Scene& scene)
+{
+    if (into.feed.hub.driven())
+        t.fail("log", "has the way of the hub, and hub_mass_kg a force that drives it; take one of them out");
+    std::filesystem::path file;
+    t.read({Key{"log", "", &file, ""}}, scene.source);
+    std::string said;
+    into.feed.keys = read_feed_log(file, into.wire.length, said);
+    if (t.has("keys")) said += "; it replaces keys";
+    scene.notes.emplace_back(path + ".log", said);
+    scene.warnings.push_back(path + ".log: " + said);
+}
+
+}  // namespace
+
+void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, Scene& scene)
+{
+    SceneFeed& feed = into.feed;
+    feed.on = true;
+    const TableReader t(table, path, keys::feed(feed, place.inside));
+    t.refuse_unused(keys::feed(feed, place.inside),
+                    "is that of the outer instrument: those inside each other enter at one place; take it out");
+    if (!place.inside) check_inlet(t, scene);
+    t.read(keys::feed(feed, place.inside));
+    if (t.has("log")) read_log(t, path, into, scene);
+    else read_keys(t, path, into);
     const IntegratorSpec& integrator = scene.integrator;
     if (feed.hub.driven() && (integrator.scheme != Scheme::Newton || integrator.newmark || integrator.conserve))
         t.fail("hub_mass_kg",

@@ -1,5 +1,6 @@
 // Properties, sections and placement of an instrument ([wire], [[instrument]]).
 #include "scene/scene_read.h"
+#include "scene/scene_tables.h"
 
 #include "contact/quadrature.h"
 #include "core/error.h"
@@ -39,7 +40,41 @@ void check_slender(const TableReader& t, const Scene& scene, double length, doub
                                        1 / most_slender, length));
 }
 
-void read_section(const toml::table& table, const std::string& path, WireSpec& wire, Scene& scene)
+/// A table of measured stiffness and where it counts [m].
+struct Measured {
+    BendTable table;
+    double begin, end;
+};
+
+std::filesystem::path bend_table_of(const TableReader& t, const Scene& scene)
+{
+    std::filesystem::path file;
+    t.read({Key{"bend_table", "", &file, ""}}, scene.source);
+    return file;
+}
+
+/// Properties that a table gives and the shaft does not: as in the last row.
+void complete_shaft(const BendTable& table, WireSection& shaft)
+{
+    for (const auto& [value, column] :
+         {std::pair(&shaft.bend_stiffness, &table.bend), std::pair(&shaft.twist_stiffness, &table.twist),
+          std::pair(&shaft.stretch_stiffness, &table.stretch)})
+        if (*value == 0 && !column->empty()) *value = column->back();
+}
+
+void need_stiffness(const TableReader& t, const Scene& scene)
+{
+    BendTable table;
+    if (const std::filesystem::path file = bend_table_of(t, scene); !file.empty()) table = read_bend_table(file, INFINITY);
+    const std::vector<double>* columns[] = {&table.bend, &table.twist, &table.stretch};
+    for (std::size_t k = 0; k < std::size(columns); ++k)
+        if (columns[k]->empty())
+            t.need(keys::stiffness[k],
+                   "stiffness is youngs_pa and poisson, or bend_nm2, twist_nm2 and stretch_n (or bend_table)");
+}
+
+void read_section(const toml::table& table, const std::string& path, WireSpec& wire, Scene& scene,
+                  std::vector<Measured>& measured)
 {
     WireSectionRange& range = wire.sections.emplace_back();
     range.section = wire.shaft;
@@ -48,6 +83,8 @@ void read_section(const toml::table& table, const std::string& path, WireSpec& w
     if (!(range.begin >= 0 && range.begin < range.end && range.end <= wire.length))
         t.fail("from_tip_m", fmt::format("expected 0 <= from < to <= the wire's length, {} m", wire.length));
     check_slender(t, scene, wire.length, range.section.radius);
+    if (const std::filesystem::path file = bend_table_of(t, scene); !file.empty())
+        measured.push_back({read_bend_table(file, wire.length), range.begin, range.end});
 }
 
 constexpr double most_placed_strain = 0.4;  // edges that change by half are torn (rod/no_state.h)
@@ -160,9 +197,7 @@ void read_wire_table(const toml::table& table, const std::string& path, bool fed
     wire.shaft.mu_sliding = scene.contact.mu_sliding;
     const TableReader t(table, path, keys::wire(into));
     if (fed) refuse_placement(t);
-    if (!t.has("youngs_pa"))
-        for (const auto key : keys::stiffness)
-            t.need(key, "stiffness is youngs_pa and poisson, or bend_nm2, twist_nm2 and stretch_n");
+    if (!t.has("youngs_pa")) need_stiffness(t, scene);
     read_properties(t, keys::wire(into), path, wire.shaft, scene);
     if (wire.shaft.radius * 2 > wire.length)
         t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
@@ -172,8 +207,15 @@ void read_wire_table(const toml::table& table, const std::string& path, bool fed
         if (!place->is_table()) t.fail("place", "expected { shape = \"straight\", base = [x, y, z], ... }");
         read_place(*place->as_table(), path + ".place", wire);
     }
-    for_each_table(table, "section", path + ".section",
-                   [&](const toml::table& section, const std::string& where) { read_section(section, where, wire, scene); });
+    std::vector<Measured> measured;
+    if (const std::filesystem::path file = bend_table_of(t, scene); !file.empty()) {
+        measured.push_back({read_bend_table(file, wire.length), 0, wire.length});
+        complete_shaft(measured.front().table, wire.shaft);
+    }
+    for_each_table(table, "section", path + ".section", [&](const toml::table& section, const std::string& where) {
+        read_section(section, where, wire, scene, measured);
+    });
+    for (const Measured& own : measured) take_bend_table(own.table, own.begin, own.end, wire);
     scale_stiffness(t, wire);
     check_lumen(t, wire);
 }
