@@ -10,7 +10,7 @@
 #include "core/file_io.h"
 #include "record/checkpoint.h"
 #include "run/closed_ends.h"
-#include "run/grid_error.h"
+#include "bands/grid_error.h"
 
 #include <filesystem>
 #include <string>

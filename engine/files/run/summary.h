@@ -7,7 +7,7 @@
 #include "run/exits.h"
 #include "run/scene_run.h"
 #include "run/score.h"
-#include "run/step_twin.h"
+#include "bands/step_twin.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "batch/batch_keep.h"
 #include "batch/batch_table.h"
 #include "core/bytes.h"
-#include "run/grid_error.h"
+#include "bands/grid_error.h"
 #include "run/scene_run.h"
 #include "setup/vessel_load.h"
 

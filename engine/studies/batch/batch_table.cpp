@@ -2,8 +2,8 @@
 #include "batch/batch_table.h"
 
 #include "io/npz_write.h"
-#include "run/joint_readings.h"
-#include "run/step_twin.h"
+#include "setup/joint_readings.h"
+#include "bands/step_twin.h"
 
 #include <fmt/format.h>
 

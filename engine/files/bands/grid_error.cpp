@@ -1,5 +1,5 @@
 // Errors of forces by edges and facets, from bending energy and contacts.
-#include "run/grid_error.h"
+#include "bands/grid_error.h"
 
 #include "nodes/adapt.h"
 #include "vessel/wall_mesh.h"

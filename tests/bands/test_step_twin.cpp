@@ -1,7 +1,7 @@
 // The estimate that a run makes of its own step: it leaves the run alone, and its bands hold what a far shorter step finds.
-#include "run/step_twin.h"
+#include "bands/step_twin.h"
 
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
@@ -69,7 +69,7 @@ Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Alw
 
 }  // namespace
 
-TEST_SUITE("run/step_twin")
+TEST_SUITE("bands/step_twin")
 {
     TEST_CASE(
         "property: forces at the end are means over 20 ms, so that steps of 1 and 4 ms agree within what the force changes in "

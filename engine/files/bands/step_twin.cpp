@@ -1,8 +1,8 @@
 // Windows of a run, some computed again with shorter steps.
-#include "run/step_twin.h"
+#include "bands/step_twin.h"
 
 #include "core/clock.h"
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "scene/scene.h"
 
 #include <fmt/format.h>

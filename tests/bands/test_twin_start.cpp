@@ -1,7 +1,7 @@
 // Three errors that windows at the end do not show: of a hub that starts at once, of a tip that springs, and of one that strikes.
-#include "run/step_twin.h"
+#include "bands/step_twin.h"
 
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 
@@ -72,7 +72,7 @@ Scene tip_at_a_mouth(int nodes)
 
 }  // namespace
 
-TEST_SUITE("run/step_twin")
+TEST_SUITE("bands/step_twin")
 {
     // With steps of 1/60 s the largest mean is at the end, with short ones it is at the start and twice as large. Windows at the
     // end agree to 1 %.

@@ -9,8 +9,8 @@
 // slip. The window in which the sum of normal forces falls most within mean_time is taken again with quarters of the step, for
 // strikes.
 //
-// The shares of nodes and facets come from the state at the end of each window (run/grid_error.h); a release has a bound of its
-// own (run/release_watch.h). Of several instruments the first one's hand is read (run/joint_readings.h), the others' from the
+// The shares of nodes and facets come from the state at the end of each window (bands/grid_error.h); a release has a bound of its
+// own (bands/release_watch.h). Of several instruments the first one's hand is read (setup/joint_readings.h), the others' from the
 // same windows.
 //
 // A band cannot see a history that differed before the window began. `seldinger plan`, or a run with a shorter step, does.
@@ -18,9 +18,9 @@
 #include "engine.h"
 #include "math/end_mean.h"
 #include "math/span_means.h"
-#include "run/grid_error.h"
-#include "run/key_frames.h"
-#include "run/release_watch.h"
+#include "bands/grid_error.h"
+#include "setup/key_frames.h"
+#include "bands/release_watch.h"
 
 #include <algorithm>
 #include <cmath>
