@@ -1,6 +1,7 @@
 // The loop of `seldinger run`: settle, step, record, save; it ends at rest, at a signal, at a limit or at a failed step.
 #include "run_loop.h"
 
+#include "bands/step_twin.h"
 #include "core/clock.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <optional>
 
 namespace seldinger::apps {
@@ -179,6 +181,10 @@ private:
         return scene_.vessel.elastic ? StepTwin::Finer::Never
                                      : StepTwin::Finer::WhereCheap;  // each length of step has columns of its own
     }
+    double spent_on_twins() const
+    {
+        return options_.asked_estimate ? std::numeric_limits<double>::infinity() : bands::most_spent;
+    }
     double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
     bool is_late() const { return options_.time_limit > 0 && seconds_since(called_) >= options_.time_limit; }
 
@@ -208,7 +214,7 @@ private:
     {
         if (replay_) replay_->begin(scene_, world_);
         else if (scene_.task.on) begin_task();
-        if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
+        if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps), spent_on_twins());
         const std::function<bool()> asked = [this] {
             if (ending_) return seconds_since(*ending_) > estimate_patience;
             progress_.show(recorder_, wall());

@@ -1,5 +1,5 @@
 // The bound of a largest force where something that held lets go.
-#include "bands/release_watch.h"
+#include "bands/force_watch.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>

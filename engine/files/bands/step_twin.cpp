@@ -2,21 +2,20 @@
 #include "bands/step_twin.h"
 
 #include "core/clock.h"
-#include "setup/joint_readings.h"
+#include "math/end_mean.h"
 #include "scene/scene.h"
-
-#include <fmt/format.h>
+#include "setup/joint_readings.h"
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
+#include <utility>
 
 namespace seldinger {
 
 namespace {
 
 /// Steps that mean_time takes.
-long mean_steps(double dt) { return std::max(1L, std::lround(std::ceil(StepTwin::mean_time / dt - 1e-9))); }
+long mean_steps(double dt) { return std::max(1L, std::lround(std::ceil(bands::mean_time / dt - 1e-9))); }
 
 double mean(const std::vector<double>& values)
 {
@@ -30,100 +29,35 @@ double mean(const std::vector<double>& values)
 double largest_mean(const std::vector<double>& values, double dt, int parts, double last)
 {
     const std::size_t whole = values.size() - std::min<std::size_t>(parts, values.size());
-    SpanMeans means(StepTwin::mean_time);
+    SpanMeans means(bands::mean_time);
     for (std::size_t k = 0; k < values.size(); ++k) means.add(std::abs(values[k]), k < whole ? dt : last * dt);
     return means.largest();
 }
 
-/// Root mean square of differences between means over mean_time of a run and of a twin with steps of 1/parts as long.
-double usual_difference(const std::vector<double>& run, const std::vector<double>& twin, double dt, int parts)
-{
-    const auto p = static_cast<std::size_t>(parts);
-    SpanMeans means(StepTwin::mean_time);
-    MeanSquare all;
-    for (std::size_t k = 0; k < run.size(); ++k) {
-        double difference = run[k];
-        for (std::size_t j = 0; j < p; ++j) difference -= twin[p * k + j] / parts;
-        means.add(difference, dt);
-        if (means.full() || k + 1 == run.size()) all.add(means.mean());
-    }
-    return all.root();
-}
-
-// No band is narrower than this share of its value. Windows begin at the state of the run. They see neither the effect of its
-// history nor slips that come earlier or later. The shares are calibrated, not derived, on the scenes of bench/readings.py and of
-// the tests. There, windows of some runs agreed to 0.1 %. Their 20 ms means still differed by up to 2.6 % (hand force) and 6.6 %
-// (friction) from those with 4 to 67 x shorter steps.
-// Where forces only rise there is no history to differ: with less falling than the largest value itself, the shares are in
-// proportion.
-constexpr double hand_history = 0.03, friction_history = 0.07;
-
 /// What a difference from steps that are shorter by a ratio is multiplied by.
 double margin(double ratio)
 {
-    return StepTwin::safety * std::max(ratio, StepTwin::least_ratio) / (std::max(ratio, StepTwin::least_ratio) - 1);
+    return bands::safety * std::max(ratio, bands::least_ratio) / (std::max(ratio, bands::least_ratio) - 1);
 }
-
-ErrorBand band_of(double value, double twin, int parts, double ratio, double least, double history)
-{
-    ErrorBand made{value, twin, margin(ratio) * std::abs(value - twin), true, false, parts};
-    made.step = made.band = std::max({made.band, least, history * std::abs(value)});
-    made.resolved = StepTwin::is_resolved(made);
-    return made;
-}
-
-void widen(ErrorBand& band, double bound)
-{
-    if (bound <= band.step) return;
-    band.step_part *= band.step / bound;
-    band.step = band.band = bound;
-}
-
-/// The band of a force that lets go at its largest is what the time of the release leaves, where that is more: a bound, of which
-/// no more is expected than before.
-void widen(ErrorBand& band, const ReleaseWatch& release)
-{
-    if (release.bound() <= band.step) return;
-    widen(band, release.bound());
-    band.let_go = true;
-}
-
-/// Where along the wire the load lies, and whether that of the next node lies on the same patch: the band holds all of it. These
-/// are bounds and no expected errors, and so no reason for a warning.
-void add_places(ErrorBand& band, const GridErrors& e)
-{
-    band.nodes = std::hypot(band.nodes, e.placed.nodes * band.value) + e.split * band.value;
-    band.facets = std::hypot(band.facets, e.placed.facets * band.value);
-    band.sum_up();
-}
-
-/// Of a hand force of which `friction` is friction and the rest what pushes the wire back.
-GridShare of_hand(const GridErrors& e, double hand, double friction)
-{
-    const double back = std::abs(std::abs(hand) - friction);
-    return {e.energy.nodes * back + e.pressed.nodes * friction, e.energy.facets * back + e.pressed.facets * friction};
-}
-
-GridShare times(const GridShare& share, double force) { return {share.nodes * std::abs(force), share.facets * std::abs(force)}; }
-
-/// What nodes do to the hand of an instrument besides.
-double of_hand_at(const GridErrors& e, std::size_t instrument) { return instrument < e.hands.size() ? e.hands[instrument] : 0; }
 
 }  // namespace
 
-StepTwin::StepTwin(const Scene& scene, const World& run, long taken)
+StepTwin::StepTwin(const Scene& scene, const World& run, long taken, double spend)
     : scene_(scene),
       run_(run),
-      key_frames_(scene)
+      spend_(spend),
+      key_frames_(scene),
+      forces_(static_cast<std::size_t>(run.wire_count()) + 1),
+      friction_(forces_.size() - 1),
+      patch_(forces_.size())
 {
     estimate_.from_step = taken;
     estimate_.dt = scene.dt;
-    estimate_.window_steps = std::max(least_steps, mean_steps(scene.dt));
+    estimate_.window_steps = std::max(std::isfinite(spend) ? few_steps : least_steps, mean_steps(scene.dt));
     estimate_.adaptive = scene.wire.nodes == 0;
-    estimate_.others.resize(static_cast<std::size_t>(run.wire_count() - 1));
-    for (std::size_t k = 0; k < estimate_.others.size(); ++k)
-        estimate_.others[k].name = scene.instrument(static_cast<int>(k) + 1).label;
-    others_.resize(estimate_.others.size());
+    estimate_.others.resize(friction_ - 1);
+    for (std::size_t k = 1; k < friction_; ++k)
+        estimate_.others[k - 1].name = scene.instrument(static_cast<int>(k)).label;
     open(run, taken);
 }
 
@@ -134,8 +68,8 @@ void StepTwin::open(const World& run, long taken)
     window_.earlier = last_.state;
     window_.lead = last_.steps;
     window_.first = taken;
-    window_.others.resize(others_.size());
-    window_.peaks.others.assign(others_.size(), 0.0);
+    window_.forces.resize(forces_.size());
+    window_.peaks.assign(forces_.size() + 1, 0.0);
 }
 
 void StepTwin::stepped(const World& run, const WireReadings& readings, long taken, const LargestReadings& largest)
@@ -147,37 +81,28 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
         const double way = readings.inserted - inserted_;
         path_ += std::abs(way);
         pushed_ += std::abs(readings.hand_force * way);
-        window_rubbed_ += readings.friction * std::abs(way);
+        rubbed_ += readings.friction * std::abs(way);
     }
     largest_ = window_.largest = largest;
     inserted_ = readings.inserted;
     work_ = readings.energy.hand;
     motion_loss_ = readings.energy.scheme + readings.energy.contact + readings.energy.damping;
-    ++window_.steps;
-    ++seen_;
+    ++window_.steps, ++seen_, ++ungauged_;
     window_.lengths += 1.0 / joint_report(run, 0).sub_steps;
-    window_.hand.push_back(readings.hand_force);
-    window_.friction.push_back(readings.friction);
     const double dt = scene_.step_length(taken - 1);
     window_.struck.add(readings.normal, dt);
-    hand_falls_.add(std::abs(readings.hand_force), dt);
-    friction_falls_.add(readings.friction, dt);
-    hand_release_.add(std::abs(readings.hand_force), dt);
-    friction_release_.add(readings.friction, dt);
-    for (std::size_t k = 0; k < others_.size(); ++k) {
-        window_.others[k].push_back(run.readings(static_cast<int>(k) + 1).hand_force);
-        others_[k].add(window_.others[k].back(), dt);
+    for (std::size_t k = 0; k < forces_.size(); ++k) {
+        const double force = k == friction_ ? readings.friction : run.readings(static_cast<int>(k)).hand_force;
+        window_.forces[k].push_back(force);
+        forces_[k].falls.add(std::abs(force), dt);
+        forces_[k].release.add(std::abs(force), dt);
     }
     window_.tip = run.rod(0).pos(0);
     if (estimate_.from_step == 0 && seen_ == std::min(2 * mean_steps(scene_.dt), estimate_.window_steps)) {
-        Window start = window_;
-        set_peaks(start);
-        starting_ = true;
-        (void)examine_halved(start);
-        starting_ = false;
+        start_ = window_;
+        set_peaks(start_);
     }
     if (taken % estimate_.window_steps == 0) {
-        gauge(run);
         close();
         open(run, taken);
     }
@@ -187,17 +112,16 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
 void StepTwin::gauge(const World& run)
 {
     const GridErrors now = gauge_.of(run);
-    estimate_.tip_nodes = std::max(estimate_.tip_nodes, run.node_error(0));
-    estimate_.tip_facets = std::max(estimate_.tip_facets, now.tip);
     if (now.normal > 0) axial_.add(now.axial), rise_.add(now.rise);
     window_.grid = grid_;
     window_.grid.widen(now);
     grid_ = now;
     for (double GridShare::*by : {&GridShare::nodes, &GridShare::facets})
-        work_errors_.*by += window_.grid.pressed.*by * window_rubbed_;
-    window_rubbed_ = 0;
+        work_errors_.*by += window_.grid.pressed.*by * rubbed_;
+    rubbed_ = 0;
     if (closed_ > 0) work_errors_.nodes += std::max(0.0, motion_loss_ - motion_loss_then_);
     motion_loss_then_ = motion_loss_;
+    ungauged_ = 0;
 }
 
 double StepTwin::last_length(const Window& window) const
@@ -207,12 +131,8 @@ double StepTwin::last_length(const Window& window) const
 
 void StepTwin::set_peaks(Window& window) const
 {
-    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) {
-        return largest_mean(values, scene_.dt, 1, last);
-    };
-    window.peaks.hand = peak_of(window.hand);
-    window.peaks.friction = peak_of(window.friction);
-    for (std::size_t k = 0; k < window.others.size(); ++k) window.peaks.others[k] = peak_of(window.others[k]);
+    for (std::size_t k = 0; k < forces_.size(); ++k)
+        window.peaks[k] = largest_mean(window.forces[k], scene_.dt, 1, last_length(window));
 }
 
 /// The window is over: compared now, or kept for the end if it may be among the compared ones.
@@ -220,29 +140,50 @@ void StepTwin::close()
 {
     if (window_.steps == 0) return;
     set_peaks(window_);
-    if (++closed_ % periodic == 0) (void)examine_halved(window_);
-    if (window_.peaks.hand > best_hand_.peaks.hand) best_hand_ = window_;
-    if (window_.peaks.friction > best_friction_.peaks.friction) best_friction_ = window_;
+    const auto leads = [&](std::size_t k) {
+        const Window& best = forces_[k].best;
+        return best.steps > 0 ? window_.peaks[k] > best.peaks[k] : window_.peaks[k] > 0 || (k > 0 && k < friction_);
+    };
+    bool leading = window_.has_patch;
+    for (std::size_t k = 0; k < forces_.size(); ++k) leading |= leads(k);
+    const bool is_due = leading && (2 * ungauged_ >= least_steps || !(grid_.normal > 0));
+    if (ungauged_ >= least_steps || (ungauged_ > 0 && is_due)) gauge(run_);
+    else if (ungauged_ > 0) window_.grid = grid_;
+    if (++closed_ % periodic == 0 && affords(2 * window_.steps, spend_ / 2)) (void)examine_halved(window_);
+    for (std::size_t k = 0; k < forces_.size(); ++k)
+        if (leads(k)) forces_[k].best = window_;
     if (window_.has_patch) best_patch_ = window_;
     if (window_.has_wall) best_wall_ = window_;
     if (window_.struck.largest() > best_strike_.struck.largest()) best_strike_ = window_;
-    for (std::size_t k = 0; k < others_.size(); ++k)
-        if (others_[k].best.steps == 0 || window_.peaks.others[k] > others_[k].best.peaks.others[k]) others_[k].best = window_;
     last_ = std::move(window_);
+}
+
+bool StepTwin::affords(long steps, double share) const
+{
+    return static_cast<double>(estimate_.steps + steps) <= share * static_cast<double>(seen_);
+}
+
+const StepTwin::Examined* StepTwin::known(const Window& window, int parts, long lead) const
+{
+    for (const std::unique_ptr<Examined>& one : examined_)
+        if (one->first == window.first && one->steps == window.steps && one->parts == parts && one->lead == lead)
+            return one.get();
+    return nullptr;
 }
 
 const StepTwin::Examined& StepTwin::examine(const Window& window, int parts, long lead)
 {
-    for (const std::unique_ptr<Examined>& known : examined_)
-        if (known->first == window.first && known->steps == window.steps && known->parts == parts && known->lead == lead)
-            return *known;
+    if (const Examined* before = known(window, parts, lead)) return *before;
     examined_.push_back(std::make_unique<Examined>(take_again(window, parts, lead)));
     return *examined_.back();
 }
 
-const StepTwin::Examined& StepTwin::examine_halved(const Window& window)
+const StepTwin::Examined& StepTwin::examine_halved(const Window& window, bool anyway)
 {
-    return examine(window, window.lengths < much_divided * static_cast<double>(window.steps) ? 4 : 2, 0);
+    static const Examined too_dear{.looked = false};
+    const int parts = window.lengths < bands::much_divided * static_cast<double>(window.steps) ? 4 : 2;
+    const bool is_done = anyway || known(window, parts, 0) || affords(parts * window.steps, spend_);
+    return is_done ? examine(window, parts, 0) : too_dear;
 }
 
 StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long lead)
@@ -251,7 +192,7 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
     Examined twin;
     twin.first = window.first;
     twin.steps = window.steps;
-    twin.run = window.peaks;
+    twin.run = twin.peaks = window.steps > 0 ? window.peaks : std::vector<double>(forces_.size() + 1);
     twin.lead = lead;
     twin.parts = parts;
     twin.found = window.steps == 0 && closed_ > 0;
@@ -260,13 +201,13 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
         world_ = std::make_unique<World>(run_.twin());
         world_->stop_when(stop_asked_);
     }
-    twin.others.resize(others_.size());
+    twin.forces.resize(forces_.size());
     double lengths = 0;
-    LargestFall struck(mean_time), swing(mean_time);
+    LargestFall struck(bands::mean_time), swing(bands::mean_time);
     world_->restore_state(lead > 0 ? window.earlier : window.state);
     for (long k = -lead * parts; k < parts * window.steps; ++k) {
-        const long of_run = window.first + (k + lead * parts) / parts - lead;
-        const StepReport report = step(*world_, key_frames_.control(), scene_.step_length(of_run) / parts);
+        const double dt = scene_.step_length(window.first + (k + lead * parts) / parts - lead) / parts;
+        const StepReport report = step(*world_, key_frames_.control(), dt);
         ++estimate_.steps;
         if (report.failed() || (report.flags & StepStopped)) {
             ++estimate_.failed;
@@ -275,10 +216,8 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
         if (k < 0) continue;
         lengths += 1.0 / joint_report(*world_, 0).sub_steps;
         const WireReadings now = joint_readings(*world_, 0);
-        twin.hand.push_back(now.hand_force);
-        twin.friction.push_back(now.friction);
-        for (std::size_t o = 0; o < others_.size(); ++o)
-            twin.others[o].push_back(world_->readings(static_cast<int>(o) + 1).hand_force);
+        for (std::size_t f = 0; f < forces_.size(); ++f)
+            twin.forces[f].push_back(f == friction_ ? now.friction : world_->readings(static_cast<int>(f)).hand_force);
         if (window.has_wall) {
             world_->read(under_, Output::WallUnder);  // stress everywhere takes as long as some steps
             const WallReadings& wall = under_.walls.front().readings;
@@ -292,156 +231,158 @@ StepTwin::Examined StepTwin::take_again(const Window& window, int parts, long le
             patch = std::max(patch, loads.on_wall.patch_force);
         }
         twin.largest.patch = std::max(twin.largest.patch, patch);
-        const double dt = scene_.step_length(of_run) / parts;
         struck.add(now.normal, dt);
         swing.add(patch, dt);
     }
-    twin.swing = swing.largest();
-    // a window that has not the run's largest has one that differs from the twin's as far as its strikes do
-    twin.run.patch = window.has_patch
-                         ? window.largest.patch
-                         : std::clamp(twin.largest.patch + window.struck.largest() - struck.largest(), 0.0, window.largest.patch);
-    const auto peak_of = [&, last = last_length(window)](const std::vector<double>& values) {
-        return largest_mean(values, scene_.dt / parts, parts, last);
-    };
-    twin.peaks.hand = peak_of(twin.hand);
-    twin.peaks.friction = peak_of(twin.friction);
-    twin.peaks.patch = twin.largest.patch;
+    twin.found = true;
     twin.ratio = window.lengths * parts * parts / lengths;
     twin.tip = (world_->rod(0).pos(0) - window.tip).norm();
-    twin.found = true;
-    if (starting_) {
-        for (const std::vector<double>& other : twin.others) twin.peaks.others.push_back(peak_of(other));
-        return twin;
-    }
+    swing_ = std::max(swing_, twin.swing = swing.largest());
+    for (std::size_t f = 0; f < forces_.size(); ++f)
+        twin.peaks[f] = largest_mean(twin.forces[f], scene_.dt / parts, parts, last_length(window));
+    twin.peaks[patch_] = twin.largest.patch;
+    // a window that has not the run's largest has one that differs from the twin's as far as its strikes do
+    const double by_strikes = twin.largest.patch + window.struck.largest() - struck.largest();
+    twin.run[patch_] = window.has_patch ? window.largest.patch : std::clamp(by_strikes, 0.0, window.largest.patch);
+    if (!window.is(start_)) compare(window, twin);  // that of the start tells of largest values, nothing of other windows
+    return twin;
+}
+
+/// A history that differs is seen in other windows, too: the last one alone gives bands that do not hold.
+void StepTwin::compare(const Window& window, Examined& twin)
+{
     ++estimate_.windows;
     const double times = margin(twin.ratio);
-    // a history that differs is seen in other windows, too: the last one alone gives bands that do not hold
-    const double of_mean = times * (mean(window.hand) - mean(twin.hand));
-    hand_.add(of_mean);
-    friction_.add(times * (mean(window.friction) - mean(twin.friction)));
-    hand_peaks_.add(times * (window.peaks.hand - twin.peaks.hand));
-    friction_peaks_.add(times * (window.peaks.friction - twin.peaks.friction));
-    for (std::size_t k = 0; k < others_.size(); ++k) {
-        twin.peaks.others.push_back(peak_of(twin.others[k]));
-        others_[k].means.add(times * (mean(window.others[k]) - mean(twin.others[k])));
-        others_[k].peaks.add(times * (window.peaks.others[k] - twin.peaks.others[k]));
+    for (std::size_t f = 0; f < forces_.size(); ++f) {
+        const double now = mean(window.forces[f]), off = times * (now - mean(twin.forces[f]));
+        forces_[f].means.add(off);
+        forces_[f].peaks.add(times * (window.peaks[f] - twin.peaks[f]));
+        if (std::abs(now) > bands::least_force) forces_[f].relative.add(std::min(1.0, std::abs(off / now)));
+        if (f == 0) mean_differences_ += std::abs(off);
     }
-    mean_differences_ += std::abs(of_mean);
-    tips_.add(times * twin.tip);
-    return twin;
 }
 
 const StepTwin::Examined& StepTwin::examine_largest(const Window& window, Finer finer)
 {
     const Examined& halved = examine_halved(window);
-    const int parts = static_cast<int>(std::clamp(std::lround(scene_.dt / fine_step), 2L, static_cast<long>(most_parts)));
-    const double cost = static_cast<double>(parts * (window.lead + window.steps));
-    const bool affordable = finer == Finer::Always || (finer == Finer::WhereCheap && cost <= cheap * static_cast<double>(seen_));
-    if (parts == 2 || !affordable) return halved;
+    const int parts = static_cast<int>(
+        std::clamp(std::lround(scene_.dt / bands::fine_step), 2L, static_cast<long>(bands::most_parts)));
+    const long cost = parts * (window.lead + window.steps);
+    const bool is_cheap = static_cast<double>(cost) <= bands::cheap * static_cast<double>(seen_) && affords(cost, spend_);
+    if (!halved.looked || parts == 2 || !(finer == Finer::Always || (finer == Finer::WhereCheap && is_cheap))) return halved;
     const Examined& fine = examine(window, parts, window.lead);
     if (!fine.found) return halved;
     estimate_.finest = parts;
     return fine;
 }
 
-EndMean::Mean StepTwin::end_of(const Window& window, const std::vector<double>& hand, const std::vector<double>& friction,
-                               int parts) const
+double StepTwin::end_of(const Window& window, const std::vector<double>& force, int parts, double* seconds) const
 {
     EndMean mean;
-    for (std::size_t k = 0; k < hand.size(); ++k)
-        mean.add(hand[k], friction[k], scene_.step_length(window.first + static_cast<long>(k) / parts) / parts);
-    return mean.mean();
+    for (std::size_t k = 0; k < force.size(); ++k)
+        mean.add(force[k], 0, scene_.step_length(window.first + static_cast<long>(k) / parts) / parts);
+    if (seconds) *seconds = mean.mean().seconds;
+    return mean.mean().hand;
 }
 
-void StepTwin::set_end(const Window& end, const Examined& twin)
+ErrorBand StepTwin::band_of(double value, double of_twin, const Examined& twin, double least, double history) const
 {
-    const EndMean::Mean value = end_of(end, end.hand, end.friction, 1);
-    estimate_.end_seconds = value.seconds;
-    const EndMean::Mean other = end_of(end, twin.hand, twin.friction, twin.parts);
-    set_end_band(estimate_.hand, value.hand, other.hand, twin, end.hand, twin.hand, hand_, hand_history * hand_falls_.share());
-    set_end_band(estimate_.friction, value.friction, other.friction, twin, end.friction, twin.friction, friction_,
-                 friction_history * friction_falls_.share());
+    if (twin.looked && !twin.found) return {value, 0, 0, false};
+    ErrorBand made{value, twin.looked ? of_twin : value};
+    made.parts = twin.parts;
+    made.step = std::max({margin(twin.ratio) * std::abs(value - made.twin), least, history * std::abs(value)});
+    made.band = made.step;
+    made.resolved = made.is_resolved();
+    return made;
 }
 
-void StepTwin::set_end_band(ErrorBand& band, double of_run, double of_twin, const Examined& twin, const std::vector<double>& run,
-                            const std::vector<double>& fine, const MeanSquare& others, double history) const
+ErrorBand StepTwin::end_band(std::size_t f, const Window& end, const Examined& twin) const
 {
-    const double usual = twin.found ? margin(twin.ratio) * usual_difference(run, fine, scene_.dt, twin.parts) : 0;
-    band = twin.found ? band_of(of_run, of_twin, twin.parts, twin.ratio, std::max(others.root(), usual), history)
-                      : ErrorBand{of_run, 0, 0, false};
+    return band_of(end_of(end, end.forces[f], 1), twin.found ? end_of(end, twin.forces[f], twin.parts) : 0, twin,
+                   forces_[f].means.root(), forces_[f].history);
 }
 
-double StepTwin::bound_by(const Examined& twin, const Reading& reading)
+double StepTwin::bound_by(const Examined& twin, std::size_t which)
 {
-    const double run = reading(twin.run);
-    return run + margin(twin.ratio) * (reading(twin.peaks) - run);
+    return twin.run[which] + margin(twin.ratio) * (twin.peaks[which] - twin.run[which]);
 }
 
-StepTwin::Reached StepTwin::reached(const Reading& reading) const
+/// Reaches up to the largest that the value may be with any step in a window that was compared, by the finest twin of each.
+ErrorBand StepTwin::peak_band(double value, const Examined& twin, std::size_t which, double least, double history) const
 {
-    Reached most;
-    for (const std::unique_ptr<Examined>& twin : examined_) {
+    ErrorBand band = band_of(value, twin.found ? twin.peaks[which] : 0, twin, least, history);
+    if (twin.looked && !twin.found) return band;
+    double expected = band.step_part * band.step, bound = 0, largest = 0;
+    for (const std::unique_ptr<Examined>& one : examined_) {
         const auto is_finer = [&](const std::unique_ptr<Examined>& other) {
-            return other->found && other->first == twin->first && other->steps == twin->steps && other->parts > twin->parts;
+            return other->found && other->first == one->first && other->steps == one->steps && other->parts > one->parts;
         };
-        if (!twin->found || std::ranges::any_of(examined_, is_finer)) continue;
-        most.bound = std::max(most.bound, bound_by(*twin, reading));
-        most.twin = std::max(most.twin, reading(twin->peaks));
+        if (!one->found || std::ranges::any_of(examined_, is_finer)) continue;
+        bound = std::max(bound, bound_by(*one, which));
+        largest = std::max(largest, one->peaks[which]);
     }
-    return most;
-}
-
-ErrorBand StepTwin::peak_band(double value, const Examined& twin, const Reading& reading, Kind kind, const MeanSquare& windows,
-                              double history) const
-{
-    if (!twin.found) return {value, 0, 0, false};
-    ErrorBand band = band_of(value, reading(twin.peaks), twin.parts, twin.ratio, windows.root(), history);
-    const Reached other = reached(reading);
-    double expected = band.step_part * band.step;
-    if (other.bound - value > band.step) {
-        expected = std::max(expected, other.twin - value);
-        band.step = band.band = other.bound - value;
-        band.twin = std::max(band.twin, other.twin);
+    if (bound - value > band.step) {
+        expected = std::max(expected, largest - value);
+        band.step = band.band = bound - value;
+        band.twin = std::max(band.twin, largest);
     }
-    if (kind == Kind::Single) expected = std::abs(band.twin - value);
+    // single values of a wire that sticks, slips and strikes have no order in the step
+    if (which == patch_) expected = std::abs(band.twin - value);
     if (band.step > 0) band.step_part = expected / band.step;
-    band.resolved = is_resolved(band);
+    band.resolved = band.is_resolved();
     return band;
 }
 
-void StepTwin::set_other(std::size_t k, const Window& end, const Examined& of_end, const Examined& of_hand, Finer finer)
+ErrorBand StepTwin::force_peak(std::size_t f, const Examined& twin) const
 {
-    OtherHand& other = others_[k];
-    HandBands& bands = estimate_.others[k];
-    if (other.best.steps == 0) return;
-    const double history = hand_history * other.falls.share();
-    const auto at_end = [&](const std::vector<double>& force, int parts) { return end_of(end, force, force, parts).hand; };
-    set_end_band(bands.end, at_end(end.others[k], 1), of_end.found ? at_end(of_end.others[k], of_end.parts) : 0, of_end,
-                 end.others[k], of_end.found ? of_end.others[k] : end.others[k], other.means, history);
-    const bool same = best_hand_.steps > 0 && other.best.is(best_hand_);
-    const Examined& of_peak = same ? of_hand : examine_largest(other.best, finer);
-    const double peak = other.best.peaks.others[k];
-    bands.peak = peak_band(
-        peak, of_peak, [k](const Peaks& peaks) { return k < peaks.others.size() ? peaks.others[k] : 0; }, Kind::Mean, other.peaks,
-        history);
-    if (of_peak.found) widen(bands.peak, other.release);
-    complete(bands.end, times(end.grid.energy, bands.end.value), end.grid.normal, of_hand_at(end.grid, k + 1));
-    complete(bands.peak, times(other.best.grid.energy, peak), other.best.grid.normal, of_hand_at(other.best.grid, k + 1));
+    const Force& force = forces_[f];
+    const double peak = force.best.steps > 0 ? force.best.peaks[f] : 0;
+    ErrorBand band = peak_band(peak, twin, f, std::max(force.peaks.root(), twin.looked ? 0 : force.relative.root() * peak),
+                               force.history);
+    band.let_go = (twin.found || !twin.looked) && force.release.bound() > band.step;
+    if (band.let_go) band.widen(force.release.bound());
+    return band;
 }
 
 void StepTwin::complete(ErrorBand& band, const GridShare& grid, double pushing, double more) const
 {
     const bool step_known = band.resolved || band.band > 0;
-    const double distance = seen_ > 0 ? path_ * mean_time / (static_cast<double>(seen_) * scene_.dt) : 0;
+    const double distance = seen_ > 0 ? path_ * bands::mean_time / (static_cast<double>(seen_) * scene_.dt) : 0;
     const double push = distance > 0 ? std::min(axial_.root(), rise_.root() / distance) : axial_.root();
     band.nodes = grid.nodes + more;
     band.facets = grid.facets + push * std::abs(pushing);
     band.sum_up();
-    band.resolved = step_known && is_resolved(band);
+    band.resolved = step_known && band.is_resolved();
 }
 
-void StepTwin::set_patch(const Examined& hand, const Examined& friction)
+void StepTwin::set_hand(std::size_t k, const Window& end, const Examined& of_end, Finer finer)
+{
+    ErrorBand& at_end = k == 0 ? estimate_.hand : estimate_.others[k - 1].end;
+    ErrorBand& at_peak = k == 0 ? estimate_.hand_peak : estimate_.others[k - 1].peak;
+    const Window& best = forces_[k].best;
+    if (k > 0 && best.steps == 0) return;
+    at_end = end_band(k, end, of_end);
+    at_peak = force_peak(k, examine_largest(best, finer));
+    // of the first hand, friction and what pushes the wire back are known apart
+    const auto share = [&](const GridErrors& e, double force, double friction) {
+        return k == 0 ? of_hand(e, force, friction) : times(e.energy, force);
+    };
+    const double rubs = end_of(end, end.forces[friction_], 1), rubbed = best.steps > 0 ? best.peaks[friction_] : 0;
+    complete(at_end, share(end.grid, at_end.value, rubs), end.grid.normal, of_hand_at(end.grid, k));
+    complete(at_peak, share(best.grid, at_peak.value, rubbed), best.grid.normal, of_hand_at(best.grid, k));
+}
+
+void StepTwin::set_friction(const Window& end, const Examined& of_end, Finer finer)
+{
+    const Window& best = forces_[friction_].best;
+    ErrorBand &at_end = estimate_.friction, &at_peak = estimate_.friction_peak;
+    at_end = end_band(friction_, end, of_end);
+    at_peak = force_peak(friction_, examine_largest(best, finer));
+    complete(at_end, times(end.grid.pressed, at_end.value), at_end.value);
+    complete(at_peak, times(best.grid.pressed, at_peak.value), at_peak.value);
+}
+
+void StepTwin::set_patch()
 {
     ErrorBand& band = estimate_.patch;
     if (best_patch_.steps == 0) {  // none, or one from before the run was resumed
@@ -449,15 +390,14 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
         band.known = largest_.patch == 0;
         return;
     }
-    const Examined& twin = best_patch_.is(best_hand_)       ? hand
-                           : best_patch_.is(best_friction_) ? friction
-                                                            : examine_halved(best_patch_);
     const double patch = largest_.patch;
-    band = peak_band(patch, twin, &Peaks::patch, Kind::Single, {}, hand_history * hand_falls_.share());
-    if (twin.found) widen(band, twin.swing);
-    if (best_strike_.struck.largest() > least_strike * patch) {
-        const Examined& strike = examine(best_strike_, strike_parts, 0);
-        if (strike.found) widen(band, bound_by(strike, &Peaks::patch) - patch);
+    const Examined& twin = examine_halved(best_patch_);
+    band = peak_band(patch, twin, patch_, 0, forces_[0].history);
+    if (twin.found || !twin.looked) band.widen(twin.found ? twin.swing : swing_);
+    const bool strikes = best_strike_.struck.largest() > bands::least_strike * patch;
+    if (strikes && affords(bands::strike_parts * best_strike_.steps, spend_)) {
+        const Examined& strike = examine(best_strike_, bands::strike_parts, 0);
+        if (strike.found) band.widen(bound_by(strike, patch_) - patch);
     }
     complete(band, times(best_patch_.grid.patch, patch), patch);
     add_places(band, best_patch_.grid);
@@ -466,11 +406,11 @@ void StepTwin::set_patch(const Examined& hand, const Examined& friction)
 void StepTwin::set_wall()
 {
     if (best_wall_.steps == 0) return;
-    const Examined& twin = examine_halved(best_wall_);
+    const Examined& twin = examine_halved(best_wall_, true);
     if (!twin.found) return;
     estimate_.wall_known = true;
     // no window knows of another history before it; where nothing has touched the wall there is none
-    const double history = largest_.patch > 0 ? friction_history * friction_falls_.share() : 0;
+    const double history = largest_.patch > 0 ? forces_[friction_].history : 0;
     const auto share = [&](double run, double of_twin) {
         return std::max(margin(twin.ratio) * std::abs(run - of_twin), history * run);
     };
@@ -478,33 +418,34 @@ void StepTwin::set_wall()
     estimate_.wall_stress = share(largest_.wall_stress, twin.largest.wall_stress);
 }
 
+/// A sum: the mean difference of forces over the whole path; the histories of n windows add up to sqrt(n) times that of one.
 void StepTwin::set_work()
 {
     ErrorBand& band = estimate_.work;
     band.value = work_;
     band.known = run_.wire_count() == 1 && estimate_.from_step == 0 && estimate_.windows > 0;
     if (!band.known) return;
-    const double history = hand_history * hand_falls_.share() * pushed_ / std::sqrt(static_cast<double>(std::max(closed_, 1L)));
-    band.step = std::max(path_ * mean_differences_ / static_cast<double>(estimate_.windows), history);
+    const long alike_for = std::max(least_steps, mean_steps(scene_.dt));
+    const double alike = std::max(1.0, static_cast<double>(seen_) / static_cast<double>(alike_for));
+    band.step = std::max(path_ * mean_differences_ / static_cast<double>(estimate_.windows),
+                         forces_[0].history * pushed_ / std::sqrt(alike));
     band.nodes = grid_.missed.nodes + work_errors_.nodes;
     band.facets = grid_.missed.facets + work_errors_.facets;
     band.sum_up();
-    band.resolved = band.expected() <= std::max(wanted * std::abs(work_), least_force * path_);
+    band.resolved = band.expected() <= std::max(bands::wanted * std::abs(work_), bands::least_force * path_);
 }
 
 ErrorEstimate StepTwin::finish(Finer finer)
 {
     const auto begun = Clock::now();
-    if (window_.steps > 0) gauge(run_);
     // a few steps say little of the end: the whole window before them is added
     const bool short_end = window_.steps < estimate_.window_steps / 2 || window_.steps < mean_steps(scene_.dt);
+    if (window_.steps > 0) gauge(run_);
     Window end = short_end && last_.steps > 0 ? last_ : window_;
     if (short_end && last_.steps > 0 && window_.steps > 0) {
         end.steps += window_.steps;
-        end.hand.insert(end.hand.end(), window_.hand.begin(), window_.hand.end());
-        end.friction.insert(end.friction.end(), window_.friction.begin(), window_.friction.end());
-        for (std::size_t k = 0; k < others_.size(); ++k)
-            end.others[k].insert(end.others[k].end(), window_.others[k].begin(), window_.others[k].end());
+        for (std::size_t k = 0; k < forces_.size(); ++k)
+            end.forces[k].insert(end.forces[k].end(), window_.forces[k].begin(), window_.forces[k].end());
         end.lengths += window_.lengths;
         end.tip = window_.tip;
         end.has_patch |= window_.has_patch;
@@ -517,107 +458,26 @@ ErrorEstimate StepTwin::finish(Finer finer)
         window_ = end;
         close();
     }
-    const Examined& of_end = examine_halved(end);
-    const Examined& twin_of_hand = examine_largest(best_hand_, finer);
-    const bool same = best_friction_.is(best_hand_);
-    const Examined& of_friction = same ? twin_of_hand : examine_largest(best_friction_, finer);
-    estimate_.tip = std::max(tips_.root(), of_end.found ? margin(of_end.ratio) * of_end.tip : 0.0);
-    set_end(end, of_end);
-    estimate_.hand_peak =
-        peak_band(best_hand_.peaks.hand, twin_of_hand, &Peaks::hand, Kind::Mean, hand_peaks_, hand_history * hand_falls_.share());
-    estimate_.friction_peak = peak_band(best_friction_.peaks.friction, of_friction, &Peaks::friction, Kind::Mean, friction_peaks_,
-                                        friction_history * friction_falls_.share());
-    if (twin_of_hand.found) widen(estimate_.hand_peak, hand_release_);
-    if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
-    const GridErrors &at_end = end.grid, &at_hand = best_hand_.grid, &at_friction = best_friction_.grid;
-    complete(estimate_.hand, of_hand(at_end, estimate_.hand.value, estimate_.friction.value), at_end.normal,
-             of_hand_at(at_end, 0));
-    complete(estimate_.hand_peak, of_hand(at_hand, best_hand_.peaks.hand, best_hand_.peaks.friction), at_hand.normal,
-             of_hand_at(at_hand, 0));
-    for (std::size_t k = 0; k < others_.size(); ++k) set_other(k, end, of_end, twin_of_hand, finer);
-    complete(estimate_.friction, times(at_end.pressed, estimate_.friction.value), estimate_.friction.value);
-    complete(estimate_.friction_peak, times(at_friction.pressed, best_friction_.peaks.friction), best_friction_.peaks.friction);
-    set_patch(twin_of_hand, of_friction);
+    for (std::size_t k = 0; k < forces_.size(); ++k)
+        forces_[k].history = (k == friction_ ? bands::friction_history : bands::hand_history) *
+                             std::max(bands::least_history, forces_[k].falls.share());
+    if (end.is(start_)) start_ = {};
+    const Examined& of_end = examine_halved(end, true);
+    // the most telling first, while the run's share of steps lasts
+    if (forces_[0].best.steps > 0) (void)examine_halved(forces_[0].best);
+    if (best_patch_.steps > 0) (void)examine_halved(best_patch_);
+    if (start_.steps > 0) (void)examine_halved(start_);
+    estimate_.tip = of_end.found ? margin(of_end.ratio) * of_end.tip : 0;
+    estimate_.tip_nodes = run_.node_error(0);
+    estimate_.tip_facets = end.grid.tip;
+    (void)end_of(end, end.forces[0], 1, &estimate_.end_seconds);
+    for (std::size_t k = 0; k < friction_; ++k) set_hand(k, end, of_end, finer);
+    set_friction(end, of_end, finer);
+    set_patch();
     set_work();
     set_wall();
     estimate_.seconds += seconds_since(begun);
     return estimate_;
-}
-
-ErrorEstimate equilibrium_estimate(const Scene& scene, const World& run, const WireReadings& readings, double hand,
-                                   double friction, double patch)
-{
-    ErrorEstimate estimate;
-    estimate.equilibrium = true;
-    estimate.adaptive = scene.wire.nodes == 0;
-    const GridErrors e = GridErrorGauge().of(run);
-    const auto band_of_grid = [&](double value, const GridShare& grid, double pushing, double more) {
-        ErrorBand band;
-        band.value = band.twin = value;
-        band.nodes = grid.nodes + more;
-        band.facets = grid.facets + e.axial * pushing;
-        band.sum_up();
-        band.resolved = StepTwin::is_resolved(band);
-        return band;
-    };
-    estimate.hand =
-        band_of_grid(readings.hand_force, of_hand(e, readings.hand_force, readings.friction), e.normal, of_hand_at(e, 0));
-    estimate.hand_peak = band_of_grid(hand, of_hand(e, hand, friction), e.normal, of_hand_at(e, 0));
-    estimate.friction = band_of_grid(readings.friction, times(e.pressed, readings.friction), readings.friction, 0);
-    estimate.friction_peak = band_of_grid(friction, times(e.pressed, friction), friction, 0);
-    estimate.patch = band_of_grid(patch, times(e.patch, patch), patch, 0);
-    add_places(estimate.patch, e);
-    estimate.work.known = false;
-    const auto [first, end] = run.wires_of(0);
-    for (int w = first + 1; w < end; ++w) {
-        const double force = run.readings(w).hand_force;
-        const ErrorBand band =
-            band_of_grid(force, times(e.energy, force), e.normal, of_hand_at(e, static_cast<std::size_t>(w - first)));
-        estimate.others.push_back({scene.instrument(w - first).label, band, band});
-    }
-    estimate.tip_nodes = run.node_error(first);
-    estimate.tip_facets = e.tip;
-    return estimate;
-}
-
-const char* advice_for(const ErrorEstimate& e, const char* source)
-{
-    const std::string_view name = source;
-    if (name == "step") return "smaller scene.dt_s";
-    if (name == "facets") return "a finer mesh of the vessel";
-    return e.adaptive ? "smaller wire.edge_error_m" : "wire.nodes = \"adaptive\" or more nodes";
-}
-
-std::vector<std::string> unresolved(const ErrorEstimate& e)
-{
-    std::vector<std::string> list;
-    const auto look = [&](const std::string& what, const ErrorBand& band) {
-        if (band.resolved || !band.known) return;
-        const std::string_view source = band.largest_source();
-        if (band.band == 0 || StepTwin::is_resolved(band))  // what is known of it would not be said
-            list.push_back(fmt::format("{} of {:.3g} N: its error is unknown, because shorter steps did not converge there", what,
-                                       band.value));
-        else if (source != "step")
-            list.push_back(
-                fmt::format("{} of {:.3g} N is not resolved by the {}: the band is +- {:.2g} N, {:.2g} N of it by them. Fix: {}",
-                            what, band.value, source == "nodes" ? "wire's nodes" : "wall's facets", band.band,
-                            source == "nodes" ? band.nodes : band.facets, advice_for(e, band.largest_source())));
-        else
-            list.push_back(fmt::format(
-                "{} of {:.3g} N is not resolved by steps of {:.3g} ms: steps of {:.3g} ms give {:.3g} N from the same "
-                "state, the band is +- {:.2g} N; make scene.dt_s smaller",
-                what, band.value, 1e3 * e.dt, 1e3 * e.dt / band.parts, band.twin, band.band));
-    };
-    look("the hand force at the end (20 ms mean)", e.hand);
-    look("the largest hand force (20 ms mean)", e.hand_peak);
-    for (const HandBands& hand : e.others) {
-        look(fmt::format("the hand force of {} at the end (20 ms mean)", hand.name), hand.end);
-        look(fmt::format("the largest hand force of {} (20 ms mean)", hand.name), hand.peak);
-    }
-    look("the friction at the end (20 ms mean)", e.friction);
-    look("the largest friction (20 ms mean)", e.friction_peak);
-    look("the largest force on a patch of wall", e.patch);
-    return list;
 }
 
 }  // namespace seldinger
