@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <optional>
 
 namespace seldinger::apps {
@@ -181,10 +180,6 @@ private:
         return scene_.vessel.elastic ? StepTwin::Finer::Never
                                      : StepTwin::Finer::WhereCheap;  // each length of step has columns of its own
     }
-    double spent_on_twins() const
-    {
-        return options_.asked_estimate ? std::numeric_limits<double>::infinity() : bands::most_spent;
-    }
     double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
     bool is_late() const { return options_.time_limit > 0 && seconds_since(called_) >= options_.time_limit; }
 
@@ -214,7 +209,9 @@ private:
     {
         if (replay_) replay_->begin(scene_, world_);
         else if (scene_.task.on) begin_task();
-        if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps), spent_on_twins());
+        if (estimates())
+            twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps),
+                          options_.asked_estimate ? StepTwin::unlimited : bands::most_spent);
         const std::function<bool()> asked = [this] {
             if (ending_) return seconds_since(*ending_) > estimate_patience;
             progress_.show(recorder_, wall());

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <numeric>
 #include <string>
@@ -44,8 +43,7 @@ struct Told {
     ErrorEstimate estimate;
 };
 
-Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Always,
-         double spend = std::numeric_limits<double>::infinity())
+Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Always, double spend = StepTwin::unlimited)
 {
     const Scene scene = bend(dt);
     World world(make_setup(scene));

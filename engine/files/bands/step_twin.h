@@ -34,11 +34,12 @@ public:
     /// as much with it.
     enum class Finer { Never, WhereCheap, Always };
     static constexpr long least_steps = 50, few_steps = 12;  // of a window: without a limit, with one
+    static constexpr double unlimited = std::numeric_limits<double>::infinity();
     static constexpr int periodic = 20;  // a twin of a window costs two: a tenth of the run's time, with a limit half of that
 
     /// @param scene, run  outlive this   @param taken  steps of the run so far
     /// @param spend  of the run's steps, on twins; the last window is compared anyway
-    StepTwin(const Scene& scene, const World& run, long taken, double spend = std::numeric_limits<double>::infinity());
+    StepTwin(const Scene& scene, const World& run, long taken, double spend = unlimited);
 
     /// Ends its steps as World::stop_when() does: a window in which one is ended tells nothing.
     void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
