@@ -209,9 +209,8 @@ private:
     {
         if (replay_) replay_->begin(scene_, world_);
         else if (scene_.task.on) begin_task();
-        if (estimates())
-            twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps),
-                          options_.asked_estimate ? StepTwin::unlimited : bands::most_spent);
+        if (const double spend = options_.asked_estimate ? StepTwin::unlimited : bands::most_spent; estimates())
+            twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps), spend);
         const std::function<bool()> asked = [this] {
             if (ending_) return seconds_since(*ending_) > estimate_patience;
             progress_.show(recorder_, wall());

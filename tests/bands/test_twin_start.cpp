@@ -18,11 +18,11 @@ using namespace seldinger;
 
 namespace {
 
-ErrorEstimate run(const Scene& scene)
+ErrorEstimate run(const Scene& scene, double spend = StepTwin::unlimited)
 {
     World world(make_setup(scene));
     const KeyFrames key_frames(scene);
-    StepTwin twin(scene, world, 0);
+    StepTwin twin(scene, world, 0, spend);
     LargestReadings largest;
     WireOutput loads;
     for (long k = 0; k < scene.steps(); ++k) {
@@ -98,6 +98,14 @@ TEST_SUITE("bands/step_twin")
         REQUIRE(coarse.patch.twin < 1.05 * coarse.patch.value);  // no other window says so
         CHECK(fine.patch.value - coarse.patch.value <= coarse.patch.step);
         CHECK(coarse.patch.resolved);
+    }
+
+    TEST_CASE("property: a strike whose window is too dear to be taken again leaves the force on a patch as uncertain as itself")
+    {
+        const ErrorEstimate last_alone = run(falling_tip(1e-3), 0), fine = run(falling_tip(2.5e-4));
+        REQUIRE(last_alone.windows == 1);
+        CHECK(fine.patch.value - last_alone.patch.value <= last_alone.patch.step);
+        CHECK(last_alone.patch.resolved);
     }
 
     // The tip of 22 mm of floppy wire lies on the floor at the end, wherever it was when it struck. A band from the whole run was
