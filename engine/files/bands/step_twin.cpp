@@ -112,7 +112,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
 void StepTwin::gauge(const World& run)
 {
     const GridErrors now = gauge_.of(run);
-    if (now.normal > 0) axial_.add(now.axial), rise_.add(now.rise);
+    if (now.normal > 0) axial_.add(now.axial), rise_.add(now.rise), tip_facets_.add(now.tip);
     window_.grid = grid_;
     window_.grid.widen(now);
     grid_ = now;
@@ -471,7 +471,7 @@ ErrorEstimate StepTwin::finish(Finer finer)
     if (start_.steps > 0) (void)examine_halved(start_);
     estimate_.tip = of_end.found ? margin(of_end.ratio) * of_end.tip : 0;
     estimate_.tip_nodes = run_.node_error(0);
-    estimate_.tip_facets = end.grid.tip;
+    estimate_.tip_facets = std::max(end.grid.tip, tip_facets_.root());  // swings from facet to facet
     (void)end_of(end, end.forces[0], 1, &estimate_.end_seconds);
     for (std::size_t k = 0; k < friction_; ++k) set_hand(k, end, of_end, finer);
     set_friction(end, of_end, finer);

@@ -135,7 +135,7 @@ private:
     GridErrorGauge gauge_;
     GridErrors grid_;          // when it was gauged last
     long ungauged_ = 0;        // steps since then
-    MeanSquare axial_, rise_;  // at the ends of windows with contact, GridErrors
+    MeanSquare axial_, rise_, tip_facets_;  // at the ends of windows with contact, GridErrors
     LargestReadings largest_;  // so far
     double inserted_ = 0;      // so far [m]
     double path_ = 0, work_ = 0, pushed_ = 0;        // of the hand: its length [m], its work, the sum of magnitudes of that [J]
