@@ -398,8 +398,8 @@ void StepTwin::set_patch()
     if (strikes && affords(bands::strike_parts * best_strike_.steps, spend_)) {
         const Examined& strike = examine(best_strike_, bands::strike_parts, 0);
         if (strike.found) band.widen(bound_by(strike, patch_) - patch);
-    } else if (strikes) {  // not taken again, it may be off by all of itself
-        band.widen(best_strike_.struck.largest());
+    } else if (strikes) {  // not taken again, it is believed to be off by all of itself
+        band.widen(bands::safety * best_strike_.struck.largest());
     }
     complete(band, times(best_patch_.grid.patch, patch), patch);
     add_places(band, best_patch_.grid);
