@@ -52,9 +52,7 @@ void add_run(CommandLine& app, Command& chosen)
         ->type_name("FILE");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     run->add_option("--error-estimate", options->estimate,
-                    "estimate the time-step error of forces and tip: auto (10 to 20 % of the run's time, 20 to 30 % with an "
-                    "elastic wall), "
-                    "on or off")
+                    "estimate the time-step error of forces and tip: auto (a tenth of the run's steps), on or off")
         ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");

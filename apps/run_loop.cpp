@@ -1,6 +1,7 @@
 // The loop of `seldinger run`: settle, step, record, save; it ends at rest, at a signal, at a limit or at a failed step.
 #include "run_loop.h"
 
+#include "bands/step_twin.h"
 #include "core/clock.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
@@ -208,7 +209,8 @@ private:
     {
         if (replay_) replay_->begin(scene_, world_);
         else if (scene_.task.on) begin_task();
-        if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
+        if (const double spend = options_.asked_estimate ? StepTwin::unlimited : bands::most_spent; estimates())
+            twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps), spend);
         const std::function<bool()> asked = [this] {
             if (ending_) return seconds_since(*ending_) > estimate_patience;
             progress_.show(recorder_, wall());

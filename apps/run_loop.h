@@ -18,7 +18,7 @@ struct RunOptions {
     FolderUse use = FolderUse::Refuse;
     double time_limit = 0;  // [s] from the call on, loading included; 0: none
     int device = -1;
-    bool estimate = true;   // the error that the step's length leaves (run/step_twin.h)
+    bool estimate = true;   // the error that the step's length leaves (bands/step_twin.h)
     bool asked_estimate = false;  // for it, where it is dear
     bool quiet = false;
 };

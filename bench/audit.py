@@ -204,7 +204,7 @@ def measure(options, number):
             said = json.loads(file.read_text())
         else:
             old = json.loads(file.read_text()) if file.exists() else {}
-            said = run(options.app, scene_of(setup, finer), name == "default", "off" if name == "off" else None)
+            said = run(options.app, scene_of(setup, finer), name == "default", None if name == "default" or (name != "off" and setup["group"]) else "off")
             if old and old.get("state") != said.get("state"):
                 print(f"audit.py: draw {number} of seed {options.seed}: the default run's state differs; remove its files to refine it anew", file=sys.stderr)
             new = file.with_suffix(".new")

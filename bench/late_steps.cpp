@@ -11,7 +11,7 @@
 #include "contact/capsule.h"
 #include "core/error.h"
 #include "core/exit_code.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
 #include "setup/scene_setup.h"

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/exit_code.h"
 #include "core/file_io.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "shapes/subdivide.h"

@@ -4,7 +4,7 @@
 #include "batch/batch.h"
 #include "core/bytes.h"
 #include "record/checkpoint.h"
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "run/ready.h"
 #include "run/wall_path.h"
 #include "scene/scene_difference.h"

@@ -16,7 +16,7 @@
 //
 // b: angle of the edges, theta: between two of them, psi: turn of a rotation by phi about the axis along the tangent.
 #include "contact/instrument_fixture.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 
 #include <algorithm>
 #include <cmath>

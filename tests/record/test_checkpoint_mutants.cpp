@@ -7,7 +7,7 @@
 #include "core/fnv1a.h"
 #include "record/checkpoint.h"
 #include "record/recorder.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "scene/scene_difference.h"
 #include "setup/scene_setup.h"
 #include "support/temporary_folder.h"

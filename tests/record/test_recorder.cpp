@@ -5,7 +5,7 @@
 #include "io/vtp_write.h"
 #include "record/checkpoint.h"
 #include "record/recorder.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 #include "world/world.h"

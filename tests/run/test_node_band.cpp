@@ -1,7 +1,7 @@
 // The estimate of what the length of edges does to the tip, against a run with finer nodes.
 
 #include "run/bent_feed.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "setup/scene_setup.h"
 
 #include <doctest/doctest.h>

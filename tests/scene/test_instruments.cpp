@@ -2,7 +2,7 @@
 // docs/instruments.md.
 #include "core/error.h"
 #include "engine.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "scene/instruments.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"

@@ -1,7 +1,7 @@
 // [[instrument]] and [coaxial]: the scene that is read, that it is written back to the same scene, and one line for whatever is
 // wrong.
 #include "core/error.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "setup/vessel_load.h"

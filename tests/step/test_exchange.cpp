@@ -1,7 +1,7 @@
 // Instruments that take each other's place inside another one, in both models: one comes out, another goes in.
 #include "core/error.h"
 #include "core/parallel.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "support/approx.h"
 #include "world/world.h"
 

@@ -1,6 +1,6 @@
 // How many Newton iterations the steps of a wire take that lies on the ridges and in the valleys of a faceted wall.
 
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "support/world_fixture.h"

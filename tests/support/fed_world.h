@@ -2,7 +2,7 @@
 // Worlds whose wires are fed by key frames, as most tests want them: the setup carries the keys, and a step follows them.
 
 #include "engine.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "solve/feed.h"
 
 #include <utility>

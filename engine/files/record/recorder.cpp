@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "record/wire_shapes.h"
 #include "run/frames.h"
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "scene/scene_difference.h"
 
 #include <fmt/format.h>

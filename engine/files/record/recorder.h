@@ -7,10 +7,10 @@
 // [[instrument]] tables, trace.csv reads all instruments as one (joint_readings.h); trace_NAME.csv, NAME.csv and the series
 // NAME.pvd show each one alone.
 
+#include "bands/grid_error.h"
 #include "core/file_io.h"
 #include "record/checkpoint.h"
 #include "run/closed_ends.h"
-#include "run/grid_error.h"
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
 // Rows of the traces, and the tables of a run's last state.
 #include "record/recorder.h"
 #include "run/frames.h"
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 
 #include <fmt/format.h>
 

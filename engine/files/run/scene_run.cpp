@@ -1,7 +1,7 @@
 // Settles, steps and ends the systems of a world as their scenes ask.
 #include "run/scene_run.h"
 
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 
 #include <algorithm>
 

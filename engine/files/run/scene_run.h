@@ -2,7 +2,7 @@
 // The one loop over the steps of scenes: where a run begins, what is stepped, how each system fares and when it is over. The
 // command, a batch, Python and the golden tests use it, and record through RunHooks.
 
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "scene/scene.h"
 
 #include <cstdint>

@@ -60,7 +60,7 @@ Json estimate_json(const ErrorEstimate& e)
             {"windows", e.windows},
             {"failed_windows", e.failed},
             {"window_steps", e.window_steps},
-            {"peak_mean_s", StepTwin::mean_time},
+            {"peak_mean_s", bands::mean_time},
             {"end_mean_s", e.end_seconds},
             {"steps", e.steps},
             {"shortest_step_s", e.dt / e.finest},
@@ -317,9 +317,9 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                                    "more samples (contact.samples_per_edge) make it finer",
                                    5e2 * tally.on_wall.window, 1e3 * tally.on_wall.window));
     // Divided steps are solved as well as others. But half the step has nothing to compare in them. Bands allow for that
-    // (step_twin.h); without bands, this share of them makes a difference too small by the factor that those have for safety.
+    // (bands/step_twin.h); without bands, this share of them makes a difference too small by the factor of their safety.
     const bool has_windows = notes.estimate && notes.estimate->windows > 0;
-    const double frequent = has_windows ? StepTwin::most_divided : 1 - 1 / StepTwin::safety;
+    const double frequent = has_windows ? bands::most_divided : 1 - 1 / bands::safety;
     if (static_cast<double>(tally.halved_steps) > frequent * static_cast<double>(tally.steps))
         list.push_back(
             share(tally.halved_steps) +

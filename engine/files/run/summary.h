@@ -1,13 +1,13 @@
 #pragma once
 // summary.json: the results of a run, as one JSON object and as a few lines for people.
 
+#include "bands/error_band.h"
 #include "engine.h"
 #include "math/end_mean.h"
 #include "run/closed_ends.h"
 #include "run/exits.h"
 #include "run/scene_run.h"
 #include "run/score.h"
-#include "run/step_twin.h"
 
 #include <algorithm>
 #include <array>

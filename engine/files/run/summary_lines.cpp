@@ -38,7 +38,7 @@ std::string means_for_people(double end_seconds, const Json* estimate)
                            estimate->at("largest_source").get<std::string>(), estimate->at("advice").get<std::string>());
     const std::string at_end = fmt::format("{:.3g} ms", 1e3 * end_seconds);
     if (!estimate) return fmt::format("at the end the mean of {}, largest of single steps; error not estimated", at_end);
-    const std::string largest = fmt::format("{:.3g} ms", 1e3 * StepTwin::mean_time);
+    const std::string largest = fmt::format("{:.3g} ms", 1e3 * bands::mean_time);
     return fmt::format("means of {}{}; ± mostly by the {}: less with {}", largest,
                        at_end == largest ? "" : ", at the end of " + at_end, estimate->at("largest_source").get<std::string>(),
                        estimate->at("advice").get<std::string>());

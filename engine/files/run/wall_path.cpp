@@ -2,7 +2,7 @@
 #include "run/wall_path.h"
 
 #include "core/error.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "run/scene_run.h"
 #include "scene/scene.h"
 #include "wall/wall_model.h"

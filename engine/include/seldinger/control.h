@@ -1,6 +1,6 @@
 #pragma once
 // Input of one step: the prescribed insertion and rotation of each instrument's hub at its end, and loads. It may come from key
-// frames (run/key_frames.h), a user's hand or a policy.
+// frames (setup/key_frames.h), a user's hand or a policy.
 
 #include "solve/solve_spec.h"
 

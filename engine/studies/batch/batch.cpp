@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "record/checkpoint.h"
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "run/ready.h"
 #include "run/wall_path.h"
 

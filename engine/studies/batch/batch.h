@@ -3,10 +3,10 @@
 // lockstep, with one launch per stage for all. Other runs get worlds of their own, one after the other. A run's bits are those
 // of the run alone.
 
+#include "bands/grid_error.h"
 #include "batch/batch_keep.h"
 #include "batch/batch_table.h"
 #include "core/bytes.h"
-#include "run/grid_error.h"
 #include "run/scene_run.h"
 #include "setup/vessel_load.h"
 

@@ -1,9 +1,9 @@
 // Makes a result row from a wire's readings, and writes the rows as CSV and as arrays of an .npz.
 #include "batch/batch_table.h"
 
+#include "bands/error_band.h"
 #include "io/npz_write.h"
-#include "run/joint_readings.h"
-#include "run/step_twin.h"
+#include "setup/joint_readings.h"
 
 #include <fmt/format.h>
 
@@ -213,7 +213,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
 
 double band_of(const RunRows& of, std::size_t column)
 {
-    constexpr double margin = StepTwin::safety * 2;
+    constexpr double margin = bands::safety * 2;
     if (!of.half) return std::nan("");
     const BatchRow &row = *of.row, &half = *of.half;
     if (row.status != RunStatus::Done || half.status != RunStatus::Done) return std::nan("");

@@ -147,9 +147,9 @@ struct RunRows {
     const BatchRow* half = nullptr;
 };
 
-/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (run/step_twin.h). NaN
-/// where there is no such run or it stopped, or, of what happens until the target is reached, where only one of the two reaches
-/// it.
+/// What half the step changes in a number, as a band: safety 2 |Q(h) - Q(h/2)|, of a scheme of first order (bands/error_band.h).
+/// NaN where there is no such run or it stopped, or, of what happens until the target is reached, where only one of the two
+/// reaches it.
 [[nodiscard]] double band_of(const RunRows& of, std::size_t column);
 
 [[nodiscard]] std::vector<RunRows> rows_by_run(const BatchLayout& layout, const std::vector<BatchRow>& rows);

@@ -3,7 +3,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "setup/scene_setup.h"
 #include "setup/vessel_load.h"
 

@@ -2,8 +2,8 @@
 #include "models/simulation.h"
 
 #include "core/error.h"
-#include "run/joint_readings.h"
-#include "run/key_frames.h"
+#include "setup/joint_readings.h"
+#include "setup/key_frames.h"
 #include "setup/scene_setup.h"
 
 #include <fmt/format.h>

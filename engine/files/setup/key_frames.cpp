@@ -1,6 +1,6 @@
 // Key frames as a control.
 
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 
 #include "scene/scene.h"
 

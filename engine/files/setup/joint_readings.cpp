@@ -1,5 +1,5 @@
 // Sums and worst values over the instruments of a system.
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 
 #include "engine.h"
 

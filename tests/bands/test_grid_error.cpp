@@ -1,8 +1,8 @@
 // What edges and facets do to forces, as estimated from one state: against beam theory, and against finer nodes and meshes.
-#include "run/grid_error.h"
+#include "bands/grid_error.h"
 
 #include "run/bent_feed.h"
-#include "run/key_frames.h"
+#include "setup/key_frames.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
@@ -56,7 +56,7 @@ std::pair<double, GridErrors> patch_at_end(const Scene& scene)
 
 }  // namespace
 
-TEST_SUITE("run/grid_error")
+TEST_SUITE("bands/grid_error")
 {
     // With an end load P the nodes of a straight cantilever have the exact moments P x, and their energy sum l M^2/(2 B) is that
     // of the trapezoid rule: P^2 L^3/(6 B) (1 + 1/(2 n^2)). The deflection is P L^3/(3 B) (1 + 1/(2 n^2)), test_statics. With P

@@ -1,5 +1,5 @@
 // The bound of a largest force where something that held lets go.
-#include "run/release_watch.h"
+#include "bands/force_watch.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ ReleaseWatch after_a_rise(double rate, double then)
 
 }  // namespace
 
-TEST_SUITE("run/release_watch")
+TEST_SUITE("bands/release_watch")
 {
     TEST_CASE("analytic: a force that climbs and lets go is uncertain by its rate times the time of release")
     {

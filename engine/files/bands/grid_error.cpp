@@ -1,5 +1,5 @@
 // Errors of forces by edges and facets, from bending energy and contacts.
-#include "run/grid_error.h"
+#include "bands/grid_error.h"
 
 #include "nodes/adapt.h"
 #include "vessel/wall_mesh.h"
@@ -106,6 +106,23 @@ double split_load(const World& run, const ConstRodView& rod, std::span<const Tou
 
 }  // namespace
 
+GridShare times(const GridShare& share, double force) { return {share.nodes * std::abs(force), share.facets * std::abs(force)}; }
+
+GridShare of_hand(const GridErrors& e, double hand, double friction)
+{
+    const double back = std::abs(std::abs(hand) - friction);
+    return {e.energy.nodes * back + e.pressed.nodes * friction, e.energy.facets * back + e.pressed.facets * friction};
+}
+
+double of_hand_at(const GridErrors& e, std::size_t instrument) { return instrument < e.hands.size() ? e.hands[instrument] : 0; }
+
+void add_places(ErrorBand& band, const GridErrors& e)
+{
+    band.nodes = std::hypot(band.nodes, e.placed.nodes * band.value) + e.split * band.value;
+    band.facets = std::hypot(band.facets, e.placed.facets * band.value);
+    band.sum_up();
+}
+
 void GridErrors::widen(const GridErrors& other)
 {
     for (double GridErrors::*entry :
@@ -166,8 +183,10 @@ GridErrors GridErrorGauge::of(const World& run, int system)
     }
     errors.missed = {std::max(whole.missed, errors.energy.nodes * whole.energy), part * errors.missed.facets};
     errors.placed = {part * errors.placed.nodes, part * errors.placed.facets};
-    for (GridShare* share : {&errors.energy, &errors.pressed})
-        *share = {std::min(1.0, std::hypot(share->nodes, part * places_.nodes)), std::min(1.0, std::hypot(share->facets, part * places_.facets))};
+    for (GridShare* share : {&errors.energy, &errors.pressed}) {
+        share->nodes = std::min(1.0, std::hypot(share->nodes, part * places_.nodes));
+        share->facets = std::min(1.0, std::hypot(share->facets, part * places_.facets));
+    }
     return errors;
 }
 

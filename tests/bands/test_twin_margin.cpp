@@ -1,7 +1,7 @@
 // How wide the bands of a run's own error estimate are: Roache's factor on what a second run with a shorter step differs by.
-#include "run/step_twin.h"
+#include "bands/step_twin.h"
 
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
@@ -57,7 +57,7 @@ Ended run(double dt, StepTwin::Finer finer, double duration = 0.48)
 
 }  // namespace
 
-TEST_SUITE("run/step_twin")
+TEST_SUITE("bands/step_twin")
 {
     // Of a scheme of order 1 the error is r/(r - 1) |Q(h) - Q(h/r)|, times Roache's factor 1.5 for two steps of unproven order.
     TEST_CASE("analytic: the tip's band is three times what half the step moves the tip by; forces have no less")

@@ -11,6 +11,7 @@
 //
 // Elastic walls: their facets move, and the mesh has bands of its own (wall/wall_resolution.h); none here.
 
+#include "bands/error_band.h"
 #include "engine.h"
 
 #include <array>
@@ -40,6 +41,15 @@ struct GridErrors {
     /// The larger of each.
     void widen(const GridErrors& other);
 };
+
+[[nodiscard]] GridShare times(const GridShare& share, double force);
+/// Of a hand force of which `friction` is friction and the rest what pushes the wire back.
+[[nodiscard]] GridShare of_hand(const GridErrors& errors, double hand, double friction);
+/// What nodes do to the hand of an instrument besides.
+[[nodiscard]] double of_hand_at(const GridErrors& errors, std::size_t instrument);
+/// Where along the wire the load on a patch lies, and whether that of the next node lies on the same patch: the band holds all of
+/// it. These are bounds and no expected errors, and so no reason for a warning.
+void add_places(ErrorBand& band, const GridErrors& errors);
 
 /// Samples of one region of contact: sums of their normal forces, and with these as weights.
 struct TouchedRegion {

@@ -1,7 +1,7 @@
 // The estimate that a run makes of its own step: it leaves the run alone, and its bands hold what a far shorter step finds.
-#include "run/step_twin.h"
+#include "bands/step_twin.h"
 
-#include "run/joint_readings.h"
+#include "setup/joint_readings.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
@@ -43,13 +43,13 @@ struct Told {
     ErrorEstimate estimate;
 };
 
-Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Always)
+Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Always, double spend = StepTwin::unlimited)
 {
     const Scene scene = bend(dt);
     World world(make_setup(scene));
     const KeyFrames key_frames(scene);
     std::optional<StepTwin> twin;
-    if (with_twin) twin.emplace(scene, world, 0);
+    if (with_twin) twin.emplace(scene, world, 0, spend);
     Told told;
     std::vector<double> hand;
     for (long k = 0; k < scene.steps(); ++k) {
@@ -69,7 +69,7 @@ Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Alw
 
 }  // namespace
 
-TEST_SUITE("run/step_twin")
+TEST_SUITE("bands/step_twin")
 {
     TEST_CASE(
         "property: forces at the end are means over 20 ms, so that steps of 1 and 4 ms agree within what the force changes in "
@@ -134,6 +134,24 @@ TEST_SUITE("run/step_twin")
         CHECK(fine.estimate.hand_peak.band <= coarse.estimate.hand_peak.band * 1.1);
     }
 
+    // 1,200 steps of 1 ms: three windows of 20 at half the step are 120, a tenth. Of 150 steps of 8 ms the end alone, 12 to 23 of
+    // them at half the step or a quarter, is all.
+    TEST_CASE("property: with a limit twins take that part of the run's steps, or the last window, and the bands hold")
+    {
+        const Told true_one = run(2.5e-4, false);
+        for (const double dt : {8e-3, 1e-3}) {
+            CAPTURE(dt);
+            const Told limited = run(dt, true, StepTwin::Finer::WhereCheap, 0.1);
+            const long steps = std::lround(1.2 / dt), last = std::max(12L, std::lround(0.02 / dt));
+            CHECK(limited.hash == run(dt, false).hash);
+            CHECK(limited.estimate.windows >= 1);
+            CHECK(limited.estimate.steps <= std::max(steps / 10, 4 * 2 * last));
+            CHECK(std::abs(limited.hand_peak - true_one.hand_peak) <= limited.estimate.hand_peak.band);
+            CHECK(limited.estimate.hand_peak.resolved);
+            CHECK(limited.estimate.hand_peak.band < 0.15 * limited.hand_peak);
+        }
+    }
+
     TEST_CASE(
         "property: the largest forces have a twin of a quarter of a millisecond, at most a sixteenth of the step, where asked "
         "for or cheap")
@@ -156,7 +174,7 @@ TEST_SUITE("run/step_twin")
             ErrorBand& made = estimate.*reading;
             made.value = made.twin = value;
             made.step = made.band = band;
-            made.resolved = StepTwin::is_resolved(made);
+            made.resolved = made.is_resolved();
             return unresolved(estimate).size();
         };
         for (const auto reading : {&ErrorEstimate::hand, &ErrorEstimate::hand_peak, &ErrorEstimate::friction,
@@ -201,9 +219,9 @@ TEST_SUITE("run/step_twin")
     {
         ErrorBand band{0.1, 0.1};
         band.nodes = 0.057;  // 0.1/sqrt(3) = 0.0577
-        CHECK(StepTwin::is_resolved(band));
+        CHECK(band.is_resolved());
         band.nodes = 0.058;
-        CHECK_FALSE(StepTwin::is_resolved(band));
+        CHECK_FALSE(band.is_resolved());
     }
 
     TEST_CASE(
@@ -227,7 +245,7 @@ TEST_SUITE("run/step_twin")
         CHECK(patch.step_part * patch.step == test::about(differs).epsilon(1e-12));
         CHECK(patch.step >= 3 * differs * (1 - 1e-12));
         CHECK(patch.expected() ==
-              test::about(std::hypot(differs, StepTwin::usual_share * patch.nodes, StepTwin::usual_share * patch.facets))
+              test::about(std::hypot(differs, bands::usual * patch.nodes, bands::usual * patch.facets))
                   .epsilon(1e-12));
     }
 

@@ -1,8 +1,8 @@
 // Hands of instruments that share a centreline: bands of each, against finer nodes.
-#include "run/joint_readings.h"
-#include "run/key_frames.h"
+#include "setup/joint_readings.h"
+#include "setup/key_frames.h"
 #include "scene/scene.h"
-#include "run/step_twin.h"
+#include "bands/step_twin.h"
 #include "setup/scene_setup.h"
 
 #include <doctest/doctest.h>
@@ -61,7 +61,7 @@ Run run(int per_length, bool with_twin = true)
 
 }  // namespace
 
-TEST_SUITE("run/group_hands")
+TEST_SUITE("bands/group_hands")
 {
     // Edges of 5 mm against 1.25 mm: the hands swing as the catheter's end passes from cell to cell. Bands are bounds: not fifty
     // times the difference.
