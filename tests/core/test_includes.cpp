@@ -143,7 +143,7 @@ TEST_SUITE("core/includes")
                 found.insert(folder);
             }
         }
-        CHECK(found.size() == 33);
+        CHECK(found.size() == 34);
         for (const auto& [room, folders] : rooms) {
             if (optional_rooms.count(room)) continue;
             for (const std::string& folder : folders)

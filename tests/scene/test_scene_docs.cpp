@@ -306,7 +306,7 @@ TEST_SUITE("scene/scene_docs")
         REQUIRE(all.size() > 150);
         for (const std::string& name : all) CHECK_MESSAGE(back.contains(name), name);
         // tests/scene/test_scene.cpp and test_scene_instruments.cpp read these back
-        CHECK(written_by_hand == std::set<std::string>{"coaxial.order", "hold.position"});
+        CHECK(written_by_hand == std::set<std::string>{"coaxial.order", "hold.position", "integrator.beta", "integrator.gamma"});
     }
 }
 

@@ -43,7 +43,7 @@ public:
     virtual ~Force() = default;
     /// @param out  [points], zero when called
     virtual void forces(const ForcePoints& at, std::span<PointForce> out) const = 0;
-    /// @param out  [points], zero when called     @return false: it has none
+    /// Of each point, zero when called. @return false: it has none
     [[nodiscard]] virtual bool tangents(const ForcePoints& /*at*/, std::span<PointTangent> /*out*/) const { return false; }
     [[nodiscard]] virtual double energy(const ForcePoints& /*at*/) const { return 0; }
     virtual void accept(const ForcePoints& /*at*/, std::span<double> /*state*/) const {}
