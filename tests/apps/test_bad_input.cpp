@@ -168,8 +168,12 @@ TEST_SUITE("apps/bad_input")
         }
         refused(folder, "run good.toml -o D --set vessel.rims=free --set vessel.support_pa_m=0", 2, "vessel.support_pa_m");
         refused(folder, "run good.toml -o D --set vessel.thickness_m=0.006", 2, "expected at most the lumen's radius");
-        // a second sheet that hangs on an edge of the first: three triangles meet there
-        folder.write("fin.obj", tube_obj() + "v 15 0 12\nv 20 0 12\nf 53 69 145\nf 69 146 145\n");
+        // a second sheet that hangs on an edge of the first: three triangles meet there; two are a crumb and go with a note
+        const std::string crumb = tube_obj() + "v 15 0 12\nv 20 0 12\nf 53 69 145\nf 69 146 145\n";
+        folder.write("crumb.obj", crumb);
+        elastic("crumb.toml", "crumb.obj");
+        CHECK(run_app(folder, "check crumb.toml").out.find("2 triangles hung on the wall") != std::string::npos);
+        folder.write("fin.obj", crumb + "v 15 0 20\nv 20 0 20\nf 145 146 148\nf 145 148 147\n");
         elastic("fin.toml", "fin.obj");
         refused(folder, "run fin.toml -o D", 3, "one sheet");
     }
