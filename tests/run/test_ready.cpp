@@ -76,6 +76,7 @@ struct Refusal {
 
 const char* const saved = "of a saved state, which the checkpoint's reader has compared with the scene";
 const char* const steps = "of a step's control, which C++ and Python give";
+const char* const forces = "of a program's force, which C++ and Python give";
 
 const std::vector<Refusal>& refusals()
 {
@@ -126,7 +127,9 @@ const std::vector<Refusal>& refusals()
         {"elastic/surface/loop_topology.cpp", "", "of a control mesh, which control_mesh.cpp has made a sheet"},
         {"files/run/wall_path.cpp", "", "a signal in a trial run"},
         {"files/run/summary_lines.cpp", "", "a damaged summary of an earlier run"},
-        {"physics/world/control.cpp", "", steps, 2},
+        {"physics/world/control.cpp", "", steps, 3},
+        {"physics/world/world.cpp", "", forces, 3},
+        {"physics/solve/given_forces.cpp", "", forces},
         {"physics/world/world_state.cpp", "", saved, 4},
         {"physics/contact/layer.cpp", "", saved},
         {"physics/contact/point_states.cpp", "", saved},
