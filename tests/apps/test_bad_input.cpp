@@ -172,7 +172,7 @@ TEST_SUITE("apps/bad_input")
         const std::string crumb = tube_obj() + "v 15 0 12\nv 20 0 12\nf 53 69 145\nf 69 146 145\n";
         folder.write("crumb.obj", crumb);
         elastic("crumb.toml", "crumb.obj");
-        CHECK(run_app(folder, "check crumb.toml").out.find("1 triangles hung on the wall by a corner and were removed") != std::string::npos);
+        CHECK(run_app(folder, "check crumb.toml").out.find("hung on the wall by a corner") != std::string::npos);
         folder.write("fin.obj", crumb + "v 15 0 20\nv 20 0 20\nf 145 146 148\nf 145 148 147\n");
         elastic("fin.toml", "fin.obj");
         refused(folder, "run fin.toml -o D", 3, "one sheet");
