@@ -1,9 +1,5 @@
 // The estimate that a run makes of its own step: it leaves the run alone, and its bands hold what a far shorter step finds.
-#include "bands/step_twin.h"
-
-#include "setup/joint_readings.h"
-#include "scene/scene.h"
-#include "setup/scene_setup.h"
+#include "bands/twin_run.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -19,6 +15,7 @@
 namespace test_step_twin {
 
 using namespace seldinger;
+using seldinger::test::run_with_twin;
 
 namespace {
 
@@ -227,19 +224,7 @@ TEST_SUITE("bands/step_twin")
     TEST_CASE(
         "property: a force on a patch is believed to be off by what its twin differs by, and its band has the factor for order 1")
     {
-        const Scene scene = bend(8e-3);
-        World world(make_setup(scene));
-        const KeyFrames key_frames(scene);
-        StepTwin twin(scene, world, 0);
-        LargestReadings largest;
-        WireOutput loads;
-        for (long k = 0; k < scene.steps(); ++k) {
-            REQUIRE_FALSE(step(world, key_frames.control(), scene.step_length(k)).failed());
-            world.read_loads(0, loads);
-            largest.patch = std::max(largest.patch, loads.on_wall.patch_force);
-            twin.stepped(world, joint_readings(world, 0), k + 1, largest);
-        }
-        const ErrorBand patch = twin.finish(StepTwin::Finer::Never).patch;
+        const ErrorBand patch = run_with_twin(bend(8e-3)).patch;
         const double differs = std::abs(patch.twin - patch.value);
         REQUIRE(differs > 1e-4 * patch.value);
         CHECK(patch.step_part * patch.step == test::about(differs).epsilon(1e-12));

@@ -1,9 +1,5 @@
 // Three errors that windows at the end do not show: of a hub that starts at once, of a tip that springs, and of one that strikes.
-#include "bands/step_twin.h"
-
-#include "setup/joint_readings.h"
-#include "scene/scene.h"
-#include "setup/scene_setup.h"
+#include "bands/twin_run.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -15,24 +11,9 @@
 namespace test_twin_start {
 
 using namespace seldinger;
+using seldinger::test::run_with_twin;
 
 namespace {
-
-ErrorEstimate run(const Scene& scene, double spend = StepTwin::unlimited)
-{
-    World world(make_setup(scene));
-    const KeyFrames key_frames(scene);
-    StepTwin twin(scene, world, 0, spend);
-    LargestReadings largest;
-    WireOutput loads;
-    for (long k = 0; k < scene.steps(); ++k) {
-        REQUIRE_FALSE(step(world, key_frames.control(), scene.step_length(k)).failed());
-        world.read_loads(0, loads);
-        largest.patch = std::max(largest.patch, loads.on_wall.patch_force);
-        twin.stepped(world, joint_readings(world, 0), k + 1, largest);
-    }
-    return twin.finish(StepTwin::Finer::Never);
-}
 
 /// Draw 7 of seed 3 of bench/audit.py: a catheter that lies in the arch by its weight, pushed from rest.
 Scene resting_catheter(double dt)
@@ -78,7 +59,7 @@ TEST_SUITE("bands/step_twin")
     // end agree to 1 %.
     TEST_CASE("property: the band of a largest force reaches up to what shorter steps find in the run's first means")
     {
-        const ErrorEstimate coarse = run(resting_catheter(1.0 / 60)), fine = run(resting_catheter(1.0 / 240));
+        const ErrorEstimate coarse = run_with_twin(resting_catheter(1.0 / 60)), fine = run_with_twin(resting_catheter(1.0 / 240));
         REQUIRE(fine.hand_peak.value > 1.3 * coarse.hand_peak.value);
         CHECK(fine.hand_peak.value - coarse.hand_peak.value <= coarse.hand_peak.band);
         // and no warning: what the start is believed to be off by is below 1 mN, and no less than what its twin differs by
@@ -93,7 +74,7 @@ TEST_SUITE("bands/step_twin")
         "property: the band of the largest force on a patch reaches up to what shorter steps find where the wire strikes, "
         "without a warning")
     {
-        const ErrorEstimate coarse = run(falling_tip(1e-3)), fine = run(falling_tip(2.5e-4));
+        const ErrorEstimate coarse = run_with_twin(falling_tip(1e-3)), fine = run_with_twin(falling_tip(2.5e-4));
         REQUIRE(fine.patch.value > 1.3 * coarse.patch.value);
         REQUIRE(coarse.patch.twin < 1.05 * coarse.patch.value);  // no other window says so
         CHECK(fine.patch.value - coarse.patch.value <= coarse.patch.step);
@@ -102,7 +83,7 @@ TEST_SUITE("bands/step_twin")
 
     TEST_CASE("property: a strike whose window is too dear to be taken again leaves the force on a patch as uncertain as itself")
     {
-        const ErrorEstimate last_alone = run(falling_tip(1e-3), 0), fine = run(falling_tip(2.5e-4));
+        const ErrorEstimate last_alone = run_with_twin(falling_tip(1e-3), 0), fine = run_with_twin(falling_tip(2.5e-4));
         REQUIRE(last_alone.windows == 1);
         CHECK(fine.patch.value - last_alone.patch.value <= last_alone.patch.step);
         CHECK(last_alone.patch.resolved);
@@ -112,7 +93,7 @@ TEST_SUITE("bands/step_twin")
     // 0.2 mm.
     TEST_CASE("property: the band of the tip's position is that at the end, not that of a fall before it")
     {
-        const ErrorEstimate coarse = run(falling_tip(1e-3));
+        const ErrorEstimate coarse = run_with_twin(falling_tip(1e-3));
         CHECK(coarse.tip < 2e-5);
         CHECK(coarse.tip_nodes < 2e-5);
     }
@@ -121,7 +102,7 @@ TEST_SUITE("bands/step_twin")
     // 21 to 3 %: nodes err by (h/L)^2, and the first contacts are as coarse.
     TEST_CASE("property: the work of the hand on a bent tip at a mouth does not hang on the nodes, and lies within its band")
     {
-        const ErrorEstimate coarse = run(tip_at_a_mouth(101)), fine = run(tip_at_a_mouth(401));
+        const ErrorEstimate coarse = run_with_twin(tip_at_a_mouth(101)), fine = run_with_twin(tip_at_a_mouth(401));
         const double moved = std::abs(coarse.work.value - fine.work.value);
         CHECK(moved < 0.1 * coarse.work.value);
         CHECK(moved <= coarse.work.band);
@@ -132,7 +113,8 @@ TEST_SUITE("bands/step_twin")
     TEST_CASE("property: a release widens the band, and is no reason for a warning")
     {
         const ErrorEstimate e =
-            run(read_scene_text("[scene]\nduration_s = 1.7853878341310223\ndt_s = 0.016666666666666666\n[wire]\npreset = "
+            run_with_twin(
+                read_scene_text("[scene]\nduration_s = 1.7853878341310223\ndt_s = 0.016666666666666666\n[wire]\npreset = "
                                 "\"bentson-035\"\nlength_m = 0.4\n"
                                 "mu_sliding = 0.02\nmu_static = 0.024\nnodes = \"adaptive\"\n[feed]\ninlet = \"auto\"\n"
                                 "keys = [{t_s = 0, advance_m = 0.13}, {t_s = 1.7853878341310223, advance_m = 0.241}]\n"
