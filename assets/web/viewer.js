@@ -271,7 +271,7 @@ class Viewer {
   // The wire's own shape: seen across the plane that its end bends in, as far as that is known.
   showTip(nodes, own) {
     let end = 4, way = 0;
-    for (; end + 4 < nodes.length && way < this.tip.length; end += 4) way += Math.hypot(nodes[end] - nodes[end - 4], nodes[end + 1] - nodes[end - 3], nodes[end + 2] - nodes[end - 2]);
+    for (; end < nodes.length && way < this.tip.length; end += 4) way += Math.hypot(nodes[end] - nodes[end - 4], nodes[end + 1] - nodes[end - 3], nodes[end + 2] - nodes[end - 2]);
     const at = (i) => new THREE.Vector3(nodes[i], nodes[i + 1], nodes[i + 2]), first = at(0), last = at(end - 4), chord = first.clone().sub(last);
     const across = new THREE.Vector3();
     let most = 0;
@@ -281,7 +281,7 @@ class Viewer {
     }
     // straight: as the large picture sees it
     const eye = this.camera.position.clone().sub(this.centre).normalize();
-    if (most < (1e-3 * chord.lengthSq()) ** 2 || this.tip.length === 0) across.copy(eye);
+    if (most <= (1e-3 * chord.lengthSq()) ** 2) across.copy(eye);
     if (across.dot(eye) < 0) across.negate();
     const middle = first.clone().add(last).multiplyScalar(0.5), { camera, light } = this.tip;
     camera.up.copy(chord.lengthSq() > 0 ? chord.normalize() : this.up);

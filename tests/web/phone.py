@@ -136,6 +136,18 @@ def narrow(browser, check, pictures):
     x, y = browser.evaluate("(() => { const v = seldinger.viewer, p = v.tip.at.clone().project(v.camera); return [0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y] })()")
     x, y = view[0] + x * (view[2] - view[0]), view[1] + y * (view[3] - view[1])
     check(min(right - left, bottom - top) > 100 and not (left < x < right and top < y < bottom), "330 points: the tip again, larger, and not over itself")
+    # a wire pulled back has few nodes: the camera still stands beside them
+    for nodes in ([0.1, 0.2, 0.3, 0], [0.1, 0.2, 0.3, 0, 0.1, 0.2, 0.31, 0], [0.1, 0.2, 0.3, 0] * 2):
+        at = browser.evaluate(f"""(() => {{
+            const v = seldinger.viewer, nodes = new Float32Array({nodes});
+            v.showTip(nodes, () => v.hot);
+            v.tip.camera.updateMatrixWorld();
+            return new THREE.Vector3(nodes[0], nodes[1], nodes[2]).project(v.tip.camera).toArray() }})()""")
+        check(all(a is not None and abs(a) < 1 for a in at), f"330 points: a wire of {len(nodes) // 4} nodes is in the tip's frame ({at})")
+    # a slow machine pulls it back a long way before the finger is seen to go
+    x, y = middle_of(browser, "#pad")
+    came = drag(browser, (x, y), (x, y - 45), f"seldinger.last.numbers.instruments[0].advance > {max(0.06, numbers(browser)['advance'] + 0.01)}")
+    check(came, "330 points: pushed in again")
     # how far nodes leave the straight line between the ends of what is shown: in the frame, and in space with the frame about 1.24 lengths wide.
     # How much the tip is bent depends on where the wire has come to; that the bend is turned to the viewer does not
     points = browser.evaluate("""(() => {
