@@ -109,21 +109,31 @@ TEST_SUITE("setup/centreline_check")
         Fork fork;
         fork.spec.centreline.clear();
         LoadedVessel vessel = load_vessel(fork.spec);
-        const auto noted = [&] {
+        const auto notes = [&] {
             vessel.report.notes.clear();
             check_found_centreline(vessel);
             std::string all;
             for (const std::string& note : vessel.report.notes) all += note;
-            return has(all, "1 point of the centreline does not fit") &&
-                   has(all, "clings to the wall, at 0.01 mm, beside one at ");
+            return all;
         };
-        CHECK_FALSE(noted());
+        CHECK_FALSE(has(notes(), "clings"));
+        const LoadedVessel before = vessel;
         const std::vector<int> path = vessel.centreline.main_path();
-        const auto i = static_cast<std::size_t>(path[path.size() / 3]);
-        const LumenPlace at = LumenQuery(vessel.mesh, vessel.report.loops).locate(vessel.centreline.points[i]);
-        vessel.centreline.points[i] = at.nearest + 1e-5 * at.normal;
-        vessel.centreline.radius[i] = 1e-5;
-        CHECK(noted());
+        const LumenQuery lumen(vessel.mesh, vessel.report.loops);
+        const auto lay = [&](std::size_t k, double radius) {
+            const auto i = static_cast<std::size_t>(path[k]);
+            const LumenPlace at = lumen.locate(before.centreline.points[i]);
+            vessel.centreline.points[i] = at.nearest + radius * at.normal;
+            vessel.centreline.radius[i] = radius;
+        };
+        lay(path.size() / 3, 1e-5);
+        CHECK(has(notes(), "1 point of the centreline does not fit"));
+        CHECK(has(notes(), "clings to the wall, at 0.01 mm, beside one at "));
+        // down into a cleft by a third at a time, and on in it
+        vessel.centreline = before.centreline;
+        for (std::size_t k = 0; k < 8; ++k) lay(path.size() / 3 + k, std::max(1e-5, 2e-3 * std::pow(0.35, k)));
+        CHECK(has(notes(), "clings to the wall, at 0.0"));
+        CHECK(has(notes(), " mm, between triangles of "));
     }
 
     TEST_CASE("property: a centreline beside the middle of the lumen is taken with a note that says how far")

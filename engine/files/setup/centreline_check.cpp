@@ -60,7 +60,8 @@ Centreline cured(const Centreline& metres, const Cure& cure)
 class FitMeter {
 public:
     explicit FitMeter(const LoadedVessel& vessel)
-        : openings_(vessel.report.loops),
+        : mesh_(vessel.mesh),
+          openings_(vessel.report.loops),
           lumen_(vessel.mesh, openings_, LumenQuery::Expect::Few),
           enclosure_(vessel.mesh, openings_, lumen_)
     {
@@ -93,14 +94,19 @@ public:
             const bool like = near_end || (ratio > like_low && ratio < like_high);
             // points are half a radius apart: one that falls so far has gone into a cleft between folded triangles
             const double before = length > 0 ? line.radius[static_cast<std::size_t>(line.parent[i])] : 0;
-            const bool clings = ends == Ends::AtOpenings && r < 0.1 * before && to_end[i] > before;
+            // a lumen has three sides at least: one so much narrower than the triangles beside it is a cleft between two of them
+            const double height = 0.1 * least_height(at.triangle);
+            const bool falls = r < 0.1 * before && to_end[i] > before, cleft = r < height && to_end[i] > 10 * height;
+            const bool clings = ends == Ends::AtOpenings && (falls || cleft);
             (in && like ? fit.in : fit.off) += length;
             if ((in && like && !clings) || fit.points_off++ > 0) continue;
             const double away = 1e3 * std::abs(at.signed_distance);
             fit.first = p;
             fit.why = !in      ? fmt::format("lies {:.3g} mm outside of the lumen", away)
                       : !clings ? fmt::format("has a radius of {:.3g} mm, {:.3g} mm from the wall", 1e3 * r, away)
-                                : fmt::format("clings to the wall, at {:.3g} mm, beside one at {:.3g} mm", away, 1e3 * before);
+                      : falls   ? fmt::format("clings to the wall, at {:.3g} mm, beside one at {:.3g} mm", away, 1e3 * before)
+                                : fmt::format("clings to the wall, at {:.3g} mm, between triangles of {:.3g} mm", away,
+                                              1e4 * height);
         }
         fit.ratio = median(ratios), fit.aside = median(asides), fit.share = median(shares);
         return fit;
@@ -145,6 +151,16 @@ private:
         return to_end;
     }
 
+    /// Of a triangle [m].
+    [[nodiscard]] double least_height(std::int64_t triangle) const
+    {
+        const auto& corner = mesh_.triangles[static_cast<std::size_t>(triangle)];
+        const auto at = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(corner[k])]; };
+        const Vec3 a = at(1) - at(0), b = at(2) - at(1), c = at(0) - at(2);
+        return a.cross(b).norm() / std::max({a.norm(), b.norm(), c.norm(), 1e-300});
+    }
+
+    const WallMesh& mesh_;
     const std::vector<BoundaryLoop>& openings_;
     LumenQuery lumen_;
     Enclosure enclosure_;
