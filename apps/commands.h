@@ -29,6 +29,7 @@ void add_live(CommandLine& app, Command& chosen);
 void add_choose_live_model(CommandLine& app, Command& chosen);  // a part of live, not for people
 void add_report(CommandLine& app, Command& chosen);
 void add_farm(CommandLine& app, Command& chosen);
+void add_dataset(CommandLine& app, Command& chosen);
 void add_lab(CommandLine& app, Command& chosen);  // chart, stability, bench: lab/lab_commands.h
 
 /// --time-limit and --device, as `run` has them.

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/note.h"
+#include "dataset.h"
 #include "io/film_write.h"
 #include "io/json_text.h"
 #include "render_frames.h"
@@ -30,12 +31,10 @@ constexpr std::size_t local_tasks = 8;    // for each job: enough that all jobs 
 
 struct FarmArguments {
     fs::path source, sweep, dir;
-    std::vector<std::string> overrides, sbatch, render;
-    std::string frames, backend = "local";
-    std::optional<int> tasks;
-    LocalBackend local;
-    std::string keep;
-    bool bands = false, submit = false, dry_run = false;
+    std::vector<std::string> overrides, render;
+    FarmBackend backend;
+    std::string frames, keep;
+    bool bands = false;
 };
 
 struct ViewOptions {
@@ -43,17 +42,6 @@ struct ViewOptions {
     std::optional<double> fps;
     bool json = false;
 };
-
-/// As many parts as asked for, or as the folder has, or as suit who runs them.
-std::size_t part_count(const FarmArguments& options, std::size_t items, const char* word)
-{
-    if (options.tasks && static_cast<std::size_t>(*options.tasks) > items)
-        throw Error(ErrorKind::BadScene,
-                    fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *options.tasks, items, word));
-    if (options.tasks) return static_cast<std::size_t>(*options.tasks);
-    if (fs::exists(options.dir / "parts.json")) return std::min(items, read_plan(Folder(options.dir)).parts);
-    return std::min(items, options.backend == "slurm" ? slurm_tasks : local_tasks * static_cast<std::size_t>(options.local.jobs));
-}
 
 /// Every run's values are tried. The parts read copies, so that a later edit does not affect half of the table.
 PartPlan plan_sweep(const FarmArguments& options)
@@ -63,7 +51,7 @@ PartPlan plan_sweep(const FarmArguments& options)
     std::vector<std::string> warnings;
     (void)plan_worlds(source, 0, source.item_count(), false, &warnings);
     for (const std::string& warning : warnings) note("seldinger: note: " + warning + "\n");
-    const PartPlan plan = begin_parts(source, sweep_text, part_count(options, source.item_count(), "run"), options.dir);
+    const PartPlan plan = begin_parts(source, sweep_text, options.backend.part_count(options.dir, source.item_count(), "run"), options.dir);
     const Folder parts = Folder(options.dir).make("parts");
     if (!parts.has("scene.toml")) write_file(parts / "scene.toml", scene_text);
     if (!parts.has("sweep.toml")) write_file(parts / "sweep.toml", sweep_text);
@@ -114,7 +102,7 @@ PartPlan plan_frames(const FarmArguments& options, const std::vector<std::string
     }
     const FrameRange range = frames_asked(choice, run.frames.size());
     plan.first = range.first, plan.items = range.count(), plan.rate = film_rate(choice, run, range);
-    plan.parts = part_count(options, plan.items, "frame");
+    plan.parts = options.backend.part_count(options.dir, plan.items, "frame");
     std::vector<std::string> looked = words;
     for (std::size_t k = 0; k + 1 < words.size(); ++k)
         if (words[k] == "--views") looked.push_back(read_file(words[k + 1]));
@@ -145,8 +133,6 @@ void check_words(const FarmArguments& options)
                     "farm: got no work; expected a sweep or frames. Fix: give SCENE.toml --vary SWEEP.toml, or the folder of a "
                     "run with --frames 0:499");
     if (options.dir.empty()) throw Error(ErrorKind::BadScene, "farm: give a folder that all machines share with -o DIR");
-    if (options.submit && options.backend != "slurm")
-        throw Error(ErrorKind::BadScene, "--submit: got no --backend slurm; expected it. Fix: give both");
     const bool frames = !options.frames.empty();
     if (!frames && !options.render.empty())
         throw Error(ErrorKind::BadScene, fmt::format("{}: unknown option; see `seldinger farm --help`", options.render.front()));
@@ -221,6 +207,7 @@ ErrorKind merge(const ViewOptions& options)
 {
     const Folder dir(options.dir);
     const PartPlan plan = read_plan(dir);
+    if (plan.of_dataset() && options.video.empty()) return finish_dataset(options.dir, false);
     if (plan.frames) return merge_frames(dir, plan, options);
     if (!options.video.empty())
         throw Error(ErrorKind::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
@@ -229,53 +216,22 @@ ErrorKind merge(const ViewOptions& options)
 
 // ---------------------------------------------------------------- farm
 
-ErrorKind give_to_slurm(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
-{
-    const Status status = status_of(dir, plan);
-    const auto array = write_slurm_job(dir, plan, command, options.sbatch, status.missing);
-    print(head_of(dir, plan) + (status.missing.empty()
-                                    ? fmt::format("  all done: seldinger farm merge {}\n", options.dir.string())
-                                : options.submit ? submit(dir, array)
-                                                 : "  " + shell_text(array) + "\n"));
-    return ErrorKind::None;
-}
-
-ErrorKind run_and_merge(const Folder& dir, const PartPlan& plan, const PartCommand& command, const FarmArguments& options)
-{
-    const ErrorKind code = run_here(dir, plan, command, options.local);
-    const Status status = status_of(dir, plan);
-    if (code == ErrorKind::TimeLimit || code == ErrorKind::Interrupted)
-        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
-                                      plan.parts - status.missing.size(), plan.parts));
-    if (!status.missing.empty())
-        throw Error(ErrorKind::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them",
-                                                    options.dir.string(), list_ranges(status.missing)));
-    if (!plan.frames && options.local.quiet) return merge_parts({options.dir}).code;
-    return options.local.quiet ? ErrorKind::None : merge({options.dir, {}, {}, false});
-}
-
 ErrorKind farm(FarmArguments& options)
 {
     check_words(options);
     if (options.bands) options.overrides.push_back("output.bands=true");
     if (!options.keep.empty())
         for (const std::string& setting : keep_settings(options.keep)) options.overrides.push_back(setting);
-    if (options.submit) need_slurm();
     options.source = fs::absolute(options.source).lexically_normal();
     options.dir = fs::absolute(options.dir).lexically_normal();
-    if (options.backend == "slurm") check_job_script(options.dir, options.sbatch);
-    const bool frames = !options.frames.empty();
+    options.backend.check(options.dir);
+    const bool frames = !options.frames.empty(), quiet = options.backend.local.quiet;
     const std::vector<std::string> words = farm_words(options.render);
     const PartPlan plan = frames ? plan_frames(options, words) : plan_sweep(options);
-    const Folder dir(options.dir);
-    PartCommand command = frames ? render_command(options, words) : batch_command(options);
-    command.words.insert(command.words.begin(), fs::read_symlink("/proc/self/exe").string());
-    if (options.backend == "slurm") return give_to_slurm(dir, plan, command, options);
-    if (!options.dry_run) return run_and_merge(dir, plan, command, options);
-    std::string text = "# " + head_of(dir, plan);
-    for (const std::size_t part : status_of(dir, plan).missing) text += shell_text(command.of(plan, part)) + "\n";
-    print(text);
-    return ErrorKind::None;
+    return options.backend.run(options.dir, plan, frames ? render_command(options, words) : batch_command(options), [&] {
+        if (!quiet) return merge({options.dir, {}, {}, false});
+        return plan.frames ? ErrorKind::None : merge_parts({options.dir}).code;
+    });
 }
 
 void add_status(CommandLine& farm_command, Command& chosen)
@@ -301,6 +257,74 @@ void add_merge(CommandLine& farm_command, Command& chosen)
 }
 
 }  // namespace
+
+void FarmBackend::declare(CommandLine& command)
+{
+    command.add_option("--tasks", tasks, "how many tasks (default: 8 for each of --jobs; slurm: 200)")
+        ->type_name("N")
+        ->check(in_range(1, 1000000));
+    command.add_option("--backend", name, "local (this machine, now) or slurm (array jobs)")->check(one_of({"local", "slurm"}));
+    command.add_option("--jobs", local.jobs, "local: tasks at a time (default 1)")->type_name("N")->check(in_range(1, 1024));
+    command.add_option("--threads", local.threads, "local: threads of each task (default: all cores, divided by --jobs)")
+        ->type_name("N")
+        ->check(in_range(1, 1024));
+    command.add_option("--device", local.device, "local: OpenCL device, as `seldinger devices` lists them")->type_name("N");
+    command.add_option("--sbatch", sbatch, "slurm: an option of the array job, e.g. --sbatch=--time=60; repeats")
+        ->type_name("OPTION")
+        ->allow_extra_args(false);
+    auto* submit_flag = command.add_flag("--submit", submit, "slurm: submit the jobs (default: print the commands)");
+    command.add_flag("--dry-run", dry_run, "prepare the folder and print a command for each task that is not done")
+        ->excludes(submit_flag);
+    command.add_flag("--quiet", local.quiet, "no progress, no status at the end");
+}
+
+void FarmBackend::check(const fs::path& dir) const
+{
+    if (submit && name != "slurm")
+        throw Error(ErrorKind::BadScene, "--submit: got no --backend slurm; expected it. Fix: give both");
+    if (submit) need_slurm();
+    if (name == "slurm") check_job_script(dir, sbatch);
+}
+
+std::size_t FarmBackend::part_count(const fs::path& dir, std::size_t items, const char* word) const
+{
+    if (tasks && static_cast<std::size_t>(*tasks) > items)
+        throw Error(ErrorKind::BadScene,
+                    fmt::format("--tasks {}: there are only {} {}s; give that many or fewer", *tasks, items, word));
+    if (tasks) return static_cast<std::size_t>(*tasks);
+    if (fs::exists(dir / "parts.json")) return std::min(items, read_plan(Folder(dir)).parts);
+    return std::min(items, name == "slurm" ? slurm_tasks : local_tasks * static_cast<std::size_t>(local.jobs));
+}
+
+ErrorKind FarmBackend::run(const fs::path& path, const PartPlan& plan, PartCommand command,
+                           const std::function<ErrorKind()>& merge) const
+{
+    const Folder dir(path);
+    command.words.insert(command.words.begin(), fs::read_symlink("/proc/self/exe").string());
+    Status status = status_of(dir, plan);
+    if (name == "slurm") {
+        const auto array = write_slurm_job(dir, plan, command, sbatch, status.missing);
+        print(head_of(dir, plan) + (status.missing.empty() ? fmt::format("  all done: seldinger farm merge {}\n", path.string())
+                                    : submit               ? apps::submit(dir, array)
+                                                           : "  " + shell_text(array) + "\n"));
+        return ErrorKind::None;
+    }
+    if (dry_run) {
+        std::string text = "# " + head_of(dir, plan);
+        for (const std::size_t part : status.missing) text += shell_text(command.of(plan, part)) + "\n";
+        print(text);
+        return ErrorKind::None;
+    }
+    const ErrorKind code = run_here(dir, plan, command, local);
+    status = status_of(dir, plan);
+    if (code == ErrorKind::TimeLimit || code == ErrorKind::Interrupted)
+        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
+                                      plan.parts - status.missing.size(), plan.parts));
+    if (!status.missing.empty())
+        throw Error(ErrorKind::Stopped, fmt::format("{}: tasks {} are not done; run the same command again for them",
+                                                    path.string(), list_ranges(status.missing)));
+    return merge();
+}
 
 std::vector<std::string> PartCommand::of(const PartPlan& plan, std::size_t part) const
 {
@@ -337,27 +361,7 @@ void add_farm(CommandLine& app, Command& chosen)
         ->allow_extra_args(false);
     command->add_flag("--bands", options->bands, "each run a second time with half the step, as of batch");
     command->add_option("--keep", options->keep, "files of each run in DIR/runs, as of batch")->type_name("WHAT");
-    command->add_option("--tasks", options->tasks, "how many tasks (default: 8 for each of --jobs; slurm: 200)")
-        ->type_name("N")
-        ->check(in_range(1, 1000000));
-    command->add_option("--backend", options->backend, "local (this machine, now) or slurm (array jobs)")
-        ->check(one_of({"local", "slurm"}));
-    command->add_option("--jobs", options->local.jobs, "local: tasks at a time (default 1)")
-        ->type_name("N")
-        ->check(in_range(1, 1024));
-    command
-        ->add_option("--threads", options->local.threads, "local: threads of each task (default: all cores, divided by --jobs)")
-        ->type_name("N")
-        ->check(in_range(1, 1024));
-    command->add_option("--device", options->local.device, "local: OpenCL device, as `seldinger devices` lists them")
-        ->type_name("N");
-    command->add_option("--sbatch", options->sbatch, "slurm: an option of the array job, e.g. --sbatch=--time=60; repeats")
-        ->type_name("OPTION")
-        ->allow_extra_args(false);
-    auto* submit_flag = command->add_flag("--submit", options->submit, "slurm: submit the jobs (default: print the commands)");
-    command->add_flag("--dry-run", options->dry_run, "prepare the folder and print a command for each task that is not done")
-        ->excludes(submit_flag);
-    command->add_flag("--quiet", options->local.quiet, "no progress, no status at the end");
+    options->backend.declare(*command);
     add_status(*command, chosen);
     add_merge(*command, chosen);
     command->callback([options, command, &chosen] {

@@ -5,10 +5,14 @@
 #include "core/error.h"
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace seldinger::apps {
+
+class CommandLine;
 
 /// What runs one part: these words of this program, then `option` with the part: --part 3/40, or --frames 20:29.
 struct PartCommand {
@@ -24,6 +28,25 @@ struct LocalBackend {
 /// Runs every part that is not done, in `jobs` processes at a time, and waits for those that others run.
 /// @return Done, or TimeLimit, Interrupted after a signal, or a failed part's code. @throws Error
 ErrorKind run_here(const Folder& dir, const PartPlan& plan, const PartCommand& command, const LocalBackend& backend);
+
+/// The options that say who runs the parts.
+struct FarmBackend {
+    std::string name = "local";
+    std::optional<int> tasks;
+    LocalBackend local;
+    std::vector<std::string> sbatch;
+    bool submit = false, dry_run = false;
+
+    void declare(CommandLine& command);
+    /// What its words alone can get wrong. @param dir  absolute   @throws Error BadScene, BadFile
+    void check(const std::filesystem::path& dir) const;
+    /// As many parts as asked for, or as the folder has, or as suit who runs them. @throws Error BadScene
+    [[nodiscard]] std::size_t part_count(const std::filesystem::path& dir, std::size_t items, const char* word) const;
+    /// Runs what is not done here, or gives it to Slurm, or prints it. @param command  without the program's name
+    /// @param merge  where all is there   @throws Error
+    ErrorKind run(const std::filesystem::path& dir, const PartPlan& plan, PartCommand command,
+                  const std::function<ErrorKind()>& merge) const;
+};
 
 /// Refuses a folder or an option that would become commands of a job's script. Before anything is made. @throws Error BadScene
 void check_job_script(const std::filesystem::path& dir, const std::vector<std::string>& options);

@@ -24,7 +24,11 @@ namespace {
 class LocalFarm {
 public:
     LocalFarm(const Folder& dir, const PartPlan& plan, const PartCommand& command, const LocalBackend& backend)
-        : dir_(dir), plan_(plan), command_(command), jobs_(static_cast<std::size_t>(backend.jobs)), quiet_(backend.quiet),
+        : dir_(dir),
+          plan_(plan),
+          command_(command),
+          jobs_(static_cast<std::size_t>(backend.jobs)),
+          quiet_(backend.quiet),
           shows_(!backend.quiet && isatty(STDERR_FILENO))
     {
         // parts that run at a time share the cores: threads of one would wait for those of another
@@ -35,7 +39,7 @@ public:
         };
         add("--parent", getpid());
         if (threads > 0) add("--threads", threads);
-        if (backend.device >= 0 && !plan.frames) add("--device", backend.device);
+        if (backend.device >= 0 && (!plan.frames || plan.of_dataset())) add("--device", backend.device);
         for (std::size_t part = 1; part <= plan.parts; ++part) open_.push_back(part);
     }
     ~LocalFarm()
@@ -52,9 +56,7 @@ public:
             reap();
             if (asked_ == 0 && (asked_ = stop_asked_for()) != 0)
                 for (const Child& child : children_) kill(child.process, asked_);
-            if (shows_)
-                note(fmt::format("\r\033[Ktask {} of {}{}", plan_.parts - open_.size(), plan_.parts,
-                                 open_.empty() ? "\r\033[K" : ""));
+            if (shows_) show();
             const bool waits = children_.empty() && left;
             if (waits && !quiet_ && ++waits_ == 20)
                 note(fmt::format("{}: waiting for {} tasks that other processes have\n", dir_.path().string(), open_.size()));
@@ -65,6 +67,18 @@ public:
     }
 
 private:
+    /// Tasks that are done, and the time that the rest takes if it goes on like this.
+    void show() const
+    {
+        const std::size_t done = plan_.parts - open_.size();
+        std::string left;
+        if (ended_ > 0 && !open_.empty())
+            left =
+                fmt::format(", {:.0f} s left", std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() *
+                                                   static_cast<double>(open_.size()) / static_cast<double>(ended_));
+        note(fmt::format("\r\033[Ktask {} of {}{}{}", done, plan_.parts, left, open_.empty() ? "\r\033[K" : ""));
+    }
+
     struct Child {
         pid_t process;
         std::size_t part;
@@ -106,6 +120,7 @@ private:
             if (waitpid(child.process, &status, WNOHANG) != child.process) return false;
             worst_ = std::max(worst_, exit_code(status));
             std::erase(open_, child.part);
+            ++ended_;
             return true;
         });
     }
@@ -118,6 +133,8 @@ private:
     std::vector<Child> children_;
     bool quiet_, shows_;
     int worst_ = 0, asked_ = 0, waits_ = 0;
+    std::size_t ended_ = 0;  // here
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/note.h"
+#include "dataset.h"
 #include "io/coco_write.h"
 #include "io/png_read.h"
 
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -112,19 +114,39 @@ ErrorKind labels(const LabelsArguments& options)
 {
     if (fs::is_directory(options.coco))
         throw Error(ErrorKind::BadFile, options.coco.string() + ": got a folder; expected the name of a file, e.g. coco.json");
-    CocoWriter coco;
-    std::vector<CutOff> cut_off;  // by category
-    const std::vector<fs::path> files = label_files_in(options.dir);
-    for (const fs::path& file : files) add_picture(file, coco, cut_off);
     make_folder_of(options.coco);
-    write_file(options.coco, coco.finish());
-    if (options.quiet) return ErrorKind::None;
-    print(fmt::format("{}: {} pictures, {} annotations\n", options.coco.string(), files.size(), coco.annotation_count()));
-    warn_of(cut_off);
+    write_coco(label_files_in(options.dir), options.coco, options.quiet);
     return ErrorKind::None;
 }
 
 }  // namespace
+
+void write_coco(const std::vector<fs::path>& files, const FilePlace& to, bool quiet)
+{
+    CocoWriter coco;
+    std::vector<CutOff> cut_off;  // by category
+    for (const fs::path& file : files) add_picture(file, coco, cut_off);
+    write_file(to, coco.finish());
+    if (quiet) return;
+    print(fmt::format("{}: {} pictures, {} annotations\n", to.path().string(), files.size(), coco.annotation_count()));
+    warn_of(cut_off);
+}
+
+void warn_of_field(const std::vector<fs::path>& files)
+{
+    std::map<std::string, CutOff> cut_off;  // by name
+    for (const fs::path& file : files) {
+        const nlohmann::json labels = nlohmann::json::parse(read_file(file));
+        for (const nlohmann::json& instrument : labels.at("instruments")) {
+            CutOff& of = cut_off[instrument.at("name").get<std::string>()];
+            of.name = instrument.at("name").get<std::string>();
+            if (!instrument.at("in_field").empty()) of.take_in(instrument.at("in_field"));
+        }
+    }
+    std::vector<CutOff> all;
+    for (const auto& [name, of] : cut_off) all.push_back(of);
+    warn_of(all);
+}
 
 void add_labels(CommandLine& app, Command& chosen)
 {

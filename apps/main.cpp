@@ -73,8 +73,10 @@ int run_command_line(int argc, char** argv)
     add_choose_live_model(app, chosen);
     add_report(app, chosen);
     add_farm(app, chosen);
+    add_dataset(app, chosen);
     add_lab(app, chosen);
-    for (const char* command : {"run", "batch", "check", "init", "vessel", "chart", "stability", "plan", "bench", "live", "farm"})
+    for (const char* command : {"run", "batch", "check", "init", "vessel", "chart", "stability", "plan", "bench", "live", "farm",
+                                "dataset"})
         app.subcommand(command)->add_flag_callback(
             "--no-vessel-cache", [] { ::setenv("SELDINGER_VESSEL_CACHE", "off", 1); },  // for processes of its own, too
             "do without the cache of prepared vessels (as SELDINGER_VESSEL_CACHE=off)");

@@ -12,7 +12,7 @@ HEAD = """# Options of every command
 
 Written by `tests/docs/options.py` from `--help`; `docs/options` in ctest holds the page to the program. What the commands do: [command-line.md](command-line.md).
 """
-ANCHORS = {"chart": "speed-accuracy.md", "stability": "stability.md", "plan": "planner.md", "live": "live.md", "farm": "farm.md", "labels": "labels.md",
+ANCHORS = {"chart": "speed-accuracy.md", "stability": "stability.md", "plan": "planner.md", "live": "live.md", "farm": "farm.md", "labels": "labels.md", "dataset": "labels.md#a-data-set-in-one-command",
            "instruments": "instruments.md", "init": "command-line.md#a-first-scene", "render": "command-line.md#what-a-picture-shows",
            "batch": "command-line.md#what-a-batch-does", "bench": "command-line.md#what-a-benchmark-measures", "run": "command-line.md#what-a-run-writes"}
 

@@ -31,7 +31,10 @@ struct PartPlan {
     [[nodiscard]] Range range(std::size_t part) const { return {(part - 1) * items / parts, part * items / parts}; }
     [[nodiscard]] std::size_t size(std::size_t part) const { return range(part).end - range(part).begin; }
     [[nodiscard]] std::string name(std::size_t part) const { return std::to_string(part) + "-of-" + std::to_string(parts); }
-    [[nodiscard]] const char* item_word() const { return frames ? "frame" : "run"; }
+    /// What each run of a data set leaves when it is done: its frames are made by the part that made the run.
+    static constexpr const char* dataset_file = "runs/run_######.json";
+    [[nodiscard]] bool of_dataset() const { return files == std::vector<std::string>{dataset_file}; }
+    [[nodiscard]] const char* item_word() const { return frames && !of_dataset() ? "frame" : "run"; }
 };
 
 /// 16 hex digits over texts in order.
