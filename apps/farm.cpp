@@ -51,7 +51,8 @@ PartPlan plan_sweep(const FarmArguments& options)
     std::vector<std::string> warnings;
     (void)plan_worlds(source, 0, source.item_count(), false, &warnings);
     for (const std::string& warning : warnings) note("seldinger: note: " + warning + "\n");
-    const PartPlan plan = begin_parts(source, sweep_text, options.backend.part_count(options.dir, source.item_count(), "run"), options.dir);
+    const PartPlan plan =
+        begin_parts(source, sweep_text, options.backend.part_count(options.dir, source.item_count(), "run"), options.dir);
     const Folder parts = Folder(options.dir).make("parts");
     if (!parts.has("scene.toml")) write_file(parts / "scene.toml", scene_text);
     if (!parts.has("sweep.toml")) write_file(parts / "sweep.toml", sweep_text);
@@ -306,7 +307,8 @@ ErrorKind FarmBackend::run(const fs::path& path, const PartPlan& plan, PartComma
         const auto array = write_slurm_job(dir, plan, command, sbatch, status.missing);
         print(head_of(dir, plan) + (status.missing.empty() ? fmt::format("  all done: seldinger farm merge {}\n", path.string())
                                     : submit               ? apps::submit(dir, array)
-                                                           : "  " + shell_text(array) + "\n"));
+                                                           : fmt::format("  {}\n  then: {}\n", shell_text(array),
+                                                                         shell_text({command.words.front(), "farm", "merge", path.string()}))));
         return ErrorKind::None;
     }
     if (dry_run) {

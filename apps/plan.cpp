@@ -68,12 +68,16 @@ ErrorKind plan_scene(PlanArguments& options)
         const NoPolling loading;
         return load_study_scene(read_scene(options.scene), what.device);
     }();
+    if (scene.scene.until != Until::Time && !options.quiet)
+        note(fmt::format(
+            "seldinger: note: scene.until ends a run early, but all {:.3g} s of scene.duration_s are planned for. Fix: make "
+            "it end where the run does\n",
+            scene.scene.duration));
     const Plan plan = make_plan(scene, what);
     if (shows) note("\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
-        throw Error(kind_of(plan),
-                    fmt::format("interrupted; all finished runs are kept in {}, and the same command continues",
-                                what.trials.string()));
+        throw Error(kind_of(plan), fmt::format("interrupted; all finished runs are kept in {}, and the same command continues",
+                                               what.trials.string()));
     write_plan(plan, what.goals, files);
     if (options.json) print(plan_json(plan, what.goals, files));
     else if (!options.quiet) print(plan_report(plan, what.goals, files));
@@ -99,8 +103,7 @@ void add_plan(CommandLine& app, Command& chosen)
         ->add_option("--peak-force-tolerance", options->peak_tolerance,
                      "allowed error of the largest hand force, friction and force per length (20 ms means), e.g. 10% or 5mN")
         ->type_name("SHARE|FORCE");
-    command
-        ->add_option("--rate", options->what.goals.rate, "real time: steps of at most 1/N s, each computed within that time")
+    command->add_option("--rate", options->what.goals.rate, "real time: steps of at most 1/N s, each computed within that time")
         ->check(positive())
         ->type_name("N");
     command

@@ -252,7 +252,7 @@ private:
                 outcome = {ErrorKind::Stopped, outcome.summary, fmt::format("{}; last good state in {}", failure_, dir)};
                 break;
             case RunStatus::TimeLimit:
-                outcome = {ErrorKind::TimeLimit, outcome.summary, "stopped by a limit " + saved};
+                outcome = {ErrorKind::TimeLimit, outcome.summary, "stopped by a limit or SIGTERM " + saved};
                 break;
             case RunStatus::Interrupted:
                 outcome = {ErrorKind::Interrupted, outcome.summary, "interrupted " + saved};

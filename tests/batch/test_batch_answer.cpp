@@ -1,6 +1,6 @@
 // The answer of a batch: counts, ranking, resolved differences, and digits.
-#include "run/force_text.h"
 #include "batch/batch_answer.h"
+#include "run/force_text.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -64,10 +64,11 @@ TEST_SUITE("batch/batch_answer")
         CHECK(line(layout(true), rows) ==
               "3 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.100 ± 0.012 N; not told apart "
               "from "
-              "run 1 (terumo-angled-035), 0.13 ± 0.02 N");
+              "run 1 (terumo-angled-035), 0.13 ± 0.02 N (± by the step; `run` adds nodes and facets)");
         rows[4].numbers[column_index("until_patch_force_max_n")] = 0.1295;
         CHECK(line(layout(true), rows) ==
-              "3 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.100 ± 0.012 N");
+              "3 of 3 reached left subclavian; least peak on 5 mm of wall: run 0 (bentson-035), 0.100 ± 0.012 N "
+              "(± by the step; `run` adds nodes and facets)");
         CHECK(answer_of(layout(true), rows).ranking[0].band == test::about(0.012));
         // with half the step it misses: its readings until then are not comparable
         rows[3] = row(3, false, false, 0.05);
@@ -117,8 +118,9 @@ TEST_SUITE("batch/batch_answer")
     {
         std::vector<BatchRow> rows = {row(0, true, true, 0.10), row(1, false, false, 0.1, 3), row(2, false, false, 0.1, 3)};
         rows[2].numbers[column_index("left_through")] = 2;
-        CHECK(line(layout(false), rows).starts_with("1 of 3 reached left subclavian, the others ended in branch 3 (1 run), "
-                                                    "left the vessel through inlet 2 (1 run); least peak"));
+        CHECK(line(layout(false), rows)
+                  .starts_with("1 of 3 reached left subclavian, the others ended in branch 3 (1 run), "
+                               "left the vessel through inlet 2 (1 run); least peak"));
         BatchLayout free = layout(false);
         free.task = false;
         CHECK(line(free, {rows[2]}) == "tips left the vessel through inlet 2 (1 run)");

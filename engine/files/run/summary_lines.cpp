@@ -45,10 +45,12 @@ std::string means_for_people(double end_seconds, const Json* estimate)
 }
 
 /// The tip's band, its largest source and what shrinks that.
-std::string tip_for_people(const Json& e)
+std::string tip_for_people(const Json& s)
 {
-    return fmt::format("; tip ± {:.2g} mm, mostly by the {} (less with {})", 1e3 * e.at("tip_band_m").get<double>(),
-                       e.at("tip_largest_source").get<std::string>(), e.at("tip_advice").get<std::string>());
+    const Json& e = s.at("error_estimate");
+    return fmt::format("; tip ± {:.2g} mm, mostly by the {} (less with {}{})", 1e3 * e.at("tip_band_m").get<double>(),
+                       e.at("tip_largest_source").get<std::string>(), e.at("tip_advice").get<std::string>(),
+                       s.contains("wall_move_max_m") ? "; facets of an elastic wall are not counted" : "");
 }
 
 /// Whether bands are known: from windows, or of an equilibrium.
@@ -74,7 +76,7 @@ std::string forces_for_people(const Json& s)
                        force("hand_force_n", "hand_force_mean_n"), force("hand_force_peak_n", "hand_force_max_n"),
                        is_release ? " as the wire springs free" : "", force("friction_peak_n", "friction_max_n"),
                        means_for_people(span, has_bands ? &s.at("error_estimate") : nullptr),
-                       has_bands ? tip_for_people(s.at("error_estimate")) : "");
+                       has_bands ? tip_for_people(s) : "");
 }
 
 /// Hands of the instruments but the first, a line each.
