@@ -3,6 +3,8 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/fnv1a.h"
+#include "models/run_model.h"
 #include "record/recorder.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
@@ -13,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <sstream>
 
 namespace test_force_plugin {
 
@@ -106,6 +109,17 @@ TEST_SUITE("setup/force_plugin")
         says(fails("without numbers"), "force \"pull\": got a force that is not finite");
     }
 
+    TEST_CASE("property: what plugins are compiled against has not changed without a new version")
+    {
+        std::string declared;
+        std::istringstream lines(read_file(std::filesystem::path(SEL_SOURCE_DIR) / "engine/include/seldinger/solve/force.h"));
+        for (std::string line; std::getline(lines, line);)
+            for (const char c : line.substr(0, line.find("//")))
+                if (c != ' ') declared += c;
+        CHECK_MESSAGE(fmt::format("{:016x}", fnv1a(declared.data(), declared.size())) == "763bf326280c416c",
+                      "force.h has changed: count SELDINGER_FORCE_VERSION up, and put this hash here");
+    }
+
     TEST_CASE("property: a plugin's force has the bits of the same force of a program, in twins, too, and comes back from a file")
     {
         const Plugins plugins(SEL_PLUGINS);
@@ -134,6 +148,16 @@ TEST_SUITE("setup/force_plugin")
         CHECK(write_scene(read(written), std::filesystem::temp_directory_path()) == written);
         says(written, "pull_n = [0.0, 0.0, 0.001]");
         says(written, "name = \"upwards\"");
+    }
+
+    // A study's own audit knows loads alone: what a force puts in would be energy from nothing.
+    TEST_CASE("property: a study does not take the work of a plugin's force for energy made from nothing")
+    {
+        const Plugins plugins(SEL_PLUGINS);
+        const StudyScene study = load_study_scene(read(scene_with("force_plugin", "pull_n = [0.0, 0.0, 0.5]\nat_m = 0.05")));
+        const ModelRun run = run_model(study, model_of(study.scene), {});
+        CHECK(run.complete);
+        CHECK(!run.verdict.had(Outcome::BlowUp));
     }
 
     TEST_CASE("property: a record has a row for each step in which its first number changes, and goes on after a checkpoint")
