@@ -51,9 +51,13 @@ class Fleet:
     def __init__(self, task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> None:
         self.task, self.count = task, len(variants)
         self.world = World(task.scene, copies=variants, device=device, **task.overrides)
-        self.world._held = True
         start = self.world._world.start()
         self.wires = len(start) // self.count
+        for force, on in task.forces:
+            if not 0 <= on < self.wires:
+                raise ValueError(f"forces: got instrument {on}; expected 0 to {self.wires - 1}")
+            self.world.on_step(force, range(on, len(start), self.wires))
+        self.world._held = True
         self.home = np.array([[a, t] for _, a, t, _ in start])  # [systems wires, 2]
         self.longest = np.array([length - 0.02 for *_, length in start])
         self.least = self.home[:, 0] + task.least_advance

@@ -13,7 +13,7 @@ _ON = {"nodes": 1, "edges": 2}
 class Points:
     """What a force sees of its points, and where it writes what acts on them.
 
-    Read: `time` (end of the sub-step) and `dt` (its length, 0 in an equilibrium) [s]; `s`, distance from the tip along the unstressed
+    Read: `time` (end of the sub-step) and `dt` (its length, 0 in an equilibrium) [s]; `wire`, the instrument's number, [points]; `s`, distance from the tip along the unstressed
     wire, and `length` of the wire that a point stands for (0: a point alone) [m], [points]; `position` [m], `velocity` [m/s], `axis`
     (unit, in the direction of insertion), `director` (unit, of the material), `turning` (angular velocity [rad/s]), [points, 3]; `state`.
 
@@ -21,11 +21,11 @@ class Points:
     turn), and `damping`, d(force, moment)/d(velocity, turning), [points, 6, 6]; in `accept`: `state`.
     """
 
-    __slots__ = ("time", "dt", "s", "length", "position", "velocity", "axis", "director", "turning", "state", "_out")
+    __slots__ = ("time", "dt", "wire", "s", "length", "position", "velocity", "axis", "director", "turning", "state", "_out")
 
-    def __init__(self, s: Any, length: Any, position: Any, velocity: Any, axis: Any, director: Any, turning: Any, state: Any, *out: Any) -> None:
+    def __init__(self, wire: Any, s: Any, length: Any, position: Any, velocity: Any, axis: Any, director: Any, turning: Any, state: Any, *out: Any) -> None:
         self.time = self.dt = 0.0
-        self.s, self.length, self.position, self.velocity = s, length, position, velocity
+        self.wire, self.s, self.length, self.position, self.velocity = wire, s, length, position, velocity
         self.axis, self.director, self.turning, self.state = axis, director, turning, state
         self._out = dict(zip(("force", "moment", "tangent", "damping"), out))
 
@@ -60,7 +60,13 @@ class Force:
     state : sequence of float
         Numbers that the force remembers, at the start. They are saved, hashed and restored with the world, and change in `accept` only.
     name : str
-        In messages; default: the name of the class.
+        In messages, and in sensor_NAME.csv; default: the name of the class.
+    together : bool
+        On several instruments: `forces` and `tangents` are asked once for the points of all, one instrument after the other (`p.wire`).
+        No state then.
+    record : sequence of str
+        Of a sensor: names of the first numbers of the state, for `output.sensors` and sensor_NAME.csv of a run. The first is the time of
+        the sample, or whatever changes with each.
 
     Examples
     --------
@@ -85,8 +91,9 @@ class Force:
 
     each_trial = True
 
-    def __init__(self, at: Union[float, str, Sequence[float]] = 0.0, state: Sequence[float] = (), name: str | None = None) -> None:
-        self.at, self.state, self.name = at, state, name
+    def __init__(self, at: Union[float, str, Sequence[float]] = 0.0, state: Sequence[float] = (), name: str | None = None,
+                 together: bool = False, record: Sequence[str] = ()) -> None:
+        self.at, self.state, self.name, self.together, self.record = at, state, name, together, record
 
     def forces(self, p: Points) -> Any:
         """Writes `p.force` and `p.moment`, or returns the force, or (force, moment)."""
@@ -122,7 +129,8 @@ class Force:
             lists[name] = values.astype(float).tolist()
         own = type(self)
         return {"name": str(getattr(self, "name", None) or own.__name__), "on": _ON[at] if isinstance(at, str) else 0, **lists,
-                "each_trial": bool(self.each_trial),
+                "each_trial": bool(self.each_trial), "together": bool(getattr(self, "together", False)),
+                "record": [str(column) for column in getattr(self, "record", ())],
                 "has": [getattr(own, method) is not getattr(Force, method) for method in ("tangents", "energy", "accept")]}
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import pickle
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,6 +14,7 @@ import numpy as np
 from gymnasium import spaces
 
 from . import _engine
+from ._force import Force
 from ._scene import Scene, SceneLike
 from ._studies import sweep
 from ._world import World
@@ -77,6 +80,9 @@ class Navigate:
         Width of the detector [m].
     image_stack : int
         Pictures of the last controls, oldest first, as further channels; an episode begins with copies of its first picture.
+    forces : sequence of Force, or of (Force, instrument)
+        Forces of your own (docs/forces.md), on the first instrument of each environment or on another one. With `together=True` a force is
+        asked once for all environments of a world.
     progress_line : bool
         A line on stderr where start-up takes more than a second.
     """
@@ -114,10 +120,16 @@ class Navigate:
     image_c_arm: Union[None, str, Sequence[str]] = None
     image_field: Optional[float] = None
     image_stack: int = 1
+    forces: Sequence[Any] = ()
     progress_line: bool = True
 
     def __post_init__(self) -> None:
         self.observation = tuple(self.observation)
+        self.forces = tuple(given if isinstance(given, tuple) else (given, 0) for given in self.forces)
+        for given in self.forces:
+            if len(given) != 2 or not isinstance(given[0], Force):
+                raise ValueError(f"forces: got {given!r:.60}; expected seldinger.Force objects, or (force, instrument)")
+        self._forces_as_given = " ".join(f"{type(force).__qualname__} {_contents(force)} on {on}" for force, on in self.forces)
         unknown = [p for p in self.observation if p not in PARTS]
         if unknown:
             raise ValueError(f"observation: got {unknown}; expected some of {list(PARTS)}")
@@ -178,6 +190,8 @@ class Navigate:
                      "ahead_spacing", "vary", *pictures):
             of[name] = repr(getattr(self, name))
         of["overrides"] = repr(sorted(self.overrides.items()))
+        if self.forces:
+            of["forces"] = self._forces_as_given
         return of
 
     def hubs(self) -> int:
@@ -214,6 +228,17 @@ class Navigate:
             parts: dict[str, spaces.Space] = {p: box(width) for p, width in widths.items()}
             seen = spaces.Dict({**parts, "image": picture} if self.image is not None else parts)
         return seen, spaces.Box(-1.0, 1.0, (2 * self.hubs(),), np.float32)
+
+
+def _contents(force: Force) -> str:
+    """What tells two forces of a class apart: their pickled bytes, or, where they have none, which of the process they are."""
+    try:
+        return str(zlib.crc32(pickle.dumps(force)))
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return force.__dict__.setdefault("_number", f"number {next(_unpicklable)}")
+
+
+_unpicklable = itertools.count()
 
 
 def branches(world: World) -> list[np.ndarray]:

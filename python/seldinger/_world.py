@@ -68,11 +68,18 @@ class Control:
     def __init__(self) -> None:
         self.targets: dict[Union[int, str], tuple[float, float]] = {}
         self.loads: list[tuple[Union[int, str], float, np.ndarray, np.ndarray]] = []
+        self.pushes: dict[Union[int, str], tuple[float, float, float]] = {}
 
     def move_to(self, instrument: Union[int, str] = 0, advance: float = 0.0, turn: float = 0.0) -> "Control":
         """At the end of the call the hub of `instrument` (an index or a name) has `advance` [m] of wire pushed in and is turned by
         `turn` [rad], right-handed about the direction of insertion. The speed is constant."""
         self.targets[instrument] = (float(advance), float(turn))
+        return self
+
+    def push(self, instrument: Union[int, str] = 0, force: float = 0.0, turn: float = 0.0, spring: float = 0.0) -> "Control":
+        """Pushes a hub that a force drives (`feed.hub_mass_kg`) with `force` [N], and turns it. With `spring` [N/m] the force falls by that
+        much per metre that the hub goes on in the step: a spring to a hand or a motor, taken at the end of the step."""
+        self.pushes[instrument] = tuple(float(_reals(v, (), "push")) for v in (force, turn, spring))  # type: ignore[assignment]
         return self
 
     def load(self, instrument: Union[int, str] = 0, at: float = 0.0, force: Sequence[float] = (0.0, 0.0, 0.0),
@@ -150,7 +157,7 @@ class World:
         names = self._world.names()
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
         self._settled = False
-        self._forces: list[tuple[int, Force]] = []
+        self._forces: list[tuple[list[int], Force]] = []
         self._held = False  # by an environment, which counts on nobody else moving it
 
     # -- description ---------------------------------------------------------------------------------------------------
@@ -247,9 +254,11 @@ class World:
             return StepReport(*self._world.step(None, None, n, dt))
         targets, moves = self._targets(control)
         loads = [[self._index(k), at, *force, *moment] for k, at, force, moment in getattr(control, "loads", ())]
-        return StepReport(*self._world.step(targets, moves, n, dt, loads=np.array(loads, float).reshape(-1, 8)))
+        pushes = [[self._index(k), *push] for k, push in getattr(control, "pushes", {}).items()]
+        return StepReport(*self._world.step(targets, moves, n, dt, loads=np.array(loads, float).reshape(-1, 8),
+                                            pushes=np.array(pushes, float).reshape(-1, 4)))
 
-    def on_step(self, force: Union[Force, Callable[[Points], Any]], instrument: Union[int, str] = 0,
+    def on_step(self, force: Union[Force, Callable[[Points], Any]], instrument: Union[int, str, Sequence[Union[int, str]]] = 0,
                 at: Union[float, str, Sequence[float]] = 0.0) -> Force:
         """A force of your own acts on an instrument from the next step on.
 
@@ -258,8 +267,8 @@ class World:
         force : Force or function
             A `Force` is asked at every trial of Newton's method. A function of `Points` is asked once, at the start of a (sub-)step, and
             what it returns, a force [points, 3] or (force, moment), acts through it.
-        instrument : int or str
-            Index or name.
+        instrument : int, str or a sequence of them
+            Index or name; of several, each feels it.
         at
             Points of a function, as `Force.at`.
 
@@ -282,8 +291,9 @@ class World:
         (False, True)
         """
         own = force if isinstance(force, Force) else _OnStep(force, at)
-        self._world.add_force(self._index(instrument), own, own._about())
-        self._forces.append((self._index(instrument), own))
+        on = [self._index(k) for k in ([instrument] if isinstance(instrument, (int, str, np.integer)) else instrument)]
+        self._world.add_force(on, own, own._about())
+        self._forces.append((on, own))
         return own
 
     def settle(self) -> StepReport:

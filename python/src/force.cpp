@@ -8,6 +8,7 @@ namespace seldinger::python {
 namespace {
 
 using Array = py::array_t<double, py::array::c_style>;
+using Numbers = py::array_t<int, py::array::c_style>;
 
 thread_local const Handle* asking = nullptr;  // whose force is being called
 
@@ -21,12 +22,15 @@ public:
         places = about["places"].cast<std::vector<double>>();
         state = about["state"].cast<std::vector<double>>();
         each_trial = about["each_trial"].cast<bool>();
+        together = about["together"].cast<bool>();
+        record = about["record"].cast<std::vector<std::string>>();
         has_ = about["has"].cast<std::array<bool, 3>>();
     }
     ~PythonForce() override
     {
         const py::gil_scoped_acquire lock;
         for (Array* array : arrays()) array->release().dec_ref();
+        wire_.release().dec_ref();
         seen_.release().dec_ref();
         own_.release().dec_ref();
     }
@@ -82,6 +86,8 @@ private:
     void make(py::ssize_t count) const
     {
         const py::ssize_t three = 3, six = 6;
+        wire_ = Numbers(count);
+        wire_.attr("setflags")(py::arg("write") = false);
         for (Array* array : {&s_, &length_}) *array = Array(count);
         for (Array* array : {&position_, &velocity_, &axis_, &director_, &turning_, &force_, &moment_})
             *array = Array({count, three});
@@ -90,17 +96,19 @@ private:
         for (Array* array : {&s_, &length_, &position_, &velocity_, &axis_, &director_, &turning_, &state_})
             array->attr("setflags")(py::arg("write") = false);
         seen_ = py::module_::import("seldinger._force")
-                    .attr("Points")(s_, length_, position_, velocity_, axis_, director_, turning_, state_, force_, moment_,
-                                    tangent_, damping_);
+                    .attr("Points")(wire_, s_, length_, position_, velocity_, axis_, director_, turning_, state_, force_,
+                                    moment_, tangent_, damping_);
     }
 
     void show(const ForcePoints& at) const
     {
-        const auto fill = [](const Array& to, auto from) {
-            std::copy_n(reinterpret_cast<const double*>(from.data()), to.size(), const_cast<double*>(to.data()));
+        const auto fill = [](const auto& to, auto from) {
+            using Value = std::remove_cvref_t<decltype(*to.data())>;
+            std::copy_n(reinterpret_cast<const Value*>(from.data()), to.size(), const_cast<Value*>(to.data()));
         };
         if (!seen_ || s_.size() != static_cast<py::ssize_t>(at.s.size())) make(static_cast<py::ssize_t>(at.s.size()));
-        fill(s_, at.s), fill(length_, at.length), fill(position_, at.position), fill(velocity_, at.velocity);
+        fill(wire_, at.wire), fill(s_, at.s), fill(length_, at.length);
+        fill(position_, at.position), fill(velocity_, at.velocity);
         fill(axis_, at.axis), fill(director_, at.director), fill(turning_, at.turning), fill(state_, at.state);
         seen_.attr("time") = at.time;
         seen_.attr("dt") = at.dt;
@@ -123,6 +131,7 @@ private:
     const Handle& handle_;
     mutable py::object own_, seen_;
     std::array<bool, 3> has_{};  // tangents, energy, accept
+    mutable Numbers wire_;
     mutable Array s_, length_, position_, velocity_, axis_, director_, turning_, state_, force_, moment_, tangent_, damping_;
 };
 

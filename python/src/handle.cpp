@@ -168,7 +168,7 @@ World& Handle::world() const
 }
 
 StepReport Handle::one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt,
-                            const std::vector<PointLoad>& loads)
+                            const ControlForces& forces)
 {
     if (!targets) return seldinger::step(*world_, keys_.control(), dt);
     control_.clear();
@@ -178,12 +178,13 @@ StepReport Handle::one_step(const std::vector<HubTarget>* targets, const std::ve
         const auto between = [share](double a, double b) { return share == 1 ? b : a + share * (b - a); };
         control_.move_to(static_cast<int>(k), between(from.advance, to.advance), between(from.turn, to.turn));
     }
-    for (const PointLoad& load : loads) control_.load(load.instrument, load.at, load.force, load.moment);
+    for (const HubPush& push : forces.pushes) control_.push(push.instrument, push.force, push.turn, push.spring);
+    for (const PointLoad& load : forces.loads) control_.load(load.instrument, load.at, load.force, load.moment);
     return seldinger::step(*world_, control_, dt);
 }
 
 StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on,
-                         const std::vector<PointLoad>& loads)
+                         const ControlForces& forces)
 {
     World& at = world();
     failed_.assign(static_cast<std::size_t>(at.wire_count()), 0);
@@ -198,7 +199,7 @@ StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double d
     StepSummary all;
     while (all.steps < n) {
         const StepReport report =
-            one_step(targets, start, static_cast<double>(all.steps + 1) / static_cast<double>(n), dt, loads);
+            one_step(targets, start, static_cast<double>(all.steps + 1) / static_cast<double>(n), dt, forces);
         all.report.flags |= report.flags;
         all.report.newton_iterations = std::max(all.report.newton_iterations, report.newton_iterations);
         all.report.sub_steps = std::max(all.report.sub_steps, report.sub_steps);
@@ -364,6 +365,24 @@ void visit(Wire& wire, Raw raw, List list)
     list(wire.director), list(wire.position), list(wire.velocity), list(wire.contact_force);
 }
 
+/// Names of a sensor in a row, each closed by a 0.
+std::vector<char> names_of(const SensorOutput& sensor)
+{
+    std::vector<char> all(sensor.name.c_str(), sensor.name.c_str() + sensor.name.size() + 1);
+    for (const std::string& column : sensor.columns) all.insert(all.end(), column.c_str(), column.c_str() + column.size() + 1);
+    return all;
+}
+
+void set_names(SensorOutput& sensor, const std::vector<char>& all)
+{
+    std::vector<std::string> names(1);
+    for (const char letter : all) letter ? names.back().push_back(letter) : (void)names.emplace_back();
+    names.pop_back();
+    if (names.size() != sensor.values.size() + 1) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
+    sensor.name = names.front();
+    sensor.columns.assign(names.begin() + 1, names.end());
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> pack(const std::vector<ScoreNumbers>& scores)
@@ -390,7 +409,11 @@ std::vector<std::uint8_t> pack(const Output& output)
     const auto list = [&](const auto& value) { put_list(bytes, value); };
     raw(output.time), raw(output.step), raw(output.parts);
     raw(static_cast<std::uint64_t>(output.wires.size()));
-    for (const WireOutput& wire : output.wires) visit(wire, raw, list);
+    for (const WireOutput& wire : output.wires) {
+        visit(wire, raw, list);
+        raw(static_cast<std::uint64_t>(wire.sensors.size()));
+        for (const SensorOutput& sensor : wire.sensors) list(names_of(sensor)), list(sensor.values);
+    }
     raw(static_cast<std::uint64_t>(output.walls.size()));
     for (const WallOutput& wall : output.walls) raw(wall.readings), list(wall.displacement), list(wall.stress);
     list(output.contacts);
@@ -412,7 +435,15 @@ std::shared_ptr<const Output> unpack(const std::vector<std::uint8_t>& bytes)
     raw(output->time), raw(output->step), raw(output->parts);
     resize(output->wires);
     if (output->wires.empty()) throw Error(ErrorKind::BadFile, "the pickled state is damaged");
-    for (WireOutput& wire : output->wires) visit(wire, raw, list);
+    for (WireOutput& wire : output->wires) {
+        visit(wire, raw, list);
+        resize(wire.sensors);
+        for (SensorOutput& sensor : wire.sensors) {
+            std::vector<char> names;
+            list(names), list(sensor.values);
+            set_names(sensor, names);
+        }
+    }
     resize(output->walls);
     for (WallOutput& wall : output->walls) raw(wall.readings), list(wall.displacement), list(wall.stress);
     list(output->contacts);

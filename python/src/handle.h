@@ -25,6 +25,15 @@ struct PointLoad {
     double at;  // from the tip [m]
     Vec3 force, moment;
 };
+/// A force on the hub likewise (Control::push).
+struct HubPush {
+    int instrument;
+    double force, turn, spring;
+};
+struct ControlForces {
+    std::vector<PointLoad> loads;
+    std::vector<HubPush> pushes;
+};
 
 /// What became of the steps of one call.
 struct StepSummary {
@@ -64,7 +73,7 @@ public:
     /// `n` steps of dt. @param targets  per instrument; none: the hubs follow the scene's key frames
     /// @param go_on  past a step that failed; else a world of one system stops there
     StepSummary step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on = false,
-                     const std::vector<PointLoad>& loads = {});
+                     const ControlForces& forces = {});
     /// Per instrument: whether a step of the last call failed.
     [[nodiscard]] const std::vector<std::uint8_t>& failed() const { return failed_; }
     StepReport settle();
@@ -108,7 +117,7 @@ private:
     void forget_output();
     void follow_tasks(double dt);
     StepReport one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt,
-                        const std::vector<PointLoad>& loads);
+                        const ControlForces& forces);
 
     std::vector<Scene> scenes_;
     KeyFrames keys_{std::vector<std::vector<FeedKey>>{}};

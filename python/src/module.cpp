@@ -62,8 +62,11 @@ std::vector<HubTarget> targets_from(const Reals& targets, const py::array_t<bool
 }
 
 py::tuple step(Handle& handle, const py::object& targets, const py::object& moves, long n, double dt, bool go_on,
-               const Reals& loads)
+               const Reals& loads, const Reals& pushes)
 {
+    std::vector<HubPush> pushed;
+    for (py::ssize_t k = 0; k < pushes.shape(0); ++k)
+        pushed.push_back({static_cast<int>(*pushes.data(k, 0)), *pushes.data(k, 1), *pushes.data(k, 2), *pushes.data(k, 3)});
     std::vector<PointLoad> list;
     for (py::ssize_t k = 0; k < loads.shape(0); ++k) {
         const double* row = loads.data(k, 0);
@@ -71,7 +74,7 @@ py::tuple step(Handle& handle, const py::object& targets, const py::object& move
     }
     std::optional<std::vector<HubTarget>> asked;
     if (!targets.is_none()) asked = targets_from(targets.cast<Reals>(), moves.cast<py::array_t<bool, py::array::c_style>>());
-    const StepSummary done = alone(handle, [&] { return handle.step(asked ? &*asked : nullptr, n, dt, go_on, list); });
+    const StepSummary done = alone(handle, [&] { return handle.step(asked ? &*asked : nullptr, n, dt, go_on, {list, pushed}); });
     return summary(done.report, done.steps);
 }
 
@@ -158,10 +161,16 @@ void bind_world(py::module_& module)
         },
         py::call_guard<py::gil_scoped_release>());
     c.def("step", &step, py::arg("targets"), py::arg("moves"), py::arg("n"), py::arg("dt"), py::arg("go_on") = false,
-          py::arg("loads") = Reals(std::vector<py::ssize_t>{0, 8}));
-    c.def("add_force", [](Handle& h, int instrument, const py::object& own, const py::dict& about) {
+          py::arg("loads") = Reals(std::vector<py::ssize_t>{0, 8}), py::arg("pushes") = Reals(std::vector<py::ssize_t>{0, 4}));
+    c.def("add_force", [](Handle& h, const std::vector<int>& instruments, const py::object& own, const py::dict& about) {
         const std::shared_ptr<const Force> force = python_force(h, own, about);
-        alone(h, [&] { h.world().add_force(instrument, force); });
+        alone(h, [&] {
+            const double most = force->places.empty() ? 0 : *std::ranges::max_element(force->places);
+            // the one that refuses it comes first, so that none has it
+            for (const int k : instruments)
+                if (most > h.world().setup().wires.at(k).wire.length) h.world().add_force(k, force);
+            for (const int k : instruments) h.world().add_force(k, force);
+        });
     });
     c.def("settle", [](Handle& h) { return summary(alone(h, [&] { return h.settle(); }), 0); });
     c.def("output", [](Handle& h) { return OutputView{alone(h, [&] { return h.output(); })}; });

@@ -148,6 +148,18 @@ void add_wire(py::class_<View>& c, Get get)
         "energy", [get](const View& v) { return ledger(get(v).readings.energy); },
         "dict of float, J: the energy balance.");
     c.def_property_readonly(
+        "sensors",
+        [get](const View& v) {
+            py::dict all;
+            for (const SensorOutput& sensor : get(v).sensors)
+                for (std::size_t k = 0; k < sensor.columns.size(); ++k) {
+                    if (k == 0) all[py::str(sensor.name)] = py::dict();
+                    all[py::str(sensor.name)][py::str(sensor.columns[k])] = sensor.values[k];
+                }
+            return all;
+        },
+        "dict of dict of float: what each sensor last measured (`Force.record`), by name and column.");
+    c.def_property_readonly(
         "at_rest", [get](const View& v) { return get(v).at_rest; }, "bool.");
     c.def_property_readonly(
         "failed", [get](const View& v) { return get(v).report.failed(); }, "bool: of its last step.");

@@ -208,6 +208,77 @@ def test_a_force_without_tangents_moves_as_one_with_them():
     assert np.abs(ends[0] - ends[1]).max() < 1e-7
 
 
+class Shared(seldinger.Force):
+    """Drag and weight by instrument on every node, asked for all at once or one by one."""
+
+    def __init__(self, together):
+        super().__init__(at="nodes", together=together)
+        self.calls = 0
+
+    def forces(self, p):
+        self.calls += 1
+        p.force = -1e-3 * p.velocity
+        p.force[:, 2] += 1e-4 * (1 + p.wire)
+
+    def tangents(self, p):
+        p.damping[:, :3, :3] = -1e-3 * np.eye(3)
+
+
+def test_a_force_of_several_instruments_is_asked_once_for_all_with_the_same_bits():
+    worlds, forces = [seldinger.World(WIRE, copies=[[]] * 3) for _ in range(2)], [Shared(True), Shared(False)]
+    for world, force in zip(worlds, forces):
+        world.on_step(force, instrument=range(3))
+        assert not world.step(n=5).failed
+    assert worlds[0].state_hash() == worlds[1].state_hash()
+    assert worlds[0].state_hash(0) != worlds[0].state_hash(1)
+    assert 2.5 < forces[1].calls / forces[0].calls <= 3
+    again = pickle.loads(pickle.dumps(worlds[0]))
+    for world in (worlds[0], again):
+        world.step()
+    assert again.state_hash() == worlds[0].state_hash()
+
+
+@pytest.mark.parametrize("given", [{"state": [1.0], "together": True}, {"record": ["time_s"]}])
+def test_a_state_that_cannot_be_kept_is_refused(given):
+    with pytest.raises(seldinger.Error, match="state: got some|record: got 1 names"):
+        seldinger.World(WIRE).on_step(type("Odd", (seldinger.Force,), {"forces": lambda self, p: None})(**given))
+
+
+def test_of_several_instruments_all_get_a_force_or_none():
+    world = seldinger.World(WIRE, copies=[[], ["wire.length_m=0.1"]])
+    before = world.state_hash()
+    with pytest.raises(seldinger.Error, match="0.15 m"):
+        world.on_step(Shared(True).__class__.__bases__[0](at=0.15, state=[1.0]), instrument=[0, 1])
+    assert world.state_hash() == before
+
+
+def test_samples_of_a_sensor_go_with_the_state():
+    coil = example("em_coil").Coil(noise=0.0)
+    world = seldinger.World(WIRE, scene__dt_s=0.01)
+    world.on_step(coil)
+    world.step(n=4)
+    sample = world.output.sensors["coil"]
+    assert list(sample) == ["time_s", "x_m", "y_m", "z_m"] and sample["time_s"] == pytest.approx(0.03) and sample["x_m"] != 0
+    state = pickle.loads(pickle.dumps(world.save()))
+    world.step(n=10)
+    assert world.output.sensors["coil"] != sample
+    world.restore(state)
+    assert world.output.sensors["coil"] == sample
+
+
+def test_a_push_moves_a_hub_with_a_mass_and_no_other():
+    drive = example("robot_backlash")
+    world = seldinger.World({**drive.SCENE, "scene": {**drive.SCENE["scene"], "dt_s": 1e-4}}, set=["feed.hub_friction_n=0.0"])
+    world.step(seldinger.Control().push(0, 0.1), n=100)
+    wire = np.pi * 4e-4**2 * 6500.0 * 0.05  # kg, inside
+    speed = 0.1 / drive.DAMPING * (1 - np.exp(-drive.DAMPING * 0.01 / (drive.MASS + wire)))
+    # backward Euler is dt c/2 m behind, and outside of the wire is no mass
+    assert (world.output.inserted - 0.0) == pytest.approx(0.1 / drive.DAMPING * (0.01 - speed / 0.1 * (drive.MASS + wire)), rel=0.03)
+    with pytest.raises(seldinger.Error):
+        seldinger.World({**drive.SCENE, "feed": {**{k: v for k, v in drive.SCENE["feed"].items() if not k.startswith("hub")},
+                                                 "keys": [{"t_s": 0.0, "advance_m": 0.05}]}}).step(seldinger.Control().push(0, 0.1))
+
+
 # ---- examples
 
 def test_the_spring_of_the_example_deflects_by_the_formula():
@@ -224,3 +295,36 @@ def test_the_magnet_of_the_example_bends_the_wire_to_the_exact_elastica(share, a
 
 def test_becks_column_flutters_at_its_load():
     assert example("becks_column").flutter_load() == pytest.approx(20.05, rel=0.01)
+
+
+def test_a_pull_wire_bends_to_a_circle_and_less_with_friction():
+    pull_wire = example("pull_wire")
+    turned, formula, spread = pull_wire.tip_angle(3.0, 0.0)
+    assert turned == pytest.approx(formula, rel=0.02) and spread < 0.02
+    turned, formula, spread = pull_wire.tip_angle(3.0, 0.3)
+    assert turned == pytest.approx(formula, rel=0.02) and spread > 0.2
+
+
+def test_blood_drags_a_wire_by_the_formula():
+    computed, formula = example("blood_drag").deflection()
+    assert computed == pytest.approx(formula, rel=0.01)
+
+
+def test_a_dipole_bends_a_magnetic_tip_by_the_formula():
+    computed, formula = example("magnet_dipole").deflection()
+    assert computed == pytest.approx(formula, rel=1e-3)
+
+
+def test_a_coil_measures_at_its_rate_with_its_noise_and_seed():
+    em_coil = example("em_coil")
+    samples, tips = em_coil.record(duration=1.0, rate=40.0, noise=5e-4, seed=3)
+    dt = seldinger.World("swing").dt
+    assert len(samples) == int(40 * dt * round(1 / dt) + 1e-6) and np.allclose(np.diff(samples[:, 0]), 1 / 40, atol=dt)
+    error = samples[:, 1:] - tips  # 120 numbers: their spread is known to 6.5 %, their mean to 46 um; four times that
+    assert error.std() == pytest.approx(5e-4, rel=0.26) and abs(error.mean()) < 4 * 4.6e-5
+    assert np.array_equal(samples, em_coil.record(seed=3)[0]) and not np.array_equal(samples, em_coil.record(seed=4)[0])
+
+
+def test_a_drive_loses_its_play_and_its_friction():
+    found, formula = example("robot_backlash").lost_motion()
+    assert found == pytest.approx(formula, rel=0.01)

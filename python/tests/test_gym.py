@@ -264,3 +264,45 @@ def test_an_image_is_seen():
     seen, _ = env.reset(seed=0)
     assert seen["image"].shape == (8, 8, 1) and env.observation_space.contains(seen)
     env.close()
+
+
+class Weight(seldinger.Force):
+    """A pull on the tip, asked for all environments at once."""
+
+    def __init__(self, pull):
+        super().__init__(at=0.0, together=True)
+        self.pull, self.points = pull, 0
+
+    def forces(self, p):
+        self.points = max(self.points, len(p.force))
+        p.force[:, 2] = self.pull
+
+
+def test_forces_act_in_environments_and_their_starts():
+    nodes, seen = {}, {}
+    for pull in (0.0, 1e-3):
+        force = Weight(pull)
+        vector = seldinger.gym.NavigateVectorEnv(2, forces=[force], **SMALL)
+        single = seldinger.gym.NavigateEnv(forces=[(Weight(pull), 0)], **SMALL)
+        seen[pull] = vector.reset(seed=5)[0]["shape"]
+        assert np.array_equal(seen[pull][0], single.reset(seed=5)[0]["shape"])  # starts are those of the forces, alone or together
+        vector.step(np.full((2, 2), 0.5, np.float32))
+        assert force.points == 2
+        kept = vector.save()
+        vector.step(np.full((2, 2), 0.5, np.float32))
+        nodes[pull] = vector._fleet.world.output.nodes.copy()
+        vector.restore(kept)
+        vector.step(np.full((2, 2), 0.5, np.float32))
+        assert np.array_equal(vector._fleet.world.output.nodes, nodes[pull])
+        other = seldinger.gym.NavigateVectorEnv(2, forces=[Weight(2e-3)], **SMALL)
+        with pytest.raises(ValueError, match="forces"):
+            other.restore(kept)
+        for made in (vector, single, other):
+            made.close()
+    assert not np.array_equal(seen[0.0], seen[1e-3]) and not np.array_equal(nodes[0.0], nodes[1e-3])
+
+
+@pytest.mark.parametrize("forces, says", [([lambda p: None], "expected seldinger.Force"), ([(Weight(0.0), 3)], "instrument 3")])
+def test_forces_that_are_none_are_refused(forces, says):
+    with pytest.raises(ValueError, match=says):
+        seldinger.gym.NavigateEnv(forces=forces, **SMALL).reset()

@@ -85,6 +85,7 @@ def scenes():
         "hold": [(free, ["hold", 0])],
         "load": [(dict(free, load=[dict(at="tip", force_n=[0.0, 0.0, -0.001])]), ["load", 0])],
         "link": [(dict(free, link=[dict(at=0.05, anchor=[0.05, 0.0, 0.0], stiffness_n_m=0.5)]), ["link", 0])],
+        "force": [(dict(free, force=[dict(plugin="force_plugin.so", pull_n=[0.0, 0.0, 0.001])]), ["force", 0])],
         "wall_load": [(dict(elastic, wall_load=[dict(at=[0.0, 0.0, 0.005], force_n=[0.0, 0.0, 0.05])]), ["wall_load", 0])],
         "task": [(dict(fed, task=dict(text="t")), ["task"])],
         "task.target": [(dict(fed, task=dict(target=dict(point=[0.05, 0.0, 0.0]))), ["task", "target"])],
@@ -150,6 +151,7 @@ def main():
         return 1
     chosen = given.tables.split(",") if given.tables else list(bases)
     cases = [(t, way, base, key, v) for t in chosen for base, way in bases[t] for key in listed[t] for v in VALUES][::every]
+    os.environ["SELDINGER_PLUGINS"] = str(app.parent / "tests")
     counts, failures = Counter(), 0
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)

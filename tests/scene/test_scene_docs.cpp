@@ -42,11 +42,12 @@ const std::string two =
     stiff + "[instrument.feed]\nkeys = [{t_s = 0.0, advance_m = 0.06}]\n[coaxial]\norder = [\"outer\", \"inner\"]\n" +
     "[[hold]]\ninstrument = \"inner\"\nat = \"tip\"\nspin = true\n[[load]]\ninstrument = \"inner\"\nat = \"tip\"\nforce_n = "
     "[0.0, 0.0, 1.0]\n"
-    "[[link]]\ninstrument = \"inner\"\nat = \"tip\"\nanchor = [0.0, 0.0, 0.0]\nstiffness_n_m = 1.0\n";
+    "[[link]]\ninstrument = \"inner\"\nat = \"tip\"\nanchor = [0.0, 0.0, 0.0]\nstiffness_n_m = 1.0\n"
+    "[[force]]\ninstrument = \"inner\"\nplugin = \"wall.stl\"\nname = \"pull\"\n";
 const std::string bases[] = {
     head + stiff + "place = {}\n[[wire.section]]\nfrom_tip_m = [0.0, 0.05]\n" + tube +
         "[[hold]]\nposition = true\n[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n"
-        "[[link]]\nat = \"tip\"\nanchor = [0.0, 0.0, 0.0]\nstiffness_n_m = 1.0\n",
+        "[[link]]\nat = \"tip\"\nanchor = [0.0, 0.0, 0.0]\nstiffness_n_m = 1.0\n[[force]]\nplugin = \"wall.stl\"\n",
     head + "youngs_pa = 6e10\nplace = {shape = \"ring\"}\n[[wire.section]]\nfrom_tip_m = [0.0, 0.05]\n" +
         "[vessel]\nshape = \"arc\"\nradius_m = 0.01\nbend_radius_m = 0.03\nangle_deg = 90.0\n" +
         "[[hold]]\nspin = true\n[[load]]\nat = \"tip\"\nmoment_nm = [0.0, 0.0, 1.0]\n",

@@ -61,6 +61,12 @@ public:
     {
         if (accepted) accepted(at, next);
     }
+    [[nodiscard]] bool tangents(const ForcePoints& at, std::span<PointTangent> out) const override
+    {
+        if (tangent) tangent(at, out);
+        return tangent != nullptr;
+    }
+    std::function<void(const ForcePoints&, std::span<PointTangent>)> tangent;
     [[nodiscard]] double energy(const ForcePoints& at) const override { return potential ? potential(at) : 0; }
     std::function<void(const ForcePoints&, std::span<double>)> accepted;
     std::function<double(const ForcePoints&)> potential;
@@ -442,6 +448,54 @@ TEST_SUITE("solve/given forces")
         world.add_force(0, nodes);
         REQUIRE(!step(world, 1e-3).failed());
         CHECK(whole == about(length).epsilon(1e-12));
+    }
+
+    TEST_CASE("property: a force of several instruments is asked once for all, with the bits of one of each")
+    {
+        WorldSetup setup = cantilever();
+        for (int k = 0; k < 2; ++k) setup.wires.push_back(setup.wires[0]);
+        for (const Scheme scheme : {Scheme::Newton, Scheme::Linearised})
+            for (const bool tangents : {true, false}) {
+                setup.integrator.scheme = scheme;
+                World apart(setup), joined(setup);
+                int calls = 0, most = 0;
+                const auto drag = [&](bool together) {
+                    auto made = law([&](const ForcePoints& at, std::span<PointForce> out) {
+                        calls += together;
+                        most = std::max(most, static_cast<int>(out.size()));
+                        for (std::size_t k = 0; k < out.size(); ++k)
+                            out[k].force = (1e-4 + 1e-4 * at.wire[k]) * Vec3(0, 0, 1) - 1e-3 * at.velocity[k];
+                    });
+                    if (tangents)
+                        made->tangent = [](const ForcePoints&, std::span<PointTangent> out) {
+                            for (PointTangent& of : out)
+                                for (int c = 0; c < 3; ++c) of.damping[c][c] = -1e-3;
+                        };
+                    made->on = Force::On::Nodes;
+                    made->together = together;
+                    return made;
+                };
+                const auto one = drag(true);
+                for (int k = 0; k < 3; ++k) {
+                    apart.add_force(k, drag(false));
+                    joined.add_force(k, one);
+                }
+                for (int k = 0; k < 4; ++k) REQUIRE(!step(apart, 1e-3).failed());
+                const int each = most;
+                for (int k = 0; k < 4; ++k) REQUIRE(!step(joined, 1e-3).failed());
+                CHECK(joined.state_hash() == apart.state_hash());
+                CHECK(joined.state_hash(0) != joined.state_hash(1));
+                CHECK(most == 3 * each);
+                CHECK(calls > 0);
+            }
+        World world(setup);
+        auto odd = spring({}, 1);
+        odd->together = true;
+        odd->state = {1};
+        CHECK(error_text([&] { world.add_force(0, odd); }).find("state: got some") != std::string::npos);
+        odd->state = {};
+        odd->record = {"time_s"};
+        CHECK(error_text([&] { world.add_force(0, odd); }).find("record: got 1 names") != std::string::npos);
     }
 
     // M x B at a tip that is magnetised along its axis, B across: B_s theta'' = -M B cos(theta), clamped at theta = 0 (theta the

@@ -23,7 +23,7 @@ struct Checkpoint {
     std::uint64_t vessel_hash = 0;  // of the repaired wall: a changed mesh file cannot be resumed on
     RunStatus status = RunStatus::Running;
     RunTally tally;
-    std::vector<std::uint64_t> trace_bytes;  // length of trace.csv, and of each trace_NAME.csv
+    std::vector<std::uint64_t> trace_bytes;  // length of trace.csv, each trace_NAME.csv and sensor_NAME.csv
     std::vector<FrameMark> wire_frames, contact_frames;
     std::vector<std::uint8_t> state;  // World::save_state()
 };

@@ -49,6 +49,7 @@ bool is_own(const std::string& name, const std::vector<std::string>& instruments
     const auto is_file = [&](const std::string& own) { return name == own || (name.starts_with(own) && name.ends_with(".tmp")); };
     if (std::any_of(std::begin(own_series), std::end(own_series), digits_after)) return true;
     if (std::any_of(std::begin(own_files), std::end(own_files), is_file)) return true;
+    if (name.starts_with("sensor_") && name.ends_with(".csv")) return true;
     return std::any_of(instruments.begin(), instruments.end(), [&](const std::string& of) {
         return is_file("trace_" + of + ".csv") || is_file(of + ".csv") || is_file(of + ".pvd") || digits_after(of + "_");
     });
@@ -127,7 +128,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     make_folder(dir_);
     remove_old_run(dir_);
     write_file(dir_ / "scene.toml", resolved_);
-    begin_traces({});
+    begin_traces(world, {});
     has_wall_ = !mesh_.triangles.empty();
     closed_ends_ = closed_ends_of(world, vessel_);
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
@@ -167,7 +168,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
                     fmt::format("{}: {}; run again with --overwrite", (dir_ / "checkpoint.bin").string(), error.what()));
     }
     resolved_ = saved.scene;
-    begin_traces(saved.trace_bytes);
+    begin_traces(world, saved.trace_bytes);
     forget_lost_frames();
     readings_ = joint_readings(world, 0);
     tally_.resumes++;
@@ -302,6 +303,7 @@ void Recorder::stepped(const Output& now, const StepReport& report, double secon
     take_in(now, report, scene_.step_length(static_cast<long>(tally_.steps - 1)));
     take_greatest(now);
     tally_.rest_steps = rest_steps;
+    write_samples(now);
     if (due(tally_.steps, scene_.record_every)) write_row(now);
     if (due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
     if (due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);

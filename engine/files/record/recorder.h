@@ -5,7 +5,7 @@
 // Frames are named after their step (wire_000120.vtp), so that a resumed run writes the same files again. Rows of trace.csv hold
 // the accepted state of their step; newton, flags and step_ms are the worst, the union and the mean since the row before. With
 // [[instrument]] tables, trace.csv reads all instruments as one (joint_readings.h); trace_NAME.csv, NAME.csv and the series
-// NAME.pvd show each one alone.
+// NAME.pvd show each one alone. Sensors (Force::record) that the world has when the run begins have sensor_NAME.csv.
 
 #include "bands/grid_error.h"
 #include "core/file_io.h"
@@ -72,7 +72,8 @@ private:
     void take_in(const Output& now, const StepReport& report, double dt);
     [[nodiscard]] bool may_bear_most(const World& world) const;
     void take_greatest(const Output& now);
-    void begin_traces(const std::vector<std::uint64_t>& kept);
+    void begin_traces(const World& world, const std::vector<std::uint64_t>& kept);
+    void write_samples(const Output& now);
     void write_row(const Output& now);
     [[nodiscard]] std::string row_of(const WireReadings& r, const WireOutput& wire, const Output& now,
                                      const std::string& contact);
@@ -100,7 +101,8 @@ private:
     ClosedEnds closed_ends_;
     bool elastic_ = false;             // and it is elastic
     double move_nodes_ = 0, stress_nodes_ = 0;  // error of its load by nodes, as a share of what it does
-    std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
+    std::vector<AppendFile> traces_;  // trace.csv, of several instruments each one's, of sensors
+    std::vector<double> sensed_;      // first number of each sensor's last row
     RunTally tally_;
     long passed_ = 0;        // equilibria on the way of a static run
     WireReadings readings_;  // of all instruments, in the last accepted step

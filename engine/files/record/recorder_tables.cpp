@@ -4,8 +4,10 @@
 #include "setup/joint_readings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace seldinger {
@@ -36,16 +38,38 @@ std::string Recorder::csv(double value)
     return {};
 }
 
-/// Opens trace.csv and each instrument's, new or cut to what a checkpoint has seen.
-void Recorder::begin_traces(const std::vector<std::uint64_t>& kept)
+/// Opens trace.csv and each instrument's and sensor's, new or cut to what a checkpoint has seen.
+void Recorder::begin_traces(const World& world, const std::vector<std::uint64_t>& kept)
 {
-    std::vector<std::string> names = {"trace.csv"};
+    std::vector<std::string> names = {"trace.csv"}, headers;
     for (int k = 0; k < scene_.instrument_count(); ++k)
         if (const std::string& label = scene_.instrument(k).label; !label.empty()) names.push_back("trace_" + label + ".csv");
+    headers.assign(names.size(), trace_header());
+    for (const WireOutput& wire : world.output(Output::Numbers).wires)
+        for (const SensorOutput& sensor : wire.sensors) {
+            std::string stem = "sensor_" + sensor.name.substr(0, 64);
+            std::ranges::replace_if(stem, [](unsigned char c) { return !std::isalnum(c) && c != '-'; }, '_');
+            while (std::ranges::count(names, stem + ".csv") > 0) stem += "_2";
+            names.push_back(stem + ".csv");
+            headers.push_back(fmt::format("{}\n", fmt::join(sensor.columns, ",")));
+            sensed_.push_back(sensor.values[0]);
+        }
     for (std::size_t k = 0; k < names.size(); ++k) {
         traces_.emplace_back(dir_ / names[k], k < kept.size() ? kept[k] : 0);
-        if (kept.empty()) traces_.back().append(trace_header());
+        if (k >= kept.size()) traces_.back().append(headers[k]);
     }
+}
+
+void Recorder::write_samples(const Output& now)
+{
+    std::size_t k = 0;
+    for (const WireOutput& wire : now.wires)
+        for (const SensorOutput& sensor : wire.sensors) {
+            if (k == sensed_.size()) return;  // given to the world after the run had begun
+            if (sensor.values[0] != sensed_[k])
+                traces_[traces_.size() - sensed_.size() + k].append(fmt::format("{}\n", fmt::join(sensor.values, ",")));
+            sensed_[k++] = sensor.values[0];
+        }
 }
 
 void Recorder::write_row(const Output& now)
@@ -60,7 +84,7 @@ void Recorder::write_row(const Output& now)
     const ContactAlong wall = joint_along(now.wires, &WireOutput::on_wall);
     const ContactAlong instruments = joint_along(now.wires, &WireOutput::on_instruments);
     traces_[0].append(row_of(readings_, now.wires[0], now, patch_fields(area, pressure) + along_fields(wall, instruments)));
-    for (std::size_t k = 1; k < traces_.size(); ++k) {
+    for (std::size_t k = 1; k < traces_.size() - sensed_.size(); ++k) {
         const WireOutput& wire = now.wires[k - 1];
         const std::string contact = patch_fields(wire.contact_area, wire.contact_pressure_max);
         traces_[k].append(row_of(wire.readings, wire, now, contact + along_fields(wire.on_wall, wire.on_instruments)));

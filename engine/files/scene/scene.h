@@ -44,7 +44,13 @@ struct SceneFeed {
 
 inline constexpr std::size_t most_scene_instruments = 16;
 
-/// One instrument of a scene, and what [[hold]], [[load]] and [[link]] say of it.
+/// [[force]] of a scene.
+struct SceneForce {
+    std::string plugin, name;
+    ForceKeys keys;
+};
+
+/// One instrument of a scene, and what [[hold]], [[load]], [[link]] and [[force]] say of it.
 struct SceneInstrument {
     std::string label;  // `name` of its [[instrument]]; empty: it is the one of [wire] and [feed]
     WireSpec wire;
@@ -52,6 +58,7 @@ struct SceneInstrument {
     std::vector<HoldSpec> holds;
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;
+    std::vector<SceneForce> forces;
 };
 
 /// As an instrument, the first one: the only one of most scenes.

@@ -151,6 +151,7 @@ std::vector<Table> tables(Scene& s)
         for (HoldSpec& h : i.holds) add("hold", "[[hold]]", hold(h, i.label));
         for (LoadSpec& l : i.loads) add("load", "[[load]]", load(l, i.label));
         for (LinkSpec& l : i.links) add("link", "[[link]]", link(l, i.label));
+        for (SceneForce& f : i.forces) add("force", "[[force]]", force(f, i.label));
     }
     for (WallLoad& l : s.vessel.loads) add("wall_load", "[[wall_load]]", wall_load(l));
     if (s.task.on) add("task", "[task]", task(s.task));

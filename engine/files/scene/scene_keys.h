@@ -31,6 +31,8 @@ inline constexpr int most_steps = 1'000'000'000, most_nodes = 200'000;
 [[nodiscard]] std::vector<Key> hold(HoldSpec& h, std::string& instrument);
 [[nodiscard]] std::vector<Key> load(LoadSpec& l, std::string& instrument);
 [[nodiscard]] std::vector<Key> link(LinkSpec& l, std::string& instrument);
+/// With the plugin's own keys, by the names that its ForceKeys have.
+[[nodiscard]] std::vector<Key> force(SceneForce& f, std::string& instrument);
 [[nodiscard]] std::vector<Key> wall_load(WallLoad& l);
 [[nodiscard]] std::vector<Key> task(TaskSpec& t);
 [[nodiscard]] std::vector<Key> target(TaskSpec& t);

@@ -1,4 +1,4 @@
-// Keys of [wire], [[instrument]], [coaxial], [feed], [[hold]], [[load]] and [[link]].
+// Keys of [wire], [[instrument]], [coaxial], [feed], [[hold]], [[load]], [[link]] and [[force]].
 #include "scene/scene_keys.h"
 
 #include "scene/toml_text.h"
@@ -269,6 +269,23 @@ std::vector<Key> link(LinkSpec& l, std::string& instrument)
         {"stiffness_n_m", "N/m", number(l.stiffness, positive), "stiffness of the spring", needed},
         {"move", "s, m", rows<4>(l.move, 1, "[t_s, dx, dy, dz]"), "displacement of the anchor, piecewise linear", none},
     };
+}
+
+std::vector<Key> force(SceneForce& f, std::string& instrument)
+{
+    std::vector<Key> keys = {
+        {"plugin", "", &f.plugin,
+         "a library with a [force of your own](forces.md#plugins), in a folder that `SELDINGER_PLUGINS` names", needed},
+        {"instrument", "", &instrument, "the instrument", "*needed* with several"},
+        {"name", "", &f.name, "in messages and in `sensor_NAME.csv`", "the plugin's", quiet_if(f.name.empty())},
+    };
+    for (auto& [name, text] : f.keys.texts) keys.push_back({name, "", &text, ""});
+    for (auto& [name, list] : f.keys.lists) {
+        Numbers numbers{{}, "numbers"};
+        for (double& value : list) numbers.values.push_back(&value);
+        keys.push_back({name, "", list.size() == 1 ? number(list[0], any_number) : Value(numbers), ""});
+    }
+    return keys;
 }
 
 }  // namespace seldinger::keys

@@ -151,7 +151,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     scene.source = file;
     const TableReader all(root, "",
                           {"scene", "wire", "instrument", "coaxial", "integrator", "vessel", "contact", "feed", "hold", "load",
-                           "link", "wall_load", "task", "carm", "contrast", "output"});
+                           "link", "force", "wall_load", "task", "carm", "contrast", "output"});
     // an absent table reads as an empty one that stands where the file begins
     auto table = [&](std::string_view name) -> const toml::table& {
         static const toml::table none = toml::parse("");

@@ -37,7 +37,7 @@ void read_instruments(const toml::table& root, Scene& scene);
 /// What instruments that share a centreline, or touch each other, cannot be joined with. All of that has been read.
 void check_several(const toml::table& root, const Scene& scene);
 
-/// [[hold]], [[load]], [[link]], each to the instrument that it names.
+/// [[hold]], [[load]], [[link]], [[force]], each to the instrument that it names.
 void read_holds_and_loads(const toml::table& root, Scene& scene);
 
 /// Calls `read` for each of the tables [[name]], with its path "name.0".

@@ -1,9 +1,10 @@
-// Holds, loads and links of the instruments: [[hold]], [[load]], [[link]].
+// Holds, loads, links and forces of the instruments: [[hold]], [[load]], [[link]], [[force]].
 #include "scene/scene_read.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 namespace seldinger {
 namespace {
@@ -132,12 +133,30 @@ void read_link(const toml::table& table, const std::string& path, Scene& scene)
     instrument.links.push_back(std::move(link));
 }
 
+void read_force(const toml::table& table, const std::string& path, Scene& scene)
+{
+    SceneForce force;
+    std::string instrument;
+    for (const auto& [key, value] : table) {  // what is not the engine's is the plugin's
+        const std::string name(key.str());
+        if (name == "plugin" || name == "instrument" || name == "name") continue;
+        const auto fits = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
+        if (name.empty() || name.size() > longest_word || !std::ranges::all_of(name, fits))
+            fail_at(key.source(), path, "expected keys of letters, digits and _, at most 64");
+        if (value.is_string()) force.keys.texts[name];
+        else force.keys.lists[name].resize(value.is_array() ? value.as_array()->size() : 1);
+    }
+    const TableReader t(table, path, keys::force(force, instrument));
+    t.read(keys::force(force, instrument), scene.source);
+    instrument_of(t, instrument, scene).forces.push_back(std::move(force));
+}
+
 }  // namespace
 
 void read_holds_and_loads(const toml::table& root, Scene& scene)
 {
     const std::pair<const char*, void (*)(const toml::table&, const std::string&, Scene&)> lists[] = {
-        {"hold", read_hold}, {"load", read_load}, {"link", read_link}};
+        {"hold", read_hold}, {"load", read_load}, {"link", read_link}, {"force", read_force}};
     for (const auto& [name, read] : lists)
         for_each_table(root, name, name,
                        [&, read = read](const toml::table& table, const std::string& path) { read(table, path, scene); });

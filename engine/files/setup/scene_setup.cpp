@@ -5,6 +5,7 @@
 #include "io/mesh_file.h"
 #include "rod/place.h"
 #include "scene/scene_names.h"
+#include "setup/force_plugin.h"
 #include "setup/start_inside.h"
 #include "setup/vessel_load.h"
 #include "vessel/inlets.h"
@@ -286,7 +287,9 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
         const std::size_t begin = setup.wires.size();
         for (int k = 0; k < scene.instrument_count(); ++k) {
             const SceneInstrument& from = scene.instrument(k);
-            WireSetup wire{from.wire, from.feed.inlet(), scene.contact, from.holds, from.loads, from.links, {}, {}, from.label};
+            WireSetup wire{from.wire, from.feed.inlet(), scene.contact, from.holds, from.loads, from.links,
+                           {},        {},                {},            from.label};
+            for (const SceneForce& force : from.forces) wire.forces.push_back(load_force(force));
             if (has_lumen) check_size(scene, from.wire, vessel);
             if (wire.feed.on) {
                 wire.inlet = place_feed(scene, k, vessel, wire.feed);

@@ -13,7 +13,7 @@ namespace seldinger {
 [[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1, RepairReport* report = nullptr);
 
 /// One world for several scenes, each its own system, that agree in everything but their instruments, [feed], [[hold]], [[load]],
-/// [[link]] and the coefficients of [contact]. @param vessel  of these scenes, loaded
+/// [[link]], [[force]] and the coefficients of [contact]. @param vessel  of these scenes, loaded
 [[nodiscard]] WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int device_index);
 
 }  // namespace seldinger

@@ -9,11 +9,14 @@
 #include "vessel/wall_mesh.h"
 
 #include <algorithm>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace seldinger {
+
+class Force;  // solve/force.h
 
 /// One instrument: a wire, how it is held, loaded and fed, and how it touches the wall.
 struct WireSetup {
@@ -23,6 +26,7 @@ struct WireSetup {
     std::vector<HoldSpec> holds;
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;
+    std::vector<std::shared_ptr<const Force>> forces;  // solve/force.h; World::add_force puts them here, too
     std::string start;  // what was done to have it start inside the lumen, for World::model(); empty: nothing
     std::string inlet;  // the inlet and why it was taken, for World::model(); empty: none
     std::string name;   // in messages and files; empty: the only one, or told apart by its number

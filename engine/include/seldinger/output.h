@@ -8,6 +8,7 @@
 #include "solve/momentum_balance.h"
 #include "wall/wall_readings.h"
 
+#include <string>
 #include <vector>
 
 namespace seldinger {
@@ -100,6 +101,13 @@ struct WireReadings {
     MomentumBalance momentum;  // of the last sub-step
 };
 
+/// What a sensor last measured (Force::record).
+struct SensorOutput {
+    std::string name;
+    std::vector<std::string> columns;
+    std::vector<double> values;
+};
+
 /// One instrument, copied. Arrays are per node, tip first.
 struct WireOutput {
     WireReadings readings;
@@ -107,6 +115,7 @@ struct WireOutput {
     double time = 0;  // its simulated time; of one that failed or was retired, when it stopped [s]
     bool at_rest = false, retired = false;
     Vec3 tip = Vec3::Zero();  // [m]
+    std::vector<SensorOutput> sensors;
     // Output::Contacts; contact/loads/contact_patch.h
     double contact_area = 0;          // sum over its contacts [m^2]
     double contact_pressure_max = 0;  // of one of them [Pa]

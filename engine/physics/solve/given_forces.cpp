@@ -115,6 +115,7 @@ void GivenForces::place(Given& given) const
         }
     for (Place& at : given.places) at.before = unknowns_of(given, at);
     const std::size_t count = given.places.size();
+    seen.wire.assign(count, given.wire);
     for (auto* list : {&seen.position, &seen.velocity, &seen.axis, &seen.director, &seen.turning, &seen.span, &seen.from})
         list->assign(count, Vec3::Zero());
     given.on.assign(count, {});
@@ -152,9 +153,12 @@ void GivenForces::prepare(RodArrays& /*rods*/, std::span<const std::uint8_t> liv
         place(given);
         if (given.places.empty() || (given.force->each_trial && end_share_ == 1)) continue;
         look(given, {rods_.view(given.wire)});
-        catch_all([&] { ask(given, given.on); });
-        for (std::size_t k = 0; k < given.places.size(); ++k) given.places[k].start = act(given, k, nullptr);
+        put_in_call(given, false);
     }
+    ask_call(false);
+    for (Given& given : list_)
+        for (std::size_t k = 0; k < given.places.size() && (!given.force->each_trial || end_share_ < 1); ++k)
+            given.places[k].start = act(given, k, nullptr);
 }
 
 // ---- what a force sees and says -----------------------------------------------------------------------------------------------
@@ -178,13 +182,51 @@ void GivenForces::look(Given& given, const Motion& motion) const
 ForcePoints GivenForces::points(const Given& given)
 {
     const Seen& seen = given.seen;
-    return {given.time,    given.dt,  seen.s,        seen.length,  seen.position,
+    return {given.time,    given.dt,  seen.wire,     seen.s,       seen.length, seen.position,
             seen.velocity, seen.axis, seen.director, seen.turning, given.state};
+}
+
+void GivenForces::put_in_call(Given& given, bool tangents)
+{
+    if (!call_.empty() && (!given.force->together || given.force != call_.back()->force || given.time != call_.back()->time ||
+                            given.dt != call_.back()->dt))
+        ask_call(tangents);
+    call_.push_back(&given);
+}
+
+void GivenForces::ask_call(bool tangents)
+{
+    if (call_.empty()) return;
+    Given& asked = call_.size() > 1 ? whole_ : *call_.front();
+    // f(list of the whole, list of a part) for all that a force sees
+    const auto for_each = [](Seen& whole, Seen& part, const auto& f) {
+        f(whole.wire, part.wire), f(whole.s, part.s), f(whole.length, part.length), f(whole.position, part.position);
+        f(whole.velocity, part.velocity), f(whole.axis, part.axis), f(whole.director, part.director);
+        f(whole.turning, part.turning);
+    };
+    if (call_.size() > 1) {
+        const Given& first = *call_.front();
+        asked.force = first.force, asked.time = first.time, asked.dt = first.dt, asked.linearised = first.linearised;
+        for_each(asked.seen, asked.seen, [](auto& list, auto&) { list.clear(); });
+        for (Given* part : call_)
+            for_each(asked.seen, part->seen, [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); });
+    }
+    catch_all([&] {
+        ask(asked, asked.on);
+        if (tangents) ask_tangents(asked);
+    });
+    std::size_t from = 0;
+    for (std::size_t k = 0; k < call_.size() && call_.size() > 1 && !raised_; from += call_[k++]->seen.s.size()) {
+        const auto count = call_[k]->seen.s.size();
+        std::copy_n(asked.on.begin() + from, count, call_[k]->on.begin());
+        if (tangents) std::copy_n(asked.tangents.begin() + from, count, call_[k]->tangents.begin());
+    }
+    call_.clear();
 }
 
 void GivenForces::ask(const Given& given, std::vector<PointForce>& out)
 {
-    out.assign(given.places.size(), {});
+    out.assign(given.seen.s.size(), {});
     given.force->forces(points(given), out);
     for (std::size_t k = 0; k < out.size(); ++k)
         if (!out[k].force.allFinite() || !out[k].moment.allFinite())
@@ -193,7 +235,7 @@ void GivenForces::ask(const Given& given, std::vector<PointForce>& out)
 
 void GivenForces::ask_tangents(Given& given)
 {
-    given.tangents.assign(given.places.size(), {});
+    given.tangents.assign(given.seen.s.size(), {});
     if (!given.force->tangents(points(given), given.tangents)) return differences(given);
     for (std::size_t k = 0; k < given.tangents.size(); ++k)
         for (const PointMatrix* matrix : {&given.tangents[k].stiffness, &given.tangents[k].damping})
@@ -209,7 +251,7 @@ void GivenForces::differences(Given& given)
     const double rate = given.dt > 0 && !given.linearised ? 1 / given.dt : 0;
     for (int c = 0; c < (given.linearised ? 12 : 6); ++c) {
         const double size = c % 6 < 3 ? move : turn, still = c < 6 ? size : 0, fast = c < 6 ? size * rate : size;
-        for (std::size_t k = 0; k < given.places.size(); ++k) {
+        for (std::size_t k = 0; k < kept.s.size(); ++k) {
             const Vec3 unit = Vec3::Unit(c % 3);
             if (c % 6 < 3) {
                 given.seen.position[k] += still * unit;
@@ -222,7 +264,7 @@ void GivenForces::differences(Given& given)
         }
         ask(given, given.near);
         given.seen = kept;
-        for (std::size_t k = 0; k < given.places.size(); ++k)
+        for (std::size_t k = 0; k < kept.s.size(); ++k)
             for (int i = 0; i < 6; ++i)
                 (c < 6 ? given.tangents[k].stiffness : given.tangents[k].damping)[i][c % 6] =
                     (component(given.near[k], i) - component(given.on[k], i)) / size;
@@ -286,20 +328,23 @@ GivenForces::Vector GivenForces::act(const Given& given, std::size_t k, std::arr
 
 void GivenForces::evaluate(const TermTrial& trial)
 {
+    const auto acts = [&](const Given& given) {
+        return trial.active[static_cast<std::size_t>(given.wire)] && !given.places.empty();
+    };
+    for (Given& given : list_) {
+        if (raised_ || !acts(given)) continue;
+        given.dt = trial.h;
+        given.linearised = trial.linearised;
+        look(given, {rods_.view(given.wire), &trial.at, trial.before, rods_.node_begin(given.wire), trial.h});
+        if (given.force->each_trial) put_in_call(given, true);
+    }
+    ask_call(true);
     for (Given& given : list_)
-        if (trial.active[static_cast<std::size_t>(given.wire)] && !given.places.empty())
-            catch_all([&] { evaluate(given, trial); });
+        if (!raised_ && acts(given)) finish(given);
 }
 
-void GivenForces::evaluate(Given& given, const TermTrial& trial) const
+void GivenForces::finish(Given& given) const
 {
-    given.dt = trial.h;
-    given.linearised = trial.linearised;
-    look(given, {rods_.view(given.wire), &trial.at, trial.before, rods_.node_begin(given.wire), trial.h});
-    if (given.force->each_trial) {
-        ask(given, given.on);
-        ask_tangents(given);
-    }
     double largest = 0, apart = 0;
     for (std::size_t k = 0; k < given.places.size(); ++k) {
         Place& at = given.places[k];
@@ -386,6 +431,13 @@ void GivenForces::walk_state(StateWalk& walk, int wire)
 {
     for (Given& given : list_)
         if (given.wire == wire && !given.state.empty()) walk({"a force's state", "", "accept"}, std::span(given.state));
+}
+
+void GivenForces::read_sensors(int wire, std::vector<SensorOutput>& into) const
+{
+    for (const Given& given : list_)
+        if (const Force& force = *given.force; given.wire == wire && !force.record.empty())
+            into.push_back({force.name, force.record, {given.state.begin(), given.state.begin() + std::ssize(force.record)}});
 }
 
 double GivenForces::along(int wire) const

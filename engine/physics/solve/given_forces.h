@@ -16,6 +16,7 @@
 #include "solve/coaxial_group.h"
 #include "solve/force.h"
 #include "solve/force_term.h"
+#include "output.h"
 #include "solve/solve_spec.h"
 
 #include <exception>
@@ -36,12 +37,7 @@ public:
     void conclude(std::span<const std::uint8_t> active);
     /// Of the next evaluations: time at the end, length (0: an equilibrium) [s].
     void set_time(int wire, double time, double dt);
-    /// f(wire, force) for all.
-    template <class F>
-    void for_each(const F& f) const
-    {
-        for (const Given& given : list_) f(given.wire, given.force);
-    }
+    void read_sensors(int wire, std::vector<SensorOutput>& into) const;
 
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
     void evaluate(const TermTrial& trial) override;
@@ -67,13 +63,14 @@ private:
     };
     /// Arrays of ForcePoints; e and t_0.
     struct Seen {
+        std::vector<int> wire;
         std::vector<double> s, length;
         std::vector<Vec3> position, velocity, axis, director, turning, span, from;
     };
     struct Given {
-        int wire, member;
+        int wire = 0, member = 0;
         std::shared_ptr<const Force> force;
-        const CoaxialGroup* group;
+        const CoaxialGroup* group = nullptr;
         std::vector<double> state;
         double time = 0, dt = 0, energy = 0;
         std::vector<double> next_state;
@@ -89,8 +86,11 @@ private:
     void place(Given& given) const;
     void look(Given& given, const Motion& motion) const;
     static ForcePoints points(const Given& given);
-    void evaluate(Given& given, const TermTrial& trial) const;
+    void finish(Given& given) const;
     void catch_all(const std::function<void()>& body);
+    /// Asks `call_` in one call, and empties it.
+    void ask_call(bool tangents);
+    void put_in_call(Given& given, bool tangents);
     static void ask(const Given& given, std::vector<PointForce>& out);
     static void ask_tangents(Given& given);
     static void differences(Given& given);
@@ -101,6 +101,8 @@ private:
     RodArrays& rods_;
     double end_share_;  // in the work
     std::vector<Given> list_;
+    std::vector<Given*> call_;  // what is asked together, with the points of all in one
+    Given whole_;
     std::exception_ptr raised_;
 };
 

@@ -145,6 +145,8 @@ WorldData::WorldData(WorldSetup from, std::shared_ptr<const WallBody> wall)
         for (const int one : WorldRod(*this, w).wires()) floor += energy_floor(setup.wires[one].wire, setup.gravity);
     }
     show_instruments(*this);
+    for (int w = 0; w < wire_count(); ++w)
+        for (const std::shared_ptr<const Force>& force : setup.wires[w].forces) add_force(w, force);
 }
 
 void check_start(const WorldSetup& setup)
@@ -163,33 +165,38 @@ void check_start(const WorldSetup& setup)
 }
 
 World::World(WorldSetup setup) : data_(std::make_unique<WorldData>(std::move(setup))) {}
-World World::twin() const
-{
-    World made(std::make_unique<WorldData>(data_->setup, data_->forces.wall_body));
-    if (data_->forces.given) data_->forces.given->for_each([&](int wire, const auto& force) { made.add_force(wire, force); });
-    return made;
-}
+World World::twin() const { return World(std::make_unique<WorldData>(data_->setup, data_->forces.wall_body)); }
 
 void World::add_force(int instrument, std::shared_ptr<const Force> force)
 {
-    WorldData& world = *data_;
+    data_->add_force(instrument, force);
+    data_->setup.wires[static_cast<std::size_t>(instrument)].forces.push_back(std::move(force));
+}
+
+void WorldData::add_force(int instrument, std::shared_ptr<const Force> force)
+{
     if (!force) throw Error(ErrorKind::BadScene, "add_force: got no force; expected one");
     const std::string where = fmt::format("force \"{}\"", force->name);
-    check_on_wire(world, instrument, 0, where.c_str(), "places");
-    for (const double at : force->places) check_on_wire(world, instrument, at, where.c_str(), "places");
+    check_on_wire(*this, instrument, 0, where.c_str(), "places");
+    for (const double at : force->places) check_on_wire(*this, instrument, at, where.c_str(), "places");
     if (force->on == Force::On::Points && force->places.empty())
         throw Error(ErrorKind::BadScene, where + ": places: got none; expected at least one, or every node or edge");
     if (!std::ranges::all_of(force->state, [](double value) { return std::isfinite(value); }))
         throw Error(ErrorKind::BadScene, where + ": state: got a number that is not finite; expected finite numbers");
-    if (!world.forces.given) {
-        world.forces.given = std::make_unique<GivenForces>(world.state.rods, world.setup.integrator);
-        world.forces.terms.add(*world.forces.given);
-        watch_ends(world);
+    if (force->together && !force->state.empty())
+        throw Error(ErrorKind::BadScene, where + ": state: got some, and together; expected no state");
+    if (force->record.size() > force->state.size())
+        throw Error(ErrorKind::BadScene, fmt::format("{}: record: got {} names; expected at most {}, the numbers of its state",
+                                                     where, force->record.size(), force->state.size()));
+    if (!forces.given) {
+        forces.given = std::make_unique<GivenForces>(state.rods, setup.integrator);
+        forces.terms.add(*forces.given);
+        watch_ends(*this);
     }
-    const MergedGroup* group = world.groups.of(instrument);
+    const MergedGroup* group = groups.of(instrument);
     const int member = group ? static_cast<int>(std::ranges::find(group->wires(), instrument) - group->wires().begin()) : 0;
-    world.forces.given->add(instrument, std::move(force), group ? &group->shared : nullptr, member);
-    world.forces.given->set_time(instrument, world.state.wires[instrument].time, 0);
+    forces.given->add(instrument, std::move(force), group ? &group->shared : nullptr, member);
+    forces.given->set_time(instrument, state.wires[instrument].time, 0);
 }
 World::World(std::unique_ptr<WorldData> data) : data_(std::move(data)) {}
 World::~World() = default;

@@ -171,6 +171,7 @@ struct WorldData {
     StepWork work;
     WorldOutput output;
 
+    void add_force(int instrument, std::shared_ptr<const Force> force);  // checked, and not yet in the setup
     [[nodiscard]] int wire_count() const { return state.rods.wire_count(); }
     /// The wire whose arrays hold the nodes of this one's rod (world_rod.h).
     [[nodiscard]] int line_of(int wire) const { return groups.has(wire) ? groups.line[wire] : wire; }

@@ -299,6 +299,8 @@ void World::read(Output& into, unsigned parts) const
         wire.at_rest = at_rest(w);
         wire.retired = data_->systems.is_retired(w);
         wire.tip = rod(w).pos(0);
+        wire.sensors.clear();
+        if (data_->forces.given) data_->forces.given->read_sensors(w, wire.sensors);
         if (parts & Output::Shape) read_shape(rod(w), shown_contact(*data_, w), wire);
     }
     if (parts & Output::Contacts) {

@@ -25,7 +25,7 @@ double base_turn(const Scene& scene, double t)
 
 bool work_is_metered(const Scene& scene)
 {
-    if (!scene.links.empty()) return false;
+    if (!scene.links.empty() || !scene.forces.empty()) return false;
     for (const LoadSpec& load : scene.loads)
         if (load.at.kind == WirePoint::Kind::Distance || !load.moment.isZero()) return false;
     for (const HoldSpec& hold : scene.holds) {
