@@ -6,9 +6,7 @@
 
 #include <array>
 
-namespace test_bad_input {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_bad_input {
 
 namespace {
 
@@ -275,4 +273,4 @@ TEST_SUITE("apps/bad_input")
     }
 }
 
-}  // namespace test_bad_input
+}  // namespace seldinger::test::test_bad_input

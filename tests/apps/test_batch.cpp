@@ -6,9 +6,7 @@
 #include <array>
 #include <map>
 
-namespace test_batch {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_batch {
 
 namespace {
 
@@ -401,4 +399,4 @@ print("same")
     }
 }
 
-}  // namespace test_batch
+}  // namespace seldinger::test::test_batch

@@ -6,10 +6,7 @@
 #include "support/approx.h"
 #include "support/skip.h"
 
-namespace test_bench_command {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_bench_command {
 
 TEST_SUITE("apps/bench")
 {
@@ -123,4 +120,4 @@ TEST_SUITE("apps/bench")
     }
 }
 
-}  // namespace test_bench_command
+}  // namespace seldinger::test::test_bench_command

@@ -2,9 +2,7 @@
 
 #include "apps/app_fixture.h"
 
-namespace test_chart_command {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_chart_command {
 
 TEST_SUITE("apps/chart")
 {
@@ -69,4 +67,4 @@ TEST_SUITE("apps/chart")
     }
 }
 
-}  // namespace test_chart_command
+}  // namespace seldinger::test::test_chart_command

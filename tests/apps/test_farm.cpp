@@ -7,9 +7,7 @@
 #include <map>
 #include <memory>
 
-namespace test_farm {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_farm {
 
 namespace {
 
@@ -425,4 +423,4 @@ TEST_SUITE("apps/farm")
     }
 }
 
-}  // namespace test_farm
+}  // namespace seldinger::test::test_farm

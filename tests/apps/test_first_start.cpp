@@ -5,9 +5,7 @@
 
 #include <list>
 
-namespace test_first_start {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_first_start {
 
 TEST_SUITE("apps/first_start")
 {
@@ -106,4 +104,4 @@ TEST_SUITE("apps/first_start")
     }
 }
 
-}  // namespace test_first_start
+}  // namespace seldinger::test::test_first_start

@@ -6,9 +6,7 @@
 
 #include <cmath>
 
-namespace test_hard_wall {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_hard_wall {
 
 namespace {
 
@@ -73,4 +71,4 @@ TEST_SUITE("apps/hard_wall")
     }
 }
 
-}  // namespace test_hard_wall
+}  // namespace seldinger::test::test_hard_wall

@@ -9,9 +9,7 @@
 #include <algorithm>
 #include <random>
 
-namespace test_hostile_input {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_hostile_input {
 
 namespace {
 
@@ -214,4 +212,4 @@ TEST_SUITE("apps/hostile input")
     }
 }
 
-}  // namespace test_hostile_input
+}  // namespace seldinger::test::test_hostile_input

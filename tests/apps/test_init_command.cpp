@@ -5,9 +5,7 @@
 
 #include <array>
 
-namespace test_init_command {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_init_command {
 
 namespace {
 
@@ -206,4 +204,4 @@ TEST_SUITE("apps/init_command")
     }
 }
 
-}  // namespace test_init_command
+}  // namespace seldinger::test::test_init_command

@@ -2,9 +2,7 @@
 #include "app_fixture.h"
 #include "scene/instruments.h"
 
-namespace test_instruments_command {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_instruments_command {
 
 TEST_SUITE("apps/instruments_command")
 {
@@ -55,4 +53,4 @@ TEST_SUITE("apps/instruments_command")
     }
 }
 
-}  // namespace test_instruments_command
+}  // namespace seldinger::test::test_instruments_command

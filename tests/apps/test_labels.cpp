@@ -8,9 +8,8 @@
 #include <cstring>
 #include <map>
 
-namespace test_labels {
+namespace seldinger::test::test_labels {
 
-using namespace seldinger::test;
 using nlohmann::json;
 
 namespace {
@@ -380,4 +379,4 @@ for a in coco.anns.values():
     }
 }
 
-}  // namespace test_labels
+}  // namespace seldinger::test::test_labels

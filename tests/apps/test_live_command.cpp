@@ -6,10 +6,7 @@
 #include "support/approx.h"
 #include "support/skip.h"
 
-namespace test_live_command {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_live_command {
 
 namespace {
 
@@ -266,4 +263,4 @@ TEST_SUITE("apps/live")
     }
 }
 
-}  // namespace test_live_command
+}  // namespace seldinger::test::test_live_command

@@ -2,9 +2,7 @@
 
 #include "apps/app_fixture.h"
 
-namespace test_long_names {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_long_names {
 
 namespace {
 
@@ -117,4 +115,4 @@ TEST_SUITE("apps/long names")
     }
 }
 
-}  // namespace test_long_names
+}  // namespace seldinger::test::test_long_names

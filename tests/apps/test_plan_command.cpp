@@ -6,9 +6,7 @@
 
 #include <algorithm>
 
-namespace test_plan_command {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_plan_command {
 
 namespace {
 
@@ -297,4 +295,4 @@ TEST_SUITE("apps/plan")
     }
 }
 
-}  // namespace test_plan_command
+}  // namespace seldinger::test::test_plan_command

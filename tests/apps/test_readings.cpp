@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-namespace test_readings {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_readings {
 
 namespace {
 
@@ -161,4 +159,4 @@ TEST_SUITE("apps/readings")
     }
 }
 
-}  // namespace test_readings
+}  // namespace seldinger::test::test_readings

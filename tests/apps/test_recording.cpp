@@ -8,10 +8,7 @@
 
 #include <algorithm>
 
-namespace test_recording {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_recording {
 
 namespace {
 
@@ -151,4 +148,4 @@ TEST_SUITE("apps/recording")
     }
 }
 
-}  // namespace test_recording
+}  // namespace seldinger::test::test_recording

@@ -2,9 +2,7 @@
 #include "app_fixture.h"
 #include "support/skip.h"
 
-namespace test_render_command {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_render_command {
 
 namespace {
 
@@ -107,4 +105,4 @@ TEST_SUITE("apps/render_command")
     }
 }
 
-}  // namespace test_render_command
+}  // namespace seldinger::test::test_render_command

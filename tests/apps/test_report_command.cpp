@@ -8,10 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace test_report_command {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_report_command {
 
 namespace {
 
@@ -185,4 +182,4 @@ TEST_SUITE("apps/report")
     }
 }
 
-}  // namespace test_report_command
+}  // namespace seldinger::test::test_report_command

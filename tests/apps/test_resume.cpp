@@ -2,9 +2,7 @@
 
 #include "apps/app_fixture.h"
 
-namespace test_resume {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_resume {
 
 namespace {
 
@@ -144,4 +142,4 @@ TEST_SUITE("apps/resume")
     }
 }
 
-}  // namespace test_resume
+}  // namespace seldinger::test::test_resume

@@ -8,10 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace test_run {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_run {
 
 namespace {
 
@@ -401,4 +398,4 @@ force_n = [0.0, 0.0, -0.005]
     }
 }
 
-}  // namespace test_run
+}  // namespace seldinger::test::test_run

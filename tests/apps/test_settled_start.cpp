@@ -2,9 +2,7 @@
 
 #include "apps/app_fixture.h"
 
-namespace test_settled_start {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_settled_start {
 
 TEST_SUITE("apps/settled_start")
 {
@@ -28,4 +26,4 @@ TEST_SUITE("apps/settled_start")
     }
 }
 
-}  // namespace test_settled_start
+}  // namespace seldinger::test::test_settled_start

@@ -4,9 +4,7 @@
 
 #include <tuple>
 
-namespace test_signals {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_signals {
 
 namespace {
 
@@ -97,4 +95,4 @@ TEST_SUITE("apps/signals")
     }
 }
 
-}  // namespace test_signals
+}  // namespace seldinger::test::test_signals

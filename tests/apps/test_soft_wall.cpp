@@ -2,9 +2,7 @@
 
 #include "apps/app_fixture.h"
 
-namespace test_soft_wall {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_soft_wall {
 
 namespace {
 
@@ -54,4 +52,4 @@ TEST_SUITE("apps/soft_wall")
     }
 }
 
-}  // namespace test_soft_wall
+}  // namespace seldinger::test::test_soft_wall

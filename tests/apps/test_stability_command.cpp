@@ -2,9 +2,7 @@
 
 #include "apps/app_fixture.h"
 
-namespace test_stability_command {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_stability_command {
 
 namespace {
 
@@ -119,4 +117,4 @@ TEST_SUITE("apps/stability")
     }
 }
 
-}  // namespace test_stability_command
+}  // namespace seldinger::test::test_stability_command

@@ -3,9 +3,7 @@
 #include "apps/app_fixture.h"
 #include "support/approx.h"
 
-namespace test_static_path {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_static_path {
 
 TEST_SUITE("apps/static_path")
 {
@@ -89,4 +87,4 @@ TEST_SUITE("apps/static_path")
     }
 }
 
-}  // namespace test_static_path
+}  // namespace seldinger::test::test_static_path

@@ -2,9 +2,7 @@
 
 #include "apps/app_fixture.h"
 
-namespace test_surroundings {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_surroundings {
 
 namespace {
 
@@ -117,4 +115,4 @@ TEST_SUITE("apps/surroundings")
     }
 }
 
-}  // namespace test_surroundings
+}  // namespace seldinger::test::test_surroundings

@@ -6,9 +6,7 @@
 #include <cmath>
 #include <map>
 
-namespace test_task {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_task {
 
 namespace {
 
@@ -250,4 +248,4 @@ TEST_SUITE("apps/task")
     }
 }
 
-}  // namespace test_task
+}  // namespace seldinger::test::test_task

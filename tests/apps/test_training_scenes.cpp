@@ -4,10 +4,7 @@
 #include "session/session.h"
 #include "session/session_fixture.h"
 
-namespace test_training_scenes {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_training_scenes {
 
 namespace {
 
@@ -87,4 +84,4 @@ TEST_SUITE("apps/training")
     }
 }
 
-}  // namespace test_training_scenes
+}  // namespace seldinger::test::test_training_scenes

@@ -4,9 +4,7 @@
 
 #include <memory>
 
-namespace test_two_runs {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_two_runs {
 
 namespace {
 
@@ -115,4 +113,4 @@ TEST_SUITE("apps/two runs in one folder")
     }
 }
 
-}  // namespace test_two_runs
+}  // namespace seldinger::test::test_two_runs

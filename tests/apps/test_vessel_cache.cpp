@@ -4,9 +4,7 @@
 
 #include <sys/stat.h>
 
-namespace test_vessel_cache {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_vessel_cache {
 
 namespace {
 
@@ -197,4 +195,4 @@ TEST_SUITE("apps/vessel_cache")
     }
 }
 
-}  // namespace test_vessel_cache
+}  // namespace seldinger::test::test_vessel_cache

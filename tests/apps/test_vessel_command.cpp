@@ -5,9 +5,7 @@
 
 #include <cmath>
 
-namespace test_vessel_command {
-
-using namespace seldinger::test;
+namespace seldinger::test::test_vessel_command {
 
 TEST_SUITE("apps/vessel")
 {
@@ -122,4 +120,4 @@ TEST_SUITE("apps/vessel")
     }
 }
 
-}  // namespace test_vessel_command
+}  // namespace seldinger::test::test_vessel_command

@@ -3,10 +3,7 @@
 #include "apps/app_fixture.h"
 #include "support/skip.h"
 
-namespace test_vtk_opens {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_vtk_opens {
 
 namespace {
 
@@ -66,4 +63,4 @@ TEST_SUITE("apps/vtk_opens")
     }
 }
 
-}  // namespace test_vtk_opens
+}  // namespace seldinger::test::test_vtk_opens

@@ -6,16 +6,12 @@
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <utility>
 
-namespace test_grid_error {
-
-using namespace seldinger;
-using test::about;
+namespace seldinger::test::test_grid_error {
 
 namespace {
 
@@ -192,4 +188,4 @@ TEST_SUITE("bands/grid_error")
     }
 }
 
-}  // namespace test_grid_error
+}  // namespace seldinger::test::test_grid_error

@@ -13,9 +13,7 @@
 #include <optional>
 #include <string>
 
-namespace test_group_hands {
-
-using namespace seldinger;
+namespace seldinger::test::test_group_hands {
 
 namespace {
 
@@ -94,4 +92,4 @@ TEST_SUITE("bands/group_hands")
     }
 }
 
-}  // namespace test_group_hands
+}  // namespace seldinger::test::test_group_hands

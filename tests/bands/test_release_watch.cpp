@@ -2,13 +2,9 @@
 #include "bands/force_watch.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_release_watch {
-
-using namespace seldinger;
+namespace seldinger::test::test_release_watch {
 
 namespace {
 
@@ -58,4 +54,4 @@ TEST_SUITE("bands/release_watch")
     }
 }
 
-}  // namespace test_release_watch
+}  // namespace seldinger::test::test_release_watch

@@ -2,7 +2,6 @@
 #include "bands/twin_run.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,10 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace test_step_twin {
-
-using namespace seldinger;
-using seldinger::test::run_with_twin;
+namespace seldinger::test::test_step_twin {
 
 namespace {
 
@@ -263,4 +259,4 @@ TEST_SUITE("bands/step_twin")
     }
 }
 
-}  // namespace test_step_twin
+}  // namespace seldinger::test::test_step_twin

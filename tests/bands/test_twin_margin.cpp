@@ -6,16 +6,12 @@
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 
-namespace test_twin_margin {
-
-using namespace seldinger;
-using test::about;
+namespace seldinger::test::test_twin_margin {
 
 namespace {
 
@@ -104,4 +100,4 @@ TEST_SUITE("bands/step_twin")
     }
 }
 
-}  // namespace test_twin_margin
+}  // namespace seldinger::test::test_twin_margin

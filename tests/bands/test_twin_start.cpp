@@ -1,17 +1,13 @@
 // Three errors that windows at the end do not show: of a hub that starts at once, of a tip that springs, and of one that strikes.
 #include "bands/twin_run.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-namespace test_twin_start {
-
-using namespace seldinger;
-using seldinger::test::run_with_twin;
+namespace seldinger::test::test_twin_start {
 
 namespace {
 
@@ -130,4 +126,4 @@ TEST_SUITE("bands/step_twin")
     }
 }
 
-}  // namespace test_twin_start
+}  // namespace seldinger::test::test_twin_start

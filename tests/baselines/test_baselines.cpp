@@ -6,15 +6,10 @@
 #include "models/run_model.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <string>
 
-namespace test_baselines {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_baselines {
 
 namespace {
 
@@ -181,4 +176,4 @@ TEST_SUITE("baselines")
     }
 }
 
-}  // namespace test_baselines
+}  // namespace seldinger::test::test_baselines

@@ -3,15 +3,11 @@
 #include "run/force_text.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-namespace test_batch_answer {
-
-using namespace seldinger;
+namespace seldinger::test::test_batch_answer {
 
 namespace {
 
@@ -179,4 +175,4 @@ TEST_SUITE("batch/batch_answer")
     }
 }
 
-}  // namespace test_batch_answer
+}  // namespace seldinger::test::test_batch_answer

@@ -6,10 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace test_batch_ramp {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_batch_ramp {
 
 TEST_SUITE("batch/batch_ramp")
 {
@@ -107,4 +104,4 @@ keys = [{t_s = 0.0, advance_m = 5000.0}]
     }
 }
 
-}  // namespace test_batch_ramp
+}  // namespace seldinger::test::test_batch_ramp

@@ -12,9 +12,7 @@
 #include <limits>
 #include <string>
 
-namespace test_parts {
-
-using namespace seldinger;
+namespace seldinger::test::test_parts {
 
 namespace {
 
@@ -138,4 +136,4 @@ TEST_SUITE("batch/parts")
     }
 }
 
-}  // namespace test_parts
+}  // namespace seldinger::test::test_parts

@@ -7,15 +7,11 @@
 #include "session/session_fixture.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
 
-namespace test_run_batch {
-
-using namespace seldinger;
+namespace seldinger::test::test_run_batch {
 
 TEST_SUITE("batch/run_batch")
 {
@@ -61,4 +57,4 @@ TEST_SUITE("batch/run_batch")
     }
 }
 
-}  // namespace test_run_batch
+}  // namespace seldinger::test::test_run_batch

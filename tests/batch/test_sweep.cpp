@@ -13,9 +13,7 @@
 #include <cmath>
 #include <set>
 
-namespace test_sweep {
-
-using namespace seldinger;
+namespace seldinger::test::test_sweep {
 
 namespace {
 
@@ -189,4 +187,4 @@ TEST_SUITE("batch/sweep")
     }
 }
 
-}  // namespace test_sweep
+}  // namespace seldinger::test::test_sweep

@@ -4,15 +4,11 @@
 #include "roofline/peaks.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <limits>
 #include <set>
 
-namespace test_peaks {
-
-using namespace seldinger;
+namespace seldinger::test::test_peaks {
 
 TEST_SUITE("device/peaks")
 {
@@ -78,4 +74,4 @@ TEST_SUITE("device/peaks")
     }
 }
 
-}  // namespace test_peaks
+}  // namespace seldinger::test::test_peaks

@@ -2,15 +2,10 @@
 #include "coaxial/straight_pair.h"
 #include "world/node_errors.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_hand_error {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_hand_error {
 
 namespace {
 
@@ -94,4 +89,4 @@ TEST_SUITE("coaxial/hand_error")
     }
 }
 
-}  // namespace test_hand_error
+}  // namespace seldinger::test::test_hand_error

@@ -5,18 +5,13 @@
 #include "nodes/coaxial_nodes.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <tuple>
 #include <vector>
 
-namespace test_merged_adaptive {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_adaptive {
 
 namespace {
 
@@ -309,4 +304,4 @@ TEST_SUITE("coaxial/merged adaptive")
     }
 }
 
-}  // namespace test_merged_adaptive
+}  // namespace seldinger::test::test_merged_adaptive

@@ -2,15 +2,10 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_merged_contact {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_contact {
 
 namespace {
 
@@ -295,4 +290,4 @@ TEST_SUITE("coaxial/merged contact")
     }
 }
 
-}  // namespace test_merged_contact
+}  // namespace seldinger::test::test_merged_contact

@@ -2,16 +2,11 @@
 
 #include "coaxial/merged_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
-namespace test_merged_feeding {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_feeding {
 
 namespace {
 
@@ -265,4 +260,4 @@ TEST_SUITE("coaxial/merged feeding")
     }
 }
 
-}  // namespace test_merged_feeding
+}  // namespace seldinger::test::test_merged_feeding

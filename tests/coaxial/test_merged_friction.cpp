@@ -6,16 +6,11 @@
 #include "core/state_walk.h"
 #include "world/merged.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-namespace test_merged_friction {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_friction {
 
 namespace {
 
@@ -237,4 +232,4 @@ TEST_SUITE("coaxial/merged friction")
     }
 }
 
-}  // namespace test_merged_friction
+}  // namespace seldinger::test::test_merged_friction

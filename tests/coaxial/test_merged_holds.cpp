@@ -6,16 +6,11 @@
 #include "solve/line_holds.h"
 #include "world/world.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-namespace test_merged_holds {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_holds {
 
 namespace {
 
@@ -468,4 +463,4 @@ TEST_SUITE("coaxial/merged holds")
     }
 }
 
-}  // namespace test_merged_holds
+}  // namespace seldinger::test::test_merged_holds

@@ -6,17 +6,12 @@
 #include "world/merged.h"
 #include "world/sub_steps.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
-namespace test_merged_lead {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_lead {
 
 namespace {
 
@@ -126,4 +121,4 @@ TEST_SUITE("coaxial/merged lead")
     }
 }
 
-}  // namespace test_merged_lead
+}  // namespace seldinger::test::test_merged_lead

@@ -4,15 +4,10 @@
 #include "world/merged.h"
 #include "world/world.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_merged_length {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_length {
 
 namespace {
 
@@ -68,4 +63,4 @@ TEST_SUITE("coaxial/merged length")
     }
 }
 
-}  // namespace test_merged_length
+}  // namespace seldinger::test::test_merged_length

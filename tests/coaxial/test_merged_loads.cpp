@@ -2,15 +2,10 @@
 
 #include "coaxial/straight_pair.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_merged_loads {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_loads {
 
 namespace {
 
@@ -162,4 +157,4 @@ TEST_SUITE("coaxial/merged loads")
     }
 }
 
-}  // namespace test_merged_loads
+}  // namespace seldinger::test::test_merged_loads

@@ -3,17 +3,12 @@
 
 #include "coaxial/friction_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-namespace test_merged_lumen {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_lumen {
 
 namespace {
 
@@ -212,4 +207,4 @@ TEST_SUITE("coaxial/merged lumen")
     }
 }
 
-}  // namespace test_merged_lumen
+}  // namespace seldinger::test::test_merged_lumen

@@ -2,16 +2,12 @@
 
 #include "coaxial/straight_pair.h"
 
-#include <doctest/doctest.h>
 #include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
 
-namespace test_merged_newmark {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_newmark {
 
 namespace {
 
@@ -220,4 +216,4 @@ TEST_SUITE("coaxial/merged newmark")
     }
 }
 
-}  // namespace test_merged_newmark
+}  // namespace seldinger::test::test_merged_newmark

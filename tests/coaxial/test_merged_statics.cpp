@@ -3,15 +3,10 @@
 #include "coaxial/merged_fixture.h"
 #include "coaxial/references.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_merged_statics {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_merged_statics {
 
 namespace {
 
@@ -100,4 +95,4 @@ TEST_SUITE("coaxial/merged statics")
     }
 }
 
-}  // namespace test_merged_statics
+}  // namespace seldinger::test::test_merged_statics

@@ -6,10 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace test_three_deep {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_three_deep {
 
 namespace {
 
@@ -109,4 +106,4 @@ TEST_SUITE("coaxial/three_deep")
     }
 }
 
-}  // namespace test_three_deep
+}  // namespace seldinger::test::test_three_deep

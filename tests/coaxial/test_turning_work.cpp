@@ -1,12 +1,7 @@
 // Work of hands that turn curved instruments against each other: it is what they store, whichever of them is turned.
 #include "coaxial/merged_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_turning_work {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_turning_work {
 
 TEST_SUITE("coaxial/turning work")
 {
@@ -42,4 +37,4 @@ TEST_SUITE("coaxial/turning work")
     }
 }
 
-}  // namespace test_turning_work
+}  // namespace seldinger::test::test_turning_work

@@ -5,14 +5,9 @@
 #include "math/banded_solver.h"
 #include "world/merged.h"
 
-#include <doctest/doctest.h>
-
 #include <random>
 
-namespace test_coaxial_friction {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_coaxial_friction {
 
 namespace {
 
@@ -108,4 +103,4 @@ TEST_SUITE("contact/coaxial friction")
     }
 }
 
-}  // namespace test_coaxial_friction
+}  // namespace seldinger::test::test_coaxial_friction

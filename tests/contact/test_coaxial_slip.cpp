@@ -3,14 +3,9 @@
 #include "contact/rods/coaxial_slip.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <random>
 
-namespace test_coaxial_slip {
-
-using namespace seldinger;
-using test::about;
+namespace seldinger::test::test_coaxial_slip {
 
 namespace {
 constexpr double give = 1e-5;  // [m]
@@ -66,4 +61,4 @@ TEST_SUITE("contact/coaxial slip")
     }
 }
 
-}  // namespace test_coaxial_slip
+}  // namespace seldinger::test::test_coaxial_slip

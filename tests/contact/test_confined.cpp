@@ -7,15 +7,10 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <numeric>
 
-namespace test_confined {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_confined {
 
 namespace {
 
@@ -279,4 +274,4 @@ TEST_SUITE("contact/confined")
     }
 }
 
-}  // namespace test_confined
+}  // namespace seldinger::test::test_confined

@@ -4,14 +4,10 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <numbers>
 
-namespace test_contact_patch {
-
-using namespace seldinger;
+namespace seldinger::test::test_contact_patch {
 
 namespace {
 
@@ -145,4 +141,4 @@ TEST_SUITE("contact/contact_patch")
     }
 }
 
-}  // namespace test_contact_patch
+}  // namespace seldinger::test::test_contact_patch

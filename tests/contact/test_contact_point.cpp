@@ -7,10 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace test_contact_point {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_contact_point {
 
 namespace {
 
@@ -379,4 +376,4 @@ TEST_SUITE("contact/contact_point")
     }
 }
 
-}  // namespace test_contact_point
+}  // namespace seldinger::test::test_contact_point

@@ -5,14 +5,9 @@
 #include "shared/contact_sides.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_contact_sides {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_contact_sides {
 
 namespace {
 
@@ -115,4 +110,4 @@ TEST_SUITE("contact/contact_sides")
     }
 }
 
-}  // namespace test_contact_sides
+}  // namespace seldinger::test::test_contact_sides

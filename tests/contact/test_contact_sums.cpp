@@ -6,14 +6,9 @@
 #include "support/world_fixture.h"
 #include "world/world.h"
 
-#include <doctest/doctest.h>
-
 #include <random>
 
-namespace test_contact_sums {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_contact_sums {
 
 TEST_SUITE("contact/contact_sums")
 {
@@ -149,4 +144,4 @@ TEST_SUITE("contact/contact_sums")
     }
 }
 
-}  // namespace test_contact_sums
+}  // namespace seldinger::test::test_contact_sums

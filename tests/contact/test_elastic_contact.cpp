@@ -9,15 +9,10 @@
 #include "stages/step_stages.h"
 #include "world/world.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <numbers>
 
-namespace test_elastic_contact {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_elastic_contact {
 
 namespace {
 
@@ -481,4 +476,4 @@ TEST_CASE("analytic: the path of a trial is open as far as the node that goes fa
     }
 }
 
-}  // namespace test_elastic_contact
+}  // namespace seldinger::test::test_elastic_contact

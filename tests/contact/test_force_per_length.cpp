@@ -4,16 +4,12 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
-namespace test_force_per_length {
-
-using namespace seldinger;
+namespace seldinger::test::test_force_per_length {
 
 namespace {
 
@@ -247,4 +243,4 @@ TEST_SUITE("contact/force_per_length")
     }
 }
 
-}  // namespace test_force_per_length
+}  // namespace seldinger::test::test_force_per_length

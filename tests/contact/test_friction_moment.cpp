@@ -7,10 +7,7 @@
 #include "shared/edge_sums.h"
 #include "support/world_fixture.h"
 
-namespace test_friction_moment {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_friction_moment {
 
 namespace {
 
@@ -200,4 +197,4 @@ TEST_SUITE("contact/friction_moment")
     }
 }
 
-}  // namespace test_friction_moment
+}  // namespace seldinger::test::test_friction_moment

@@ -4,10 +4,7 @@
 
 #include <cmath>
 
-namespace test_instrument_friction {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_instrument_friction {
 
 namespace {
 
@@ -89,4 +86,4 @@ TEST_SUITE("contact/instrument_friction")
     }
 }
 
-}  // namespace test_instrument_friction
+}  // namespace seldinger::test::test_instrument_friction

@@ -4,16 +4,12 @@
 #include "shared/instrument_near.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <functional>
 #include <random>
 #include <vector>
 
-namespace test_instrument_gap {
-
-using namespace seldinger;
+namespace seldinger::test::test_instrument_gap {
 
 namespace {
 
@@ -302,4 +298,4 @@ TEST_SUITE("contact/instrument_gap")
     }
 }
 
-}  // namespace test_instrument_gap
+}  // namespace seldinger::test::test_instrument_gap

@@ -5,18 +5,13 @@
 #include "contact/spline_rod.h"
 #include "shared/instrument_slot.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <random>
 #include <vector>
 
-namespace test_instrument_kernels {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_instrument_kernels {
 
 namespace {
 
@@ -252,4 +247,4 @@ TEST_SUITE("contact/instrument_kernels")
     }
 }
 
-}  // namespace test_instrument_kernels
+}  // namespace seldinger::test::test_instrument_kernels

@@ -3,17 +3,12 @@
 #include "shared/instrument_near.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-namespace test_instrument_self {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_instrument_self {
 
 namespace {
 
@@ -79,7 +74,6 @@ struct Strands {
         return scene_of(rod, k * spacing, spline_at(rod, half * spacing), spline_at(rod, (2 * half - 1) * spacing));
     }
 };
-
 
 /// Over all cells of the first strand, in equilibrium.
 InstrumentForce force_of(const Strands& strands, double exponent, int from, int until, double* metres)
@@ -192,4 +186,4 @@ TEST_SUITE("contact/instrument_self")
     }
 }
 
-}  // namespace test_instrument_self
+}  // namespace seldinger::test::test_instrument_self

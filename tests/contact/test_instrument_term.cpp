@@ -5,15 +5,10 @@
 #include "core/state_walk.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <random>
 
-namespace test_instrument_term {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_instrument_term {
 
 namespace {
 
@@ -302,4 +297,4 @@ TEST_SUITE("contact/instrument_term")
     }
 }
 
-}  // namespace test_instrument_term
+}  // namespace seldinger::test::test_instrument_term

@@ -4,16 +4,11 @@
 #include "shared/instrument_slot.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <random>
 #include <vector>
 
-namespace test_instrument_whole {
-
-using namespace seldinger;
-using test::SplineRod;
+namespace seldinger::test::test_instrument_whole {
 
 namespace {
 
@@ -216,4 +211,4 @@ TEST_CASE("instrument whole: not at a mouth, nor where it hardly touches")
     CHECK((end.state.contact.flags & SEL_CONTACT_WHOLE) == 0);
 }
 
-}  // namespace test_instrument_whole
+}  // namespace seldinger::test::test_instrument_whole

@@ -5,10 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace test_instruments {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_instruments {
 
 namespace {
 
@@ -244,4 +241,4 @@ TEST_SUITE("contact/instruments")
     }
 }
 
-}  // namespace test_instruments
+}  // namespace seldinger::test::test_instruments

@@ -5,12 +5,7 @@
 #include "contact/wall_law.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
-namespace test_known_velocity {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_known_velocity {
 
 namespace {
 
@@ -162,4 +157,4 @@ TEST_SUITE("contact/known_velocity")
     }
 }
 
-}  // namespace test_known_velocity
+}  // namespace seldinger::test::test_known_velocity

@@ -8,10 +8,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace test_law {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_law {
 
 namespace {
 
@@ -552,4 +549,4 @@ TEST_SUITE("contact/law")
     }
 }
 
-}  // namespace test_law
+}  // namespace seldinger::test::test_law

@@ -7,10 +7,7 @@
 
 #include <algorithm>
 
-namespace test_layer {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_layer {
 
 namespace {
 
@@ -281,4 +278,4 @@ TEST_SUITE("contact/layer")
     }
 }
 
-}  // namespace test_layer
+}  // namespace seldinger::test::test_layer

@@ -4,12 +4,7 @@
 #include "contact/held_wire.h"
 #include "contact/wall_law.h"
 
-#include <doctest/doctest.h>
-
-namespace test_mesh_independence {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_mesh_independence {
 
 namespace {
 
@@ -134,4 +129,4 @@ TEST_SUITE("contact/mesh_independence")
     }
 }
 
-}  // namespace test_mesh_independence
+}  // namespace seldinger::test::test_mesh_independence

@@ -8,10 +8,7 @@
 #include "shared/multipliers.h"
 #include "shared/sweep.h"
 
-namespace test_multiplier_law {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_multiplier_law {
 
 namespace {
 
@@ -291,4 +288,4 @@ TEST_SUITE("contact/hard_law")
     }
 }
 
-}  // namespace test_multiplier_law
+}  // namespace seldinger::test::test_multiplier_law

@@ -6,10 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace test_nested_instruments {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_nested_instruments {
 
 namespace {
 
@@ -195,4 +192,4 @@ TEST_SUITE("contact/nested_instruments")
     }
 }
 
-}  // namespace test_nested_instruments
+}  // namespace seldinger::test::test_nested_instruments

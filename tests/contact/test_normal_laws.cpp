@@ -7,14 +7,9 @@
 #include "shapes/shapes.h"
 #include "shared/contact_law.h"
 
-#include <doctest/doctest.h>
-
 #include <cstring>
 
-namespace test_normal_laws {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_normal_laws {
 
 namespace {
 
@@ -410,4 +405,4 @@ TEST_SUITE("contact/normal_laws")
     }
 }
 
-}  // namespace test_normal_laws
+}  // namespace seldinger::test::test_normal_laws

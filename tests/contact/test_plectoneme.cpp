@@ -22,10 +22,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace test_plectoneme {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_plectoneme {
 
 namespace {
 
@@ -179,4 +176,4 @@ TEST_SUITE("contact/plectoneme")
     }
 }
 
-}  // namespace test_plectoneme
+}  // namespace seldinger::test::test_plectoneme

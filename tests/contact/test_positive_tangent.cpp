@@ -3,16 +3,11 @@
 #include "contact/edge_sums.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <random>
 #include <vector>
 
-namespace test_positive_tangent {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_positive_tangent {
 
 namespace {
 
@@ -93,4 +88,4 @@ TEST_CASE("analytic: the negative mode of an edge's tangent is left out, the pos
     CHECK(f.u_ab[1] == 7);  // what sliding makes unsymmetric
 }
 
-}  // namespace test_positive_tangent
+}  // namespace seldinger::test::test_positive_tangent

@@ -4,14 +4,9 @@
 #include "contact/one_quadrature_point.h"
 #include "contact/wall_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <utility>
 
-namespace test_ridge {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_ridge {
 
 namespace {
 
@@ -127,4 +122,4 @@ TEST_CASE("property: a flat floor has no curvature")
     for (const double second : contact.hessian) CHECK(second == 0);
 }
 
-}  // namespace test_ridge
+}  // namespace seldinger::test::test_ridge

@@ -6,14 +6,9 @@
 #include "contact/wall_law.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-namespace test_rolling {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_rolling {
 
 namespace {
 
@@ -166,4 +161,4 @@ TEST_SUITE("contact/rolling")
     }
 }
 
-}  // namespace test_rolling
+}  // namespace seldinger::test::test_rolling

@@ -4,14 +4,10 @@
 #include "shared/instrument_slot.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <vector>
 
-namespace test_self_search {
-
-using namespace seldinger;
+namespace seldinger::test::test_self_search {
 
 namespace {
 
@@ -206,4 +202,4 @@ TEST_SUITE("contact/self_search")
     }
 }
 
-}  // namespace test_self_search
+}  // namespace seldinger::test::test_self_search

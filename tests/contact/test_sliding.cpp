@@ -4,14 +4,9 @@
 #include "contact/wall_law.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-namespace test_sliding {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_sliding {
 
 namespace {
 
@@ -186,4 +181,4 @@ TEST_SUITE("contact/sliding")
     }
 }
 
-}  // namespace test_sliding
+}  // namespace seldinger::test::test_sliding

@@ -8,10 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace test_smooth_maximum {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_smooth_maximum {
 
 namespace {
 
@@ -223,4 +220,4 @@ TEST_SUITE("contact/smooth_maximum")
     }
 }
 
-}  // namespace test_smooth_maximum
+}  // namespace seldinger::test::test_smooth_maximum

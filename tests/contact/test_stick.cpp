@@ -7,10 +7,7 @@
 #include <algorithm>
 #include <set>
 
-namespace test_stick {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_stick {
 
 namespace {
 
@@ -114,4 +111,4 @@ TEST_SUITE("contact/stick")
     }
 }
 
-}  // namespace test_stick
+}  // namespace seldinger::test::test_stick

@@ -5,9 +5,7 @@
 
 #include <limits>
 
-namespace test_sum_rounding {
-
-using namespace seldinger;
+namespace seldinger::test::test_sum_rounding {
 
 TEST_SUITE("contact/contact_sums")
 {
@@ -35,4 +33,4 @@ TEST_SUITE("contact/contact_sums")
     }
 }
 
-}  // namespace test_sum_rounding
+}  // namespace seldinger::test::test_sum_rounding

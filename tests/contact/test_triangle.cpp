@@ -4,10 +4,7 @@
 
 #include <algorithm>
 
-namespace test_triangle {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_triangle {
 
 namespace {
 
@@ -117,4 +114,4 @@ TEST_SUITE("contact/triangle")
     }
 }
 
-}  // namespace test_triangle
+}  // namespace seldinger::test::test_triangle

@@ -22,10 +22,7 @@
 #include <numbers>
 #include <vector>
 
-namespace test_twist_slack {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_twist_slack {
 
 namespace {
 
@@ -192,4 +189,4 @@ TEST_SUITE("contact/twist_slack")
     }
 }
 
-}  // namespace test_twist_slack
+}  // namespace seldinger::test::test_twist_slack

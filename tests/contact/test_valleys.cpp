@@ -5,15 +5,10 @@
 #include "math/dof_map.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <cmath>
 
-namespace test_valleys {
-
-using namespace seldinger;
-using seldinger::test::about;
+namespace seldinger::test::test_valleys {
 
 namespace {
 
@@ -192,4 +187,4 @@ TEST_SUITE("contact/valleys")
     }
 }
 
-}  // namespace test_valleys
+}  // namespace seldinger::test::test_valleys

@@ -8,10 +8,7 @@
 
 #include <cstring>
 
-namespace test_walk {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_walk {
 
 namespace {
 
@@ -234,4 +231,4 @@ TEST_SUITE("contact/walk")
     }
 }
 
-}  // namespace test_walk
+}  // namespace seldinger::test::test_walk

@@ -5,17 +5,12 @@
 #include "shared/wall_memory.h"
 #include "vessel/tree.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
 
-namespace test_wall_memory {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_wall_memory {
 
 namespace {
 
@@ -205,4 +200,4 @@ TEST_SUITE("contact/wall_memory")
     }
 }
 
-}  // namespace test_wall_memory
+}  // namespace seldinger::test::test_wall_memory

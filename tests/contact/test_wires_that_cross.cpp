@@ -5,10 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace test_wires_that_cross {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_wires_that_cross {
 
 namespace {
 
@@ -76,4 +73,4 @@ TEST_SUITE("contact/instruments")
     }
 }
 
-}  // namespace test_wires_that_cross
+}  // namespace seldinger::test::test_wires_that_cross

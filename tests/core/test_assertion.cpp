@@ -8,9 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace test_assertion {
-
-using namespace seldinger;
+namespace seldinger::test::test_assertion {
 
 TEST_SUITE("core/assertion")
 {
@@ -34,4 +32,4 @@ TEST_SUITE("core/assertion")
     }
 }
 
-}  // namespace test_assertion
+}  // namespace seldinger::test::test_assertion

@@ -9,9 +9,7 @@
 #include <csignal>
 #include <fstream>
 
-namespace test_file_io {
-
-using namespace seldinger;
+namespace seldinger::test::test_file_io {
 
 namespace {
 
@@ -108,4 +106,4 @@ TEST_SUITE("core/file_io")
     }
 }
 
-}  // namespace test_file_io
+}  // namespace seldinger::test::test_file_io

@@ -7,9 +7,7 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
-namespace test_printable {
-
-using namespace seldinger;
+namespace seldinger::test::test_printable {
 
 namespace {
 
@@ -76,4 +74,4 @@ TEST_SUITE("core/printable")
     }
 }
 
-}  // namespace test_printable
+}  // namespace seldinger::test::test_printable

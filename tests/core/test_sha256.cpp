@@ -6,9 +6,7 @@
 
 #include <string>
 
-namespace test_sha256 {
-
-using namespace seldinger;
+namespace seldinger::test::test_sha256 {
 
 namespace {
 
@@ -43,4 +41,4 @@ TEST_SUITE("core/sha256")
     }
 }
 
-}  // namespace test_sha256
+}  // namespace seldinger::test::test_sha256

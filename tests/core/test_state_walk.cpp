@@ -5,9 +5,7 @@
 
 #include <cmath>
 
-namespace test_state_walk {
-
-using namespace seldinger;
+namespace seldinger::test::test_state_walk {
 
 namespace {
 
@@ -105,4 +103,4 @@ TEST_SUITE("core/state walk")
     }
 }
 
-}  // namespace test_state_walk
+}  // namespace seldinger::test::test_state_walk

@@ -7,8 +7,6 @@
 
 #include "core/error.h"
 
-#include <doctest/doctest.h>
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,10 +19,7 @@
 #include <string>
 #include <thread>
 
-namespace test_device {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_device {
 
 namespace {
 
@@ -269,4 +264,4 @@ TEST_SUITE("device")
     }
 }
 
-}  // namespace test_device
+}  // namespace seldinger::test::test_device

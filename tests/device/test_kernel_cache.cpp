@@ -18,9 +18,7 @@
 #include <optional>
 #include <string>
 
-namespace test_kernel_cache {
-
-using namespace seldinger;
+namespace seldinger::test::test_kernel_cache {
 
 namespace {
 
@@ -207,4 +205,4 @@ TEST_SUITE("device/kernel cache")
     }
 }
 
-}  // namespace test_kernel_cache
+}  // namespace seldinger::test::test_kernel_cache

@@ -6,15 +6,11 @@
 #include "failure/watched_run.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cstdlib>
 
-namespace test_elastic_walls {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_elastic_walls {
 
 namespace {
 
@@ -297,4 +293,4 @@ TEST_SUITE("failure/elastic_walls")
     }
 }
 
-}  // namespace test_elastic_walls
+}  // namespace seldinger::test::test_elastic_walls

@@ -5,12 +5,7 @@
 #include "repair/repair.h"
 #include "vessel/inside.h"
 
-#include <doctest/doctest.h>
-
-namespace test_fast_tip {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_fast_tip {
 
 namespace {
 
@@ -108,4 +103,4 @@ TEST_SUITE("failure/fast_tip")
     }
 }
 
-}  // namespace test_fast_tip
+}  // namespace seldinger::test::test_fast_tip

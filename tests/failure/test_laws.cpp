@@ -5,14 +5,9 @@
 #include "failure/watched_run.h"
 #include "shared/contact_law.h"
 
-#include <doctest/doctest.h>
-
 #include <limits>
 
-namespace test_laws {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_laws {
 
 namespace {
 
@@ -146,4 +141,4 @@ TEST_SUITE("failure/laws")
     }
 }
 
-}  // namespace test_laws
+}  // namespace seldinger::test::test_laws

@@ -11,10 +11,7 @@
 #include <array>
 #include <functional>
 
-namespace test_limits {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_limits {
 
 namespace {
 
@@ -186,4 +183,4 @@ TEST_SUITE("failure/limits")
     }
 }
 
-}  // namespace test_limits
+}  // namespace seldinger::test::test_limits

@@ -13,10 +13,7 @@
 
 #include <map>
 
-namespace test_links {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_links {
 
 namespace {
 
@@ -298,4 +295,4 @@ TEST_SUITE("failure/links")
     }
 }
 
-}  // namespace test_links
+}  // namespace seldinger::test::test_links

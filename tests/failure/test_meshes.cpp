@@ -7,18 +7,13 @@
 #include "io/mesh_file.h"
 #include "repair/repair.h"
 
-#include <doctest/doctest.h>
-
 #include <unistd.h>
 #include <filesystem>
 #include <fstream>
 #include <random>
 #include <sstream>
 
-namespace test_meshes {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_meshes {
 
 namespace {
 
@@ -249,4 +244,4 @@ TEST_SUITE("failure/meshes")
     }
 }
 
-}  // namespace test_meshes
+}  // namespace seldinger::test::test_meshes

@@ -3,12 +3,7 @@
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
 
-#include <doctest/doctest.h>
-
-namespace test_reproducers {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_reproducers {
 
 namespace {
 
@@ -90,4 +85,4 @@ TEST_SUITE("failure/reproducers")
     }
 }
 
-}  // namespace test_reproducers
+}  // namespace seldinger::test::test_reproducers

@@ -5,16 +5,12 @@
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
-namespace test_rod_edges {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_rod_edges {
 
 namespace {
 
@@ -224,4 +220,4 @@ TEST_SUITE("failure/rod_edges")
     }
 }
 
-}  // namespace test_rod_edges
+}  // namespace seldinger::test::test_rod_edges

@@ -8,12 +8,7 @@
 #include "shared/normal_law.h"
 #include "wall/wall_model.h"
 
-#include <doctest/doctest.h>
-
-namespace test_shapes {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_shapes {
 
 namespace {
 
@@ -210,4 +205,4 @@ TEST_SUITE("failure/shapes")
     }
 }
 
-}  // namespace test_shapes
+}  // namespace seldinger::test::test_shapes

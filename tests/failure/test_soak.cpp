@@ -5,8 +5,6 @@
 #include "support/tries.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,10 +15,7 @@
 #include <tuple>
 #include <vector>
 
-namespace test_soak {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_soak {
 
 namespace {
 
@@ -184,4 +179,4 @@ TEST_SUITE("failure/soak")
     }
 }
 
-}  // namespace test_soak
+}  // namespace seldinger::test::test_soak

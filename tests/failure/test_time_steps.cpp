@@ -4,12 +4,7 @@
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
 
-#include <doctest/doctest.h>
-
-namespace test_time_steps {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_time_steps {
 
 namespace {
 
@@ -143,4 +138,4 @@ TEST_SUITE("failure/time_steps")
     }
 }
 
-}  // namespace test_time_steps
+}  // namespace seldinger::test::test_time_steps

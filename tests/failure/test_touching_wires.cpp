@@ -4,16 +4,11 @@
 #include "failure/hard_vessels.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
-namespace test_touching_wires {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_touching_wires {
 
 namespace {
 
@@ -306,4 +301,4 @@ TEST_SUITE("failure/touching_wires")
     }
 }
 
-}  // namespace test_touching_wires
+}  // namespace seldinger::test::test_touching_wires

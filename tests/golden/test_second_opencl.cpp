@@ -6,9 +6,7 @@
 
 #include <doctest/doctest.h>
 
-namespace test_second_opencl {
-
-using namespace seldinger;
+namespace seldinger::test::test_second_opencl {
 
 TEST_SUITE("golden")
 {
@@ -28,4 +26,4 @@ TEST_SUITE("golden")
     }
 }
 
-}  // namespace test_second_opencl
+}  // namespace seldinger::test::test_second_opencl

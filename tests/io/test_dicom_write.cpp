@@ -3,16 +3,11 @@
 
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cstring>
 #include <map>
 #include <string>
 
-namespace test_dicom_write {
-
-using namespace seldinger;
-using test::about;
+namespace seldinger::test::test_dicom_write {
 
 namespace {
 
@@ -118,4 +113,4 @@ TEST_SUITE("io/dicom_write")
     }
 }
 
-}  // namespace test_dicom_write
+}  // namespace seldinger::test::test_dicom_write

@@ -6,14 +6,11 @@
 #include "support/approx.h"
 #include "support/shared_folder.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 
-namespace test_everyday_files {
-
-using namespace seldinger;
+namespace seldinger::test::test_everyday_files {
 
 namespace {
 
@@ -398,4 +395,4 @@ TEST_SUITE("io/everyday_files")
     }
 }
 
-}  // namespace test_everyday_files
+}  // namespace seldinger::test::test_everyday_files

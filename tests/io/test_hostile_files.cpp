@@ -21,9 +21,7 @@
 #include <random>
 #include <sstream>
 
-namespace test_hostile_files {
-
-using namespace seldinger;
+namespace seldinger::test::test_hostile_files {
 
 namespace {
 
@@ -296,4 +294,4 @@ TEST_SUITE("io/hostile_files")
     }
 }
 
-}  // namespace test_hostile_files
+}  // namespace seldinger::test::test_hostile_files

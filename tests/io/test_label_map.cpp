@@ -16,9 +16,7 @@
 #include <fstream>
 #include <numeric>
 
-namespace test_label_map {
-
-using namespace seldinger;
+namespace seldinger::test::test_label_map {
 
 namespace {
 
@@ -445,4 +443,4 @@ TEST_SUITE("io/label_map") {
     }
 }
 
-}  // namespace test_label_map
+}  // namespace seldinger::test::test_label_map

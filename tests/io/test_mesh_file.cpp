@@ -7,17 +7,13 @@
 #include "vessel/mesh_fixtures.h"
 #include "vtp_samples.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
-namespace test_mesh_file {
+namespace seldinger::test::test_mesh_file {
 
-using namespace seldinger;
-using namespace seldinger::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -400,4 +396,4 @@ TEST_SUITE("scene/mesh_file")
     }
 }
 
-}  // namespace test_mesh_file
+}  // namespace seldinger::test::test_mesh_file

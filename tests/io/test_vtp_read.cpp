@@ -8,9 +8,7 @@
 
 #include <cstring>
 
-namespace test_vtp_read {
-
-using namespace seldinger;
+namespace seldinger::test::test_vtp_read {
 
 namespace {
 
@@ -175,4 +173,4 @@ TEST_SUITE("core/vtp_read")
     }
 }
 
-}  // namespace test_vtp_read
+}  // namespace seldinger::test::test_vtp_read

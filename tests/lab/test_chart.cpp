@@ -6,16 +6,12 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>
 
-namespace test_chart {
-
-using namespace seldinger;
+namespace seldinger::test::test_chart {
 
 namespace {
 
@@ -191,4 +187,4 @@ TEST_SUITE("lab/chart_models")
     }
 }
 
-}  // namespace test_chart
+}  // namespace seldinger::test::test_chart

@@ -6,16 +6,11 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 
-namespace test_stability {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_stability {
 
 namespace {
 
@@ -241,4 +236,4 @@ TEST_SUITE("lab/stability")
     }
 }
 
-}  // namespace test_stability
+}  // namespace seldinger::test::test_stability

@@ -2,16 +2,12 @@
 #include "math/band_matrix.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Dense>
 
 #include <limits>
 #include <random>
 
-namespace test_band_matrix {
-
-using namespace seldinger;
+namespace seldinger::test::test_band_matrix {
 
 namespace {
 
@@ -216,4 +212,4 @@ TEST_SUITE("solve/band_matrix")
     }
 }
 
-}  // namespace test_band_matrix
+}  // namespace seldinger::test::test_band_matrix

@@ -8,9 +8,8 @@
 #include <random>
 #include <vector>
 
-namespace test_banded_solver {
+namespace seldinger::test::test_banded_solver {
 
-using namespace seldinger;
 using Eigen::VectorXd;
 
 namespace {
@@ -67,4 +66,4 @@ TEST_SUITE("math/banded_solver")
     }
 }
 
-}  // namespace test_banded_solver
+}  // namespace seldinger::test::test_banded_solver

@@ -7,9 +7,7 @@
 #include <random>
 #include <tuple>
 
-namespace test_block_cholesky {
-
-using namespace seldinger;
+namespace seldinger::test::test_block_cholesky {
 
 namespace {
 
@@ -138,4 +136,4 @@ TEST_SUITE("math/block_cholesky")
     }
 }
 
-}  // namespace test_block_cholesky
+}  // namespace seldinger::test::test_block_cholesky

@@ -3,15 +3,11 @@
 #include "math/banded_solver.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Dense>
 
 #include <random>
 
-namespace test_condensed {
-
-using namespace seldinger;
+namespace seldinger::test::test_condensed {
 
 namespace {
 
@@ -203,4 +199,4 @@ TEST_CASE("a known solution counts only if what it adds is more than its error")
     CHECK(sum[1] == test::about(1).epsilon(1e-8));  // rounding over the new part: 1e-16 / 1e-7
 }
 
-}  // namespace test_condensed
+}  // namespace seldinger::test::test_condensed

@@ -8,9 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace test_dof_map {
-
-using namespace seldinger;
+namespace seldinger::test::test_dof_map {
 
 namespace {
 
@@ -89,4 +87,4 @@ TEST_SUITE("math/dof_map")
     }
 }
 
-}  // namespace test_dof_map
+}  // namespace seldinger::test::test_dof_map

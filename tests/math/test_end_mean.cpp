@@ -2,14 +2,10 @@
 #include "math/end_mean.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_end_mean {
-
-using namespace seldinger;
+namespace seldinger::test::test_end_mean {
 
 namespace {
 
@@ -67,4 +63,4 @@ TEST_SUITE("math/end_mean")
     }
 }
 
-}  // namespace test_end_mean
+}  // namespace seldinger::test::test_end_mean

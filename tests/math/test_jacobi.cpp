@@ -7,9 +7,7 @@
 
 #include <random>
 
-namespace test_jacobi {
-
-using namespace seldinger;
+namespace seldinger::test::test_jacobi {
 
 namespace {
 
@@ -69,4 +67,4 @@ TEST_CASE("property: a matrix without negative eigenvalues is its own positive p
     CHECK(eigen_of(positive_part(FixedMatrix<n>())).norm() == 0);
 }
 
-}  // namespace test_jacobi
+}  // namespace seldinger::test::test_jacobi

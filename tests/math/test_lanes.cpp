@@ -2,12 +2,7 @@
 
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_lanes {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_lanes {
 
 namespace {
 
@@ -97,4 +92,4 @@ TEST_SUITE("rod/lanes")
     }
 }
 
-}  // namespace test_lanes
+}  // namespace seldinger::test::test_lanes

@@ -11,9 +11,8 @@
 #include <random>
 #include <vector>
 
-namespace test_node_factors {
+namespace seldinger::test::test_node_factors {
 
-using namespace seldinger;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -285,4 +284,4 @@ TEST_SUITE("math/node_factors")
     }
 }
 
-}  // namespace test_node_factors
+}  // namespace seldinger::test::test_node_factors

@@ -2,15 +2,11 @@
 #include "math/small_dense.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Dense>
 
 #include <random>
 
-namespace test_small_dense {
-
-using namespace seldinger;
+namespace seldinger::test::test_small_dense {
 
 TEST_SUITE("math/small_dense")
 {
@@ -39,4 +35,4 @@ TEST_SUITE("math/small_dense")
     }
 }
 
-}  // namespace test_small_dense
+}  // namespace seldinger::test::test_small_dense

@@ -2,16 +2,12 @@
 #include "math/span_means.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <random>
 #include <utility>
 #include <vector>
 
-namespace test_span_means {
-
-using namespace seldinger;
+namespace seldinger::test::test_span_means {
 
 namespace {
 
@@ -75,4 +71,4 @@ TEST_SUITE("math/span_means")
     }
 }
 
-}  // namespace test_span_means
+}  // namespace seldinger::test::test_span_means

@@ -5,16 +5,11 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <functional>
 #include <numbers>
 
-namespace test_classify {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_classify {
 
 namespace {
 
@@ -288,4 +283,4 @@ TEST_SUITE("models/classify")
     }
 }
 
-}  // namespace test_classify
+}  // namespace seldinger::test::test_classify

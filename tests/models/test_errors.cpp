@@ -5,16 +5,11 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <fstream>
 #include <functional>
 
-namespace test_errors {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_errors {
 
 namespace {
 
@@ -145,4 +140,4 @@ TEST_SUITE("lab/pareto")
     }
 }
 
-}  // namespace test_errors
+}  // namespace seldinger::test::test_errors

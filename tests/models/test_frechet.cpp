@@ -3,17 +3,12 @@
 #include "models/frechet.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
-namespace test_frechet {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_frechet {
 
 namespace {
 
@@ -110,4 +105,4 @@ TEST_SUITE("models/frechet")
     }
 }
 
-}  // namespace test_frechet
+}  // namespace seldinger::test::test_frechet

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 
-namespace test_model {
-
-using namespace seldinger;
+namespace seldinger::test::test_model {
 
 namespace {
 
@@ -118,4 +116,4 @@ TEST_SUITE("models/model")
     }
 }
 
-}  // namespace test_model
+}  // namespace seldinger::test::test_model

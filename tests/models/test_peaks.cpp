@@ -5,14 +5,9 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_peaks {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_peaks {
 
 TEST_SUITE("models/peaks")
 {
@@ -84,4 +79,4 @@ TEST_SUITE("models/peaks")
     }
 }
 
-}  // namespace test_peaks
+}  // namespace seldinger::test::test_peaks

@@ -5,15 +5,10 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <limits>
 
-namespace test_reference {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_reference {
 
 namespace {
 
@@ -187,4 +182,4 @@ TEST_SUITE("models/reference")
     }
 }
 
-}  // namespace test_reference
+}  // namespace seldinger::test::test_reference

@@ -4,16 +4,11 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <vector>
 
-namespace test_refinement {
-
-using namespace seldinger;
-using seldinger::test::about;
+namespace seldinger::test::test_refinement {
 
 TEST_SUITE("models/refinement")
 {
@@ -80,4 +75,4 @@ TEST_SUITE("models/refinement")
     }
 }
 
-}  // namespace test_refinement
+}  // namespace seldinger::test::test_refinement

@@ -11,9 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace test_result_table {
-
-using namespace seldinger;
+namespace seldinger::test::test_result_table {
 
 TEST_SUITE("models/result_table")
 {
@@ -86,4 +84,4 @@ TEST_SUITE("models/result_table")
     }
 }
 
-}  // namespace test_result_table
+}  // namespace seldinger::test::test_result_table

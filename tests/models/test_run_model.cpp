@@ -3,14 +3,9 @@
 #include "models/scripted_simulation.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_run_model {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_run_model {
 
 TEST_SUITE("models/run_model")
 {
@@ -210,4 +205,4 @@ TEST_SUITE("models/run_watch")
     }
 }
 
-}  // namespace test_run_model
+}  // namespace seldinger::test::test_run_model

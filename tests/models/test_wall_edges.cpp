@@ -4,15 +4,11 @@
 #include "models/wall_edges.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace test_wall_edges {
-
-using namespace seldinger;
-using seldinger::test::about;
+namespace seldinger::test::test_wall_edges {
 
 namespace {
 
@@ -99,4 +95,4 @@ TEST_SUITE("models/wall_edges")
     }
 }
 
-}  // namespace test_wall_edges
+}  // namespace seldinger::test::test_wall_edges

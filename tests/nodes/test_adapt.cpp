@@ -3,17 +3,12 @@
 #include "nodes/adapt.h"
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numeric>
 
-namespace test_adapt {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_adapt {
 
 namespace {
 
@@ -207,4 +202,4 @@ TEST_SUITE("nodes/adapt")
     }
 }
 
-}  // namespace test_adapt
+}  // namespace seldinger::test::test_adapt

@@ -2,12 +2,7 @@
 #include "nodes/adapt.h"
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_edge_errors {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_edge_errors {
 
 namespace {
 
@@ -133,4 +128,4 @@ TEST_SUITE("nodes/adapt")
     }
 }
 
-}  // namespace test_edge_errors
+}  // namespace seldinger::test::test_edge_errors

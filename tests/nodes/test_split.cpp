@@ -5,12 +5,8 @@
 #include "rod/rod_fixture.h"
 
 #include <Eigen/Geometry>
-#include <doctest/doctest.h>
 
-namespace test_split {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_split {
 
 namespace {
 
@@ -333,4 +329,4 @@ TEST_SUITE("nodes/split")
     }
 }
 
-}  // namespace test_split
+}  // namespace seldinger::test::test_split

@@ -2,12 +2,7 @@
 #include "nodes/split.h"
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_split_space {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_split_space {
 
 namespace {
 
@@ -282,4 +277,4 @@ TEST_SUITE("nodes/split")
     }
 }
 
-}  // namespace test_split_space
+}  // namespace seldinger::test::test_split_space

@@ -8,16 +8,12 @@
 #include "xray/mesh_paths.h"
 #include "xray/reference_views.h"
 
-#include <doctest/doctest.h>
-
 #include <map>
 #include <numbers>
 #include <random>
 #include <set>
 
-namespace test_labels {
-
-using namespace seldinger;
+namespace seldinger::test::test_labels {
 
 namespace {
 
@@ -438,4 +434,4 @@ TEST_SUITE("pictures/labels")
     }
 }
 
-}  // namespace test_labels
+}  // namespace seldinger::test::test_labels

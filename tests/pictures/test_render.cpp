@@ -11,10 +11,8 @@
 #include <fstream>
 #include <sstream>
 
-namespace test_render {
+namespace seldinger::test::test_render {
 
-using namespace seldinger;
-using namespace seldinger::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -389,4 +387,4 @@ TEST_SUITE("pictures/render")
     }
 }
 
-}  // namespace test_render
+}  // namespace seldinger::test::test_render

@@ -3,18 +3,13 @@
 #include "plan/plan_search.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <vector>
 
-namespace test_plan_search {
-
-using namespace seldinger;
-using seldinger::test::about;
+namespace seldinger::test::test_plan_search {
 
 namespace {
 
@@ -517,4 +512,4 @@ TEST_SUITE("plan/plan_search")
     }
 }
 
-}  // namespace test_plan_search
+}  // namespace seldinger::test::test_plan_search

@@ -21,9 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace test_checkpoint_mutants {
-
-using namespace seldinger;
+namespace seldinger::test::test_checkpoint_mutants {
 
 namespace {
 
@@ -263,4 +261,4 @@ TEST_SUITE("record/checkpoint mutants")
     }
 }
 
-}  // namespace test_checkpoint_mutants
+}  // namespace seldinger::test::test_checkpoint_mutants

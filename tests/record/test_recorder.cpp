@@ -10,7 +10,6 @@
 #include "support/approx.h"
 #include "world/world.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -20,9 +19,7 @@
 #include <fstream>
 #include <limits>
 
-namespace test_recorder {
-
-using namespace seldinger;
+namespace seldinger::test::test_recorder {
 
 namespace {
 
@@ -275,4 +272,4 @@ TEST_SUITE("record/recorder")
     }
 }
 
-}  // namespace test_recorder
+}  // namespace seldinger::test::test_recorder

@@ -2,13 +2,9 @@
 #include "record/wire_shapes.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <vector>
 
-namespace test_wire_shapes {
-
-using namespace seldinger;
+namespace seldinger::test::test_wire_shapes {
 
 TEST_SUITE("record/wire_shapes")
 {
@@ -28,4 +24,4 @@ TEST_SUITE("record/wire_shapes")
     }
 }
 
-}  // namespace test_wire_shapes
+}  // namespace seldinger::test::test_wire_shapes

@@ -6,12 +6,7 @@
 #include "rod/rod_fixture.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
-namespace test_coaxial {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_coaxial {
 
 namespace {
 
@@ -352,4 +347,4 @@ TEST_SUITE("rod/coaxial")
     }
 }
 
-}  // namespace test_coaxial
+}  // namespace seldinger::test::test_coaxial

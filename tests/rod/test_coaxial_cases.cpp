@@ -4,12 +4,7 @@
 #include "coaxial/references.h"
 #include "rod/coaxial_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_coaxial_cases {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_coaxial_cases {
 
 namespace {
 
@@ -176,4 +171,4 @@ TEST_SUITE("rod/coaxial cases")
     }
 }
 
-}  // namespace test_coaxial_cases
+}  // namespace seldinger::test::test_coaxial_cases

@@ -4,12 +4,7 @@
 #include "rod/clamp.h"
 #include "rod/coaxial_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_coaxial_twist {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_coaxial_twist {
 
 namespace {
 
@@ -238,4 +233,4 @@ TEST_SUITE("nodes/coaxial_nodes")
     }
 }
 
-}  // namespace test_coaxial_twist
+}  // namespace seldinger::test::test_coaxial_twist

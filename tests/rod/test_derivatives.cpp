@@ -3,12 +3,7 @@
 #include "math/eigen.h"
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_derivatives {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_derivatives {
 
 namespace {
 
@@ -285,4 +280,4 @@ TEST_SUITE("rod/elastic")
     }
 }
 
-}  // namespace test_derivatives
+}  // namespace seldinger::test::test_derivatives

@@ -4,12 +4,7 @@
 #include "rod/discrete_gradient.h"
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_discrete_gradient {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_discrete_gradient {
 
 namespace {
 
@@ -165,4 +160,4 @@ TEST_SUITE("rod/discrete_gradient")
     }
 }
 
-}  // namespace test_discrete_gradient
+}  // namespace seldinger::test::test_discrete_gradient

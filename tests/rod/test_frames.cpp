@@ -4,13 +4,9 @@
 #include "rod/rod_fixture.h"
 
 #include <Eigen/Geometry>
-#include <doctest/doctest.h>
 #include <numbers>
 
-namespace test_frames {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_frames {
 
 namespace {
 
@@ -190,4 +186,4 @@ TEST_SUITE("rod/frames")
     }
 }
 
-}  // namespace test_frames
+}  // namespace seldinger::test::test_frames

@@ -4,15 +4,11 @@
 #include "rod/coaxial_fixture.h"
 #include "rod/coaxial_moment.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <random>
 
-namespace test_lumen_press {
+namespace seldinger::test::test_lumen_press {
 
-using namespace seldinger;
-using namespace seldinger::test;
 using Complex = LumenPress::Complex;
 
 namespace {
@@ -127,4 +123,4 @@ TEST_SUITE("rod/lumen press")
     }
 }
 
-}  // namespace test_lumen_press
+}  // namespace seldinger::test::test_lumen_press

@@ -4,14 +4,9 @@
 
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_no_state {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_no_state {
 
 TEST_SUITE("rod/no_state")
 {
@@ -48,4 +43,4 @@ TEST_SUITE("rod/no_state")
     }
 }
 
-}  // namespace test_no_state
+}  // namespace seldinger::test::test_no_state

@@ -2,14 +2,10 @@
 
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
 #include <numbers>
 #include <set>
 
-namespace test_rest_shape {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_rest_shape {
 
 TEST_SUITE("rod/rest_shape")
 {
@@ -128,4 +124,4 @@ TEST_SUITE("rod/rest_shape")
     }
 }
 
-}  // namespace test_rest_shape
+}  // namespace seldinger::test::test_rest_shape

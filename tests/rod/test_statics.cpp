@@ -2,13 +2,9 @@
 
 #include "rod/rod_fixture.h"
 
-#include <doctest/doctest.h>
 #include <numbers>
 
-namespace test_statics {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_statics {
 
 namespace {
 
@@ -406,4 +402,4 @@ TEST_SUITE("rod/elastic")
     }
 }
 
-}  // namespace test_statics
+}  // namespace seldinger::test::test_statics

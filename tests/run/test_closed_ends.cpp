@@ -5,13 +5,9 @@
 #include "scene/scene.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 
-namespace test_closed_ends {
-
-using namespace seldinger;
+namespace seldinger::test::test_closed_ends {
 
 namespace {
 
@@ -136,4 +132,4 @@ TEST_SUITE("run/closed_ends")
     }
 }
 
-}  // namespace test_closed_ends
+}  // namespace seldinger::test::test_closed_ends

@@ -7,11 +7,7 @@
 #include "support/world_fixture.h"
 #include "vessel/inlets.h"
 
-#include <doctest/doctest.h>
-
-namespace test_exits {
-
-using namespace seldinger;
+namespace seldinger::test::test_exits {
 
 namespace {
 
@@ -102,4 +98,4 @@ TEST_SUITE("run/exits")
     }
 }
 
-}  // namespace test_exits
+}  // namespace seldinger::test::test_exits

@@ -9,9 +9,7 @@
 
 #include <cmath>
 
-namespace test_node_band {
-
-using namespace seldinger;
+namespace seldinger::test::test_node_band {
 
 namespace {
 
@@ -83,4 +81,4 @@ TEST_CASE(
     }
 }
 
-}  // namespace test_node_band
+}  // namespace seldinger::test::test_node_band

@@ -14,9 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace test_ready {
-
-using namespace seldinger;
+namespace seldinger::test::test_ready {
 
 namespace {
 
@@ -196,4 +194,4 @@ TEST_SUITE("run/ready")
     }
 }
 
-}  // namespace test_ready
+}  // namespace seldinger::test::test_ready

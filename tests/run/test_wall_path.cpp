@@ -8,14 +8,11 @@
 #include "wall/wall_model.h"
 #include "wall/wall_resolution.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace test_wall_path {
-
-using namespace seldinger;
+namespace seldinger::test::test_wall_path {
 
 namespace {
 
@@ -142,4 +139,4 @@ TEST_CASE("the trial run can be ended")
                       "interrupted in the trial run with a rigid wall, before the first step");
 }
 
-}  // namespace test_wall_path
+}  // namespace seldinger::test::test_wall_path

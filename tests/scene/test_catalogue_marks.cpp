@@ -11,9 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace test_catalogue_marks {
-
-using namespace seldinger;
+namespace seldinger::test::test_catalogue_marks {
 
 namespace {
 
@@ -58,4 +56,4 @@ TEST_SUITE("scene/instruments")
     }
 }
 
-}  // namespace test_catalogue_marks
+}  // namespace seldinger::test::test_catalogue_marks

@@ -6,14 +6,11 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace test_held_rods {
-
-using namespace seldinger;
+namespace seldinger::test::test_held_rods {
 
 namespace {
 
@@ -154,4 +151,4 @@ TEST_SUITE("scene/held_rods")
     }
 }
 
-}  // namespace test_held_rods
+}  // namespace seldinger::test::test_held_rods

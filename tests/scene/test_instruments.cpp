@@ -9,7 +9,6 @@
 #include "setup/vessel_load.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,9 +18,7 @@
 #include <set>
 #include <sstream>
 
-namespace test_instruments {
-
-using namespace seldinger;
+namespace seldinger::test::test_instruments {
 
 namespace {
 
@@ -200,4 +197,4 @@ TEST_SUITE("scene/instruments")
     }
 }
 
-}  // namespace test_instruments
+}  // namespace seldinger::test::test_instruments

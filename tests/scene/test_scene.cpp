@@ -6,8 +6,6 @@
 #include "support/shared_folder.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -15,9 +13,7 @@
 #include <limits>
 #include <numbers>
 
-namespace test_scene {
-
-using namespace seldinger;
+namespace seldinger::test::test_scene {
 
 namespace {
 
@@ -545,4 +541,4 @@ TEST_SUITE("scene/scene")
     }
 }
 
-}  // namespace test_scene
+}  // namespace seldinger::test::test_scene

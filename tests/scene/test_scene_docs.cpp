@@ -19,9 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace test_scene_docs {
-
-using namespace seldinger;
+namespace seldinger::test::test_scene_docs {
 
 namespace {
 
@@ -311,4 +309,4 @@ TEST_SUITE("scene/scene_docs")
     }
 }
 
-}  // namespace test_scene_docs
+}  // namespace seldinger::test::test_scene_docs

@@ -10,9 +10,7 @@
 
 #include <array>
 
-namespace test_scene_errors {
-
-using namespace seldinger;
+namespace seldinger::test::test_scene_errors {
 
 namespace {
 
@@ -370,4 +368,4 @@ TEST_SUITE("scene/scene_errors")
     }
 }
 
-}  // namespace test_scene_errors
+}  // namespace seldinger::test::test_scene_errors

@@ -14,9 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace test_scene_instruments {
-
-using namespace seldinger;
+namespace seldinger::test::test_scene_instruments {
 
 namespace {
 
@@ -55,8 +53,6 @@ std::string error_of(const std::string& text, const std::vector<std::string>& se
     }
     return "";
 }
-
-using test::says;
 
 }  // namespace
 
@@ -311,4 +307,4 @@ TEST_SUITE("scene/scene_instruments")
     }
 }
 
-}  // namespace test_scene_instruments
+}  // namespace seldinger::test::test_scene_instruments

@@ -6,7 +6,6 @@
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,9 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace test_scene_layers {
-
-using namespace seldinger;
+namespace seldinger::test::test_scene_layers {
 
 namespace {
 
@@ -358,4 +355,4 @@ TEST_SUITE("scene/scene_layers")
     }
 }
 
-}  // namespace test_scene_layers
+}  // namespace seldinger::test::test_scene_layers

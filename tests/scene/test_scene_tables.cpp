@@ -5,7 +5,6 @@
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,10 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace test_scene_tables {
-
-using namespace seldinger;
-using test::about;
+namespace seldinger::test::test_scene_tables {
 
 namespace {
 
@@ -228,4 +224,4 @@ TEST_SUITE("scene/tables")
     }
 }
 
-}  // namespace test_scene_tables
+}  // namespace seldinger::test::test_scene_tables

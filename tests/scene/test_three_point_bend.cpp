@@ -5,14 +5,11 @@
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace test_three_point_bend {
-
-using namespace seldinger;
+namespace seldinger::test::test_three_point_bend {
 
 namespace {
 
@@ -69,4 +66,4 @@ TEST_CASE("analytic: a three-point bend of each instrument's shaft gives its own
     }
 }
 
-}  // namespace test_three_point_bend
+}  // namespace seldinger::test::test_three_point_bend

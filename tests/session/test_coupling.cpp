@@ -3,17 +3,13 @@
 #include "session/coupling.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
 #include <vector>
 
-namespace test_coupling {
-
-using namespace seldinger;
+namespace seldinger::test::test_coupling {
 
 namespace {
 
@@ -176,4 +172,4 @@ TEST_SUITE("session/coupling")
     }
 }
 
-}  // namespace test_coupling
+}  // namespace seldinger::test::test_coupling

@@ -3,8 +3,6 @@
 #include "session/hand_gate.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -13,9 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace test_hand_packet {
-
-using namespace seldinger;
+namespace seldinger::test::test_hand_packet {
 
 namespace {
 
@@ -251,4 +247,4 @@ TEST_SUITE("session/hand_packet")
     }
 }
 
-}  // namespace test_hand_packet
+}  // namespace seldinger::test::test_hand_packet

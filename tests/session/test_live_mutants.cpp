@@ -9,16 +9,11 @@
 #include "setup/scene_setup.h"
 #include "support/tries.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
 
-namespace test_live_mutants {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_live_mutants {
 
 namespace {
 
@@ -115,4 +110,4 @@ TEST_SUITE("session/live mutants")
     }
 }
 
-}  // namespace test_live_mutants
+}  // namespace seldinger::test::test_live_mutants

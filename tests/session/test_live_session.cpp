@@ -6,15 +6,11 @@
 #include "core/file_io.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
 
-namespace test_live_session {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_live_session {
 
 TEST_SUITE("session/live_session")
 {
@@ -65,4 +61,4 @@ TEST_SUITE("session/live_session")
     }
 }
 
-}  // namespace test_live_session
+}  // namespace seldinger::test::test_live_session

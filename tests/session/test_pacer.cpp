@@ -6,14 +6,10 @@
 #include "session/triple_buffer.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <atomic>
 #include <thread>
 
-namespace test_pacer {
-
-using namespace seldinger;
+namespace seldinger::test::test_pacer {
 
 TEST_SUITE("session/pacer")
 {
@@ -132,4 +128,4 @@ TEST_SUITE("session/pacer")
     }
 }
 
-}  // namespace test_pacer
+}  // namespace seldinger::test::test_pacer

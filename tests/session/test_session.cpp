@@ -18,10 +18,7 @@
 #include <random>
 #include <thread>
 
-namespace test_session {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_session {
 
 namespace {
 
@@ -438,4 +435,4 @@ TEST_SUITE("session/session")
     }
 }
 
-}  // namespace test_session
+}  // namespace seldinger::test::test_session

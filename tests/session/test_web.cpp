@@ -15,10 +15,7 @@
 #include <filesystem>
 #include <thread>
 
-namespace test_web {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_web {
 
 namespace {
 
@@ -346,4 +343,4 @@ TEST_SUITE("session/web")
     }
 }
 
-}  // namespace test_web
+}  // namespace seldinger::test::test_web

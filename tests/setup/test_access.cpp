@@ -8,17 +8,14 @@
 #include "support/approx.h"
 #include "vessel/mesh_fixtures.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 
-namespace test_access {
+namespace seldinger::test::test_access {
 
-using namespace seldinger;
-using namespace seldinger::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -282,4 +279,4 @@ TEST_SUITE("setup/access")
     }
 }
 
-}  // namespace test_access
+}  // namespace seldinger::test::test_access

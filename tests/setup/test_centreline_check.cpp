@@ -13,9 +13,7 @@
 
 #include <algorithm>
 
-namespace test_centreline_check {
-
-using namespace seldinger;
+namespace seldinger::test::test_centreline_check {
 
 namespace {
 
@@ -265,4 +263,4 @@ TEST_SUITE("setup/centreline_check")
     }
 }
 
-}  // namespace test_centreline_check
+}  // namespace seldinger::test::test_centreline_check

@@ -2,11 +2,7 @@
 #include "setup/first_scene.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
-namespace test_first_scene {
-
-using namespace seldinger;
+namespace seldinger::test::test_first_scene {
 
 namespace {
 
@@ -41,4 +37,4 @@ TEST_CASE("A place where two parts of a mesh only touch is told with where it is
     CHECK(why.find("it gets 50 mm far") != std::string::npos);
 }
 
-}  // namespace test_first_scene
+}  // namespace seldinger::test::test_first_scene

@@ -11,16 +11,13 @@
 #include "vessel/inside.h"
 #include "wall/wall_resolution.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <unistd.h>
 
 #include <cmath>
 
-namespace test_scene_setup {
-
-using namespace seldinger;
+namespace seldinger::test::test_scene_setup {
 
 namespace {
 
@@ -214,4 +211,4 @@ TEST_SUITE("setup/scene_setup")
     }
 }
 
-}  // namespace test_scene_setup
+}  // namespace seldinger::test::test_scene_setup

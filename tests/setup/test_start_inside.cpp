@@ -9,13 +9,9 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
-namespace test_start_inside {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_start_inside {
 
 namespace {
 
@@ -187,4 +183,4 @@ TEST_SUITE("setup/start_inside")
     }
 }
 
-}  // namespace test_start_inside
+}  // namespace seldinger::test::test_start_inside

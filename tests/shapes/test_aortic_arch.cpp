@@ -7,14 +7,9 @@
 #include "support/approx.h"
 #include "vessel/inlets.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-namespace test_aortic_arch {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_aortic_arch {
 
 TEST_SUITE("shapes/aortic_arch")
 {
@@ -101,4 +96,4 @@ TEST_SUITE("shapes/aortic_arch")
     }
 }
 
-}  // namespace test_aortic_arch
+}  // namespace seldinger::test::test_aortic_arch

@@ -6,15 +6,10 @@
 #include "support/approx.h"
 #include "vessel/mesh_edges.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <numbers>
 
-namespace test_shapes {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_shapes {
 
 TEST_SUITE("shapes/shapes")
 {
@@ -137,4 +132,4 @@ TEST_SUITE("shapes/shapes")
     }
 }
 
-}  // namespace test_shapes
+}  // namespace seldinger::test::test_shapes

@@ -7,14 +7,10 @@
 #include "vessel/mesh_edges.h"
 #include "vessel/triangle_geometry.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_subdivide {
-
-using namespace seldinger;
+namespace seldinger::test::test_subdivide {
 
 namespace {
 
@@ -130,4 +126,4 @@ TEST_SUITE("shapes/subdivide")
     }
 }
 
-}  // namespace test_subdivide
+}  // namespace seldinger::test::test_subdivide

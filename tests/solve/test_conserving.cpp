@@ -1,10 +1,7 @@
 // Energy-momentum steps: conserved quantities, order of convergence, and cases that the trapezoid fails.
 #include "solve/wire_fixture.h"
 
-namespace test_conserving {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_conserving {
 
 namespace {
 
@@ -161,4 +158,4 @@ TEST_SUITE("solve/conserving")
     }
 }
 
-}  // namespace test_conserving
+}  // namespace seldinger::test::test_conserving

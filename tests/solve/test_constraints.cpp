@@ -6,10 +6,7 @@
 
 #include <string>
 
-namespace test_constraints {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_constraints {
 
 namespace {
 
@@ -205,4 +202,4 @@ TEST_SUITE("solve/constraints")
     }
 }
 
-}  // namespace test_constraints
+}  // namespace seldinger::test::test_constraints

@@ -4,10 +4,7 @@
 
 #include <limits>
 
-namespace test_contact_steps {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_contact_steps {
 
 namespace {
 
@@ -261,4 +258,4 @@ TEST_SUITE("solve/contact_steps")
     }
 }
 
-}  // namespace test_contact_steps
+}  // namespace seldinger::test::test_contact_steps

@@ -3,16 +3,11 @@
 
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <functional>
 #include <limits>
 
-namespace test_driven_hub {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_driven_hub {
 
 namespace {
 
@@ -165,4 +160,4 @@ TEST_SUITE("solve/driven hub")
     }
 }
 
-}  // namespace test_driven_hub
+}  // namespace seldinger::test::test_driven_hub

@@ -1,10 +1,7 @@
 // Time integration: frequencies and orders, momentum, damping, holds that move, and what a step costs.
 #include "solve/wire_fixture.h"
 
-namespace test_dynamics {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_dynamics {
 
 namespace {
 
@@ -336,4 +333,4 @@ TEST_SUITE("solve/dynamics")
     }
 }
 
-}  // namespace test_dynamics
+}  // namespace seldinger::test::test_dynamics

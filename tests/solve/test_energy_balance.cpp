@@ -3,12 +3,7 @@
 #include "solve/energy_balance.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
-namespace test_energy_balance {
-
-using namespace seldinger;
-using seldinger::test::about;
+namespace seldinger::test::test_energy_balance {
 
 namespace {
 
@@ -82,4 +77,4 @@ TEST_SUITE("solve/energy_balance")
     }
 }
 
-}  // namespace test_energy_balance
+}  // namespace seldinger::test::test_energy_balance

@@ -4,14 +4,9 @@
 #include "support/approx.h"
 #include "support/fed_world.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_energy_ledger {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_energy_ledger {
 
 namespace {
 
@@ -109,4 +104,4 @@ TEST_CASE("the ledger of a free swing has one loss, the scheme's, which falls wi
     }
 }
 
-}  // namespace test_energy_ledger
+}  // namespace seldinger::test::test_energy_ledger

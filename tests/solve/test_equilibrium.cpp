@@ -4,10 +4,7 @@
 
 #include <Eigen/Dense>
 
-namespace test_equilibrium {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_equilibrium {
 
 namespace {
 
@@ -304,4 +301,4 @@ TEST_SUITE("newton/equilibrium")
     }
 }
 
-}  // namespace test_equilibrium
+}  // namespace seldinger::test::test_equilibrium

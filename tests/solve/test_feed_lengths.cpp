@@ -3,14 +3,9 @@
 
 #include "solve/wire_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <limits>
 
-namespace test_feed_lengths {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_feed_lengths {
 
 namespace {
 
@@ -132,4 +127,4 @@ TEST_SUITE("solve/feed")
     }
 }
 
-}  // namespace test_feed_lengths
+}  // namespace seldinger::test::test_feed_lengths

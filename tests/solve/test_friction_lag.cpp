@@ -7,10 +7,7 @@
 
 #include <algorithm>
 
-namespace test_friction_lag {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_friction_lag {
 
 namespace {
 
@@ -100,4 +97,4 @@ TEST_SUITE("solve/friction_lag")
     }
 }
 
-}  // namespace test_friction_lag
+}  // namespace seldinger::test::test_friction_lag

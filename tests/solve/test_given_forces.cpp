@@ -7,17 +7,12 @@
 
 #include "engine.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <functional>
 #include <stdexcept>
 #include <utility>
 
-namespace test_given_forces {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_given_forces {
 
 namespace {
 
@@ -516,4 +511,4 @@ TEST_SUITE("solve/given forces")
     }
 }
 
-}  // namespace test_given_forces
+}  // namespace seldinger::test::test_given_forces

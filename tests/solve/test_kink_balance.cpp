@@ -6,16 +6,11 @@
 #include "newton/kink_balance.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <random>
 #include <vector>
 
-namespace test_kink_balance {
-
-using namespace seldinger;
-using seldinger::test::about;
+namespace seldinger::test::test_kink_balance {
 
 namespace {
 
@@ -120,4 +115,4 @@ TEST_SUITE("solve/kink_balance")
     }
 }
 
-}  // namespace test_kink_balance
+}  // namespace seldinger::test::test_kink_balance

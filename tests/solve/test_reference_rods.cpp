@@ -8,10 +8,7 @@
 
 #include <algorithm>
 
-namespace test_reference_rods {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_reference_rods {
 
 namespace {
 
@@ -425,4 +422,4 @@ TEST_SUITE("solve/reference_rods")
     }
 }
 
-}  // namespace test_reference_rods
+}  // namespace seldinger::test::test_reference_rods

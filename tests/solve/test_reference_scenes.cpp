@@ -7,7 +7,6 @@
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -18,9 +17,7 @@
 #include <map>
 #include <numbers>
 
-namespace test_reference_scenes {
-
-using namespace seldinger;
+namespace seldinger::test::test_reference_scenes {
 
 namespace {
 
@@ -315,4 +312,4 @@ TEST_SUITE("solve/reference_scenes")
     }
 }
 
-}  // namespace test_reference_scenes
+}  // namespace seldinger::test::test_reference_scenes

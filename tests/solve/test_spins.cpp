@@ -1,10 +1,7 @@
 // Spin angles left out of steps that do not need them: the same results, and never where they do.
 #include "solve/wire_fixture.h"
 
-namespace test_spins {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_spins {
 
 namespace {
 
@@ -147,4 +144,4 @@ TEST_SUITE("solve/spins")
     }
 }
 
-}  // namespace test_spins
+}  // namespace seldinger::test::test_spins

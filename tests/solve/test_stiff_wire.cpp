@@ -2,10 +2,7 @@
 // and nothing drifts. Longer runs: bench/long_runs.py.
 #include "solve/wire_fixture.h"
 
-namespace test_stiff_wire {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_stiff_wire {
 
 namespace {
 
@@ -98,4 +95,4 @@ TEST_SUITE("solve/stiff_wire")
     }
 }
 
-}  // namespace test_stiff_wire
+}  // namespace seldinger::test::test_stiff_wire

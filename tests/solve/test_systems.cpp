@@ -5,10 +5,7 @@
 
 #include <array>
 
-namespace test_systems {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_systems {
 
 namespace {
 
@@ -206,4 +203,4 @@ TEST_SUITE("solve/systems")
     }
 }
 
-}  // namespace test_systems
+}  // namespace seldinger::test::test_systems

@@ -1,10 +1,7 @@
 // Reference 06: the first three frequencies of two wires from their tips' motion, and what the trapezoid does with the energy.
 #include "solve/wire_fixture.h"
 
-namespace test_vibration {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_vibration {
 
 namespace {
 
@@ -156,4 +153,4 @@ TEST_SUITE("solve/vibration")
     }
 }
 
-}  // namespace test_vibration
+}  // namespace seldinger::test::test_vibration

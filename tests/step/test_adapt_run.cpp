@@ -3,15 +3,10 @@
 #include "stages/step_stages.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_adapt_run {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_adapt_run {
 
 namespace {
 
@@ -225,4 +220,4 @@ TEST_SUITE("step/adapt_run")
     }
 }
 
-}  // namespace test_adapt_run
+}  // namespace seldinger::test::test_adapt_run

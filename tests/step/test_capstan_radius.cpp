@@ -2,12 +2,7 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_capstan_radius {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_capstan_radius {
 
 namespace {
 
@@ -93,4 +88,4 @@ TEST_SUITE("step/capstan_radius")
     }
 }
 
-}  // namespace test_capstan_radius
+}  // namespace seldinger::test::test_capstan_radius

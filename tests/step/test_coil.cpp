@@ -3,15 +3,10 @@
 #include "support/world_fixture.h"
 #include "vessel/mesh_fixtures.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
-namespace test_coil {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_coil {
 
 namespace {
 
@@ -127,4 +122,4 @@ TEST_SUITE("step/coil")
     }
 }
 
-}  // namespace test_coil
+}  // namespace seldinger::test::test_coil

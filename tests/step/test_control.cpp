@@ -3,14 +3,9 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_control {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_control {
 
 namespace {
 
@@ -103,4 +98,4 @@ TEST_SUITE("step/control")
     }
 }
 
-}  // namespace test_control
+}  // namespace seldinger::test::test_control

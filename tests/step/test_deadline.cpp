@@ -3,14 +3,9 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-namespace test_deadline {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_deadline {
 
 namespace {
 
@@ -132,4 +127,4 @@ TEST_SUITE("step/deadline")
     }
 }
 
-}  // namespace test_deadline
+}  // namespace seldinger::test::test_deadline

@@ -3,14 +3,9 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-namespace test_drag_and_loop {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_drag_and_loop {
 
 namespace {
 
@@ -219,4 +214,4 @@ TEST_SUITE("step/drag_and_loop")
     }
 }
 
-}  // namespace test_drag_and_loop
+}  // namespace seldinger::test::test_drag_and_loop

@@ -4,15 +4,10 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <numbers>
 
-namespace test_driven_hub_run {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_driven_hub_run {
 
 namespace {
 
@@ -290,4 +285,4 @@ TEST_SUITE("step/driven hub")
     }
 }
 
-}  // namespace test_driven_hub_run
+}  // namespace seldinger::test::test_driven_hub_run

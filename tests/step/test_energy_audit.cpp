@@ -2,14 +2,9 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-namespace test_energy_audit {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_energy_audit {
 
 namespace {
 
@@ -111,4 +106,4 @@ TEST_SUITE("step/energy_audit")
     }
 }
 
-}  // namespace test_energy_audit
+}  // namespace seldinger::test::test_energy_audit

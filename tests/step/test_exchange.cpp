@@ -5,16 +5,12 @@
 #include "support/approx.h"
 #include "world/world.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <functional>
 #include <vector>
 
-namespace test_exchange {
+namespace seldinger::test::test_exchange {
 
-using namespace seldinger;
-using namespace seldinger::test;
 using Model = CoaxialSpec::Model;
 
 namespace {
@@ -196,4 +192,4 @@ TEST_SUITE("step/exchange")
     }
 }
 
-}  // namespace test_exchange
+}  // namespace seldinger::test::test_exchange

@@ -2,12 +2,7 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_experiment1 {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_experiment1 {
 
 TEST_SUITE("step/experiment1")
 {
@@ -40,4 +35,4 @@ TEST_SUITE("step/experiment1")
     }
 }
 
-}  // namespace test_experiment1
+}  // namespace seldinger::test::test_experiment1

@@ -2,16 +2,11 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <memory>
 #include <numeric>
 
-namespace test_feed {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_feed {
 
 namespace {
 
@@ -245,4 +240,4 @@ TEST_SUITE("step/feed")
     }
 }
 
-}  // namespace test_feed
+}  // namespace seldinger::test::test_feed

@@ -1,14 +1,9 @@
 // A preformed tip that leaves the inlet: what the hand feels, against beam theory.
 #include "coaxial/straight_pair.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_feed_sections {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_feed_sections {
 
 namespace {
 
@@ -82,4 +77,4 @@ TEST_SUITE("step/feed_sections")
     }
 }
 
-}  // namespace test_feed_sections
+}  // namespace seldinger::test::test_feed_sections

@@ -12,9 +12,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace test_feed_start {
-
-using namespace seldinger;
+namespace seldinger::test::test_feed_start {
 
 namespace {
 
@@ -80,4 +78,4 @@ TEST_SUITE("step/feed_start")
     }
 }
 
-}  // namespace test_feed_start
+}  // namespace seldinger::test::test_feed_start

@@ -3,15 +3,10 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <array>
 
-namespace test_hand_readings {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_hand_readings {
 
 namespace {
 
@@ -250,4 +245,4 @@ TEST_SUITE("step/hand_readings")
     }
 }
 
-}  // namespace test_hand_readings
+}  // namespace seldinger::test::test_hand_readings

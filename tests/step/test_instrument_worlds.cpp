@@ -6,10 +6,7 @@
 
 #include <cmath>
 
-namespace test_instrument_worlds {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_instrument_worlds {
 
 namespace {
 
@@ -273,4 +270,4 @@ TEST_SUITE("step/instrument_worlds")
     }
 }
 
-}  // namespace test_instrument_worlds
+}  // namespace seldinger::test::test_instrument_worlds

@@ -5,16 +5,11 @@
 #include "setup/scene_setup.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-namespace test_late_steps {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_late_steps {
 
 namespace {
 
@@ -125,4 +120,4 @@ TEST_CASE("analytic: a wire that slides into a groove lies where the facets shar
     }
 }
 
-}  // namespace test_late_steps
+}  // namespace seldinger::test::test_late_steps

@@ -2,14 +2,9 @@
 
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-namespace test_linearised {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_linearised {
 
 namespace {
 
@@ -104,4 +99,4 @@ TEST_SUITE("step/linearised")
     }
 }
 
-}  // namespace test_linearised
+}  // namespace seldinger::test::test_linearised

@@ -3,15 +3,10 @@
 #include "failure/hard_vessels.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <limits>
 
-namespace test_momentum {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_momentum {
 
 namespace {
 
@@ -296,4 +291,4 @@ TEST_SUITE("step/momentum")
     }
 }
 
-}  // namespace test_momentum
+}  // namespace seldinger::test::test_momentum

@@ -4,16 +4,11 @@
 #include "support/skip.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Core>
 
 #include <algorithm>
 
-namespace test_no_allocation {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_no_allocation {
 
 namespace {
 
@@ -124,4 +119,4 @@ TEST_SUITE("step/no_allocation")
     }
 }
 
-}  // namespace test_no_allocation
+}  // namespace seldinger::test::test_no_allocation

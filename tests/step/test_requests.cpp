@@ -4,16 +4,11 @@
 #include "core/error.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
 #include <functional>
 #include <limits>
 #include <string>
 
-namespace test_requests {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_requests {
 
 namespace {
 
@@ -175,4 +170,4 @@ TEST_SUITE("step/requests")
     }
 }
 
-}  // namespace test_requests
+}  // namespace seldinger::test::test_requests

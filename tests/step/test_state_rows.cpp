@@ -5,9 +5,7 @@
 
 #include <doctest/doctest.h>
 
-namespace test_state_rows {
-
-using namespace seldinger;
+namespace seldinger::test::test_state_rows {
 
 namespace {
 
@@ -80,4 +78,4 @@ TEST_SUITE("step/state rows")
     }
 }
 
-}  // namespace test_state_rows
+}  // namespace seldinger::test::test_state_rows

@@ -4,11 +4,7 @@
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
-namespace test_static_drag {
-
-using namespace seldinger;
+namespace seldinger::test::test_static_drag {
 
 namespace {
 
@@ -56,4 +52,4 @@ TEST_SUITE("step/static_drag")
     }
 }
 
-}  // namespace test_static_drag
+}  // namespace seldinger::test::test_static_drag

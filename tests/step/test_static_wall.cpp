@@ -4,12 +4,9 @@
 #include "setup/scene_setup.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
-namespace test_static_wall {
-
-using namespace seldinger;
+namespace seldinger::test::test_static_wall {
 
 namespace {
 
@@ -110,4 +107,4 @@ TEST_SUITE("step/static_wall")
     }
 }
 
-}  // namespace test_static_wall
+}  // namespace seldinger::test::test_static_wall

@@ -3,12 +3,7 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_stopped_step {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_stopped_step {
 
 namespace {
 
@@ -102,4 +97,4 @@ TEST_SUITE("step/stopped_step")
     }
 }
 
-}  // namespace test_stopped_step
+}  // namespace seldinger::test::test_stopped_step

@@ -3,12 +3,7 @@
 #include "support/approx.h"
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_systems {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_systems {
 
 namespace {
 
@@ -89,4 +84,4 @@ TEST_SUITE("step/systems")
     }
 }
 
-}  // namespace test_systems
+}  // namespace seldinger::test::test_systems

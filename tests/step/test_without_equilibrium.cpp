@@ -1,12 +1,7 @@
 // A wire that has no equilibrium: the settling says so, and the wire is where it was; its neighbour settles all the same.
 #include "support/world_fixture.h"
 
-#include <doctest/doctest.h>
-
-namespace test_without_equilibrium {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_without_equilibrium {
 
 TEST_SUITE("step/settle")
 {
@@ -40,4 +35,4 @@ TEST_SUITE("step/settle")
     }
 }
 
-}  // namespace test_without_equilibrium
+}  // namespace seldinger::test::test_without_equilibrium

@@ -5,16 +5,11 @@
 #include "core/error.h"
 #include "core/parallel.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cstring>
 #include <memory>
 
-namespace test_worlds {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_worlds {
 
 namespace {
 
@@ -331,4 +326,4 @@ TEST_SUITE("step/worlds")
     }
 }
 
-}  // namespace test_worlds
+}  // namespace seldinger::test::test_worlds

@@ -13,18 +13,13 @@
 #include "vessel/tree.h"
 #include "wall/wall_model.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <functional>
 #include <numbers>
 #include <random>
 #include <set>
 
-namespace test_control_mesh {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_control_mesh {
 
 namespace {
 
@@ -506,4 +501,4 @@ TEST_SUITE("wall/patients")
     }
 }
 
-}  // namespace test_control_mesh
+}  // namespace seldinger::test::test_control_mesh

@@ -5,17 +5,11 @@
 #include "surface/loop_surface.h"
 #include "wall/wall_fixtures.h"
 
-#include <doctest/doctest.h>
-
-namespace test_loop_surface {
-
-using namespace seldinger;
+namespace seldinger::test::test_loop_surface {
 
 namespace {
 
 double from_axis(const Vec3& p) { return std::hypot(p.x(), p.y()); }
-
-using namespace seldinger::test;
 
 /// A bumpy sheet of valences 5 to 7, with four corners.
 WallMesh bumpy_sheet()
@@ -328,4 +322,4 @@ TEST_SUITE("surface/loop_surface")
     }
 }
 
-}  // namespace test_loop_surface
+}  // namespace seldinger::test::test_loop_surface

@@ -3,11 +3,7 @@
 #include "support/approx.h"
 #include "vessel/branches.h"
 
-#include <doctest/doctest.h>
-
-namespace test_branches {
-
-using namespace seldinger;
+namespace seldinger::test::test_branches {
 
 namespace {
 
@@ -188,4 +184,4 @@ TEST_SUITE("vessel/branches")
     }
 }
 
-}  // namespace test_branches
+}  // namespace seldinger::test::test_branches

@@ -6,15 +6,10 @@
 #include "vessel/extract_centreline.h"
 #include "vessel/inlets.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <numbers>
 
-namespace test_centreline {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_centreline {
 
 namespace {
 
@@ -147,4 +142,4 @@ TEST_SUITE("vessel/centreline")
     }
 }
 
-}  // namespace test_centreline
+}  // namespace seldinger::test::test_centreline

@@ -9,17 +9,12 @@
 #include "vessel/mesh_fixtures.h"
 #include "vessel/parts.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 
-namespace test_field_vessels {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_field_vessels {
 
 namespace {
 
@@ -638,4 +633,4 @@ TEST_SUITE("vessel/field_vessels")
     }
 }
 
-}  // namespace test_field_vessels
+}  // namespace seldinger::test::test_field_vessels

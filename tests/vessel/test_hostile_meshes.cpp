@@ -13,10 +13,7 @@
 #include <numbers>
 #include <random>
 
-namespace test_hostile_meshes {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_hostile_meshes {
 
 namespace {
 
@@ -212,4 +209,4 @@ TEST_SUITE("vessel/hostile_meshes")
     }
 }
 
-}  // namespace test_hostile_meshes
+}  // namespace seldinger::test::test_hostile_meshes

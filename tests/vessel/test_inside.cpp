@@ -9,10 +9,7 @@
 #include <numbers>
 #include <random>
 
-namespace test_inside {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_inside {
 
 TEST_SUITE("vessel/inside")
 {
@@ -93,4 +90,4 @@ TEST_SUITE("vessel/inside")
     }
 }
 
-}  // namespace test_inside
+}  // namespace seldinger::test::test_inside

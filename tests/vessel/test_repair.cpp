@@ -4,15 +4,10 @@
 #include "repair/repair.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <limits>
 
-namespace test_repair {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_repair {
 
 TEST_SUITE("repair/repair")
 {
@@ -250,4 +245,4 @@ TEST_SUITE("repair/repair")
     }
 }
 
-}  // namespace test_repair
+}  // namespace seldinger::test::test_repair

@@ -6,14 +6,10 @@
 #include "shapes/shapes.h"
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <numbers>
 
-namespace test_ridges {
-
-using namespace seldinger;
+namespace seldinger::test::test_ridges {
 
 namespace {
 
@@ -83,4 +79,4 @@ TEST_SUITE("vessel/ridges")
     }
 }
 
-}  // namespace test_ridges
+}  // namespace seldinger::test::test_ridges

@@ -9,16 +9,11 @@
 #include "vessel/inside.h"
 #include "vessel/triangle_geometry.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace test_shared_vessels {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_shared_vessels {
 
 namespace {
 
@@ -155,4 +150,4 @@ TEST_SUITE("vessel/shared_vessels")
     }
 }
 
-}  // namespace test_shared_vessels
+}  // namespace seldinger::test::test_shared_vessels

@@ -5,8 +5,6 @@
 #include "vessel/shared_tree.h"
 #include "vessel/tree.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cstring>
 #include <functional>
@@ -15,10 +13,7 @@
 #include <numbers>
 #include <random>
 
-namespace test_tree {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_tree {
 
 namespace {
 
@@ -375,4 +370,4 @@ TEST_SUITE("vessel/tree")
     }
 }
 
-}  // namespace test_tree
+}  // namespace seldinger::test::test_tree

@@ -5,10 +5,7 @@
 
 #include <algorithm>
 
-namespace test_camera {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_camera {
 
 TEST_SUITE("view/camera")
 {
@@ -87,4 +84,4 @@ TEST_SUITE("view/camera")
     }
 }
 
-}  // namespace test_camera
+}  // namespace seldinger::test::test_camera

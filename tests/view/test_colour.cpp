@@ -4,15 +4,11 @@
 #include "view/colour.h"
 #include "view/legend.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace test_colour {
-
-using namespace seldinger;
+namespace seldinger::test::test_colour {
 
 TEST_SUITE("view/colour")
 {
@@ -88,4 +84,4 @@ TEST_SUITE("view/colour")
     }
 }
 
-}  // namespace test_colour
+}  // namespace seldinger::test::test_colour

@@ -2,11 +2,7 @@
 #include "support/approx.h"
 #include "view/frame_range.h"
 
-#include <doctest/doctest.h>
-
-namespace test_frame_range {
-
-using namespace seldinger;
+namespace seldinger::test::test_frame_range {
 
 TEST_SUITE("view/frame_range")
 {
@@ -29,4 +25,4 @@ TEST_SUITE("view/frame_range")
     }
 }
 
-}  // namespace test_frame_range
+}  // namespace seldinger::test::test_frame_range

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace test_inlet_picture {
-
-using namespace seldinger;
+namespace seldinger::test::test_inlet_picture {
 
 namespace {
 
@@ -64,4 +62,4 @@ TEST_SUITE("view/inlet_picture")
     }
 }
 
-}  // namespace test_inlet_picture
+}  // namespace seldinger::test::test_inlet_picture

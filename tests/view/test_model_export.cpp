@@ -10,10 +10,7 @@
 
 #include <cstring>
 
-namespace test_model_export {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_model_export {
 
 namespace {
 
@@ -128,4 +125,4 @@ TEST_SUITE("view/model_export")
     }
 }
 
-}  // namespace test_model_export
+}  // namespace seldinger::test::test_model_export

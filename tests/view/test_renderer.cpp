@@ -7,10 +7,7 @@
 #include <algorithm>
 #include <random>
 
-namespace test_renderer {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_renderer {
 
 namespace {
 
@@ -312,4 +309,4 @@ TEST_SUITE("view/renderer")
     }
 }
 
-}  // namespace test_renderer
+}  // namespace seldinger::test::test_renderer

@@ -8,10 +8,7 @@
 
 #include <algorithm>
 
-namespace test_viewpoint {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_viewpoint {
 
 namespace {
 
@@ -150,4 +147,4 @@ TEST_SUITE("view/viewpoint")
     }
 }
 
-}  // namespace test_viewpoint
+}  // namespace seldinger::test::test_viewpoint

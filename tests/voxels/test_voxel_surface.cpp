@@ -9,9 +9,7 @@
 #include <functional>
 #include <random>
 
-namespace test_voxel_surface {
-
-using namespace seldinger;
+namespace seldinger::test::test_voxel_surface {
 
 namespace {
 
@@ -218,4 +216,4 @@ TEST_SUITE("voxels/voxel_surface") {
     }
 }
 
-}  // namespace test_voxel_surface
+}  // namespace seldinger::test::test_voxel_surface

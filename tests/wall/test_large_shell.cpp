@@ -5,14 +5,10 @@
 #include "large_shell_tangent.h"
 #include "wall_problem.h"
 
-#include <doctest/doctest.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-namespace test_large_shell {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_large_shell {
 
 namespace {
 
@@ -442,4 +438,4 @@ TEST_SUITE("wall/large_shell")
     }
 }
 
-}  // namespace test_large_shell
+}  // namespace seldinger::test::test_large_shell

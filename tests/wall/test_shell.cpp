@@ -3,13 +3,9 @@
 #include "support/approx.h"
 #include "wall_problem.h"
 
-#include <doctest/doctest.h>
 #include <Eigen/Eigenvalues>
 
-namespace test_shell {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_shell {
 
 namespace {
 
@@ -258,4 +254,4 @@ TEST_SUITE("wall/shell")
     }
 }
 
-}  // namespace test_shell
+}  // namespace seldinger::test::test_shell

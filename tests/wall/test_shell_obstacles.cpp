@@ -5,13 +5,9 @@
 #include "support/approx.h"
 #include "wall_problem.h"
 
-#include <doctest/doctest.h>
 #include <Eigen/Eigenvalues>
 
-namespace test_shell_obstacles {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_shell_obstacles {
 
 namespace {
 
@@ -167,4 +163,4 @@ TEST_SUITE("wall/shell_obstacles")
     }
 }
 
-}  // namespace test_shell_obstacles
+}  // namespace seldinger::test::test_shell_obstacles

@@ -4,12 +4,7 @@
 #include "support/approx.h"
 #include "wall_problem.h"
 
-#include <doctest/doctest.h>
-
-namespace test_shell_tube {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_shell_tube {
 
 namespace {
 
@@ -219,4 +214,4 @@ TEST_SUITE("wall/shell")
     }
 }
 
-}  // namespace test_shell_tube
+}  // namespace seldinger::test::test_shell_tube

@@ -3,12 +3,7 @@
 #include "shell/wall_patch.h"
 #include "wall_problem.h"
 
-#include <doctest/doctest.h>
-
-namespace test_wall_compliance {
-
-using namespace seldinger;
-using namespace seldinger::test;
+namespace seldinger::test::test_wall_compliance {
 
 namespace {
 
@@ -182,4 +177,4 @@ TEST_SUITE("wall/wall_compliance")
     }
 }
 
-}  // namespace test_wall_compliance
+}  // namespace seldinger::test::test_wall_compliance

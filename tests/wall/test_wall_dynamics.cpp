@@ -14,9 +14,7 @@
 #include <cmath>
 #include <memory>
 
-namespace test_wall_dynamics {
-
-using namespace seldinger;
+namespace seldinger::test::test_wall_dynamics {
 
 namespace {
 
@@ -405,4 +403,4 @@ TEST_CASE("a saved wall goes on with the same bits, and a damaged one is refused
     CHECK_THROWS_AS(resumed.walk_state(torn), Error);
 }
 
-}  // namespace test_wall_dynamics
+}  // namespace seldinger::test::test_wall_dynamics

@@ -6,7 +6,6 @@
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -15,10 +14,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace test_wall_references {
-
-using namespace seldinger;
-using test::about;
+namespace seldinger::test::test_wall_references {
 
 namespace {
 
@@ -233,4 +229,4 @@ TEST_SUITE("wall/wall_references")
     }
 }
 
-}  // namespace test_wall_references
+}  // namespace seldinger::test::test_wall_references

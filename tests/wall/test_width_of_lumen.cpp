@@ -3,12 +3,7 @@
 
 #include "support/approx.h"
 
-#include <doctest/doctest.h>
-
-namespace test_width_of_lumen {
-
-using namespace seldinger;
-using test::about;
+namespace seldinger::test::test_width_of_lumen {
 
 TEST_SUITE("wall/wall_model")
 {
@@ -60,4 +55,4 @@ TEST_SUITE("wall/wall_model")
     }
 }
 
-}  // namespace test_width_of_lumen
+}  // namespace seldinger::test::test_width_of_lumen

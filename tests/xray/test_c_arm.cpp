@@ -5,11 +5,7 @@
 #include "xray/c_arm.h"
 #include "xray/reference_views.h"
 
-#include <doctest/doctest.h>
-
-namespace test_c_arm {
-
-using namespace seldinger;
+namespace seldinger::test::test_c_arm {
 
 TEST_SUITE("xray/c_arm")
 {
@@ -54,4 +50,4 @@ TEST_SUITE("xray/c_arm")
     }
 }
 
-}  // namespace test_c_arm
+}  // namespace seldinger::test::test_c_arm

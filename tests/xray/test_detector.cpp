@@ -4,13 +4,9 @@
 #include "xray/detector.h"
 #include "xray/spectrum.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-namespace test_detector {
-
-using namespace seldinger;
+namespace seldinger::test::test_detector {
 
 namespace {
 
@@ -144,4 +140,4 @@ TEST_SUITE("xray/detector")
     }
 }
 
-}  // namespace test_detector
+}  // namespace seldinger::test::test_detector

@@ -4,14 +4,10 @@
 #include "support/approx.h"
 #include "xray/fluoroscope.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <numbers>
 
-namespace test_fluoroscope {
-
-using namespace seldinger;
+namespace seldinger::test::test_fluoroscope {
 
 namespace {
 
@@ -155,4 +151,4 @@ TEST_SUITE("xray/fluoroscope")
     }
 }
 
-}  // namespace test_fluoroscope
+}  // namespace seldinger::test::test_fluoroscope

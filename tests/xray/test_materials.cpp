@@ -5,14 +5,11 @@
 #include "xray/materials.h"
 #include "xray/spectrum.h"
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include <fstream>
 
-namespace test_materials {
-
-using namespace seldinger;
+namespace seldinger::test::test_materials {
 
 TEST_SUITE("xray/materials")
 {
@@ -90,4 +87,4 @@ TEST_SUITE("xray/materials")
     }
 }
 
-}  // namespace test_materials
+}  // namespace seldinger::test::test_materials

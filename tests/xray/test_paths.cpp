@@ -5,15 +5,12 @@
 #include "xray/device_paths.h"
 #include "xray/mesh_paths.h"
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include <fstream>
 #include <numbers>
 
-namespace test_paths {
-
-using namespace seldinger;
+namespace seldinger::test::test_paths {
 
 namespace {
 
@@ -207,4 +204,4 @@ TEST_SUITE("xray/paths")
     }
 }
 
-}  // namespace test_paths
+}  // namespace seldinger::test::test_paths

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace test_quantum_noise {
-
-using namespace seldinger;
+namespace seldinger::test::test_quantum_noise {
 
 namespace {
 
@@ -106,4 +104,4 @@ TEST_SUITE("xray/quantum_noise")
     }
 }
 
-}  // namespace test_quantum_noise
+}  // namespace seldinger::test::test_quantum_noise
