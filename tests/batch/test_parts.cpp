@@ -1,11 +1,11 @@
 // engine/studies/batch/parts.cpp, batch_saved.cpp: a plan and parts that were altered, and sealed anew, are refused in one line.
 
+#include "batch/parts.h"
 #include "core/error.h"
 #include "core/file_io.h"
-#include "batch/parts.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include <functional>
@@ -43,17 +43,7 @@ SavedBatch whole_part()
     return saved;
 }
 
-std::string refusal(const std::function<void()>& call)
-{
-    try {
-        call();
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadFile);
-        CHECK(std::string(error.what()).find('\n') == std::string::npos);
-        return error.what();
-    }
-    return {};
-}
+std::string refusal(const auto& call) { return test::refusal(call, ErrorKind::BadFile); }
 
 }  // namespace
 
@@ -76,13 +66,12 @@ TEST_SUITE("batch/parts")
             for (const char* value : {"1000000000000000000", "-1", "1e300", "0", "2.5", "[]", "null"}) {
                 CAPTURE(key);
                 CAPTURE(value);
-                CHECK(said_of(small_plan(), key, value).find("Fix: begin again") != std::string::npos);
+                CHECK(has(said_of(small_plan(), key, value), "Fix: begin again"));
             }
-        for (const char* value : {"1e-9", "-3", "1e300", "\"15\""})
-            CHECK(said_of(small_plan(true), "rate", value).find("Fix: ") != std::string::npos);
+        for (const char* value : {"1e-9", "-3", "1e300", "\"15\""}) CHECK(has(said_of(small_plan(true), "rate", value), "Fix: "));
         for (const char* value : {"[\"../written\"]", "[\"/written\"]", "[]", "[3]", "[\"a\", \"b/../../c\"]"})
-            CHECK(said_of(small_plan(true), "files", value).find("Fix: ") != std::string::npos);
-        CHECK(said_of(small_plan(true), "first", "4000000000").find("first is out of range") != std::string::npos);
+            CHECK(has(said_of(small_plan(true), "files", value), "Fix: "));
+        CHECK(has(said_of(small_plan(true), "first", "4000000000"), "first is out of range"));
     }
 
     TEST_CASE("property: parts that no batch can have are refused, and count as not there")
@@ -126,7 +115,7 @@ TEST_SUITE("batch/parts")
             [](auto& saved) { saved.totals.wall = -1; },
             [](auto& saved) { saved.totals.stages.solve = std::numeric_limits<double>::quiet_NaN(); },
         };
-        for (const auto& change : wrong) CHECK(said(change).find("a value is out of range") != std::string::npos);
+        for (const auto& change : wrong) CHECK(has(said(change), "a value is out of range"));
         for (const std::function<void(SavedBatch&)>& change : std::initializer_list<std::function<void(SavedBatch&)>>{
                  [](auto& saved) { saved.scene = std::string(100'000, 'a'); }, [](auto& saved) { saved.begin = 1; },
                  [](auto& saved) { saved.end = 6; }})

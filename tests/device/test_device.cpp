@@ -45,10 +45,7 @@ TestSetup heavy_setup(int device_index = -1)
 std::string hash_after(TestSetup setup, int steps)
 {
     FedWorld world(std::move(setup));
-    for (int k = 0; k < steps; ++k) {
-        const StepReport report = step(world, 1e-3);
-        REQUIRE_FALSE(report.failed());
-    }
+    for (int k = 0; k < steps; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
     REQUIRE(world.readings(0).contacts > 500);
     return world.state_hash();
 }
@@ -94,8 +91,7 @@ TEST_SUITE("device")
 
     TEST_CASE("property: the step loop creates no buffer and builds no program after warm-up")
     {
-        TestSetup setup;
-        add_tube(setup, tube(0.003, 0.12));
+        TestSetup setup = in_tube(0.003, 0.12);
         setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
         FedWorld world(std::move(setup));
         for (int k = 0; k < 100; ++k) (void)step(world, 1e-3);
@@ -216,8 +212,7 @@ TEST_SUITE("device")
     TEST_CASE("property: worlds in threads of their own, of both precisions at once, have the bits that they have alone")
     {
         const auto setup_of = [](bool single) {
-            TestSetup setup;
-            add_tube(setup, tube(0.003, 0.12));
+            TestSetup setup = in_tube(0.003, 0.12);
             setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
             if (single) setup.wires[0].contact.precision = Precision::Float32;
             return setup;

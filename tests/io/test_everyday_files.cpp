@@ -4,6 +4,8 @@
 #include "io/file_remarks.h"
 #include "io/mesh_file.h"
 #include "support/approx.h"
+#include "support/bytes.h"
+#include "support/refusal.h"
 #include "support/shared_folder.h"
 
 #include <fmt/format.h>
@@ -14,25 +16,9 @@ namespace seldinger::test::test_everyday_files {
 
 namespace {
 
-template <class T>
-std::string big_endian(std::vector<T> values)
-{
-    std::string bytes;
-    for (const T& value : values) {
-        const std::string one(reinterpret_cast<const char*>(&value), sizeof(T));
-        bytes.append(one.rbegin(), one.rend());
-    }
-    return bytes;
-}
-
 std::string refusal(const std::string& bytes, const char* name)
 {
-    try {
-        (void)parse_mesh(bytes, name, "mm");
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "";
+    return test::refusal([&] { return parse_mesh(bytes, name, "mm"); });
 }
 
 /// Four triangles of a tetrahedron with edges 1, 2, 3 along the axes: volume 1.
@@ -59,7 +45,7 @@ struct LegacyFile {
         const auto numbers = [&](const auto& values) {
             std::string list;
             for (const auto& v : values) list += fmt::format("{} ", v);
-            return (binary ? big_endian(values) : list) + "\n";
+            return (binary ? as_bytes(values, true) : list) + "\n";
         };
         std::string file = fmt::format("# vtk DataFile Version {}\nvtk output\n{}\nDATASET POLYDATA\n{}POINTS 4 float\n",
                                        new_cells ? "5.1" : "4.2", binary ? "BINARY" : "ASCII", field);
@@ -80,7 +66,7 @@ std::vector<std::string> fields(bool binary)
     const auto numbers = [&](const auto& values) {
         std::string list;
         for (const auto& v : values) list += fmt::format("{} ", v);
-        return (binary ? big_endian(values) : list) + "\n";
+        return (binary ? as_bytes(values, true) : list) + "\n";
     };
     const std::string text = binary ? "\xC3RAS\n" : "RAS\n";
     return {
@@ -165,14 +151,12 @@ TEST_SUITE("io/everyday_files")
             return refusal(LegacyFile{binary, false, field}.text(), "x.vtk");
         };
         CHECK_FALSE(with(false, "FIELD FieldData 2\nTimeValue 1 1 double\n0.5\n").empty());  // POINTS is taken for an array
-        CHECK(with(true, "FIELD FieldData 1\na 1000000 1000000 double\n").find("no more than the file has bytes for") !=
-              std::string::npos);
-        CHECK(with(true, "FIELD FieldData 1\na 1 90 double\n").find("is cut off") != std::string::npos);
-        CHECK(with(true, "FIELD FieldData 1\na 1 1 string\n\x7f\xff\xff\xff\n").find("cut off in its strings") !=
-              std::string::npos);
-        CHECK(with(true, "FIELD FieldData 1\na 1 1 quaternion\n1\n").find("got type \"quaternion\"") != std::string::npos);
+        CHECK(has(with(true, "FIELD FieldData 1\na 1000000 1000000 double\n"), "no more than the file has bytes for"));
+        CHECK(has(with(true, "FIELD FieldData 1\na 1 90 double\n"), "is cut off"));
+        CHECK(has(with(true, "FIELD FieldData 1\na 1 1 string\n\x7f\xff\xff\xff\n"), "cut off in its strings"));
+        CHECK(has(with(true, "FIELD FieldData 1\na 1 1 quaternion\n1\n"), "got type \"quaternion\""));
         const std::string grid = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n";
-        CHECK(refusal(grid, "x.vtk").find("Fix: extract its surface") != std::string::npos);
+        CHECK(has(refusal(grid, "x.vtk"), "Fix: extract its surface"));
     }
 
     TEST_CASE("property: ASCII STL in capitals, with CRLF, a byte-order mark, leading blanks, several solids")
@@ -186,8 +170,8 @@ TEST_SUITE("io/everyday_files")
                     if (capitals) text = upper(text);
                     check_tetrahedron(parse_mesh(before + text, "x.stl", "mm"));
                 }
-        CHECK(refusal("SOLID a\n" + upper(facets("\n")), "x.stl").find("truncated") != std::string::npos);
-        CHECK(refusal(std::string("\xFF\xFEs\0o\0l\0i\0d\0", 12), "x.stl").find("UTF-16") != std::string::npos);
+        CHECK(has(refusal("SOLID a\n" + upper(facets("\n")), "x.stl"), "truncated"));
+        CHECK(has(refusal(std::string("\xFF\xFEs\0o\0l\0i\0d\0", 12), "x.stl"), "UTF-16"));
     }
 
     TEST_CASE("property: a binary STL whose count is wrong gives all that its body holds, with a note")
@@ -209,16 +193,15 @@ TEST_SUITE("io/everyday_files")
             return facts.notes.empty() ? std::string() : facts.notes[0];
         };
         CHECK(read(stl(4, 4, 0)).empty());
-        CHECK(read(stl(0, 4, 0)).find("announces 0 triangles, its body holds 4") != std::string::npos);
-        CHECK(read(stl(3, 4, 0)).find("announces 3 triangles, its body holds 4") != std::string::npos);
+        CHECK(has(read(stl(0, 4, 0)), "announces 0 triangles, its body holds 4"));
+        CHECK(has(read(stl(3, 4, 0)), "announces 3 triangles, its body holds 4"));
         CHECK(read(stl(~std::uint32_t{0}, 4, 0)).find("its body holds 4") != std::string::npos);
         for (const std::size_t left_over : {1, 2, 49})
-            CHECK(read(stl(4, 4, left_over)).find(fmt::format("{} bytes behind its 4 triangles", left_over)) !=
-                  std::string::npos);
+            CHECK(has(read(stl(4, 4, left_over)), fmt::format("{} bytes behind its 4 triangles", left_over)));
         // cut short, or nothing that is known to be facets
         for (const std::string& bytes : {stl(5, 4, 0), stl(5, 4, 20), stl(0, 4, 7), stl(3, 4, 7)})
-            CHECK(refusal(bytes, "x.stl").find("truncated or damaged") != std::string::npos);
-        CHECK(refusal(stl(0, 0, 0), "x.stl").find("no triangles") != std::string::npos);
+            CHECK(has(refusal(bytes, "x.stl"), "truncated or damaged"));
+        CHECK(has(refusal(stl(0, 0, 0), "x.stl"), "no triangles"));
     }
 
     TEST_CASE("property: a byte-order mark before OBJ and PLY costs no vertex")
@@ -256,7 +239,7 @@ TEST_SUITE("io/everyday_files")
                               std::string::npos,
                           said);
         }
-        CHECK(refusal("v zero, 0 0\n", "t.obj").find("decimal") == std::string::npos);
+        CHECK_FALSE(has(refusal("v zero, 0 0\n", "t.obj"), "decimal"));
     }
 
     TEST_CASE("property: axes and unit are read wherever programs write them")
@@ -317,7 +300,7 @@ TEST_SUITE("io/everyday_files")
             } catch (const Error& error) {
                 said = error.what();
             }
-            CHECK(said.find("expected the lumen's radius at each point") != std::string::npos);
+            CHECK(has(said, "expected the lumen's radius at each point"));
         }
         const std::string legacy =
             "# vtk DataFile Version 4.2\ncentreline\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 10 0 0 20 0 0\n"

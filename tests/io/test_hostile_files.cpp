@@ -4,11 +4,12 @@
 #include "io/centreline_file.h"
 #include "io/mesh_file.h"
 #include "repair/repair.h"
+#include "support/bytes.h"
+#include "support/refusal.h"
 #include "support/shared_folder.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/work_budget.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <zlib.h>
 
@@ -25,30 +26,11 @@ namespace seldinger::test::test_hostile_files {
 
 namespace {
 
-/// "" when it was read, else the message.
-template <class Work>
-std::string refusal(const Work& work)
-{
-    try {
-        work();
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadFile);
-        return error.what();
-    }
-    return "";
-}
+std::string refusal(const auto& work) { return test::refusal(work, ErrorKind::BadFile); }
 
 std::string refusal(const std::string& bytes, const char* name)
 {
-    return refusal([&] { (void)parse_mesh(bytes, name, "mm"); });
-}
-
-bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
-
-template <class T>
-std::string as_bytes(const std::vector<T>& values)
-{
-    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+    return refusal([&] { return parse_mesh(bytes, name, "mm"); });
 }
 
 /// One block as VTK packs it, lengths of 32 bits.

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 #include "support/temporary_folder.h"
 
 #include <algorithm>
@@ -15,26 +16,8 @@ namespace seldinger::test::test_chart {
 
 namespace {
 
-const char* soft_swing = R"(
-[scene]
-name = "soft swing"
-duration_s = 0.2
-dt_s = 0.001
-[wire]
-length_m = 0.1
-radius_m = 0.0004
-density = 7900.0
-bend_nm2 = 1e-5
-twist_nm2 = 1e-7
-stretch_n = 10.0
-nodes = 41
-place = { shape = "straight", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-)";
+const std::string soft_swing = scene_text(0.2, 1e-3, "name = \"soft swing\"\n") + wire_text(0.1, 1e-5, 1e-7, 41, 4e-4, 7900, 10) +
+                               placed_along_x + held_base;
 
 struct ChartFixture {
     TemporaryFolder folder;

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 #include "support/temporary_folder.h"
 
 #include <algorithm>
@@ -35,26 +36,8 @@ CellResult cell(const StabilityMap& map, const char* method, double dt, double v
     return run_stability_cell({map, method_named(method), dt, value, folder}, cell_reference(map, value, folder), 60);
 }
 
-constexpr const char* free_wire = R"(
-[scene]
-name = "free"
-dt_s = 0.001
-duration_s = 0.05
-[wire]
-length_m = 0.05
-radius_m = 0.0004
-density = 7900.0
-bend_nm2 = 1.0e-4
-twist_nm2 = 7.7e-5
-stretch_n = 1.0e4
-nodes = 11
-place = { shape = "straight", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-)";
+const std::string free_wire =
+    scene_text(0.05, 1e-3, "name = \"free\"\n") + wire_text(0.05, 1e-4, 7.7e-5, 11) + placed_along_x + held_base;
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include "plan/plan_search.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,29 +17,9 @@ namespace {
 /// A scene whose models all go through the scene reader.
 Scene small_scene()
 {
-    return read_scene_text(R"(
-        [scene]
-        duration_s = 1.0
-        dt_s = 0.001
-        [wire]
-        length_m = 0.1
-        radius_m = 0.0004
-        density = 7900.0
-        bend_nm2 = 1e-5
-        twist_nm2 = 1e-5
-        stretch_n = 1e4
-        nodes = 101
-        [vessel]
-        shape = "tube"
-        radius_m = 0.003
-        length_m = 0.2
-        triangles = 1000
-        [contact]
-        rolling = true
-        [feed]
-        point = [0.01, 0.0, 0.0]
-        direction = [1.0, 0.0, 0.0]
-        keys = [ {t_s = 0.0, advance_m = 0.0} ])",
+    return read_scene_text(scene_text(1) + wire_text(0.1, 1e-5, 1e-5, 101) + tube_text(0.003, 0.2, 1000) +
+                               "[contact]\nrolling = true\n[feed]\npoint = [0.01, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n"
+                               "keys = [ {t_s = 0.0, advance_m = 0.0} ]\n",
                            "small.toml");
 }
 
@@ -107,12 +88,7 @@ Reference reference_with(int nodes, double dt)
 
 Model start_model(int nodes, double dt)
 {
-    Model model;
-    model.nodes = nodes;
-    model.dt = dt;
-    model.scheme = Scheme::Newton;
-    model.detection = Detection::Swept;
-    return model;
+    return {.nodes = nodes, .dt = dt, .scheme = Scheme::Newton, .detection = Detection::Swept};
 }
 
 /// The cheapest of all places of the grid, in one family.

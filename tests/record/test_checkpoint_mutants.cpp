@@ -7,13 +7,12 @@
 #include "core/fnv1a.h"
 #include "record/checkpoint.h"
 #include "record/recorder.h"
-#include "setup/key_frames.h"
 #include "scene/scene_difference.h"
+#include "setup/key_frames.h"
 #include "setup/scene_setup.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "support/tries.h"
-
-#include <doctest/doctest.h>
 
 #include <cstring>
 #include <limits>
@@ -37,20 +36,35 @@ void spoil(Bytes& bytes, std::size_t at, std::mt19937& random)
     };
     constexpr double infinity = std::numeric_limits<double>::infinity();
     switch (random() % 14) {
-        case 0: return put(std::numeric_limits<double>::quiet_NaN());
-        case 1: return put(random() % 2 ? infinity : -infinity);
-        case 2: return put(1e300);
-        case 3: return put(-1e17);
-        case 4: return put(9e3);  // within what a length may be
-        case 5: return put(-1.0);
-        case 6: return put(0.0);
-        case 7: return put(1e-300);
-        case 8: return put(~std::uint64_t{0});
-        case 9: return put(std::int64_t{-1} << 62);
-        case 10: return put(std::uint32_t{0x7fffffff});
-        case 11: return put(static_cast<std::int32_t>(random() % 5) - 2);
-        case 12: bytes[at] ^= static_cast<std::uint8_t>(1u << random() % 8); return;
-        default: bytes[at] = static_cast<std::uint8_t>(random());
+        case 0:
+            return put(std::numeric_limits<double>::quiet_NaN());
+        case 1:
+            return put(random() % 2 ? infinity : -infinity);
+        case 2:
+            return put(1e300);
+        case 3:
+            return put(-1e17);
+        case 4:
+            return put(9e3);  // within what a length may be
+        case 5:
+            return put(-1.0);
+        case 6:
+            return put(0.0);
+        case 7:
+            return put(1e-300);
+        case 8:
+            return put(~std::uint64_t{0});
+        case 9:
+            return put(std::int64_t{-1} << 62);
+        case 10:
+            return put(std::uint32_t{0x7fffffff});
+        case 11:
+            return put(static_cast<std::int32_t>(random() % 5) - 2);
+        case 12:
+            bytes[at] ^= static_cast<std::uint8_t>(1u << random() % 8);
+            return;
+        default:
+            bytes[at] = static_cast<std::uint8_t>(random());
     }
 }
 
@@ -209,17 +223,10 @@ TEST_SUITE("record/checkpoint mutants")
     {
         const TemporaryFolder folder;
         const Scene scene = read_case(cases()[0]);
-        Checkpoint saved;
-        saved.scene = write_scene(scene, folder.path());
-        saved.trace_bytes = {0};
-        const auto refusal = [&](const std::vector<std::string>& set) -> std::string {
+        Checkpoint saved{.scene = write_scene(scene, folder.path()), .trace_bytes = {0}};
+        const auto refusal = [&](const std::vector<std::string>& set) {
             const Scene other = read_scene(source(cases()[0].scene), set);
-            try {
-                check_checkpoint("D/checkpoint.bin", saved, other, write_scene(other, folder.path()));
-            } catch (const Error& error) {
-                return error.what();
-            }
-            return "";
+            return test::refusal([&] { check_checkpoint("D/checkpoint.bin", saved, other, write_scene(other, folder.path())); });
         };
         CHECK(refusal({}).empty());
         CHECK(refusal({"contact.mu_sliding=0.1"}).find("mu_sliding is 0.2 there and 0.1 here") != std::string::npos);

@@ -8,6 +8,8 @@
 #include "setup/key_frames.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
+#include "support/scenes.h"
+#include "support/temporary_folder.h"
 #include "world/world.h"
 
 #include <fmt/format.h>
@@ -23,33 +25,8 @@ namespace seldinger::test::test_recorder {
 
 namespace {
 
-struct TempFolder {
-    std::filesystem::path path;
-    TempFolder()
-    {
-        std::string form = (std::filesystem::temp_directory_path() / "seldinger_rec_XXXXXX").string();
-        REQUIRE(mkdtemp(form.data()) != nullptr);
-        path = form;
-    }
-    ~TempFolder() { std::filesystem::remove_all(path); }
-};
-
-const char* const hanging = R"([scene]
-duration_s = 0.01
-dt_s = 0.001
-record_every = 4
-[wire]
-length_m = 0.1
-radius_m = 0.0002
-density = 6450.0
-bend_nm2 = 5.0e-5
-twist_nm2 = 4.0e-5
-stretch_n = 7000.0
-nodes = 11
-[[hold]]
-at = "base"
-position = true
-)";
+const std::string hanging = scene_text(0.01, 1e-3, "record_every = 4\n") + wire_text(0.1, 5e-5, 4e-5, 11, 2e-4, 6450, 7000) +
+                            "[[hold]]\nat = \"base\"\nposition = true\n";
 
 /// A wire fed through a tube; {}: record_every.
 constexpr const char* through =
@@ -102,13 +79,9 @@ TEST_SUITE("record/recorder")
 
     TEST_CASE("property: a checkpoint comes back as it was, and one damaged byte anywhere is found")
     {
-        const TempFolder folder;
-        const auto file = folder.path / "checkpoint.bin";
-        Checkpoint saved;
-        saved.version = version();
-        saved.device = "some device";
-        saved.vessel_hash = 77;
-        saved.status = RunStatus::Interrupted;
+        const TemporaryFolder folder;
+        const auto file = folder.path() / "checkpoint.bin";
+        Checkpoint saved{.version = version(), .device = "some device", .vessel_hash = 77, .status = RunStatus::Interrupted};
         saved.tally.steps = 123;
         saved.tally.friction_max = 0.25;
         saved.trace_bytes = {4567, 89};
@@ -145,11 +118,11 @@ TEST_SUITE("record/recorder")
 
     TEST_CASE("property: a number that is not finite is an empty field and a null, and the summary says so")
     {
-        const TempFolder folder;
-        const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
+        const TemporaryFolder folder;
+        const Scene scene = read_scene_text(hanging, folder.path() / "scene-file.toml");
         World world(make_setup(scene));
         const RepairReport none;
-        Recorder recorder(scene, none, world, folder.path / "run");
+        Recorder recorder(scene, none, world, folder.path() / "run");
         for (int k = 0; k < 4; ++k) {
             const StepReport report = step(world, scene.dt);
             REQUIRE_FALSE(report.failed());
@@ -157,7 +130,7 @@ TEST_SUITE("record/recorder")
             recorder.stepped(world.output(), report, 0.001);
         }
         const auto summary = nlohmann::json::parse(recorder.finish(world, RunStatus::Stopped, 0.1));
-        const std::string table = read_file(folder.path / "run" / "wire.csv");
+        const std::string table = read_file(folder.path() / "run" / "wire.csv");
         const std::size_t row = table.find('\n') + 1;
         CHECK(table.substr(row, 3) == "0,,");
         CHECK(table.find("nan") == std::string::npos);
@@ -172,8 +145,8 @@ TEST_SUITE("record/recorder")
     TEST_CASE(
         "property: divided steps are counted, and are a warning from a third on; a single one that missed the tolerance is one")
     {
-        const TempFolder folder;
-        const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
+        const TemporaryFolder folder;
+        const Scene scene = read_scene_text(hanging, folder.path() / "scene-file.toml");
         const World world(make_setup(scene));
         SummaryNotes notes;
         notes.scene = &scene;
@@ -196,20 +169,20 @@ TEST_SUITE("record/recorder")
 
     TEST_CASE("property: spin_rad grows with spin_rad_s, in the sense of every other turn")
     {
-        const TempFolder folder;
+        const TemporaryFolder folder;
         std::string text = hanging;
         text.insert(text.find("nodes"), "spin_rad_s = 2.0\n");
-        const Scene scene = read_scene_text(text, folder.path / "scene-file.toml");
+        const Scene scene = read_scene_text(text, folder.path() / "scene-file.toml");
         World world(make_setup(scene));
         const RepairReport none;
-        Recorder recorder(scene, none, world, folder.path / "run");
+        Recorder recorder(scene, none, world, folder.path() / "run");
         for (int k = 0; k < 10; ++k) {
             const StepReport report = step(world, scene.dt);
             REQUIRE_FALSE(report.failed());
             recorder.stepped(world.output(), report, 0.001);
         }
         (void)recorder.finish(world, RunStatus::Done, 0.1);
-        const std::string table = read_file(folder.path / "run" / "wire.csv");
+        const std::string table = read_file(folder.path() / "run" / "wire.csv");
         std::string row = table.substr(table.find('\n') + 1);
         for (int k = 0; k < 7; ++k) row.erase(0, row.find(',') + 1);
         CHECK(std::stod(row) == test::about(0.02).epsilon(1e-6));  // 2 rad/s for 10 ms, nothing against it
@@ -219,12 +192,12 @@ TEST_SUITE("record/recorder")
         "property: the greatest loads and hand force, with place and time, are those of every step however few rows there are")
     {
         const auto run = [](int every) {
-            const TempFolder folder;
-            const Scene scene = read_scene_text(fmt::format(through, every), folder.path / "scene-file.toml");
+            const TemporaryFolder folder;
+            const Scene scene = read_scene_text(fmt::format(through, every), folder.path() / "scene-file.toml");
             World world(make_setup(scene));
             const RepairReport none;
             KeyFrames keys(scene);
-            Recorder recorder(scene, none, world, folder.path / "run");
+            Recorder recorder(scene, none, world, folder.path() / "run");
             int read = 0;
             Output now;
             for (long k = 0; k < scene.steps(); ++k) {
@@ -242,9 +215,9 @@ TEST_SUITE("record/recorder")
         const auto every_row = run(1), few_rows = run(1000);
         CHECK(every_row["state_hash"] == few_rows["state_hash"]);
         CHECK(few_rows["patch_force_max_n"].get<double>() > 0);
-        for (const char* key : {"force_per_length_max_n_per_m", "force_per_length_max_at_m", "force_per_length_max_at_s",
-                                "patch_force_max_n", "patch_force_max_at_m", "patch_force_max_at_s", "hand_force_max_n",
-                                "hand_force_max_at_s"}) {
+        for (const char* key :
+             {"force_per_length_max_n_per_m", "force_per_length_max_at_m", "force_per_length_max_at_s", "patch_force_max_n",
+              "patch_force_max_at_m", "patch_force_max_at_s", "hand_force_max_n", "hand_force_max_at_s"}) {
             CAPTURE(key);
             CHECK(every_row[key] == few_rows[key]);
         }
@@ -255,20 +228,20 @@ TEST_SUITE("record/recorder")
 
     TEST_CASE("property: the last step is recorded even when it is not due")
     {
-        const TempFolder folder;
-        const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
+        const TemporaryFolder folder;
+        const Scene scene = read_scene_text(hanging, folder.path() / "scene-file.toml");
         World world(make_setup(scene));
         const RepairReport none;
-        Recorder recorder(scene, none, world, folder.path / "run");
+        Recorder recorder(scene, none, world, folder.path() / "run");
         for (int k = 0; k < 10; ++k) {
             const StepReport report = step(world, scene.dt);
             recorder.stepped(world.output(), report, 0.001);
         }
         (void)recorder.finish(world, RunStatus::Done, 0.1);
-        const std::string trace = read_file(folder.path / "run" / "trace.csv");
+        const std::string trace = read_file(folder.path() / "run" / "trace.csv");
         CHECK(std::count(trace.begin(), trace.end(), '\n') == 4);  // header, steps 4, 8 and 10
         CHECK(trace.find("\n10,") != std::string::npos);
-        CHECK(read_checkpoint(folder.path / "run" / "checkpoint.bin").status == RunStatus::Done);
+        CHECK(read_checkpoint(folder.path() / "run" / "checkpoint.bin").status == RunStatus::Done);
     }
 }
 

@@ -49,10 +49,7 @@ Output pressed(const Vec3& tip, const Vec3& normal, double force = 0.1)
     now.time = 2.5;
     now.wires.resize(1);
     now.wires[0].tip = tip;
-    ContactRow row;
-    row.normal = normal;
-    row.normal_force = force;
-    now.contacts = {row};
+    now.contacts = {{.normal = normal, .normal_force = force}};
     return now;
 }
 

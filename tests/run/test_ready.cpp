@@ -4,8 +4,9 @@
 #include "run/ready.h"
 #include "run/score.h"
 #include "scene/scene.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -18,18 +19,7 @@ namespace seldinger::test::test_ready {
 
 namespace {
 
-const std::string wire = R"([scene]
-duration_s = 0.01
-dt_s = 0.001
-[wire]
-length_m = 0.3
-radius_m = 0.0004
-density = 7900
-bend_nm2 = 1e-4
-twist_nm2 = 8e-5
-stretch_n = 1e4
-nodes = 31
-)";
+const std::string wire = scene_text(0.01) + wire_text(0.3, 1e-4, 8e-5, 31);
 const std::string feed =
     "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0]\nkeys = [{t_s = 0, advance_m = 0}, {t_s = 1, advance_m = 0.1}]\n";
 const std::string tube = "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 0.5\ntriangles = 2000\n";
@@ -135,17 +125,7 @@ const std::vector<Refusal>& refusals()
     return all;
 }
 
-template <class Work>
-std::string refusal(const Work& work)
-{
-    try {
-        work();
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadScene);
-        return error.what();
-    }
-    return {};
-}
+std::string refusal(const auto& work) { return test::refusal(work, ErrorKind::BadScene); }
 
 /// Errors thrown in a file.
 int throws_in(const std::filesystem::path& file)

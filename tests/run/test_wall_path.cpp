@@ -1,9 +1,10 @@
 // The control mesh of an elastic wall along the path that a trial run with a rigid wall finds.
 
-#include "scene/scene.h"
 #include "run/wall_path.h"
+#include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 #include "surface/control_mesh.h"
 #include "wall/wall_model.h"
 #include "wall/wall_resolution.h"
@@ -19,32 +20,12 @@ namespace {
 /// A wire of 5 cm that 20 mN press into a plane wall, whose dents decay over 2.67 mm.
 Scene pressed_wire(double size, double wall_edge)
 {
-    return read_scene_text(fmt::format(R"([scene]
-gravity = [0.0, 0.0, 0.0]
-[wire]
-length_m = 0.05
-radius_m = 0.0004445
-density = 7900.0
-bend_nm2 = 5.0e-4
-twist_nm2 = 3.8e-4
-stretch_n = 1.0e4
-nodes = 101
-place = {{ shape = "straight", base = [-0.025, 0.0, 0.0004445] }}
-[integrator]
-scheme = "static"
-[vessel]
-shape = "plane"
-size_m = {}
-wall = "elastic"
-youngs_pa = 0.5e6
-thickness_m = 0.0009
-support_pa_m = 3e6
-wall_edge_m = {}
-[[load]]
-at = 0.025
-force_n = [0.0, 0.0, -0.02]
-)",
-                                       size, wall_edge),
+    return read_scene_text(static_scene + wire_text(0.05, 5e-4, 3.8e-4, 101, 0.0004445) +
+                               "place = { shape = \"straight\", base = [-0.025, 0.0, 0.0004445] }\n" +
+                               fmt::format("[vessel]\nshape = \"plane\"\nsize_m = {}\nwall = \"elastic\"\nyoungs_pa = 0.5e6\n"
+                                           "thickness_m = 0.0009\nsupport_pa_m = 3e6\nwall_edge_m = {}\n",
+                                           size, wall_edge) +
+                               "[[load]]\nat = 0.025\nforce_n = [0.0, 0.0, -0.02]\n",
                            "pressed.toml");
 }
 

@@ -4,6 +4,8 @@
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
 #include "support/temporary_folder.h"
 
 #include <fmt/format.h>
@@ -21,10 +23,8 @@ constexpr double mass = density * 3.14159265358979323846 * radius * radius * len
 World world_of(const std::string& wire, const std::string& rest, const std::string& gravity = "[0.0, 0.0, 0.0]")
 {
     static const TemporaryFolder folder;
-    const std::string text = fmt::format(
-        "[scene]\ngravity = {}\nduration_s = 1.0\ndt_s = 0.001\n[wire]\nlength_m = {}\nradius_m = {}\n"
-        "density = {}.0\nbend_nm2 = {}\ntwist_nm2 = {}\nstretch_n = {}.0\nnodes = 41\n{}\n{}",
-        gravity, length, radius, density, bend, bend, stretch, wire, rest);
+    const std::string text = scene_text(1, 1e-3, "gravity = " + gravity + "\n") +
+                             wire_text(length, bend, bend, 41, radius, density, stretch) + wire + "\n" + rest;
     return World(make_setup(read_scene_text(text, folder.path() / "held.toml", {})));
 }
 
@@ -35,8 +35,6 @@ Vec3 momentum(const World& world)
     for (int i = 0; i < rod.n; ++i) sum += rod.mass[i] * rod.vel(i);
     return sum;
 }
-
-const std::string held_base = "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n";
 
 }  // namespace
 
@@ -124,14 +122,8 @@ TEST_SUITE("scene/held_rods")
     TEST_CASE("errors: what a sliding clamp, a stretched start and an end cannot be")
     {
         const auto message = [](const std::string& wire, const std::string& rest) {
-            try {
-                (void)world_of(wire, rest);
-            } catch (const std::exception& error) {
-                return std::string(error.what());
-            }
-            return std::string("none");
+            return refusal([&] { return world_of(wire, rest); });
         };
-        const auto says = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
         CHECK(says(message("", "[[hold]]\nposition = [\"w\"]\n"), "hold.0.position"));
         CHECK(says(message("", "[[hold]]\nposition = []\n"), "holds no coordinate"));
         CHECK(says(message("", "[[hold]]\nposition = [\"x\", \"x\"]\n"), "twice"));

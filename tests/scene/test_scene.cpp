@@ -1,11 +1,13 @@
 // Scene files: the contract's defaults, every documented key, overrides, and the way back to text.
 #include "core/error.h"
 #include "scene/scene.h"
+#include "scene/scene_keys.h"
 #include "support/approx.h"
 #include "support/scenes.h"
 #include "support/shared_folder.h"
 #include "support/temporary_folder.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -15,12 +17,11 @@
 
 namespace seldinger::test::test_scene {
 
+using keys::Key;
+
 namespace {
 
-const std::string minimal = R"([scene]
-duration_s = 2.0
-dt_s = 0.001
-)" + test::wire_text(0.3, 1e-4, 8e-5);
+const std::string minimal = scene_text(2) + wire_text(0.3, 1e-4, 8e-5);
 
 // every table and every key that can stand in one scene; generated shapes and placements have cases of their own
 const std::string full = R"([scene]
@@ -127,158 +128,60 @@ wire_every = 11
 contacts_every = 0
 )";
 
-void check_same(const WireSection& a, const WireSection& b)
-{
-    CHECK(a.radius == b.radius);
-    CHECK(a.density == b.density);
-    CHECK(a.bend_stiffness == b.bend_stiffness);
-    CHECK(a.twist_stiffness == b.twist_stiffness);
-    CHECK(a.stretch_stiffness == b.stretch_stiffness);
-    CHECK(a.youngs == b.youngs);
-    CHECK(a.poisson == b.poisson);
-    CHECK(a.mu_static == b.mu_static);
-    CHECK(a.mu_sliding == b.mu_sliding);
-    CHECK(a.rest_curvature == b.rest_curvature);
-}
+void check_same(const std::vector<Key>& a, const std::vector<Key>& b);
 
-void check_same_wire(const WireSpec& a, const WireSpec& b)
-{
-    CHECK(a.length == b.length);
-    CHECK(a.nodes == b.nodes);
-    CHECK(a.min_edge == b.min_edge);
-    CHECK(a.max_edge == b.max_edge);
-    CHECK(a.edge_error == b.edge_error);
-    check_same(a.shaft, b.shaft);
-    REQUIRE(a.sections.size() == b.sections.size());
-    for (std::size_t i = 0; i < a.sections.size(); ++i) {
-        CHECK(a.sections[i].begin == b.sections[i].begin);
-        CHECK(a.sections[i].end == b.sections[i].end);
-        check_same(a.sections[i].section, b.sections[i].section);
+/// Of values of keys: whether another one is the same to the bit. (Special ones are compared as they are written.)
+struct Same {
+    const keys::Value& other;
+    template <class V>
+    bool operator()(const V& value) const
+    {
+        return same(value, std::get<V>(other));
     }
-    CHECK(a.place.shape == b.place.shape);
-    CHECK(a.place.base == b.place.base);
-    CHECK(a.place.direction == b.place.direction);
-    CHECK(a.place.normal == b.place.normal);
-    CHECK(a.place.bend_radius == b.place.bend_radius);
-    CHECK(a.place.twist == b.place.twist);
-    CHECK(a.place.from == b.place.from);
-    CHECK(a.place.points == b.place.points);
-    CHECK(a.place.rest_is_placed == b.place.rest_is_placed);
-    CHECK(a.place.velocity == b.place.velocity);
-    CHECK(a.place.spin_rate == b.place.spin_rate);
+    static bool same(const keys::Number& a, const keys::Number& b) { return *a.value == *b.value; }
+    static bool same(const keys::Count& a, const keys::Count& b) { return *a.value == *b.value; }
+    static bool same(const keys::Numbers& a, const keys::Numbers& b)
+    {
+        return std::ranges::equal(a.values, b.values, [](const double* v, const double* w) { return *v == *w; });
+    }
+    static bool same(const keys::Rows& a, const keys::Rows& b) { return a.get() == b.get(); }
+    static bool same(const keys::Words& a, const keys::Words& b) { return a.get() == b.get(); }
+    static bool same(const keys::Special& a, const keys::Special& b) { return a.text == b.text; }
+    static bool same(const keys::Tables& a, const keys::Tables& b)
+    {
+        REQUIRE(a.tables.size() == b.tables.size());
+        for (std::size_t k = 0; k < a.tables.size(); ++k) check_same(a.tables[k], b.tables[k]);
+        return true;
+    }
+    template <class T>
+    static bool same(T* a, T* b)
+    {
+        return *a == *b;
+    }
+};
+
+void check_same(const std::vector<Key>& a, const std::vector<Key>& b)
+{
+    REQUIRE(a.size() == b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        const std::string key(a[k].name);
+        CAPTURE(key);
+        REQUIRE(key == b[k].name);
+        REQUIRE(a[k].value.index() == b[k].value.index());
+        CHECK(std::visit(Same{b[k].value}, a[k].value));
+    }
 }
 
-void check_same_rest(const Scene& a, const Scene& b)
+/// Every key of every table.
+void check_same(Scene a, Scene b)
 {
-    CHECK(a.integrator.scheme == b.integrator.scheme);
-    CHECK(a.integrator.newmark == b.integrator.newmark);
-    CHECK(a.integrator.conserve == b.integrator.conserve);
-    CHECK(a.integrator.spins == b.integrator.spins);
-    CHECK(a.wire.curvature == b.wire.curvature);
-    CHECK(a.integrator.tolerance == b.integrator.tolerance);
-    CHECK(a.integrator.damping_mass == b.integrator.damping_mass);
-    CHECK(a.integrator.damping_stiffness == b.integrator.damping_stiffness);
-    const VesselSpec &v = a.vessel, &w = b.vessel;
-    CHECK(v.shape == w.shape);
-    CHECK(v.mesh == w.mesh);
-    CHECK(v.units == w.units);
-    CHECK(v.radius == w.radius);
-    CHECK(v.length == w.length);
-    CHECK(v.bend_radius == w.bend_radius);
-    CHECK(v.angle == w.angle);
-    CHECK(v.lead_in == w.lead_in);
-    CHECK(v.lead_out == w.lead_out);
-    CHECK(v.origin == w.origin);
-    CHECK(v.axis == w.axis);
-    CHECK(v.normal == w.normal);
-    CHECK(v.size == w.size);
-    CHECK(v.triangles == w.triangles);
-    CHECK(v.youngs == w.youngs);
-    CHECK(v.poisson == w.poisson);
-    CHECK(v.thickness == w.thickness);
-    CHECK(v.elastic == w.elastic);
-    CHECK(v.support == w.support);
-    CHECK(v.support_damping == w.support_damping);
-    CHECK(v.relaxation == w.relaxation);
-    CHECK(v.pressure == w.pressure);
-    CHECK(v.wall_edge == w.wall_edge);
-    CHECK(v.rims_held == w.rims_held);
-    CHECK(v.centreline == w.centreline);
-    const SceneContact &c = a.contact, &d = b.contact;
-    CHECK(c.detection == d.detection);
-    CHECK(c.normal == d.normal);
-    CHECK(c.friction == d.friction);
-    CHECK(c.stiffness_from_wall == d.stiffness_from_wall);
-    CHECK(c.stiffness == d.stiffness);
-    CHECK(c.exponent == d.exponent);
-    CHECK(c.restitution == d.restitution);
-    CHECK(c.mu_static == d.mu_static);
-    CHECK(c.mu_sliding == d.mu_sliding);
-    CHECK(c.rolling == d.rolling);
-    CHECK(c.rolling_alpha == d.rolling_alpha);
-    CHECK(c.rolling_sigma_b == d.rolling_sigma_b);
-    CHECK(c.rolling_sigma_s == d.rolling_sigma_s);
-    CHECK(c.rolling_hardness == d.rolling_hardness);
-    CHECK(c.layer_height == d.layer_height);
-    CHECK(c.pair_distance == d.pair_distance);
-    CHECK(c.samples_per_edge == d.samples_per_edge);
-}
-
-void check_same_drives(const Scene& a, const Scene& b)
-{
+    const std::vector<keys::Table> first = keys::tables(a), second = keys::tables(b);
+    REQUIRE(first.size() == second.size());
+    for (std::size_t k = 0; k < first.size(); ++k) {
+        CAPTURE(first[k].name);
+        check_same(first[k].keys, second[k].keys);
+    }
     CHECK(a.feed.on == b.feed.on);
-    CHECK(a.feed.inlet_auto == b.feed.inlet_auto);
-    CHECK(a.feed.inlet_number == b.feed.inlet_number);
-    CHECK(a.feed.point == b.feed.point);
-    CHECK(a.feed.direction == b.feed.direction);
-    REQUIRE(a.feed.keys.size() == b.feed.keys.size());
-    for (std::size_t i = 0; i < a.feed.keys.size(); ++i) {
-        CHECK(a.feed.keys[i].t == b.feed.keys[i].t);
-        CHECK(a.feed.keys[i].advance == b.feed.keys[i].advance);
-        CHECK(a.feed.keys[i].turn == b.feed.keys[i].turn);
-    }
-    REQUIRE(a.holds.size() == b.holds.size());
-    for (std::size_t i = 0; i < a.holds.size(); ++i) {
-        CHECK(a.holds[i].at.kind == b.holds[i].at.kind);
-        CHECK(a.holds[i].at.from_tip == b.holds[i].at.from_tip);
-        CHECK(a.holds[i].position == b.holds[i].position);
-        CHECK(a.holds[i].direction == b.holds[i].direction);
-        CHECK(a.holds[i].spin == b.holds[i].spin);
-        CHECK(a.holds[i].move == b.holds[i].move);
-        CHECK(a.holds[i].turn == b.holds[i].turn);
-        CHECK(a.holds[i].velocity == b.holds[i].velocity);
-    }
-    REQUIRE(a.loads.size() == b.loads.size());
-    for (std::size_t i = 0; i < a.loads.size(); ++i) {
-        CHECK(a.loads[i].at.kind == b.loads[i].at.kind);
-        CHECK(a.loads[i].force == b.loads[i].force);
-        CHECK(a.loads[i].moment == b.loads[i].moment);
-        CHECK(a.loads[i].ramp == b.loads[i].ramp);
-    }
-    REQUIRE(a.links.size() == b.links.size());
-    for (std::size_t i = 0; i < a.links.size(); ++i) {
-        CHECK(a.links[i].at.from_tip == b.links[i].at.from_tip);
-        CHECK(a.links[i].anchor == b.links[i].anchor);
-        CHECK(a.links[i].stiffness == b.links[i].stiffness);
-        CHECK(a.links[i].move == b.links[i].move);
-    }
-}
-
-void check_same(const Scene& a, const Scene& b)
-{
-    CHECK(a.name == b.name);
-    CHECK(a.gravity == b.gravity);
-    CHECK(a.duration == b.duration);
-    CHECK(a.dt == b.dt);
-    CHECK(a.until == b.until);
-    CHECK(a.record_every == b.record_every);
-    CHECK(a.seed == b.seed);
-    CHECK(a.start_settled == b.start_settled);
-    CHECK(a.wire_every == b.wire_every);
-    CHECK(a.contacts_every == b.contacts_every);
-    check_same_wire(a.wire, b.wire);
-    check_same_rest(a, b);
-    check_same_drives(a, b);
 }
 
 /// Writes the scene for another folder, reads it from there, and compares everything.
@@ -366,13 +269,10 @@ TEST_SUITE("scene/scene")
     // a solid round wire, by hand: r = 178 um, E = 60 GPa (reference/13_materials gives 4.70943e-05 for this wire's EI)
     TEST_CASE("analytic: a material gives the stiffness of a round solid wire")
     {
-        WireSection s;
-        s.radius = 0.000178;
-        s.youngs = 60e9;
-        s.poisson = 0.3;
+        WireSection s{.radius = 0.000178, .youngs = 60e9, .poisson = 0.3};
         set_stiffness_from_material(s);
         CHECK(s.bend_stiffness == test::about(4.7307e-5).epsilon(1e-4));
-        CHECK(s.twist_stiffness == test::about(s.bend_stiffness / 1.3).epsilon(1e-12));  // C/B = 1/(1 + nu)
+        CHECK(s.twist_stiffness == test::about(s.bend_stiffness / 1.3).epsilon(1e-12));                      // C/B = 1/(1 + nu)
         CHECK(s.stretch_stiffness == test::about(4 * s.bend_stiffness / (178e-6 * 178e-6)).epsilon(1e-12));  // EA = 4 B / r^2
     }
 

@@ -1,13 +1,12 @@
 // [[instrument]] and [coaxial]: the scene that is read, that it is written back to the same scene, and one line for whatever is
 // wrong.
 #include "core/error.h"
-#include "setup/key_frames.h"
 #include "scene/scene.h"
+#include "setup/key_frames.h"
 #include "setup/scene_setup.h"
 #include "setup/vessel_load.h"
-#include "support/error_text.h"
+#include "support/refusal.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <string>
@@ -46,12 +45,7 @@ Scene read(const std::string& text, const std::vector<std::string>& set = {}) { 
 
 std::string error_of(const std::string& text, const std::vector<std::string>& set = {})
 {
-    try {
-        (void)make_setup(read(text, set));
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "";
+    return refusal([&] { return make_setup(read(text, set)); });
 }
 
 }  // namespace
@@ -167,8 +161,8 @@ TEST_SUITE("scene/scene_instruments")
         const auto warned = [](const std::string& coaxial) {
             for (const std::string& warning : read(catheter_and_wire(coaxial)).warnings)
                 if (warning.find("coaxial.mu_sliding: got 0.1") != std::string::npos) {
-                    CHECK(warning.find("coaxial.lumen_friction = true") != std::string::npos);
-                    CHECK(warning.find("model = \"separate\"") != std::string::npos);
+                    CHECK(has(warning, "coaxial.lumen_friction = true"));
+                    CHECK(has(warning, "model = \"separate\""));
                     return true;
                 }
             return false;

@@ -2,7 +2,7 @@
 #include "core/error.h"
 #include "scene/scene.h"
 #include "support/approx.h"
-#include "support/error_text.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 
 #include <fmt/format.h>
@@ -26,25 +26,14 @@ const std::string wire =
     "8e-5\nstretch_n = 1e4\n";
 const std::string feed = "bend_nm2 = 1e-4\n[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n";
 
-struct Files {
-    TemporaryFolder folder;
-    void write(const std::string& name, const std::string& text) const { std::ofstream(folder.path() / name) << text; }
+struct Files : TemporaryFolder {
     [[nodiscard]] Scene read(const std::string& text, const std::vector<std::string>& sets = {}) const
     {
-        return read_scene_text(text, folder.path() / "scene.toml", sets);
+        return read_scene_text(text, path() / "scene.toml", sets);
     }
     void refuses(const std::string& text, const std::vector<std::string>& says, ErrorKind kind = ErrorKind::BadFile) const
     {
-        try {
-            (void)read(text);
-            FAIL_CHECK("was accepted");
-        } catch (const Error& error) {
-            const std::string message = error.what();
-            INFO(message);
-            CHECK(error.kind() == kind);
-            CHECK(message.find('\n') == std::string::npos);
-            for (const std::string& part : says) CHECK_MESSAGE(message.find(part) != std::string::npos, part);
-        }
+        check_refused([&] { return read(text); }, says, kind);
     }
 };
 
@@ -106,7 +95,7 @@ TEST_SUITE("scene/tables")
         CHECK(spec.at(0.025).bend_stiffness == about(1e-5).epsilon(1e-12));
         // a written scene has all of it, and needs no table
         const Scene scene = files.read(bare + sections);
-        const Scene again = read_scene_text(write_scene(scene, files.folder.path()), "elsewhere.toml");
+        const Scene again = read_scene_text(write_scene(scene, files.path()), "elsewhere.toml");
         for (const double s : {0.0, 0.005, 0.015, 0.025, 0.1, 0.4}) CHECK(again.wire.at(s) == scene.wire.at(s));
     }
 
@@ -164,14 +153,14 @@ TEST_SUITE("scene/tables")
         REQUIRE(scene.warnings.size() == 1);
         CHECK(scene.warnings[0].find("feed.log: 301 rows of robot.csv as 4 keys") == 0);
         CHECK(scene.notes.size() == 1);
-        const Scene again = read_scene_text(write_scene(scene, files.folder.path()), "elsewhere.toml");
+        const Scene again = read_scene_text(write_scene(scene, files.path()), "elsewhere.toml");
         CHECK(again.feed.keys.size() == 4);
         CHECK(again.feed.keys[3].turn == keys[3].turn);
         // in place of keys, as --set may ask for
         const std::string with_keys = wire + feed + "keys = [{t_s = 0.0, advance_m = 0.01}]\n";
         const Scene set = files.read(with_keys, {"feed.log=\"robot.csv\""});
         CHECK(set.feed.keys.size() == 4);
-        CHECK(set.warnings[0].find("it replaces keys") != std::string::npos);
+        CHECK(has(set.warnings[0], "it replaces keys"));
     }
 
     // Keys pass each row within three standard deviations; the truth lies within them and the rows' own noise.
@@ -198,7 +187,7 @@ TEST_SUITE("scene/tables")
         for (const char* part :
              {"1011 rows", "its first time, 1700000000 s, is 0 here", "of 10 rows at the time of another the last counts",
               "mm (standard deviation)", "column force_n is not used"})
-            CHECK(said.find(part) != std::string::npos);
+            CHECK(has(said, part));
     }
 
     TEST_CASE("refusal: a log that is none")

@@ -6,6 +6,7 @@
 #include "session/hand_packet.h"
 #include "session/session.h"
 #include "setup/scene_setup.h"
+#include "support/scenes.h"
 
 #include <arpa/inet.h>
 #include <doctest/doctest.h>
@@ -19,31 +20,10 @@
 namespace seldinger::test {
 
 /// A wire fed into a straight tube that ends at a slanting angle to it; target 3 cm in.
-inline const std::string live_scene = R"([scene]
-name = "live tube"
-duration_s = 1.0
-dt_s = 0.001
-[wire]
-length_m = 0.1
-radius_m = 0.0004445
-density = 7900.0
-bend_nm2 = 1.0e-5
-twist_nm2 = 8.0e-6
-stretch_n = 1.0e4
-nodes = 41
-[vessel]
-shape = "tube"
-radius_m = 0.005
-length_m = 0.1
-triangles = 2000
-[feed]
-point = [0.0, 0.0, -0.0035]
-direction = [1.0, 0.0, -0.2]
-keys = [ {t_s = 0.0, advance_m = 0.004}, {t_s = 1.0, advance_m = 0.084} ]
-[task]
-text = "Three centimetres in."
-target = { point = [0.03, 0.0, -0.0045], radius_m = 0.002 }
-)";
+inline const std::string live_scene =
+    shared_scene("[scene]\nname = \"live tube\"\nduration_s = 1.0\ndt_s = 0.001\n", "tube") +
+    "keys = [ {t_s = 0.0, advance_m = 0.004}, {t_s = 1.0, advance_m = 0.084} ]\n[task]\ntext = \"Three centimetres in.\"\n"
+    "target = { point = [0.03, 0.0, -0.0045], radius_m = 0.002 }\n";
 
 class Line {
 public:

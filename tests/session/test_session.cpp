@@ -130,9 +130,7 @@ TEST_SUITE("session/session")
         const TemporaryFolder folder;
         const std::vector<std::string> driven{"feed.hub_mass_kg=0.02", "feed.keys=[{t_s=0.0, force_n=0.0}]"};
         const Scene scene = read_scene_text(live_scene, "live.toml", driven);
-        SessionOptions options;
-        options.lockstep = true;
-        options.record = folder.path() / "s.record";
+        SessionOptions options{.lockstep = true, .record = folder.path() / "s.record"};
         HandSession live(scene, options);
         auto& [hand, session] = live;
         const Line line(SOCK_DGRAM, hand.port());
@@ -154,9 +152,7 @@ TEST_SUITE("session/session")
     {
         const TemporaryFolder folder;
         const Scene scene = scene_of();
-        SessionOptions options;
-        options.lockstep = true;
-        options.record = folder.path() / "s.record";
+        SessionOptions options{.lockstep = true, .record = folder.path() / "s.record"};
         options.due = [](std::uint32_t trials) { return trials >= 2; };
         HandSession live(scene, options);
         auto& [hand, session] = live;
@@ -345,9 +341,7 @@ TEST_SUITE("session/session")
         options.rate = 1e151;
         options.advance.speed_limit = 1e300;
         Session session(scene, make_setup(scene), options, nullptr);
-        PageWish wish;
-        wish.push = 1e155;
-        wish.until = session.clock() + 1e3;
+        PageWish wish{.push = 1e155, .until = session.clock() + 1e3};
         session.page.put(wish);
         session.start();
         for (int k = 0; k < 1000 && session.running() && session.steps_so_far() < 1; ++k) rest(0.01);
@@ -427,7 +421,7 @@ TEST_SUITE("session/session")
             fastest = std::max(fastest, (answer.advance_m - before) / 1e-3);
             before = answer.advance_m;
         }
-        CHECK(most < 1.1);  // the ease ends at 1 N, and a step's growth
+        CHECK(most < 1.1);     // the ease ends at 1 N, and a step's growth
         CHECK(fastest < 0.1);  // it goes at 0.05 m/s; the coupling swings in
         CHECK(answer.advance_m == about(0.03).epsilon(0.02));
         session.stop();

@@ -5,11 +5,10 @@
 #include "setup/centreline_check.h"
 #include "setup/vessel_load.h"
 #include "shapes/swept_lumen.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "vessel/branches.h"
 #include "vessel/inside.h"
-
-#include <doctest/doctest.h>
 
 #include <algorithm>
 
@@ -63,12 +62,7 @@ struct Fork {
 
     [[nodiscard]] std::string refused() const
     {
-        try {
-            (void)load_vessel(spec);
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return "";
+        return refusal([&] { return load_vessel(spec); });
     }
     /// Its notes that name the centreline's file, one string.
     [[nodiscard]] std::string notes() const
@@ -88,8 +82,6 @@ Centreline turned(Centreline line)
     for (Vec3& p : line.points) p = {-p.x(), -p.y(), p.z()};
     return line;
 }
-
-bool has(const std::string& text, const char* words) { return text.find(words) != std::string::npos; }
 
 }  // namespace
 
@@ -141,7 +133,7 @@ TEST_SUITE("setup/centreline_check")
         fork.write(fork.line, "mm");
         const std::string notes = fork.notes();
         CAPTURE(notes);
-        CHECK(has(notes, "line.vtp lies 0.8"));  // to 5 %
+        CHECK(has(notes, "line.vtp lies 0.8"));                      // to 5 %
         CHECK(has(notes, " mm beside the middle of the lumen, 2"));  // of radii of 3.2 to 5 mm 16 to 25 %
     }
 
@@ -241,8 +233,9 @@ TEST_SUITE("setup/centreline_check")
         const std::string beyond = said_of({{0.06, 0.02, -0.071}, {0.06, 0.02, -0.08}, {0.06, 0.02, -0.1}});
         CHECK(has(beyond, "2 points of the centreline do not fit the mesh, the first near [60.00, 20.00, -80.00] mm"));
         const std::string wide = said_of({{0.06, 0.0248, -0.04}, {0.06, 0.0248, -0.0385}, {0.06, 0.0248, -0.037}});
-        CHECK(has(wide, "2 points of the centreline do not fit the mesh, the first near [60.00, 24.80, -40.00] mm: it has a "
-                        "radius of 1 mm"));
+        CHECK(has(wide,
+                  "2 points of the centreline do not fit the mesh, the first near [60.00, 24.80, -40.00] mm: it has a "
+                  "radius of 1 mm"));
     }
 
     TEST_CASE("property: openings that a given centreline does not reach are counted, with their places")

@@ -7,6 +7,8 @@
 #include "setup/scene_setup.h"
 #include "setup/vessel_load.h"
 #include "support/approx.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
 #include "support/world_fixture.h"
 
 #include <fmt/format.h>
@@ -44,38 +46,16 @@ WallMesh saddle()
 }
 
 /// A wire of 24 mm with edges of 3.43 mm on the folded plane, let go with its base held.
-std::string scene_text(const std::string& place)
+std::string scene_of(const std::string& place)
 {
-    return fmt::format(R"([scene]
-duration_s = 0.1
-dt_s = 0.001
-[wire]
-length_m = 0.024
-radius_m = {}
-density = 5000.0
-bend_nm2 = 1.0e-4
-twist_nm2 = 8.0e-5
-stretch_n = 1.0e4
-nodes = 8
-place = {}
-[integrator]
-damping_mass_1_s = 20.0
-[vessel]
-shape = "plane"
-size_m = 0.1
-[contact]
-friction = "none"
-[[hold]]
-at = "base"
-position = true
-direction = true
-)",
-                       radius, place);
+    return scene_text(0.1) + wire_text(0.024, 1e-4, 8e-5, 8, radius, 5000) + "place = " + place +
+           "\n[integrator]\ndamping_mass_1_s = 20.0\n[vessel]\nshape = \"plane\"\nsize_m = 0.1\n[contact]\nfriction = \"none\"\n"
+           "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\n";
 }
 
 WorldSetup setup_of(const std::string& place, WallMesh mesh)
 {
-    const Scene scene = read_scene_text(scene_text(place), "/tmp/case.toml");
+    const Scene scene = read_scene_text(scene_of(place), "/tmp/case.toml");
     LoadedVessel vessel = load_vessel(scene.vessel);
     vessel.mesh = std::move(mesh);
     return make_setup(std::span(&scene, 1), std::move(vessel), -1);
@@ -83,13 +63,7 @@ WorldSetup setup_of(const std::string& place, WallMesh mesh)
 
 std::string message_of(const std::string& place, double rise)
 {
-    try {
-        (void)setup_of(place, folded_plane(rise));
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadScene);
-        return error.what();
-    }
-    return {};
+    return refusal([&] { return setup_of(place, folded_plane(rise)); }, ErrorKind::BadScene);
 }
 
 /// Over the ridge by its middle edge, 0.85 mm below its line: 0.6 mm, 1.2 radii, from either face, with nodes on either side.
@@ -160,7 +134,7 @@ TEST_SUITE("setup/start_inside")
     TEST_CASE("property: what was done is said")
     {
         const WorldSetup setup = setup_of(through_the_ridge, folded_plane(-1));
-        CHECK(setup.wires[0].start.find("mm beyond the wall: moved into the lumen, by up to") != std::string::npos);
+        CHECK(has(setup.wires[0].start, "mm beyond the wall: moved into the lumen, by up to"));
         bool said = false;
         for (const auto& [name, value] : World(setup).model()) said = said || (name == "start" && value == setup.wires[0].start);
         CHECK(said);
@@ -171,15 +145,15 @@ TEST_SUITE("setup/start_inside")
         // 1.2 mm from either face, more than the wire is thick
         const std::string deep =
             message_of("{ shape = \"straight\", base = [-0.012, 0.0, -0.0017], direction = [1.0, 0.0, 0.0] }", -1);
-        CHECK(deep.find("the shaft between nodes 3 and 4, 12.04 mm from the tip") != std::string::npos);
-        CHECK(deep.find("1.177 mm beyond the wall") != std::string::npos);
+        CHECK(has(deep, "the shaft between nodes 3 and 4, 12.04 mm from the tip"));
+        CHECK(has(deep, "1.177 mm beyond the wall"));
         const std::string base =
             message_of("{ shape = \"straight\", base = [0.0, 0.0, -0.0005], direction = [1.0, 0.0, 0.0] }", -1);
-        CHECK(base.find("node 7, 24 mm from the tip") != std::string::npos);
+        CHECK(has(base, "node 7, 24 mm from the tip"));
         // along a valley and below it: the nearest wall of every node is the edge between its facets
         const std::string below =
             message_of("{ shape = \"straight\", base = [0.0003, -0.01, -0.0006], direction = [0.0, 1.0, 0.0] }", 1);
-        CHECK(below.find("0.6708 mm beyond the wall") != std::string::npos);
+        CHECK(has(below, "0.6708 mm beyond the wall"));
     }
 }
 

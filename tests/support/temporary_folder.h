@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace seldinger {
@@ -25,6 +26,14 @@ public:
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    /// A file in it, in folders of its own where the name has them.
+    std::filesystem::path write(const std::string& name, const std::string& bytes) const
+    {
+        const std::filesystem::path file = path_ / name;
+        std::filesystem::create_directories(file.parent_path());
+        std::ofstream(file, std::ios::binary) << bytes;
+        return file;
+    }
 
 private:
     std::filesystem::path path_;

@@ -36,12 +36,7 @@ inline void add_vessel(TestSetup& setup, const GeneratedVessel& vessel, const Ve
 
 inline VesselSpec tube(double radius, double length, int triangles = 4000)
 {
-    VesselSpec spec;
-    spec.shape = VesselShape::Tube;
-    spec.radius = radius;
-    spec.length = length;
-    spec.triangles = triangles;
-    return spec;
+    return {.shape = VesselShape::Tube, .radius = radius, .length = length, .triangles = triangles};
 }
 
 inline void add_tube(TestSetup& setup, const VesselSpec& spec) { add_vessel(setup, make_tube(spec), spec); }
@@ -49,15 +44,35 @@ inline void add_tube(TestSetup& setup, const VesselSpec& spec) { add_vessel(setu
 /// A tube that turns through 90 degrees, upwards: contact with sliding, and moments at the base.
 inline void add_bend(TestSetup& setup, double radius, double bend_radius, int triangles = 6000)
 {
-    VesselSpec spec;
-    spec.shape = VesselShape::Arc;
-    spec.radius = radius;
-    spec.bend_radius = bend_radius;
-    spec.angle = std::numbers::pi / 2;
-    spec.lead_in = 0.02;
-    spec.lead_out = 0.05;
-    spec.triangles = triangles;
+    VesselSpec spec{.shape = VesselShape::Arc,
+                    .radius = radius,
+                    .bend_radius = bend_radius,
+                    .angle = std::numbers::pi / 2,
+                    .lead_in = 0.02,
+                    .lead_out = 0.05,
+                    .triangles = triangles};
     add_vessel(setup, make_arc(spec), spec);
+}
+
+inline TestSetup in_tube(double radius, double length, int triangles = 4000)
+{
+    TestSetup setup;
+    add_tube(setup, tube(radius, length, triangles));
+    return setup;
+}
+
+inline TestSetup in_bend(double radius, double bend_radius, int triangles = 6000)
+{
+    TestSetup setup;
+    add_bend(setup, radius, bend_radius, triangles);
+    return setup;
+}
+
+/// A plane across z, at 0.
+inline void add_plane(TestSetup& setup, double size, int triangles)
+{
+    const VesselSpec plane{.shape = VesselShape::Plane, .size = size, .triangles = triangles};
+    add_vessel(setup, make_plane(plane), plane);
 }
 
 /// Fed from `point` along x at `speed`; turned at `turn_rate`.

@@ -6,6 +6,7 @@
 #include "shapes/subdivide.h"
 #include "shapes/swept_lumen.h"
 #include "support/approx.h"
+#include "support/refusal.h"
 #include "support/shared_folder.h"
 #include "surface/control_mesh.h"
 #include "surface/edit_mesh.h"
@@ -43,9 +44,7 @@ GeneratedVessel arc()
 
 GeneratedVessel plane(int triangles = 20'000)
 {
-    VesselSpec spec;
-    spec.size = 0.08;
-    spec.triangles = triangles;
+    VesselSpec spec{.size = 0.08, .triangles = triangles};
     return make_plane(spec);
 }
 
@@ -164,26 +163,11 @@ int turned_over(const WallMesh& wall, const WallMesh& control)
     return count;
 }
 
-std::string message_of(const std::function<void()>& call, ErrorKind code)
-{
-    try {
-        call();
-    } catch (const Error& error) {
-        CHECK(error.kind() == code);
-        const std::string message = error.what();
-        CHECK(message.find('\n') == std::string::npos);
-        return message;
-    }
-    return {};
-}
-
 void refused(const WallMesh& mesh, const std::string& expected)
 {
     ControlMeshSpec spec;
     spec.edge = 0.004;
-    const std::string message = message_of([&] { (void)make_control_mesh(mesh, spec); }, ErrorKind::BadFile);
-    CAPTURE(message);
-    CHECK(message.find(expected) != std::string::npos);
+    check_refused([&] { return make_control_mesh(mesh, spec); }, {expected}, ErrorKind::BadFile);
 }
 
 }  // namespace
@@ -361,7 +345,7 @@ TEST_SUITE("surface/control_mesh")
     TEST_CASE("property: edges that memory has no room for are refused with what they would take")
     {
         CHECK_NOTHROW(check_control_edge(0.02, 0.003));
-        const std::string message = message_of([] { check_control_edge(0.02, 1e-5); }, ErrorKind::BadScene);
+        const std::string message = refusal([] { check_control_edge(0.02, 1e-5); }, ErrorKind::BadScene);
         CHECK(message.find("vessel.wall_edge_m: 1e-05 m makes about 2.3e+08 vertices, whose matrix factor takes ") == 0);
         const WallMesh tube = make_tube(tube_spec(0.01, 0.05, 2000)).mesh;
         ControlMeshSpec spec;
@@ -479,10 +463,7 @@ TEST_SUITE("wall/patients")
               Row{"vmtk-aorta-bif/aorta-surface.stl", "mm", 20}, Row{"vmtk-aorta-bif/aorta-surface-open-ends.stl", "mm", 20},
               Row{"seqseg-shawn260-hostile/shawn_260.vtp", "cm", 0}}) {
             CAPTURE(row.file);
-            VesselSpec spec;
-            spec.shape = VesselShape::Mesh;
-            spec.mesh = *shared / "vessels" / row.file;
-            spec.units = row.units;
+            VesselSpec spec{.shape = VesselShape::Mesh, .mesh = *shared / "vessels" / row.file, .units = row.units};
             const LoadedVessel vessel = load_vessel(spec);
             ControlMeshSpec control;
             control.edge = 0.0035;

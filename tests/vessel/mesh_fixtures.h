@@ -12,12 +12,7 @@ namespace seldinger::test {
 
 inline VesselSpec tube_spec(double radius, double length, int triangles)
 {
-    VesselSpec spec;
-    spec.shape = VesselShape::Tube;
-    spec.radius = radius;
-    spec.length = length;
-    spec.triangles = triangles;
-    return spec;
+    return {.shape = VesselShape::Tube, .radius = radius, .length = length, .triangles = triangles};
 }
 
 /// Closed sphere about `centre`, normals outwards as most files have them: an octahedron, subdivided.

@@ -2,12 +2,11 @@
 #include "core/error.h"
 #include "mesh_fixtures.h"
 #include "repair/repair.h"
+#include "support/refusal.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/inside.h"
 #include "vessel/medial_graph.h"
 #include "vessel/mesh_edges.h"
-
-#include <doctest/doctest.h>
 
 #include <cmath>
 #include <numbers>
@@ -19,17 +18,12 @@ namespace {
 
 std::string refusal(WallMesh mesh)
 {
-    try {
+    const auto work = [&] {
         const RepairReport report = repair(mesh);
-        (void)extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops));
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadFile);
-        return error.what();
-    }
-    return "";
+        return extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops));
+    };
+    return test::refusal(work, ErrorKind::BadFile);
 }
-
-bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
 Vec3 anywhere(std::mt19937& rng, double size)
 {

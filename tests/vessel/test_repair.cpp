@@ -3,6 +3,7 @@
 #include "mesh_fixtures.h"
 #include "repair/repair.h"
 #include "support/approx.h"
+#include "support/refusal.h"
 
 #include <algorithm>
 #include <limits>
@@ -126,9 +127,9 @@ TEST_SUITE("repair/repair")
         CHECK(report.hole_loops_closed == 2);
         const std::string note = report.notes.front();  // which, by which rule, and what leaves them open
         CHECK(note.starts_with("2 small holes were closed: at ["));
-        CHECK(note.find("at [0.05") != std::string::npos);
-        CHECK(note.find("(at most 4 edges)") != std::string::npos);
-        CHECK(note.find("(flat in the wall, below half of the lumen's radius)") != std::string::npos);
+        CHECK(has(note, "at [0.05"));
+        CHECK(has(note, "(at most 4 edges)"));
+        CHECK(has(note, "(flat in the wall, below half of the lumen's radius)"));
         CHECK(note.ends_with(". vessel.close_holes = false leaves them open."));
         const RepairReport left = repair(open, false);
         CHECK(left.loops.size() == 4);
@@ -204,22 +205,13 @@ TEST_SUITE("repair/repair")
 
     TEST_CASE("property: what bounds no lumen is refused, with the reason")
     {
-        auto refused = [](WallMesh mesh) {
-            try {
-                (void)repair(mesh);
-            } catch (const Error& error) {
-                return error.kind() == ErrorKind::BadFile;
-            }
-            return false;
-        };
+        const auto refused = [](WallMesh mesh) { return !refusal([&] { return repair(mesh); }, ErrorKind::BadFile).empty(); };
         WallMesh one;
         one.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
         one.triangles = {{0, 1, 2}};
         CHECK(refused(one));
         CHECK(refused(WallMesh{}));
-        VesselSpec plane;
-        plane.size = 1;
-        plane.triangles = 100;
+        VesselSpec plane{.size = 1, .triangles = 100};
         CHECK(refused(make_plane(plane).mesh));
         WallMesh nan = make_tube(tube_spec(0.01, 0.1, 500)).mesh;
         for (Vec3& v : nan.vertices) v = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());

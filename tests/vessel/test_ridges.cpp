@@ -25,12 +25,8 @@ WallMesh roof(double slope)
 
 WallMesh bend(int triangles)
 {
-    VesselSpec spec;
-    spec.shape = VesselShape::Arc;
-    spec.radius = 0.002;
-    spec.bend_radius = 0.02;
-    spec.angle = std::numbers::pi / 2;
-    spec.triangles = triangles;
+    VesselSpec spec{
+        .shape = VesselShape::Arc, .radius = 0.002, .bend_radius = 0.02, .angle = std::numbers::pi / 2, .triangles = triangles};
     return make_arc(spec).mesh;
 }
 

@@ -74,10 +74,7 @@ TEST_SUITE("vessel/shared_vessels")
             const double unit = metres_per_unit(row.units);
             (void)read_mesh(*shared / "vessels" / row.file, row.units, &facts);
             CHECK(facts.triangles == row.triangles);
-            VesselSpec spec;
-            spec.shape = VesselShape::Mesh;
-            spec.mesh = *shared / "vessels" / row.file;
-            spec.units = row.units;
+            VesselSpec spec{.shape = VesselShape::Mesh, .mesh = *shared / "vessels" / row.file, .units = row.units};
             const LoadedVessel vessel = load_vessel(spec);
             const Centreline& line = vessel.centreline;
             CHECK(vessel.report.loops.size() == row.openings);
@@ -85,8 +82,7 @@ TEST_SUITE("vessel/shared_vessels")
             CHECK(vessel.report.components == 1);
             CHECK(line.total_length() / unit == about(row.length).epsilon(kAgreement));
             CHECK(median_radius(line) / unit == about(row.radius_middle).epsilon(kAgreement));
-            CHECK(*std::max_element(line.radius.begin(), line.radius.end()) / unit ==
-                  about(row.radius_most).epsilon(kAgreement));
+            CHECK(*std::max_element(line.radius.begin(), line.radius.end()) / unit == about(row.radius_most).epsilon(kAgreement));
             const LumenQuery lumen(vessel.mesh, vessel.report.loops);
             long outside = 0;
             for (const Vec3& p : line.points) outside += !lumen.inside(p);
@@ -106,10 +102,8 @@ TEST_SUITE("vessel/shared_vessels")
     {
         const auto shared = shared_folder_or_skip();
         if (!shared) return;
-        VesselSpec spec;
-        spec.shape = VesselShape::Mesh;
-        spec.mesh = *shared / "vessels" / "seqseg-shawn260-hostile" / "shawn_260.vtp";
-        spec.units = "cm";
+        VesselSpec spec{
+            .shape = VesselShape::Mesh, .mesh = *shared / "vessels" / "seqseg-shawn260-hostile" / "shawn_260.vtp", .units = "cm"};
         const LoadedVessel vessel = load_vessel(spec);
         CHECK(vessel.report.duplicates_dropped == 2 * 126);  // both of each pair: they are folds
         CHECK(vessel.report.hole_loops_closed == 2);         // 14 edges in two loops
@@ -122,9 +116,7 @@ TEST_SUITE("vessel/shared_vessels")
     {
         const auto shared = shared_folder_or_skip();
         if (!shared) return;
-        VesselSpec spec;
-        spec.shape = VesselShape::Mesh;
-        spec.mesh = *shared / "vessels" / "tha001-arch" / "aorta_arch_30k.stl";
+        VesselSpec spec{.shape = VesselShape::Mesh, .mesh = *shared / "vessels" / "tha001-arch" / "aorta_arch_30k.stl"};
         const LoadedVessel vessel = load_vessel(spec);
         const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
         CHECK((inlet.point - Vec3(-0.01709, -0.17932, 0.04236)).norm() < 0.005);
@@ -136,9 +128,7 @@ TEST_SUITE("vessel/shared_vessels")
     {
         const auto shared = shared_folder_or_skip();
         if (!shared) return;
-        VesselSpec spec;
-        spec.shape = VesselShape::Mesh;
-        spec.mesh = *shared / "vessels" / "tha016-root-coronary" / "marfan_ao.obj";
+        VesselSpec spec{.shape = VesselShape::Mesh, .mesh = *shared / "vessels" / "tha016-root-coronary" / "marfan_ao.obj"};
         const LoadedVessel vessel = load_vessel(spec);
         // the coronaries' tips have 0.8 to 0.9 mm, the sinuses 10 and 12.5; the ascending aorta is cut at y = 69.66 mm
         const Inlet taken = pick_inlet(vessel.report.loops, vessel.centreline);

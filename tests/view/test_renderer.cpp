@@ -1,4 +1,5 @@
 // Contents of the picture, checked against a pinhole camera that is computed here and not by the renderer.
+#include "support/refusal.h"
 #include "view/canvas.h"
 #include "view/colour.h"
 #include "view/legend.h"
@@ -188,12 +189,7 @@ TEST_SUITE("view/renderer")
 
     TEST_CASE("analytic: the scale bar is as long as its label says")
     {
-        std::unique_ptr<Renderer> r;
-        try {
-            r = renderer_or_skip(1280, 720, Look{});
-        } catch (const Error& e) {
-            skip(e.what());  // no font
-        }
+        const auto r = renderer_or_skip(1280, 720, Look{});
         if (!r) return;
         const double distance = 1;
         r->set_camera(side_camera(distance));
@@ -219,12 +215,7 @@ TEST_SUITE("view/renderer")
     {
         Look look;
         look.target = TargetMark{{0.03, 0.02, -0.04}, 0.015, "left"};
-        std::unique_ptr<Renderer> r;
-        try {
-            r = renderer_or_skip(1280, 720, look);
-        } catch (const Error& e) {
-            skip(e.what());  // no font
-        }
+        const auto r = renderer_or_skip(1280, 720, look);
         if (!r) return;
         r->set_camera(side_camera(1));
         r->draw({});
@@ -248,12 +239,7 @@ TEST_SUITE("view/renderer")
         for (const auto& size : {std::pair{1280, 720}, {960, 540}, {777, 501}}) {
             const int w = size.first, h = size.second;
             CAPTURE(w);
-            std::unique_ptr<Renderer> r;
-            try {
-                r = renderer_or_skip(w, h, Look{});
-            } catch (const Error& e) {
-                skip(e.what());  // no font
-            }
+            const auto r = renderer_or_skip(w, h, Look{});
             if (!r) return;
             r->set_force_scale(0.1);
             r->draw({});
@@ -278,25 +264,14 @@ TEST_SUITE("view/renderer")
         for (const auto& size : {std::pair{0, 720}, {1280, -1}, {100000, 720}}) {
             const int w = size.first, h = size.second;
             CAPTURE(w);
-            try {
-                Renderer r(w, h);
-                FAIL("accepted");
-            } catch (const Error& e) {
-                CHECK(e.kind() == ErrorKind::BadScene);
-                CHECK(std::string(e.what()).find("--size") != std::string::npos);
-            }
+            check_refused([&] { Renderer r(w, h); }, {"--size"}, ErrorKind::BadScene);
         }
     }
 
     TEST_CASE("regression: nothing to draw, one node, repeated nodes and no legend space give a picture")
     {
         for (auto [w, h] : {std::pair{64, 48}, {48, 64}, {400, 300}}) {
-            std::unique_ptr<Renderer> r;
-            try {
-                r = renderer_or_skip(w, h, Look{});
-            } catch (const Error& e) {
-                skip(e.what());
-            }
+            const auto r = renderer_or_skip(w, h, Look{});
             if (!r) return;
             r->draw({});
             WireFrame frame;
