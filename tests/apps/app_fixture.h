@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include "support/refusal.h"
+#include "support/scenes.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,23 +16,27 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
+#include <map>
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace seldinger::test {
 
 namespace fs = std::filesystem;
 
-/// An empty folder that goes when the test ends.
+/// A folder with these files, or an empty one, that goes when the test ends.
 struct ScratchFolder {
     fs::path path;
-    ScratchFolder()
+    ScratchFolder(std::initializer_list<std::pair<std::string, std::string>> files = {})
     {
         std::string form = (fs::temp_directory_path() / "seldinger_apps_XXXXXX").string();
         REQUIRE(mkdtemp(form.data()) != nullptr);
         path = form;
+        for (const auto& [name, text] : files) write(name, text);
     }
     ~ScratchFolder()
     {
@@ -85,6 +91,27 @@ inline AppResult run_app(const ScratchFolder& folder, const std::string& argumen
                                             arguments, out.string(), err.string());
     const int status = std::system(command.c_str());
     return app_result(status, slurp(out), slurp(err));
+}
+
+/// The same of what has to end well.
+inline AppResult run_ok(const ScratchFolder& folder, const std::string& arguments, const std::string& prefix = "")
+{
+    AppResult result = run_app(folder, arguments, prefix);
+    REQUIRE_MESSAGE(result.code == 0, arguments << ": " << result.err);
+    return result;
+}
+
+/// The same of what has to end with this code and one line that says so.
+inline AppResult check_refused(const ScratchFolder& folder, const std::string& arguments, int code, const std::string& says,
+                               const std::string& prefix = "")
+{
+    AppResult result = run_app(folder, arguments, prefix);
+    CAPTURE(arguments);
+    CAPTURE(result.err);
+    CHECK(result.code == code);
+    CHECK(result.error_lines() == 1);
+    CHECK(has(result.err, says));
+    return result;
 }
 
 /// Starts `seldinger arguments` in `folder`, sends `signal` once the file `table` has more than `rows` lines, and waits. The
@@ -145,29 +172,33 @@ inline std::vector<std::vector<std::string>> csv_rows(const fs::path& path)
     return rows;
 }
 
+/// The same rows by the names of their columns.
+using Row = std::map<std::string, std::string>;
+inline std::vector<Row> table_rows(const fs::path& path)
+{
+    const auto cells = csv_rows(path);
+    std::vector<Row> rows(cells.empty() ? 0 : cells.size() - 1);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        REQUIRE(cells[k + 1].size() == cells[0].size());
+        for (std::size_t c = 0; c < cells[0].size(); ++c) rows[k][cells[0][c]] = cells[k + 1][c];
+    }
+    return rows;
+}
+
+/// A run's trace without the milliseconds of each step, which differ from run to run.
+inline std::vector<Row> timeless_trace(const fs::path& dir)
+{
+    std::vector<Row> rows = table_rows(dir / "trace.csv");
+    for (Row& row : rows) REQUIRE(row.erase("step_ms") == 1);
+    return rows;
+}
+
 /// A wire held at its base, falling free: no vessel, so no OpenCL. 21 nodes, dt 1 ms.
 inline std::string free_scene(double duration = 0.05, int record_every = 10)
 {
-    return fmt::format(R"([scene]
-name = "falling"
-duration_s = {}
-dt_s = 0.001
-record_every = {}
-[wire]
-length_m = 0.1
-radius_m = 0.0002
-density = 6450.0
-bend_nm2 = 5.0e-5
-twist_nm2 = 4.0e-5
-stretch_n = 7000.0
-nodes = 21
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-)",
-                       duration, record_every);
+    return shared_scene(
+        fmt::format("[scene]\nname = \"falling\"\nduration_s = {}\ndt_s = 0.001\nrecord_every = {}\n", duration, record_every),
+        "hanging");
 }
 
 /// A catheter and, inside it and farther on, a wire, both fed along a tube.
@@ -178,10 +209,11 @@ inline std::string two_instruments(const std::string& model)
         return fmt::format("keys = [ {{t_s = 0.0, advance_m = {}}}, {{t_s = 0.1, advance_m = {}}} ]\n", from, to);
     };
     return "[scene]\nname = \"two\"\nduration_s = 0.02\ndt_s = 0.002\nrecord_every = 2\n"
-           "[[instrument]]\nname = \"catheter\"\nradius_m = 0.001\nlumen_radius_m = 0.0007\n" + made +
-           "[instrument.feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n" + keys(0.01, 0.03) +
+           "[[instrument]]\nname = \"catheter\"\nradius_m = 0.001\nlumen_radius_m = 0.0007\n" +
+           made + "[instrument.feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n" + keys(0.01, 0.03) +
            "[[instrument]]\nname = \"wire\"\nradius_m = 0.0005\n" + made + "[instrument.feed]\n" + keys(0.02, 0.06) +
-           "[coaxial]\norder = [\"catheter\", \"wire\"]\nmodel = \"" + model + "\"\n"
+           "[coaxial]\norder = [\"catheter\", \"wire\"]\nmodel = \"" + model +
+           "\"\n"
            "[vessel]\nshape = \"tube\"\nradius_m = 0.003\nlength_m = 0.1\ntriangles = 2000\n";
 }
 
@@ -189,34 +221,10 @@ inline std::string two_instruments(const std::string& model)
 /// it. 4 mm are inside at the start.
 inline std::string tube_scene(double duration = 0.3)
 {
-    return fmt::format(R"([scene]
-name = "tube"
-duration_s = {}
-dt_s = 0.001
-record_every = 5
-[wire]
-length_m = 0.1
-radius_m = 0.0004445
-density = 7900.0
-bend_nm2 = 1.0e-5
-twist_nm2 = 8.0e-6
-stretch_n = 1.0e4
-nodes = 41
-[vessel]
-youngs_pa = 1e6
-shape = "tube"
-radius_m = 0.005
-length_m = 0.1
-axis = [1.0, 0.0, 0.0]
-triangles = 2000
-[contact]
-detection = "capsule"
-[feed]
-point = [0.0, 0.0, -0.0035]
-direction = [1.0, 0.0, -0.2]
-keys = [ {{t_s = 0.0, advance_m = 0.004, turn_rad = 0.0}}, {{t_s = 1.0, advance_m = 0.084, turn_rad = 1.0}} ]
-)",
-                       duration);
+    const std::string head = fmt::format("[scene]\nname = \"tube\"\nduration_s = {}\ndt_s = 0.001\nrecord_every = 5\n", duration);
+    return shared_scene(head, "tube") +
+           "keys = [ {t_s = 0.0, advance_m = 0.004, turn_rad = 0.0}, "
+           "{t_s = 1.0, advance_m = 0.084, turn_rad = 1.0} ]\n";
 }
 
 }  // namespace seldinger::test

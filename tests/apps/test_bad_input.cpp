@@ -2,6 +2,7 @@
 // nothing on stdout, and no run begun.
 
 #include "apps/app_fixture.h"
+#include "support/scenes.h"
 #include "support/skip.h"
 
 #include <array>
@@ -13,37 +14,16 @@ namespace {
 void refused(const ScratchFolder& folder, const std::string& arguments, int code, const std::string& names,
              const std::string& prefix = "")
 {
-    CAPTURE(arguments);
-    const AppResult result = run_app(folder, arguments, prefix);
-    CAPTURE(result.err);
-    CHECK(result.code == code);
-    CHECK(result.error_lines() == 1);
-    CHECK(result.err.find(names) != std::string::npos);
+    const AppResult result = check_refused(folder, arguments, code, names, prefix);
     CHECK(result.out.empty());
     CHECK_FALSE(fs::exists(folder.path / "D"));
 }
 
 std::string mesh_scene(const std::string& mesh, const std::string& units = "mm", const std::string& feed = "inlet = \"auto\"")
 {
-    return fmt::format(R"([scene]
-duration_s = 0.01
-dt_s = 0.001
-[wire]
-length_m = 0.1
-radius_m = 0.0004445
-density = 7900.0
-bend_nm2 = 1.0e-5
-twist_nm2 = 8.0e-6
-stretch_n = 1.0e4
-nodes = 21
-[vessel]
-mesh = "{}"
-units = "{}"
-[feed]
-{}
-keys = [ {{t_s = 0.0, advance_m = 0.0}}, {{t_s = 1.0, advance_m = 0.02}} ]
-)",
-                       mesh, units, feed);
+    return scene_text(0.01) + wire_text(0.1, 1e-5, 8e-6, 21, 0.0004445) +
+           fmt::format("[vessel]\nmesh = \"{}\"\nunits = \"{}\"\n[feed]\n{}\n", mesh, units, feed) +
+           "keys = [ {t_s = 0.0, advance_m = 0.0}, {t_s = 1.0, advance_m = 0.02} ]\n";
 }
 
 /// An open tube along x as OBJ: radius 5, length 40, 16 facets around, in whatever unit.
@@ -69,8 +49,7 @@ TEST_SUITE("apps/bad_input")
 {
     TEST_CASE("property: a wrong command line is exit 2")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
+        const ScratchFolder folder{{"s.toml", free_scene()}};
         refused(folder, "", 2, "subcommand");
         refused(folder, "fly", 2, "fly");
         refused(folder, "run", 2, "SCENE");
@@ -91,8 +70,7 @@ TEST_SUITE("apps/bad_input")
 
     TEST_CASE("property: a wrong scene is exit 2 and names file, line and key")
     {
-        const ScratchFolder folder;
-        folder.write("syntax.toml", "[scene\nname = 1\n");
+        const ScratchFolder folder{{"syntax.toml", "[scene\nname = 1\n"}};
         refused(folder, "run syntax.toml -o D", 2, "syntax.toml:1");
         folder.write("unknown.toml", free_scene() + "[contact]\nmu_statc = 0.1\n");
         refused(folder, "run unknown.toml -o D", 2, "contact.mu_static");
@@ -129,9 +107,7 @@ TEST_SUITE("apps/bad_input")
 
     TEST_CASE("property: a vessel that cannot be in that unit, or a wire that starts outside it, is exit 2")
     {
-        const ScratchFolder folder;
-        folder.write("tube.obj", tube_obj());
-        folder.write("m.toml", mesh_scene("tube.obj", "m"));
+        const ScratchFolder folder{{"tube.obj", tube_obj()}, {"m.toml", mesh_scene("tube.obj", "m")}};
         refused(folder, "run m.toml -o D", 2, "units = \"mm\" would fit");
         folder.write("um.toml", mesh_scene("tube.obj", "um"));
         refused(folder, "run um.toml -o D", 2, "vessel.units");
@@ -146,7 +122,7 @@ TEST_SUITE("apps/bad_input")
         folder.write("plane.toml", plane.replace(at, end - at, "shape = \"plane\"\nsize_m = 1.0\n"));
         refused(folder, "run plane.toml -o D", 2, "feed.inlet");
         folder.write("fits.toml", mesh_scene("tube.obj"));
-        CHECK(run_app(folder, "check fits.toml").code == 0);
+        run_ok(folder, "check fits.toml");
     }
 
     TEST_CASE("property: a wall that cannot be elastic is one line and exit 2 or 3")
@@ -158,7 +134,7 @@ TEST_SUITE("apps/bad_input")
         };
         folder.write("tube.obj", tube_obj());
         elastic("good.toml", "tube.obj");
-        CHECK(run_app(folder, "run good.toml -o good").code == 0);
+        run_ok(folder, "run good.toml -o good");
         for (const char* change : {"youngs_pa=0", "youngs_pa=-1e6", "poisson=0.5", "poisson=-0.01", "thickness_m=0",
                                    "support_pa_m=-1", "wall_edge_m=-1", "wall_edge_m=1e-6"}) {
             const std::string key = std::string(change).substr(0, std::string(change).find('='));
@@ -170,7 +146,7 @@ TEST_SUITE("apps/bad_input")
         const std::string crumb = tube_obj() + "v 15 0 12\nv 20 0 12\nf 53 69 145\nf 69 146 145\n";
         folder.write("crumb.obj", crumb);
         elastic("crumb.toml", "crumb.obj");
-        CHECK(run_app(folder, "check crumb.toml").out.find("hung on the wall by a corner") != std::string::npos);
+        CHECK(has(run_app(folder, "check crumb.toml").out, "hung on the wall by a corner"));
         folder.write("fin.obj", crumb + "v 15 0 20\nv 20 0 20\nf 145 146 148\nf 145 148 147\n");
         elastic("fin.toml", "fin.obj");
         refused(folder, "run fin.toml -o D", 3, "one sheet");
@@ -178,9 +154,8 @@ TEST_SUITE("apps/bad_input")
 
     TEST_CASE("property: a folder that holds a run is left alone without --resume or --overwrite")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
-        REQUIRE(run_app(folder, "run s.toml -o E").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene()}};
+        run_ok(folder, "run s.toml -o E");
         const std::string before = slurp(folder.path / "E" / "summary.json");
         refused(folder, "run s.toml -o E", 2, "--overwrite");
         refused(folder, "run s.toml -o E --resume --set wire.nodes=31", 2, "E/scene.toml");
@@ -208,20 +183,15 @@ TEST_SUITE("apps/bad_input")
 
     TEST_CASE("property: a disk that fills up in mid-run is exit 3, and what was written stays whole")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(2.0, 1));
+        const ScratchFolder folder{{"s.toml", free_scene(2.0, 1)}};
         // no file may grow beyond 128 KiB: 2000 rows of some 700 bytes do, a frame of 21 nodes and the checkpoint do not
-        const AppResult result = run_app(folder, "run s.toml -o D --quiet", "ulimit -f 128 &&");
-        CAPTURE(result.err);
-        CHECK(result.code == 3);
-        CHECK(result.error_lines() == 1);
-        CHECK(result.err.find("trace.csv") != std::string::npos);
+        check_refused(folder, "run s.toml -o D --quiet", 3, "trace.csv", "ulimit -f 128 &&");
         const auto rows = csv_rows(folder.path / "D" / "trace.csv");
         REQUIRE(rows.size() > 100);
         for (const auto& row : rows) REQUIRE(row.size() == rows[0].size());
         // with room again, the run continues and ends with the same bits
-        CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
-        CHECK(run_app(folder, "run s.toml -o whole").code == 0);
+        run_ok(folder, "run s.toml -o D --resume");
+        run_ok(folder, "run s.toml -o whole");
         CHECK(summary_of(folder.path / "D")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
     }
 
@@ -231,33 +201,29 @@ TEST_SUITE("apps/bad_input")
             skip("no /dev/full");
             return;
         }
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
+        const ScratchFolder folder{{"s.toml", free_scene()}};
         const std::string command =
             fmt::format("cd '{}' && '{}' run s.toml -o D --json >/dev/full 2>err", folder.path.string(), app_path());
         const int status = std::system(command.c_str());
         CHECK(WEXITSTATUS(status) == 3);
-        CHECK(slurp(folder.path / "err").find("stdout") != std::string::npos);
+        CHECK(has(slurp(folder.path / "err"), "stdout"));
         CHECK(fs::exists(folder.path / "D" / "summary.json"));
     }
 
     TEST_CASE("property: no usable device is exit 5, and a wire without a vessel needs none")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.01));
-        folder.write("s.toml", free_scene());
+        const ScratchFolder folder{{"t.toml", tube_scene(0.01)}, {"s.toml", free_scene()}};
         const std::string none = "OCL_ICD_VENDORS=/nonexistent";
         refused(folder, "run t.toml -o D", 5, "OpenCL", none);
         refused(folder, "devices", 5, "OpenCL", none);
         refused(folder, "run t.toml -o D --device 99", 5, "device");
         refused(folder, "run t.toml -o D", 5, "SEL_KERNEL_DIR", "SEL_KERNEL_DIR=/nonexistent");
-        CHECK(run_app(folder, "run s.toml -o E", none).code == 0);
+        run_ok(folder, "run s.toml -o E", none);
     }
 
     TEST_CASE("property: a kernel that does not compile is exit 5 and names the kernel")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.01));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.01)}};
         fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder.path / "kernels", fs::copy_options::recursive);
         std::ofstream(folder.path / "kernels/contact/evaluation.cl", std::ios::app) << "\nthis is not OpenCL\n";
         const AppResult result =
@@ -268,7 +234,7 @@ TEST_SUITE("apps/bad_input")
         const std::string text = result.err.substr(0, result.err.size() - 1);
         const std::string last = text.substr(text.rfind('\n') + 1);
         CHECK(last.starts_with("seldinger: "));
-        CHECK(last.find("contact/evaluation.cl") != std::string::npos);
+        CHECK(has(last, "contact/evaluation.cl"));
         CHECK_FALSE(fs::exists(folder.path / "D"));
     }
 }

@@ -10,20 +10,7 @@ namespace seldinger::test::test_batch {
 
 namespace {
 
-using Row = std::map<std::string, std::string>;
-
-std::vector<Row> results(const fs::path& dir)
-{
-    const auto cells = csv_rows(dir / "results.csv");
-    std::vector<Row> rows;
-    for (std::size_t k = 1; k < cells.size(); ++k) {
-        REQUIRE(cells[k].size() == cells[0].size());
-        Row row;
-        for (std::size_t c = 0; c < cells[0].size(); ++c) row[cells[0][c]] = cells[k][c];
-        rows.push_back(row);
-    }
-    return rows;
-}
+std::vector<Row> results(const fs::path& dir) { return table_rows(dir / "results.csv"); }
 
 // stiffness and friction share a world; each dt has its own
 const std::string mixed_sweep = R"([vary]
@@ -39,12 +26,8 @@ TEST_SUITE("apps/batch")
 {
     TEST_CASE("property: each row has the numbers and the state hash of that run alone")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.15));
-        folder.write("s.toml", mixed_sweep);
-        const AppResult result = run_app(folder, "batch t.toml --vary s.toml -o B --json");
-        CAPTURE(result.err);
-        REQUIRE(result.code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.15)}, {"s.toml", mixed_sweep}};
+        const AppResult result = run_ok(folder, "batch t.toml --vary s.toml -o B --json");
         CHECK(result.err.empty());
         const auto printed = nlohmann::json::parse(result.out);
         CHECK(printed == summary_of(folder.path / "B"));
@@ -61,7 +44,7 @@ TEST_SUITE("apps/batch")
             for (const char* key : {"scene.dt_s", "wire.bend_nm2", "wire.radius_m", "contact.mu_sliding"})
                 set += fmt::format(" --set {}={}", key, row.at(key));
             CAPTURE(set);
-            REQUIRE(run_app(folder, "run t.toml -o R --overwrite --quiet" + set).code == 0);
+            run_ok(folder, "run t.toml -o R --overwrite --quiet" + set);
             const auto alone = summary_of(folder.path / "R");
             CHECK(row.at("state_hash") == alone["state_hash"]);
             CHECK(row.at("status") == "done");
@@ -80,14 +63,12 @@ TEST_SUITE("apps/batch")
         "property: bands of an elastic wall are those of `run` without the step, and with --bands half the step's, and the "
         "summary says so")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.1));
-        folder.write("s.toml", "[vary]\n\"contact.mu_sliding\" = [0.1]\n");
+        const ScratchFolder folder{{"t.toml", tube_scene(0.1)}, {"s.toml", "[vary]\n\"contact.mu_sliding\" = [0.1]\n"}};
         const std::string wall = " --set vessel.wall=elastic --set vessel.wall_edge_m=0.002";
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B --quiet" + wall).code == 0);
-        REQUIRE(run_app(folder, "run t.toml -o R --quiet --set contact.mu_sliding=0.1" + wall).code == 0);
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o H --bands --quiet" + wall).code == 0);
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o H2 --quiet --set scene.dt_s=0.0005" + wall).code == 0);
+        run_ok(folder, "batch t.toml --vary s.toml -o B --quiet" + wall);
+        run_ok(folder, "run t.toml -o R --quiet --set contact.mu_sliding=0.1" + wall);
+        run_ok(folder, "batch t.toml --vary s.toml -o H --bands --quiet" + wall);
+        run_ok(folder, "batch t.toml --vary s.toml -o H2 --quiet --set scene.dt_s=0.0005" + wall);
         CHECK(summary_of(folder.path / "B")["wall_bands"] != summary_of(folder.path / "H")["wall_bands"]);
         const Row banded = results(folder.path / "H").at(0), half = results(folder.path / "H2").at(0);
         const auto alone = summary_of(folder.path / "R");
@@ -116,13 +97,11 @@ TEST_SUITE("apps/batch")
         const ScratchFolder folder;
         folder.write("t.toml", tube_scene(0.06));
         folder.write("s.toml", "[vary]\n\"scene.duration_s\" = [0.05, 0.06]\n\"wire.bend_nm2\" = [1.0e-5, 3.0e-5]\n");
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B --keep traces,last-frame --bands --quiet").code == 0);
+        run_ok(folder, "batch t.toml --vary s.toml -o B --keep traces,last-frame --bands --quiet");
         for (const Row& row : results(folder.path / "B")) {
             const std::string stem = fmt::format("B/runs/{:06}", std::stoi(row.at("run")));
-            REQUIRE(run_app(folder,
-                            fmt::format("run t.toml -o R --overwrite --quiet --set scene.duration_s={} --set wire.bend_nm2={}",
-                                        row.at("scene.duration_s"), row.at("wire.bend_nm2")))
-                        .code == 0);
+            run_ok(folder, fmt::format("run t.toml -o R --overwrite --quiet --set scene.duration_s={} --set wire.bend_nm2={}",
+                                       row.at("scene.duration_s"), row.at("wire.bend_nm2")));
             const auto kept = csv_rows(folder.path / (stem + ".csv")), alone = csv_rows(folder.path / "R/trace.csv");
             REQUIRE(kept.size() == alone.size());
             for (std::size_t c = 0; c < kept[0].size(); ++c) {
@@ -142,27 +121,25 @@ TEST_SUITE("apps/batch")
         const std::string parts = "batch t.toml --vary s.toml -o P --keep traces,last-frame --bands --quiet ";
         REQUIRE(run_app(folder, parts + "--time-limit 1e-6").code == 75);
         REQUIRE(run_app(folder, parts + "--resume --time-limit 1e-6").code == 75);
-        REQUIRE(run_app(folder, parts + "--resume").code == 0);
+        run_ok(folder, parts + "--resume");
         same_as_whole("P");
-        REQUIRE(run_app(folder, "farm t.toml --vary s.toml -o F --tasks 3 --keep traces,last-frame --quiet").code == 0);
+        run_ok(folder, "farm t.toml --vary s.toml -o F --tasks 3 --keep traces,last-frame --quiet");
         same_as_whole("F");
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B --overwrite --quiet").code == 0);
+        run_ok(folder, "batch t.toml --vary s.toml -o B --overwrite --quiet");
         CHECK_FALSE(fs::exists(folder.path / "B/runs"));
-        const AppResult wrong = run_app(folder, "batch t.toml --vary s.toml -o W --keep frames");
-        CHECK(wrong.code == 2);
-        CHECK(wrong.err.find("--keep: got \"frames\"; expected traces, last-frame") != std::string::npos);
+        check_refused(folder, "batch t.toml --vary s.toml -o W --keep frames", 2,
+                      "--keep: got \"frames\"; expected traces, last-frame");
     }
 
     TEST_CASE("property: the table's bytes depend neither on threads nor on stops")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.3));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.3)}};
         // twenty wires: more than one piece of work for the pool
         folder.write(
             "s.toml",
             "[vary]\n\"scene.duration_s\" = [0.001, 0.3]\n\"wire.bend_nm2\" = {min = 1e-5, max = 1e-4, n = 20, log = true}\n");
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o one --threads 1").code == 0);
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o three --threads 3").code == 0);
+        run_ok(folder, "batch t.toml --vary s.toml -o one --threads 1");
+        run_ok(folder, "batch t.toml --vary s.toml -o three --threads 3");
         CHECK(summary_of(folder.path / "three")["threads"] == 3);
         const std::string csv = slurp(folder.path / "one/results.csv"), npz = slurp(folder.path / "one/results.npz");
         REQUIRE(csv.size() > 1000);
@@ -177,19 +154,18 @@ TEST_SUITE("apps/batch")
             CAPTURE(part.err);
             REQUIRE(part.code == 75);
             REQUIRE(part.error_lines() == 1);
-            CHECK(part.err.find("--resume") != std::string::npos);
+            CHECK(has(part.err, "--resume"));
         };
         stops_after("--time-limit 1e-6");
         for (int call = 1; call < 6; ++call) stops_after("--time-limit 1e-6 --resume");
         CHECK(summary_of(folder.path / "parts")["wire_steps"] == 20 + 1);
         CHECK(summary_of(folder.path / "parts")["done"] == 20);
-        REQUIRE(run_app(folder, parts + "--resume").code == 0);
+        run_ok(folder, parts + "--resume");
         CHECK(slurp(folder.path / "parts/results.csv") == csv);
         CHECK(slurp(folder.path / "parts/results.npz") == npz);
         CHECK(summary_of(folder.path / "parts")["resumes"] == 6);
         // finished runs are not run again
-        const AppResult again = run_app(folder, "batch t.toml --vary s.toml -o parts --resume --json");
-        CHECK(again.code == 0);
+        const AppResult again = run_ok(folder, "batch t.toml --vary s.toml -o parts --resume --json");
         CHECK(nlohmann::json::parse(again.out)["wire_steps"] == 20 + 20 * 300);
     }
 
@@ -200,14 +176,14 @@ TEST_SUITE("apps/batch")
         folder.write("two.toml", two_instruments("merged"));
         folder.write("s.toml",
                      "[vary]\n\"coaxial.model\" = [\"merged\", \"separate\"]\n\"instrument.1.bend_nm2\" = [1e-5, 3e-5]\n");
-        REQUIRE(run_app(folder, "batch two.toml --vary s.toml -o B --quiet").code == 0);
+        run_ok(folder, "batch two.toml --vary s.toml -o B --quiet");
         const auto rows = results(folder.path / "B");
         REQUIRE(rows.size() == 4);
         for (const Row& row : rows) {
             const std::string set = fmt::format("--set coaxial.model={} --set instrument.1.bend_nm2={}", row.at("coaxial.model"),
                                                 row.at("instrument.1.bend_nm2"));
             CAPTURE(set);
-            REQUIRE(run_app(folder, "run two.toml -o R --overwrite --quiet " + set).code == 0);
+            run_ok(folder, "run two.toml -o R --overwrite --quiet " + set);
             const auto alone = summary_of(folder.path / "R");
             CHECK(row.at("state_hash") == alone["state_hash"]);
             REQUIRE(alone["instruments"].size() == 2);
@@ -224,13 +200,13 @@ TEST_SUITE("apps/batch")
         }
         const std::string csv = slurp(folder.path / "B/results.csv"), npz = slurp(folder.path / "B/results.npz");
         for (const char* name : {"catheter.hand_force_n", "wire.tip_z_m", "wire.nodes"})
-            CHECK(npz.find(std::string(name) + ".npy") != std::string::npos);
+            CHECK(has(npz, std::string(name) + ".npy"));
         AppResult part = run_app(folder, "batch two.toml --vary s.toml -o P --quiet --time-limit 1e-6");
         for (int call = 0; part.code == 75 && call < 100; ++call)
             part = run_app(folder, "batch two.toml --vary s.toml -o P --quiet --resume --time-limit 0.01");
         CHECK(part.code == 0);
         CHECK(slurp(folder.path / "P/results.csv") == csv);
-        REQUIRE(run_app(folder, "farm two.toml --vary s.toml -o F --tasks 3").code == 0);
+        run_ok(folder, "farm two.toml --vary s.toml -o F --tasks 3");
         CHECK(slurp(folder.path / "F/results.csv") == csv);
         CHECK(slurp(folder.path / "F/results.npz") == npz);
 
@@ -240,11 +216,7 @@ TEST_SUITE("apps/batch")
         apart.insert(apart.rfind("[instrument.feed]\n") + 18, "point = [0.0, 0.0, 0.002]\ndirection = [1.0, 0.0, 0.0]\n");
         folder.write("apart.toml", apart);
         folder.write("names.toml", "[vary]\n\"instrument.1.name\" = [\"wire\", \"other\"]\n");
-        const AppResult refused = run_app(folder, "batch apart.toml --vary names.toml -o N");
-        CAPTURE(refused.err);
-        CHECK(refused.code == 2);
-        CHECK(refused.error_lines() == 1);
-        CHECK(refused.err.find("run 1 has instruments of other names") != std::string::npos);
+        check_refused(folder, "batch apart.toml --vary names.toml -o N", 2, "run 1 has instruments of other names");
         CHECK_FALSE(fs::exists(folder.path / "N"));
     }
 
@@ -253,7 +225,7 @@ TEST_SUITE("apps/batch")
         const ScratchFolder folder;
         folder.write("f.toml", free_scene(0.02));
         folder.write("s.toml", "[vary]\n\"wire.density\" = [6450.0, 7900.0]\n\"scene.name\" = [\"a,b\", \"Gefäß\"]\n");
-        REQUIRE(run_app(folder, "batch f.toml --vary s.toml -o B").code == 0);
+        run_ok(folder, "batch f.toml --vary s.toml -o B");
         folder.write("check.py", R"(import csv, sys
 import numpy as np
 table, rows = np.load("B/results.npz"), list(csv.DictReader(open("B/results.csv", encoding="utf-8")))
@@ -277,19 +249,16 @@ print("same")
 
     TEST_CASE("property: static equilibria, and runs that come to rest at their own time")
     {
-        const ScratchFolder folder;
-        folder.write("f.toml", free_scene(20.0));
-        folder.write("stiff.toml", "[vary]\n\"wire.bend_nm2\" = [5e-5, 2e-4]\n");
+        const ScratchFolder folder{{"f.toml", free_scene(20.0)}, {"stiff.toml", "[vary]\n\"wire.bend_nm2\" = [5e-5, 2e-4]\n"}};
         for (const std::string set :
              {"--set integrator.scheme=static", "--set scene.until=rest --set integrator.damping_mass_1_s=40.0"}) {
             CAPTURE(set);
-            REQUIRE(run_app(folder, "batch f.toml --vary stiff.toml -o B --overwrite " + set).code == 0);
+            run_ok(folder, "batch f.toml --vary stiff.toml -o B --overwrite " + set);
             const auto rows = results(folder.path / "B");
             REQUIRE(rows.size() == 2);
             for (const Row& row : rows) {
-                REQUIRE(run_app(folder, fmt::format("run f.toml -o R --overwrite {} --set wire.bend_nm2={}", set,
-                                                    row.at("wire.bend_nm2")))
-                            .code == 0);
+                run_ok(folder,
+                       fmt::format("run f.toml -o R --overwrite {} --set wire.bend_nm2={}", set, row.at("wire.bend_nm2")));
                 CHECK(row.at("state_hash") == summary_of(folder.path / "R")["state_hash"]);
                 CHECK(std::stol(row.at("steps")) == summary_of(folder.path / "R")["steps"].get<long>());
             }
@@ -305,18 +274,15 @@ print("same")
         folder.write("s.toml", "[vary]\n\"wire.stretch_n\" = [0.5, 7.0e12, 0.5]\n");
         const std::string set =
             " --set integrator.scheme=explicit --set scene.dt_s=1e-5 --set wire.bend_nm2=1e-9 --set wire.twist_nm2=1e-9";
-        const AppResult result = run_app(folder, "batch f.toml --vary s.toml -o B" + set);
-        CHECK(result.code == 4);
-        CHECK(result.error_lines() == 1);
-        CHECK(result.err.find("1 of 3 runs stopped") != std::string::npos);
-        CHECK(result.err.find("run 1 first") != std::string::npos);
+        const AppResult result = check_refused(folder, "batch f.toml --vary s.toml -o B" + set, 4, "1 of 3 runs stopped");
+        CHECK(has(result.err, "run 1 first"));
         const auto rows = results(folder.path / "B");
         REQUIRE(rows.size() == 3);
         CHECK(rows[1].at("status") == "stopped");
         CHECK(rows[0].at("status") == "done");
         CHECK(rows[2].at("state_hash") == rows[0].at("state_hash"));
         CHECK(rows[0].at("steps") == "1000");
-        REQUIRE(run_app(folder, "run f.toml -o R --set wire.stretch_n=0.5" + set).code == 0);
+        run_ok(folder, "run f.toml -o R --set wire.stretch_n=0.5" + set);
         CHECK(rows[0].at("state_hash") == summary_of(folder.path / "R")["state_hash"]);
     }
 
@@ -332,49 +298,45 @@ print("same")
         folder.write("l.toml", "[vary.design]\nkept = \"stiff.toml\"\nlost = \"lost.toml\"\n");
         const AppResult lost =
             run_app(folder, "batch t.toml --vary l.toml -o L");  // what a scene warns of, a batch says, with the run
-        CHECK(lost.out.find("  note: run 1 (lost): wire.section: replaces all sections of \"terumo-angled-035\"") !=
-              std::string::npos);
-        CHECK(lost.out.find("run 0 (kept): wire.section") == std::string::npos);
+        CHECK(has(lost.out, "  note: run 1 (lost): wire.section: replaces all sections of \"terumo-angled-035\""));
+        CHECK_FALSE(has(lost.out, "run 0 (kept): wire.section"));
         CHECK(run_app(
                   folder,
                   "check t.toml --set wire.preset=terumo-angled-035 --set 'wire.section=[{from_tip_m=[0.0,0.02],bend_nm2=1e-6}]'")
                   .out.find("  note: wire.section: replaces all sections") != std::string::npos);
-        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o B").code == 0);
+        run_ok(folder, "batch t.toml --vary s.toml -o B");
         const auto rows = results(folder.path / "B");
         REQUIRE(rows.size() == 2);
         CHECK(rows[0].at("design") == "soft");
         CHECK(rows[1].at("design") == "stiff");
-        REQUIRE(run_app(folder, "run t.toml -o R --set wire.bend_nm2=3e-5").code == 0);
+        run_ok(folder, "run t.toml -o R --set wire.bend_nm2=3e-5");
         CHECK(rows[1].at("state_hash") == summary_of(folder.path / "R")["state_hash"]);
         CHECK(rows[0].at("state_hash") != rows[1].at("state_hash"));
-        CHECK(run_app(folder, "batch t.toml --vary s.toml -o B --resume").code == 0);
+        run_ok(folder, "batch t.toml --vary s.toml -o B --resume");
         if (fs::exists("/usr/share/javascript/three/three.min.js")) {  // a report's commands repeat what the design's file sets
-            REQUIRE(run_app(folder, "report B").code == 0);
-            CHECK(slurp(folder.path / "B/report.html").find("\"stiff\":[\"wire.bend_nm2=3e-05\"]") != std::string::npos);
+            run_ok(folder, "report B");
+            CHECK(has(slurp(folder.path / "B/report.html"), "\"stiff\":[\"wire.bend_nm2=3e-05\"]"));
         }
         // the folder's own sweep needs no other file; a design that has changed is another sweep
-        REQUIRE(run_app(folder, "batch t.toml --vary B/sweep.toml -o C").code == 0);
+        run_ok(folder, "batch t.toml --vary B/sweep.toml -o C");
         CHECK(results(folder.path / "C")[0].at("state_hash") == rows[0].at("state_hash"));
         folder.write("stiff.toml", "[wire]\nbend_nm2 = 4.0e-5\n");
-        CHECK(run_app(folder, "batch t.toml --vary s.toml -o B --resume").err.find("differs") != std::string::npos);
+        CHECK(has(run_app(folder, "batch t.toml --vary s.toml -o B --resume").err, "differs"));
         folder.write("stiff.toml", "[wire]\nbend_nm2 = -1.0\n");
-        const AppResult wrong = run_app(folder, "batch t.toml --vary s.toml -o D");
-        CHECK(wrong.code == 2);
-        CHECK(wrong.err.find("s.toml:1: vary.design: run 1 (stiff): wire.bend_nm2: got -1.0") != std::string::npos);
+        check_refused(folder, "batch t.toml --vary s.toml -o D", 2,
+                      "s.toml:1: vary.design: run 1 (stiff): wire.bend_nm2: got -1.0");
     }
 
     TEST_CASE("property: refusals are those of `run`, before anything is written")
     {
-        const ScratchFolder folder;
-        folder.write("f.toml", free_scene(0.01));
-        folder.write("s.toml", "[vary]\n\"wire.density\" = [6450.0, 7900.0]\n");
+        const ScratchFolder folder{{"f.toml", free_scene(0.01)}, {"s.toml", "[vary]\n\"wire.density\" = [6450.0, 7900.0]\n"}};
         const auto says = [&](const std::string& arguments, int code, const std::string& what) {
             const AppResult result = run_app(folder, "batch " + arguments);
             CAPTURE(arguments);
             CAPTURE(result.err);
             CHECK(result.code == code);
             CHECK(result.error_lines() == 1);
-            CHECK(result.err.find(what) != std::string::npos);
+            CHECK(has(result.err, what));
         };
         says("f.toml -o B", 2, "--vary");
         says("f.toml --vary none.toml -o B", 3, "none.toml");
@@ -387,12 +349,12 @@ print("same")
         says("f.toml --vary typo.toml -o B", 2, "nearest known one is wire.density");
         says("f.toml --vary s.toml -o B --threads 0", 2, "threads");
         CHECK_FALSE(fs::exists(folder.path / "B"));
-        REQUIRE(run_app(folder, "batch f.toml --vary s.toml -o B").code == 0);
+        run_ok(folder, "batch f.toml --vary s.toml -o B");
         says("f.toml --vary s.toml -o B", 2, "--overwrite");
         says("f.toml --vary s.toml -o B --resume --set wire.nodes=31", 2, "differs");
         folder.write("other.toml", "[vary]\n\"wire.density\" = [6450.0]\n");
         says("f.toml --vary other.toml -o B --resume", 2, "differs");
-        CHECK(run_app(folder, "batch f.toml --vary other.toml -o B --overwrite").code == 0);
+        run_ok(folder, "batch f.toml --vary other.toml -o B --overwrite");
         CHECK(results(folder.path / "B").size() == 1);
         folder.write("B/checkpoint.bin", "SELBATC1 torn");
         says("f.toml --vary other.toml -o B --resume", 3, "checkpoint.bin");

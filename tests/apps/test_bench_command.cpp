@@ -16,8 +16,7 @@ TEST_SUITE("apps/bench")
         const ScratchFolder folder;
         const fs::path scene = folder.write("tube.toml", tube_scene(0.05));
         const std::string command = "bench --quick --json -o D --scenes " + scene.string();
-        const AppResult done = run_app(folder, command);
-        REQUIRE(done.code == 0);
+        const AppResult done = run_ok(folder, command);
         const auto json = nlohmann::json::parse(done.out);
         REQUIRE(json["lanes"].size() >= 1);
         for (const auto& lane : json["lanes"])
@@ -51,10 +50,7 @@ TEST_SUITE("apps/bench")
             for (const auto& row : rows) CHECK(row.size() >= 10);
         }
         const std::string before = slurp(folder.path / "D" / "kernels.csv");
-        const AppResult again = run_app(folder, command);
-        CHECK(again.code == 2);
-        CHECK(again.error_lines() == 1);
-        CHECK(again.err.find("--overwrite") != std::string::npos);
+        check_refused(folder, command, 2, "--overwrite");
         CHECK(slurp(folder.path / "D" / "kernels.csv") == before);
     }
 
@@ -67,8 +63,7 @@ TEST_SUITE("apps/bench")
         if (basic == devices.end()) return skip("needs PoCL's caller's-thread device beside the threaded one");
         const ScratchFolder folder;
         const std::string command = fmt::format("bench --gpu --quick --wires 1,3 --device {} --json -o D", basic->index);
-        const AppResult done = run_app(folder, command);
-        REQUIRE(done.code == 0);
+        const AppResult done = run_ok(folder, command);
         const auto json = nlohmann::json::parse(done.out);
         CHECK(nlohmann::json::parse(slurp(folder.path / "D" / "gpu.json")) == json);
         CHECK(json["device"]["name"] == basic->name);
@@ -97,19 +92,14 @@ TEST_SUITE("apps/bench")
             CHECK(three[bytes].get<double>() == about(3 * one[bytes].get<double>()).epsilon(0.1));
         }
         CHECK(three["kernels"][0]["items_per_launch"] == 3 * one["kernels"][0]["items_per_launch"].get<double>());
-        const AppResult again = run_app(folder, command);
-        CHECK(again.code == 2);
-        CHECK(again.err.find("--overwrite") != std::string::npos);
+        check_refused(folder, command, 2, "--overwrite");
         CHECK(run_app(folder, "bench --gpu --wires 0").code == 2);
     }
 
     TEST_CASE("property: a wrong command line is refused in one line before anything is measured")
     {
         const ScratchFolder folder;
-        const AppResult device = run_app(folder, "bench --device 99");
-        CHECK(device.code == 5);
-        CHECK(device.error_lines() == 1);
-        CHECK(device.err.find("--device 99") != std::string::npos);
+        const AppResult device = check_refused(folder, "bench --device 99", 5, "--device 99");
         CHECK(run_app(folder, "bench --device -1").code == 2);
         CHECK(run_app(folder, "bench --repeat 0").code == 2);
         CHECK(run_app(folder, "bench --qick").code == 2);

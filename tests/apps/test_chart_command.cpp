@@ -9,10 +9,7 @@ TEST_SUITE("apps/chart")
     TEST_CASE("property: an unknown scene is exit 2 in one line, a missing file exit 3")
     {
         const ScratchFolder folder;
-        const AppResult unknown = run_app(folder, "chart --quick --scenes experiment3");
-        CHECK(unknown.code == 2);
-        CHECK(unknown.error_lines() == 1);
-        CHECK(unknown.err.find("the nearest is \"experiment1\"") != std::string::npos);
+        check_refused(folder, "chart --quick --scenes experiment3", 2, "the nearest is \"experiment1\"");
         CHECK(run_app(folder, "chart --scenes none.toml").code == 3);
         CHECK(run_app(folder, "chart --qick").code == 2);
         CHECK_FALSE(fs::exists(folder.path / "chart"));
@@ -26,29 +23,24 @@ TEST_SUITE("apps/chart")
                                              folder.path / "D" / "runs.csv", 2, SIGINT);
         CHECK(cut.code == 130);
         CHECK(cut.error_lines() == 1);
-        CHECK(cut.err.find("the same command continues") != std::string::npos);
+        CHECK(has(cut.err, "the same command continues"));
         CHECK(cut.out.empty());
     }
 
     TEST_CASE("property: what was planned is charted beside the models, and is as far off as the plan said")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.1));
-        const AppResult planned = run_app(folder, "plan t.toml --tolerance 1mm --budget 1e5 --json -o p.toml");
-        REQUIRE(planned.code == 0);
+        const ScratchFolder folder{{"t.toml", free_scene(0.1)}};
+        const AppResult planned = run_ok(folder, "plan t.toml --tolerance 1mm --budget 1e5 --json -o p.toml");
         const auto plan = nlohmann::json::parse(planned.out);
         // processor time: what else the machine does takes none of it. A run of this scene takes milliseconds
-        const AppResult charted = run_app(folder,
-                                          "chart --quick --scenes t.toml --planned p.toml --processor-time --run-limit 0.2 "
-                                          "--reference-limit 1 -o D --quiet");
-        CAPTURE(charted.err);
-        REQUIRE(charted.code == 0);
+        run_ok(folder,
+               "chart --quick --scenes t.toml --planned p.toml --processor-time --run-limit 0.2 "
+               "--reference-limit 1 -o D --quiet");
         const auto rows = csv_rows(folder.path / "D" / "chart.csv");
         const auto column = [&](const char* name) { return std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin(); };
         REQUIRE(rows.size() > 10);
         CHECK(rows[1][column("family")] == "planned");  // first: an interrupted chart has it
-        CHECK(rows[1][column("settings")].find(fmt::format("wire.nodes={}", plan["chosen"]["nodes"].get<int>())) !=
-              std::string::npos);
+        CHECK(has(rows[1][column("settings")], fmt::format("wire.nodes={}", plan["chosen"]["nodes"].get<int>())));
         // two references stand between the two: the one of the plan, and the one of the chart
         double of_chart = 0;
         for (const auto& row : csv_rows(folder.path / "D" / "references.csv"))
@@ -60,9 +52,7 @@ TEST_SUITE("apps/chart")
             CHECK(std::filesystem::exists(folder.path / "D" / "chart.png"));
         // only for the scene that it was planned for
         folder.write("other.toml", free_scene(0.2));
-        const AppResult other = run_app(folder, "chart --scenes other.toml --planned p.toml");
-        CHECK(other.code == 2);
-        CHECK(other.err.find("is not") != std::string::npos);
+        check_refused(folder, "chart --scenes other.toml --planned p.toml", 2, "is not");
         CHECK(run_app(folder, "chart --planned p.toml").code == 2);
     }
 }

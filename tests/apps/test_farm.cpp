@@ -56,16 +56,6 @@ struct FarmFolder : ScratchFolder {
     }
 };
 
-void check_refused(const ScratchFolder& folder, const std::string& words, int code, const std::string& part,
-                   const std::string& prefix = "")
-{
-    CAPTURE(words);
-    const AppResult result = run_app(folder, words, prefix);
-    CHECK(result.code == code);
-    CHECK(result.error_lines() == 1);
-    CHECK_MESSAGE(result.err.find(part) != std::string::npos, result.err);
-}
-
 /// Replaces Slurm: each index of the array in turn, as a separate job; a task that asks to be requeued is run again.
 constexpr const char* fake_sbatch = R"(#!/bin/bash
 echo "$@" >> "$FAKE/calls"
@@ -113,8 +103,7 @@ TEST_SUITE("apps/farm")
             CHECK(result.err == "");
             CHECK(result.code == 0);
             folder.check_table("f");
-            const AppResult again = run_app(folder, "farm merge f");
-            CHECK(again.code == 0);
+            const AppResult again = run_ok(folder, "farm merge f");
             CHECK(again.out.substr(again.out.find(':')) == result.out.substr(result.out.find(':')));
         }
         CHECK(folder.status("f").at("tasks") == 8);
@@ -130,34 +119,34 @@ TEST_SUITE("apps/farm")
         const std::string batch = "batch s.toml --vary v.toml" + how;
         for (const char* part :
              {" --part 5/5 -o far", " --part 2/5 -o far --threads 1", " --part 4/5 -o far", " --part 1/5 -o far"})
-            CHECK(run_app(folder, batch + part).code == 0);
+            run_ok(folder, batch + part);
         check_refused(folder, "batch merge far", 3, "far: 1 of 5 parts are missing: 3 (runs 9-13)");
         CHECK_FALSE(fs::exists(folder.path / "far/results.csv"));
         const AppResult last = run_app(folder, batch + " --part 3/5 -o near");
         CHECK(last.out == "near: part 3/5 is done; when all are: seldinger batch merge near\n");
-        CHECK(run_app(folder, "batch merge near far").code == 0);
+        run_ok(folder, "batch merge near far");
         folder.check_table("near");
         for (const auto& file : fs::directory_iterator(folder.path / "ref/runs"))
             CHECK(slurp(folder.path / "near/runs" / file.path().filename()) == slurp(file.path()));
         check_refused(folder, "batch s.toml --vary v.toml --part 1/5 -o near", 2, "of another scene, sweep, vessel");  // no bands
-        REQUIRE(run_app(folder, "batch s.toml --vary v.toml --part 1/5 -o other --quiet").code == 0);
+        run_ok(folder, "batch s.toml --vary v.toml --part 1/5 -o other --quiet");
         check_refused(folder, "batch merge near other", 2, "other: holds parts of another batch");
     }
 
     TEST_CASE("property: a farm runs what is missing and nothing else")
     {
         const FarmFolder folder;
-        REQUIRE(run_app(folder, "batch s.toml --vary v.toml -o f --part 2/4").code == 0);
+        run_ok(folder, "batch s.toml --vary v.toml -o f --part 2/4");
         const auto before = folder.parts("f");
         CHECK(folder.status("f").at("missing") == "1, 3-4");
         CHECK(folder.status("f").at("runs_done") == 3);
         check_refused(folder, "farm merge f", 3, "3 of 4 parts are missing: 1, 3-4 (runs 0-2, 6-11)");
         const AppResult dry = run_app(folder, farm + "--dry-run");  // as many tasks as the folder has
         CHECK(std::count(dry.out.begin(), dry.out.end(), '\n') == 4);
-        CHECK(dry.out.find("--part 2/4") == std::string::npos);
-        REQUIRE(run_app(folder, "batch s.toml --vary v.toml -o f --part 2/4").code == 0);
+        CHECK_FALSE(has(dry.out, "--part 2/4"));
+        run_ok(folder, "batch s.toml --vary v.toml -o f --part 2/4");
         CHECK(folder.parts("f") == before);
-        REQUIRE(run_app(folder, farm + "--tasks 4").code == 0);
+        run_ok(folder, farm + "--tasks 4");
         folder.check_table("f");
         CHECK(folder.parts("f").at("2-of-4.bin") == before.at("2-of-4.bin"));
         // the printed commands do the same, in any order
@@ -166,7 +155,7 @@ TEST_SUITE("apps/farm")
         fs::remove(folder.path / "f/parts/4-of-4.bin");
         while (std::getline(lines, line))
             if (line[0] != '#') CHECK(std::system((line + " >/dev/null").c_str()) == 0);
-        CHECK(run_app(folder, "farm merge f").code == 0);
+        run_ok(folder, "farm merge f");
         folder.check_table("f");
     }
 
@@ -184,7 +173,7 @@ TEST_SUITE("apps/farm")
         }
         CHECK(calls > 3);
         CHECK(steps == 4 * 10);  // none was taken twice
-        REQUIRE(run_app(folder, farm + "--quiet").code == 0);
+        run_ok(folder, farm + "--quiet");
         folder.check_table("f");
     }
 
@@ -218,7 +207,7 @@ TEST_SUITE("apps/farm")
             REQUIRE(killed.result().code == -SIGKILL);
         }
         process.pop_back();
-        CHECK(run_app(folder, farm + "--tasks 3 --quiet").code == 0);
+        run_ok(folder, farm + "--tasks 3 --quiet");
         // "S", "R": it would have gone on; "Z": nobody has asked how it ended
         const std::string stat = slurp("/proc/" + process + "/stat");
         CHECK((stat.empty() || stat.find(") Z ") != std::string::npos));
@@ -233,15 +222,15 @@ TEST_SUITE("apps/farm")
         stopped.send(SIGTERM);
         const AppResult result = stopped.result();
         CHECK(result.code == 75);
-        CHECK(result.err.find("run the same command again") != std::string::npos);
-        CHECK(run_app(folder, farm + "--tasks 3 --quiet").code == 0);
+        CHECK(has(result.err, "run the same command again"));
+        run_ok(folder, farm + "--tasks 3 --quiet");
         folder.check_table("f");
     }
 
     TEST_CASE("property: two processes do not run one part; a farm waits for the other, whose lock ends with it")
     {
         const FarmFolder folder;
-        REQUIRE(run_app(folder, farm + "--tasks 3 --dry-run").code == 0);
+        run_ok(folder, farm + "--tasks 3 --dry-run");
         auto held = seldinger::FileLock::if_free(folder.path / "f/parts/2-of-3.bin");
         REQUIRE(held);
         CHECK_FALSE(seldinger::FileLock::if_free(folder.path / "f/parts/2-of-3.bin"));
@@ -286,7 +275,7 @@ TEST_SUITE("apps/farm")
     TEST_CASE("property: a damaged part is never merged, and costs that part alone")
     {
         const FarmFolder folder;
-        REQUIRE(run_app(folder, farm + "--tasks 2 --quiet").code == 0);
+        run_ok(folder, farm + "--tasks 2 --quiet");
         const fs::path part = folder.path / "f/parts/1-of-2.bin";
         fs::resize_file(part, fs::file_size(part) - 9);
         fs::remove(folder.path / "f/results.csv");
@@ -295,7 +284,7 @@ TEST_SUITE("apps/farm")
         CHECK(folder.status("f").at("missing") == "1");
         const auto before = folder.parts("f");
         const AppResult again = run_app(folder, farm + "--tasks 2 --quiet");
-        CHECK(again.err.find("1-of-2: begun again") != std::string::npos);
+        CHECK(has(again.err, "1-of-2: begun again"));
         CHECK(again.code == 0);
         CHECK(folder.parts("f").at("2-of-2.bin") == before.at("2-of-2.bin"));
         folder.check_table("f");
@@ -311,7 +300,7 @@ TEST_SUITE("apps/farm")
         check_refused(folder, farm + "--tasks 2", 2, "f: holds 2 parts of another scene");
         check_refused(folder, "batch s.toml --vary v.toml -o f --part 2/2", 2, "f: holds 2 parts of another scene");
         folder.write("s.toml", free_scene());
-        REQUIRE(run_app(folder, farm + "--tasks 2 --quiet").code == 0);
+        run_ok(folder, farm + "--tasks 2 --quiet");
         folder.check_table("f");
     }
 
@@ -327,30 +316,29 @@ TEST_SUITE("apps/farm")
         CHECK(result.err == "");
         REQUIRE(result.code == 0);
         const std::string calls = slurp(folder.path / "calls");
-        CHECK(calls.find("--array=1-8 ") != std::string::npos);
-        CHECK(calls.find("--dependency=afterany:101 ") != std::string::npos);
+        CHECK(has(calls, "--array=1-8 "));
+        CHECK(has(calls, "--dependency=afterany:101 "));
         const std::string job = slurp(folder.path / "f/job.sh");
         for (const char* line : {"#SBATCH --requeue", "#SBATCH --signal=TERM@60", "#SBATCH --partition=cpu"})
-            CHECK(job.find(line) != std::string::npos);
+            CHECK(has(job, line));
         folder.check_table("f");
         // all done: nothing is submitted any more
         const AppResult again = run_app(folder, farm + "--tasks 8 --backend slurm --submit", slurm);
-        CHECK(again.out.find("all done") != std::string::npos);
+        CHECK(has(again.out, "all done"));
         CHECK(slurp(folder.path / "calls") == calls);
         fs::remove(folder.path / "f/parts/3-of-8.bin");
         fs::remove(folder.path / "f/parts/7-of-8.bin");
         fs::remove(folder.path / "f/results.csv");
-        CHECK(run_app(folder, farm + "--backend slurm --submit", slurm).code == 0);
-        CHECK(slurp(folder.path / "calls").find("--array=3,7 ") != std::string::npos);
+        run_ok(folder, farm + "--backend slurm --submit", slurm);
+        CHECK(has(slurp(folder.path / "calls"), "--array=3,7 "));
         folder.check_table("f");
     }
 
     TEST_CASE(
         "property: a run's frames in any cut, here and by Slurm, are the bytes that render alone draws, and none is drawn twice")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.02) + "[output]\nwire_every = 2\n");
-        REQUIRE(run_app(folder, "run s.toml -o run --quiet").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene(0.02) + "[output]\nwire_every = 2\n"}};
+        run_ok(folder, "run s.toml -o run --quiet");
         const AppResult alone = run_app(folder, "render run --size 160x120 --frames 3:3");
         if (alone.code == 5 || alone.err.find("font") != std::string::npos) return seldinger::test::skip(alone.err);
         const std::string words = "farm run --frames 1:7 --tasks 3 --size 160x120";
@@ -359,14 +347,14 @@ TEST_SUITE("apps/farm")
         REQUIRE(std::system(first.substr(0, first.find('\n')).c_str()) == 0);
         check_refused(folder, "farm merge f", 3, "2 of 3 parts are missing: 2-3 (frames 3-7)");
         const auto drawn = fs::last_write_time(folder.path / "f/frame_000001.png");
-        REQUIRE(run_app(folder, words + " -o f --quiet --jobs 2").code == 0);
+        run_ok(folder, words + " -o f --quiet --jobs 2");
         CHECK(fs::last_write_time(folder.path / "f/frame_000001.png") == drawn);
         CHECK(nlohmann::json::parse(run_app(folder, "farm status f --json").out).at("frames_done") == 7);
-        CHECK(run_app(folder, "farm merge f").code == 0);
+        run_ok(folder, "farm merge f");
         CHECK(slurp(folder.path / "f/frame_000003.png") == slurp(folder.path / "run/frame_000003.png"));
         CHECK_FALSE(fs::exists(folder.path / "f/frame_000000.png"));
         CHECK_FALSE(fs::exists(folder.path / "f/frame_000008.png"));
-        REQUIRE(run_app(folder, words + " -o g --backend slurm --submit", with_fake_slurm(folder)).code == 0);
+        run_ok(folder, words + " -o g --backend slurm --submit", with_fake_slurm(folder));
         for (int k = 1; k <= 7; ++k)
             CHECK(slurp(folder.path / fmt::format("g/frame_00000{}.png", k)) ==
                   slurp(folder.path / fmt::format("f/frame_00000{}.png", k)));
@@ -379,7 +367,7 @@ TEST_SUITE("apps/farm")
         folder.write("run/wire.pvd", slurp(folder.path / "run/wire.pvd") + "\n");
         CHECK(std::system(
                   (first.substr(0, first.find('\n')) + fmt::format(" 2>'{}'", (folder.path / "said").string())).c_str()) != 0);
-        CHECK(slurp(folder.path / "said").find("has changed since the farm was made") != std::string::npos);
+        CHECK(has(slurp(folder.path / "said"), "has changed since the farm was made"));
     }
 
     TEST_CASE("regression: what cannot be done is one line")
@@ -402,7 +390,7 @@ TEST_SUITE("apps/farm")
         check_refused(folder, "batch s.toml --vary v.toml -o f --part 1/13", 2, "only 12 runs");
         for (const char* part : {"0/3", "4/3", "3", "a/b", "1/0", "-1/3"})
             check_refused(folder, std::string("batch s.toml --vary v.toml -o f --part=") + part, 2, "--part: got");
-        REQUIRE(run_app(folder, farm + "--tasks 3 --quiet").code == 0);
+        run_ok(folder, farm + "--tasks 3 --quiet");
         check_refused(folder, farm + "--tasks 4", 2, "number of parts");
         check_refused(folder, farm + "--tasks 3 --set scene.dt_s=0.002", 2, "another folder");
         check_refused(folder, "batch s.toml --vary v.toml -o f --overwrite", 2, "holds a batch in parts");

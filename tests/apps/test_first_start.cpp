@@ -11,12 +11,9 @@ TEST_SUITE("apps/first_start")
 {
     TEST_CASE("property: kernels that are compiled are announced, those in the cache and --quiet are not")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
         const std::string cold = "env POCL_CACHE_DIR=\"$PWD/kernels\"";
-        const AppResult first = run_app(folder, "run t.toml -o A", cold);
-        CAPTURE(first.err);
-        REQUIRE(first.code == 0);
+        const AppResult first = run_ok(folder, "run t.toml -o A", cold);
         if (!fs::exists(folder.path / "kernels")) return;  // another OpenCL, which says where nothing of it goes
         CHECK(first.compiled);
         CHECK_FALSE(run_app(folder, "run t.toml -o B", cold).compiled);
@@ -63,23 +60,22 @@ TEST_SUITE("apps/first_start")
             programs += at.path().extension() == ".program";
             CHECK(at.path().extension() != ".lock");
         }
-        CHECK(kernels == 8);  // four, for two devices
+        CHECK(kernels == 8);   // four, for two devices
         CHECK(programs == 1);  // of both
     }
 
     TEST_CASE("regression: a program's code that was cut is made again, and the run is the same")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.01));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.01)}};
         const std::string cache = "env POCL_CACHE_DIR=\"$PWD/kernels\"";
-        REQUIRE(run_app(folder, "run t.toml -o A", cache).code == 0);
+        run_ok(folder, "run t.toml -o A", cache);
         fs::path code;
         for (const auto& at : fs::recursive_directory_iterator(folder.path / "kernels"))
             if (at.path().extension() == ".program") code = at.path();
         if (code.empty()) return;  // another OpenCL
         const auto size = fs::file_size(code);
         fs::resize_file(code, size / 2);
-        REQUIRE(run_app(folder, "run t.toml -o B", cache).code == 0);
+        run_ok(folder, "run t.toml -o B", cache);
         CHECK(fs::file_size(code) > size / 2);
         CHECK_FALSE(run_app(folder, "run t.toml -o C", cache).compiled);
         CHECK(summary_of(folder.path / "B").at("state_hash") == summary_of(folder.path / "A").at("state_hash"));
@@ -87,20 +83,18 @@ TEST_SUITE("apps/first_start")
 
     TEST_CASE("property: after devices --warm no run compiles a kernel; a second time there is nothing to do")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.01));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.01)}};
         const std::string cache = "env POCL_CACHE_DIR=\"$PWD/kernels\"";
-        const AppResult warmed = run_app(folder, "devices --warm", cache);
-        CHECK(warmed.code == 0);
+        const AppResult warmed = run_ok(folder, "devices --warm", cache);
         if (!fs::exists(folder.path / "kernels")) return;  // another OpenCL
-        CHECK(warmed.out.find(" kernels compiled, 0 were there; kept in ") != std::string::npos);
+        CHECK(has(warmed.out, " kernels compiled, 0 were there; kept in "));
         CHECK(run_app(folder, "devices --warm", cache).out.find("0 kernels compiled, ") == 0);
         for (const char* how : {"", "--set contact.precision=float32", "--set contact.normal=constraint",
                                 "--set contact.normal=barrier", "--set contact.detection=layer"})
             CHECK_FALSE(run_app(folder, fmt::format("run t.toml -o A --overwrite {}", how), cache).compiled);
         const AppResult alone = run_app(folder, "devices --device 0");
         CHECK(alone.code == 2);  // the command line is wrong
-        CHECK(alone.err.find("add --warm") != std::string::npos);
+        CHECK(has(alone.err, "add --warm"));
     }
 }
 

@@ -46,8 +46,7 @@ TEST_SUITE("apps/hard_wall")
         folder.write("soft.toml", bend_scene("youngs_pa = 1e6\n"));
         folder.write("hard.toml", bend_scene("youngs_pa = 1e9\n"));
         const auto run = [&](const std::string& name) {
-            const AppResult result = run_app(folder, "run " + name + ".toml -o " + name + " --json --error-estimate off");
-            REQUIRE(result.code == 0);
+            const AppResult result = run_ok(folder, "run " + name + ".toml -o " + name + " --json --error-estimate off");
             return nlohmann::json::parse(result.out);
         };
         const auto share = [](const nlohmann::json& summary) { return summary["overlap_share_max"].get<double>(); };

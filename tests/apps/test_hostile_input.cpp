@@ -21,8 +21,8 @@ void is_refused(const ScratchFolder& folder, const std::string& arguments, const
     CAPTURE(result.err);
     CHECK((result.code == 2 || result.code == 3));
     CHECK(result.error_lines() == 1);
-    CHECK(result.err.find(names) != std::string::npos);
-    for (const unsigned char c : result.err) CHECK((c == '\n' || c >= 0x20) );
+    CHECK(has(result.err, names));
+    for (const unsigned char c : result.err) CHECK((c == '\n' || c >= 0x20));
 }
 
 std::string with(std::string scene, const std::string& from, const std::string& to)
@@ -53,28 +53,32 @@ TEST_SUITE("apps/hostile input")
         is_refused(folder, "run s.toml --set " + dotted + "=1", "nested");
         // dots in texts and comments are no levels
         folder.write("dots.toml", "# " + dotted + "\n" + with(free_scene(), "\"falling\"", "\"" + std::string(200, '.') + "\""));
-        CHECK(run_app(folder, "check dots.toml").code == 0);
+        run_ok(folder, "check dots.toml");
     }
 
     TEST_CASE("property: numbers that nothing can be computed from are refused with their key")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
         const std::pair<const char*, const char*> all[] = {
-            {"scene.gravity=[0,0,1e300]", "scene.gravity"}, {"feed.keys.1.turn_rad=1e300", "turn_rad"},
-            {"feed.keys.1.advance_m=1e308", "advance_m"},   {"wire.length_m=1e308", "wire.length_m"},
-            {"wire.density=1e300", "wire.density"},         {"scene.duration_s=1e300", "scene.duration_s"},
-            {"scene.dt_s=inf", "scene.dt_s"},               {"wire.bend_nm2=nan", "wire.bend_nm2"},
-            {"vessel.radius_m=1e200", "vessel.radius_m"},   {"feed.point=[1e300,0,0]", "feed.point"},
-            {"wire.length_m=-inf", "wire.length_m"},        {"vessel.triangles=99999999999", "vessel.triangles"},
+            {"scene.gravity=[0,0,1e300]", "scene.gravity"},
+            {"feed.keys.1.turn_rad=1e300", "turn_rad"},
+            {"feed.keys.1.advance_m=1e308", "advance_m"},
+            {"wire.length_m=1e308", "wire.length_m"},
+            {"wire.density=1e300", "wire.density"},
+            {"scene.duration_s=1e300", "scene.duration_s"},
+            {"scene.dt_s=inf", "scene.dt_s"},
+            {"wire.bend_nm2=nan", "wire.bend_nm2"},
+            {"vessel.radius_m=1e200", "vessel.radius_m"},
+            {"feed.point=[1e300,0,0]", "feed.point"},
+            {"wire.length_m=-inf", "wire.length_m"},
+            {"vessel.triangles=99999999999", "vessel.triangles"},
         };
         for (const auto& [set, key] : all) is_refused(folder, fmt::format("run t.toml -o D --set '{}'", set), key);
     }
 
     TEST_CASE("property: pipes, devices, folders and very large files are no scenes, sweeps, records or replays")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
+        const ScratchFolder folder{{"s.toml", free_scene()}};
         REQUIRE(mkfifo((folder.path / "pipe").c_str(), 0600) == 0);
         fs::create_directory(folder.path / "folder");
         folder.write("large", "");
@@ -93,22 +97,22 @@ TEST_SUITE("apps/hostile input")
     TEST_CASE("property: terminal escapes reach neither stderr nor a summary")
     {
         const ScratchFolder folder;
-        const std::string escape = "\x1b[2J\x1b]0;owned\x07\xc2\x9b" "31m\xe2\x80\xae";
+        const std::string escape =
+            "\x1b[2J\x1b]0;owned\x07\xc2\x9b"
+            "31m\xe2\x80\xae";
         folder.write("a" + escape + ".toml", "x");
         is_refused(folder, "check a*.toml");
         is_refused(folder, "check 'missing" + escape + ".toml'", "missing?[2J?]0;owned?");
         folder.write("key.toml", free_scene() + "[\"" + "\\u001b[2J" + "\"]\n");
         is_refused(folder, "check key.toml");
         folder.write("name.toml", with(free_scene(), "\"falling\"", "\"\\u001b[2J\""));
-        const AppResult result = run_app(folder, "run name.toml -o D");
-        CHECK(result.code == 0);
+        const AppResult result = run_ok(folder, "run name.toml -o D");
         CHECK(result.out.find('\x1b') == std::string::npos);
     }
 
     TEST_CASE("property: a table that is a link is not written through, and frames that were deleted are not listed again")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.05, 1));
+        const ScratchFolder folder{{"s.toml", free_scene(0.05, 1)}};
         REQUIRE(run_app(folder, "run s.toml -o D --time-limit 1e-6 --quiet --set output.wire_every=1").code == 75);
         folder.write("mine", slurp(folder.path / "D/trace.csv"));
         fs::remove(folder.path / "D/trace.csv");
@@ -119,16 +123,15 @@ TEST_SUITE("apps/hostile input")
         fs::remove(folder.path / "D/trace.csv");
         folder.write("D/trace.csv", before);
         fs::remove(folder.path / "D/wire_000000.vtp");
-        REQUIRE(run_app(folder, "run s.toml -o D --resume --quiet --set output.wire_every=1").code == 0);
+        run_ok(folder, "run s.toml -o D --resume --quiet --set output.wire_every=1");
         const std::string list = slurp(folder.path / "D/wire.pvd");
-        CHECK(list.find("wire_000000.vtp") == std::string::npos);
-        CHECK(list.find("wire_000001.vtp") != std::string::npos);
+        CHECK_FALSE(has(list, "wire_000000.vtp"));
+        CHECK(has(list, "wire_000001.vtp"));
     }
 
     TEST_CASE("property: a checkpoint of another scene is refused, also a finished one")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
         const std::string other = " --set contact.stiffness=200";
         for (const char* limit : {"", " --time-limit 1e-6"}) {
             (void)run_app(folder, std::string("run t.toml -o A --overwrite --quiet") + limit);
@@ -147,11 +150,10 @@ TEST_SUITE("apps/hostile input")
 
     TEST_CASE("property: whatever a run folder holds, what reads it ends with a true answer or one line")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.03));
-        REQUIRE(run_app(folder, "run t.toml -o D --quiet --set output.wire_every=10 --set output.contacts_every=10").code == 0);
-        const char* const files[] = {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "scene.toml",
-                                     "vessel.vtp", "wire_000010.vtp", "contacts.pvd", "checkpoint.bin"};
+        const ScratchFolder folder{{"t.toml", tube_scene(0.03)}};
+        run_ok(folder, "run t.toml -o D --quiet --set output.wire_every=10 --set output.contacts_every=10");
+        const char* const files[] = {"summary.json", "trace.csv",  "wire.csv",        "contacts.csv", "wire.pvd",
+                                     "scene.toml",   "vessel.vtp", "wire_000010.vtp", "contacts.pvd", "checkpoint.bin"};
         std::mt19937 random(3);
         const char* given = std::getenv("SELDINGER_MUTANTS");
         const int each = given ? std::max(1, std::atoi(given) / 20) : 3;
@@ -160,8 +162,12 @@ TEST_SUITE("apps/hostile input")
                 const std::string good = slurp(folder.path / "D" / name);
                 std::string bad = good;
                 switch (random() % 4) {
-                    case 0: bad.resize(random() % bad.size()); break;
-                    case 1: bad.clear(); break;
+                    case 0:
+                        bad.resize(random() % bad.size());
+                        break;
+                    case 1:
+                        bad.clear();
+                        break;
                     case 2:
                         for (int flips = 0; flips < 5; ++flips) bad[random() % bad.size()] = static_cast<char>(random());
                         break;
@@ -187,17 +193,15 @@ TEST_SUITE("apps/hostile input")
 
     TEST_CASE("property: a kernel cache that cannot be written to costs time and no run")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
         const fs::path cache = folder.path / "cache";
-        REQUIRE(run_app(folder, "run t.toml -o whole --quiet", "env POCL_CACHE_DIR=cache").code == 0);
+        run_ok(folder, "run t.toml -o whole --quiet", "env POCL_CACHE_DIR=cache");
         const auto hash = summary_of(folder.path / "whole")["state_hash"];
         if (!fs::exists(cache)) return;  // not PoCL
         folder.write("file", "");
-        const AppResult result = run_app(folder, "run t.toml -o A --quiet", "env POCL_CACHE_DIR=file/cache");
-        CHECK(result.code == 0);
-        CHECK(result.err.find("POCL_CACHE_DIR") != std::string::npos);
-        CHECK(result.err.find("file/cache") != std::string::npos);
+        const AppResult result = run_ok(folder, "run t.toml -o A --quiet", "env POCL_CACHE_DIR=file/cache");
+        CHECK(has(result.err, "POCL_CACHE_DIR"));
+        CHECK(has(result.err, "file/cache"));
         CHECK(summary_of(folder.path / "A")["state_hash"] == hash);
         // where the loader knows two platforms, it used to count their devices before there was a usable cache
         const fs::path pocl = "/etc/OpenCL/vendors/pocl.icd";
@@ -205,9 +209,8 @@ TEST_SUITE("apps/hostile input")
             fs::create_directory(folder.path / "vendors");
             for (const char* name : {"vendors/first.icd", "vendors/second.icd"}) fs::copy_file(pocl, folder.path / name);
             const std::string vendors = "OCL_ICD_VENDORS=" + (folder.path / "vendors").string();
-            const AppResult devices = run_app(folder, "devices", "env POCL_CACHE_DIR=file/cache " + vendors);
-            CHECK(devices.code == 0);
-            CHECK(devices.out.find("Portable Computing Language") != std::string::npos);
+            const AppResult devices = run_ok(folder, "devices", "env POCL_CACHE_DIR=file/cache " + vendors);
+            CHECK(has(devices.out, "Portable Computing Language"));
         }
     }
 }

@@ -13,7 +13,7 @@ namespace {
 fs::path made_mesh(const ScratchFolder& folder, const std::string& scene = tube_scene())
 {
     folder.write("made.toml", scene);
-    REQUIRE(run_app(folder, "vessel made.toml -o V").code == 0);
+    run_ok(folder, "vessel made.toml -o V");
     fs::rename(folder.path / "V" / "vessel.stl", folder.path / "mm.stl");
     return folder.path / "mm.stl";
 }
@@ -36,8 +36,6 @@ fs::path scaled(const ScratchFolder& folder, const fs::path& stl, const std::str
         }
     return folder.write(name, bytes);
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
@@ -81,10 +79,8 @@ TEST_SUITE("apps/init_command")
         const fs::path odd = folder.path / "a \"b\"\n\tc\\d";
         fs::create_directory(odd);
         fs::rename(made_mesh(folder), odd / "mm.stl");
-        REQUIRE(run_app(folder, "init a*/mm.stl -o s.toml").code == 0);
-        const AppResult checked = run_app(folder, "check s.toml");
-        CAPTURE(checked.err);
-        CHECK(checked.code == 0);
+        run_ok(folder, "init a*/mm.stl -o s.toml");
+        run_ok(folder, "check s.toml");
     }
 
     TEST_CASE("property: a narrow lumen gets a thinner wire, and one that is asked for is taken")
@@ -95,17 +91,15 @@ TEST_SUITE("apps/init_command")
         narrow.replace(narrow.find("-0.0035]"), 8, "0.0]");
         narrow.replace(narrow.find("triangles = 2000"), 16, "triangles = 20000");  // about as long as wide
         const fs::path mm = made_mesh(folder, narrow);
-        const AppResult made = run_app(folder, "init mm.stl -o narrow.toml");
-        CAPTURE(made.err);
-        REQUIRE(made.code == 0);
+        const AppResult made = run_ok(folder, "init mm.stl -o narrow.toml");
         // 0.7 of 0.8 mm is less than 0.89 mm and more than 0.46 mm
         CHECK(has(made.out, "control-018"));
         CHECK(has(slurp(folder.path / "narrow.toml"), "preset = \"control-018\""));
-        REQUIRE(run_app(folder, "init mm.stl -o asked.toml --instrument coronary-soft-014 --inlet 2").code == 0);
+        run_ok(folder, "init mm.stl -o asked.toml --instrument coronary-soft-014 --inlet 2");
         const std::string asked = slurp(folder.path / "asked.toml");
         CHECK(has(asked, "preset = \"coronary-soft-014\""));
         CHECK(has(asked, "inlet = 2\n"));
-        CHECK(run_app(folder, "check asked.toml").code == 0);
+        run_ok(folder, "check asked.toml");
     }
 
     TEST_CASE("property: axes in the header set the patient, gravity lies along the back, and every inlet has its reason")
@@ -116,9 +110,7 @@ TEST_SUITE("apps/init_command")
         std::fill_n(bytes.begin(), 80, '\0');
         std::copy(header.begin(), header.end(), bytes.begin());
         folder.write("ras.stl", bytes);
-        const AppResult made = run_app(folder, "init ras.stl -o ras.toml");
-        CAPTURE(made.err);
-        REQUIRE(made.code == 0);
+        const AppResult made = run_ok(folder, "init ras.stl -o ras.toml");
         CHECK(has(made.out, "axes: The file says SPACE=RAS"));
         CHECK(has(made.out, "<- taken, the widest end"));
         CHECK(has(made.out, "inlet 2: "));
@@ -126,7 +118,7 @@ TEST_SUITE("apps/init_command")
         const std::string scene = slurp(folder.path / "ras.toml");
         CHECK(has(scene, "gravity = [0, -9.81, 0]"));
         CHECK(has(scene, "back = [0, -1, 0]"));
-        CHECK(run_app(folder, "check ras.toml").code == 0);
+        run_ok(folder, "check ras.toml");
         // a scene of one's own, without [carm]: the run folder has it
         folder.write(
             "own.toml",
@@ -146,11 +138,7 @@ TEST_SUITE("apps/init_command")
         scaled(folder, mm, "huge.stl", 1e6f);
         const auto refused = [&](const std::string& arguments, int code, const std::string& names) {
             CAPTURE(arguments);
-            const AppResult result = run_app(folder, arguments);
-            CAPTURE(result.err);
-            CHECK(result.code == code);
-            CHECK(result.error_lines() == 1);
-            CHECK(has(result.err, names));
+            check_refused(folder, arguments, code, names);
         };
         refused("init mm.stl -o mine.toml", 2, "--overwrite");
         CHECK(slurp(folder.path / "mine.toml") == "precious");
@@ -161,7 +149,7 @@ TEST_SUITE("apps/init_command")
         refused("init gone.stl -o x.toml", 3, "gone.stl");
         refused("init made.toml -o x.toml", 2, "expected a mesh");
         CHECK_FALSE(fs::exists(folder.path / "x.toml"));
-        REQUIRE(run_app(folder, "init mm.stl -o mine.toml --overwrite").code == 0);
+        run_ok(folder, "init mm.stl -o mine.toml --overwrite");
         CHECK(slurp(folder.path / "mine.toml") != "precious");
     }
 
@@ -169,20 +157,12 @@ TEST_SUITE("apps/init_command")
     {
         const ScratchFolder folder;
         made_mesh(folder);
-        REQUIRE(run_app(folder, "init mm.stl -o s.toml").code == 0);
-        const AppResult metres = run_app(folder, "check s.toml --set vessel.units=m");
-        CHECK(metres.code == 2);
-        CHECK(has(metres.err, "units = \"mm\" would fit"));
-        const AppResult thick = run_app(folder, "check s.toml --set wire.radius_m=0.006");
-        CHECK(thick.code == 2);
-        CHECK(has(thick.err, "the wire's 6 mm"));
-        const AppResult none = run_app(folder, "check s.toml --set feed.inlet=7");
-        CHECK(none.code == 2);
-        CHECK(has(none.err, "2 inlets"));
+        run_ok(folder, "init mm.stl -o s.toml");
+        check_refused(folder, "check s.toml --set vessel.units=m", 2, "units = \"mm\" would fit");
+        check_refused(folder, "check s.toml --set wire.radius_m=0.006", 2, "the wire's 6 mm");
+        check_refused(folder, "check s.toml --set feed.inlet=7", 2, "2 inlets");
         // the fault is named by its meaning
-        const AppResult diameter = run_app(folder, "check s.toml --set wire.diameter_in=0.035");
-        CHECK(diameter.code == 2);
-        CHECK(has(diameter.err, "wire.radius_m"));
+        check_refused(folder, "check s.toml --set wire.diameter_in=0.035", 2, "wire.radius_m");
         const AppResult speed = run_app(folder, "check s.toml --set feed.speed=0.02");
         CHECK(has(speed.err, "feed.keys"));
         const AppResult friction = run_app(folder, "check s.toml --set wire.friction=0.1");

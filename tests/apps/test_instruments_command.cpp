@@ -9,40 +9,35 @@ TEST_SUITE("apps/instruments_command")
     TEST_CASE("property: the list has a line for each instrument")
     {
         const ScratchFolder folder;
-        const AppResult list = run_app(folder, "instruments");
-        CHECK(list.code == 0);
+        const AppResult list = run_ok(folder, "instruments");
         CHECK(list.err.empty());
-        for (const std::string& name : seldinger::instrument_names())
-            CHECK(list.out.find("\n" + name + " ") != std::string::npos);
-        CHECK(list.out.find("0.035 in   0.889") != std::string::npos);
-        CHECK(list.out.find("5.0 F      1.666   1.10") != std::string::npos);
-        CHECK(list.out.find("5.0e-05 - 4.9e-03") != std::string::npos);
+        for (const std::string& name : seldinger::instrument_names()) CHECK(has(list.out, "\n" + name + " "));
+        CHECK(has(list.out, "0.035 in   0.889"));
+        CHECK(has(list.out, "5.0 F      1.666   1.10"));
+        CHECK(has(list.out, "5.0e-05 - 4.9e-03"));
         CHECK(std::count(list.out.begin(), list.out.end(), '\n') == static_cast<long>(seldinger::instrument_names().size()) + 2);
     }
 
     TEST_CASE("property: --wire is --set wire.preset, and what ran is written out in full")
     {
-        const ScratchFolder folder;
-        folder.write("free.toml", free_scene(0.005, 1));
-        CHECK(run_app(folder, "run free.toml -o a --quiet --wire coronary-soft-014").code == 0);
-        CHECK(run_app(folder, "run free.toml -o b --quiet --set wire.preset=coronary-soft-014").code == 0);
+        const ScratchFolder folder{{"free.toml", free_scene(0.005, 1)}};
+        run_ok(folder, "run free.toml -o a --quiet --wire coronary-soft-014");
+        run_ok(folder, "run free.toml -o b --quiet --set wire.preset=coronary-soft-014");
         const std::string scene = slurp(folder.path / "a" / "scene.toml");
-        CHECK(scene.find("radius_m = 0.0001778\n") != std::string::npos);
-        CHECK(scene.find("preset") == std::string::npos);
+        CHECK(has(scene, "radius_m = 0.0001778\n"));
+        CHECK_FALSE(has(scene, "preset"));
         CHECK(scene == slurp(folder.path / "b" / "scene.toml"));
         const auto summary = summary_of(folder.path / "a");
         CHECK(summary.at("state_hash") == summary_of(folder.path / "b").at("state_hash"));
-        CHECK(summary.at("model").dump().find("coronary-soft-014") != std::string::npos);
+        CHECK(has(summary.at("model").dump(), "coronary-soft-014"));
         // and the written scene runs to the same bits
-        CHECK(run_app(folder, "run a/scene.toml -o c --quiet").code == 0);
+        run_ok(folder, "run a/scene.toml -o c --quiet");
         CHECK(summary.at("state_hash") == summary_of(folder.path / "c").at("state_hash"));
     }
 
     TEST_CASE("bad input: one line and exit 2")
     {
-        const ScratchFolder folder;
-        folder.write("free.toml", free_scene());
-        folder.write("loop.toml", "include = \"loop.toml\"\n" + free_scene());
+        const ScratchFolder folder{{"free.toml", free_scene()}, {"loop.toml", "include = \"loop.toml\"\n" + free_scene()}};
         for (const char* arguments : {"run free.toml --wire lunderqist", "run free.toml --wire ''", "run free.toml --wire '[3'",
                                       "check loop.toml", "instruments extra"}) {
             CAPTURE(arguments);

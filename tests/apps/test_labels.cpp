@@ -19,20 +19,10 @@ struct LabelRun : ScratchFolder {
     LabelRun()
     {
         write("s.toml", two_instruments("merged") + "[output]\nwire_every = 2\ncontacts_every = 2\n");
-        const AppResult run = run_app(*this, "run s.toml -o run --quiet --set scene.duration_s=0.04");
-        REQUIRE_MESSAGE(run.code == 0, run.err);
+        run_ok(*this, "run s.toml -o run --quiet --set scene.duration_s=0.04");
     }
     [[nodiscard]] json read(const std::string& name) const { return json::parse(slurp(path / name)); }
 };
-
-void check_refused(const ScratchFolder& folder, const std::string& words, int code, const std::string& part)
-{
-    CAPTURE(words);
-    const AppResult result = run_app(folder, words);
-    CHECK(result.code == code);
-    CHECK(result.error_lines() == 1);
-    CHECK_MESSAGE(result.err.find(part) != std::string::npos, result.err);
-}
 
 /// Every file below a folder by its path from there.
 std::map<std::string, std::string> contents_of(const fs::path& dir)
@@ -103,8 +93,7 @@ TEST_SUITE("apps/labels")
     {
         const LabelRun folder;
         const std::string words = "render run --view fluoro --size 96x80 --field 0.2 --frames 3:5 --labels truth --label-vessel ";
-        const AppResult drawn = run_app(folder, words + "-o a.png");
-        REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
+        run_ok(folder, words + "-o a.png");
         CHECK(fs::exists(folder.path / "a_000003.png"));
         const json labels = folder.read("truth/a_000004.json");
         CHECK(labels["image"] == json::parse(R"({"file":"a_000004.png","width":96,"height":80,"pixel_m":)" +
@@ -131,12 +120,12 @@ TEST_SUITE("apps/labels")
         const std::string lumen = slurp(folder.path / "truth/a_000004_lumen.png");
         CHECK(static_cast<int>(lumen[24]) == 16);  // bits
         const auto before = contents_of(folder.path / "truth");
-        REQUIRE(run_app(folder, words + "-o a.png").code == 0);
+        run_ok(folder, words + "-o a.png");
         CHECK(contents_of(folder.path / "truth") == before);
         // a picture without its labels is made again; one that has them stays
         fs::remove(folder.path / "truth/a_000004.json");
         fs::remove(folder.path / "a_000003.png");
-        REQUIRE(run_app(folder, words + "-o a.png --resume").code == 0);
+        run_ok(folder, words + "-o a.png --resume");
         CHECK(contents_of(folder.path / "truth") == before);
         CHECK(fs::exists(folder.path / "a_000003.png"));
     }
@@ -146,8 +135,8 @@ TEST_SUITE("apps/labels")
     {
         const LabelRun folder;
         const std::string words = "render run --view fluoro --size 64x64 --frames 4:4 --no-noise ";
-        REQUIRE(run_app(folder, words + "-o made/here/plain.png --c-arm \"LAO 30\"").code == 0);
-        REQUIRE(run_app(folder, words + "-o two.png --c-arm \"LAO 30\" --c-arm \"RAO 60, CRA 10\" --labels truth").code == 0);
+        run_ok(folder, words + "-o made/here/plain.png --c-arm \"LAO 30\"");
+        run_ok(folder, words + "-o two.png --c-arm \"LAO 30\" --c-arm \"RAO 60, CRA 10\" --labels truth");
         CHECK(slurp(folder.path / "two_v1.png") == slurp(folder.path / "made/here/plain.png"));
         CHECK(slurp(folder.path / "two_v2.png") != slurp(folder.path / "made/here/plain.png"));
         CHECK(folder.read("truth/two_v1.json")["camera"]["primary_deg"].get<double>() == about(30));
@@ -156,7 +145,7 @@ TEST_SUITE("apps/labels")
               folder.read("truth/two_v1.json")["instruments"][1]["tip_m"]);
         CHECK(projection_error(folder.read("truth/two_v2.json")) < 1e-6);
         const std::string noisy = "render run --view fluoro --size 64x64 --frames 4:4 -o n.png --c-arm 0,0 --c-arm 0,0";
-        REQUIRE(run_app(folder, noisy).code == 0);
+        run_ok(folder, noisy);
         CHECK(slurp(folder.path / "n_v1.png") != slurp(folder.path / "n_v2.png"));  // the same view, noise of its own
     }
 
@@ -165,9 +154,7 @@ TEST_SUITE("apps/labels")
         const LabelRun folder;
         folder.write("views.toml",
                      "[vary]\n\"carm.lao_deg\" = [-20.0, 40.0]\n\"carm.cra_deg\" = {min = -10.0, max = 10.0, n = 2}\n");
-        const AppResult drawn =
-            run_app(folder, "render run --view fluoro --size 48x48 --frames 5:5 --labels truth --views views.toml");
-        REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
+        run_ok(folder, "render run --view fluoro --size 48x48 --frames 5:5 --labels truth --views views.toml");
         std::vector<double> primary, secondary;
         for (int k = 1; k <= 4; ++k) {
             const json camera = folder.read(fmt::format("truth/fluoro_v{}_000005.json", k))["camera"];
@@ -187,18 +174,15 @@ TEST_SUITE("apps/labels")
     TEST_CASE("property: a field that cuts instruments off, or a mask with gaps, is a warning and no error")
     {
         const LabelRun folder;
-        const AppResult drawn = run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 -o a.png");
-        CHECK(drawn.code == 0);
+        const AppResult drawn = run_ok(folder, "render run --view fluoro --size 64x64 --field 0.02 -o a.png");
         CHECK_MESSAGE(drawn.err.find("warning: the field cuts off wire") != std::string::npos, drawn.err);
         const AppResult coarse = run_app(folder, "render run --view fluoro --size 64x64 --field 0.5 -o a.png --labels truth");
         CHECK_MESSAGE(coarse.err.find("may have gaps") != std::string::npos, coarse.err);
         // where they are read first, and where a farm's labels come together
         const AppResult sheet = run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --preview sheet.png");
         CHECK_MESSAGE(sheet.err.find("warning: the field cuts off wire") != std::string::npos, sheet.err);
-        REQUIRE(run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 --frames 4:6 -o b.png --labels cut --quiet")
-                    .code == 0);
-        const AppResult coco = run_app(folder, "labels cut --coco coco.json");
-        CHECK(coco.code == 0);
+        run_ok(folder, "render run --view fluoro --size 64x64 --field 0.02 --frames 4:6 -o b.png --labels cut --quiet");
+        const AppResult coco = run_ok(folder, "labels cut --coco coco.json");
         CHECK_MESSAGE(coco.err.find("warning: the field cuts off wire: in 3 of 3 pictures") != std::string::npos, coco.err);
         CHECK(run_app(folder, "labels cut --coco coco.json --quiet").err.empty());
         CHECK(run_app(folder, "render run --view fluoro --size 64x64 --field 0.02 -o a.png --quiet").err.empty());
@@ -225,16 +209,15 @@ TEST_SUITE("apps/labels")
             covered += mask.labels[k] != 0;
         }
         CHECK(covered > 200);
-        REQUIRE(run_app(folder, "render run --view front --size 400x300 -o b.png --no-legend").code == 0);
+        run_ok(folder, "render run --view front --size 400x300 -o b.png --no-legend");
         CHECK(slurp(folder.path / "a.png") == slurp(folder.path / "b.png"));
         // depths that somebody removed are made again
         fs::remove(folder.path / "truth/a_depth.npy");
-        REQUIRE(run_app(folder, "render run --view front --size 400x300 -o a.png --labels truth --resume").code == 0);
+        run_ok(folder, "render run --view front --size 400x300 -o a.png --labels truth --resume");
         CHECK(slurp(folder.path / "truth/a_depth.npy") == depth);
-        CHECK(drawn.err.find("cuts off") == std::string::npos);
+        CHECK_FALSE(has(drawn.err, "cuts off"));
         const AppResult close =
-            run_app(folder, "render run --view front --size 400x300 -o c.png --labels near --camera \"0s 0 0 8\"");
-        CHECK(close.code == 0);
+            run_ok(folder, "render run --view front --size 400x300 -o c.png --labels near --camera \"0s 0 0 8\"");
         CHECK_MESSAGE(close.err.find("Fix: another --view or --camera") != std::string::npos, close.err);
         check_refused(folder, "render run --view endoscopic --labels truth", 2, "out of an instrument");
     }
@@ -242,9 +225,7 @@ TEST_SUITE("apps/labels")
     TEST_CASE("property: a preview is one sheet and nothing else, of any view")
     {
         const LabelRun folder;
-        REQUIRE(
-            run_app(folder, "render run --view fluoro --size 200x100 --frames 0:10 --c-arm 0,0 --c-arm 90,0 --preview sheet.png")
-                .code == 0);
+        run_ok(folder, "render run --view fluoro --size 200x100 --frames 0:10 --c-arm 0,0 --c-arm 90,0 --preview sheet.png");
         CHECK_FALSE(fs::exists(folder.path / "truth"));
         CHECK_FALSE(fs::exists(folder.path / "run/fluoro_v1_000000.png"));
         const std::string png = slurp(folder.path / "sheet.png");
@@ -266,14 +247,14 @@ TEST_SUITE("apps/labels")
         const LabelRun folder;
         const std::string words =
             " --view fluoro --size 64x64 --frames 2:9 --c-arm \"LAO 30\" --c-arm \"RAO 30\" --label-vessel --labels truth";
-        REQUIRE(run_app(folder, "farm run -o one --tasks 1 --quiet" + words).code == 0);
+        run_ok(folder, "farm run -o one --tasks 1 --quiet" + words);
         const auto one = pictures_of(folder.path / "one");
         CHECK(one.size() == 8 * 2 * 4);  // two pictures of each frame, each with three files of labels
-        REQUIRE(run_app(folder, "farm run -o many --tasks 5 --jobs 2 --quiet" + words).code == 0);
+        run_ok(folder, "farm run -o many --tasks 5 --jobs 2 --quiet" + words);
         CHECK(pictures_of(folder.path / "many") == one);
-        CHECK(run_app(folder, "farm merge many").code == 0);
+        run_ok(folder, "farm merge many");
         // as render alone
-        REQUIRE(run_app(folder, "render run" + words + " -o frame.png").code == 0);
+        run_ok(folder, "render run" + words + " -o frame.png");
         CHECK(slurp(folder.path / "frame_v2_000005.png") == one.at("frame_v2_000005.png"));
         CHECK(slurp(folder.path / "truth/frame_v2_000005.json") == one.at("truth/frame_v2_000005.json"));
         // killed after a few pictures, and gone on with
@@ -292,17 +273,17 @@ TEST_SUITE("apps/labels")
             waitpid(child, nullptr, 0);
             break;
         }
-        REQUIRE(run_app(folder, "farm run -o killed --tasks 2 --quiet" + words).code == 0);
+        run_ok(folder, "farm run -o killed --tasks 2 --quiet" + words);
         CHECK(pictures_of(folder.path / "killed") == one);
         // labels that somebody removed are made again
         fs::remove(folder.path / "killed/truth/frame_v1_000004_mask.png");
-        REQUIRE(run_app(folder, "farm run -o killed --tasks 2 --quiet" + words).code == 0);
+        run_ok(folder, "farm run -o killed --tasks 2 --quiet" + words);
         CHECK(pictures_of(folder.path / "killed") == one);
         check_refused(folder, "farm run --frames all -o g --preview s.png", 2, "leave it out");
         const std::string front = " --view front --size 80x60 --frames 2:6 --labels truth";
         if (run_app(folder, "render run -o front.png" + std::string(" --view front --size 80x60")).code == 5) return;
-        REQUIRE(run_app(folder, "farm run -o front1 --tasks 1 --quiet" + front).code == 0);
-        REQUIRE(run_app(folder, "farm run -o front3 --tasks 3 --jobs 2 --quiet" + front).code == 0);
+        run_ok(folder, "farm run -o front1 --tasks 1 --quiet" + front);
+        run_ok(folder, "farm run -o front3 --tasks 3 --jobs 2 --quiet" + front);
         CHECK(pictures_of(folder.path / "front1").size() == 5 * 4);
         CHECK(pictures_of(folder.path / "front1") == pictures_of(folder.path / "front3"));
     }
@@ -312,10 +293,9 @@ TEST_SUITE("apps/labels")
         const LabelRun folder;
         REQUIRE(run_app(folder, "render run --view fluoro --size 96x80 --field 0.2 --frames 4:6 --labels truth -o a.png").code ==
                 0);
-        const AppResult made = run_app(folder, "labels truth --coco truth/coco.json");
-        REQUIRE_MESSAGE(made.code == 0, made.err);
+        run_ok(folder, "labels truth --coco truth/coco.json");
         const std::string first = slurp(folder.path / "truth/coco.json");
-        REQUIRE(run_app(folder, "labels truth --coco truth/coco.json --quiet").code == 0);  // which is no label itself
+        run_ok(folder, "labels truth --coco truth/coco.json --quiet");  // which is no label itself
         CHECK(slurp(folder.path / "truth/coco.json") == first);
         const json coco = json::parse(first);
         CHECK(coco["images"].size() == 3);

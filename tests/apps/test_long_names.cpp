@@ -20,8 +20,8 @@ void is_refused(const ScratchFolder& folder, const std::string& arguments, const
     CHECK((result.code == 2 || result.code == 3));
     CHECK(result.error_lines() == 1);
     CHECK(result.err.size() < longest_line);
-    CHECK(result.err.find(says) != std::string::npos);
-    CHECK(result.err.find("report the command") == std::string::npos);
+    CHECK(has(result.err, says));
+    CHECK_FALSE(has(result.err, "report the command"));
 }
 
 }  // namespace
@@ -30,9 +30,8 @@ TEST_SUITE("apps/long names")
 {
     TEST_CASE("property: a name on the command line that no file can have is refused in one line by every command")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
-        REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene()}};
+        run_ok(folder, "run s.toml -o R --quiet");
         for (const std::size_t length : lengths) {
             const std::string name(length, 'a');
             for (const char* command : {"run {}.toml",
@@ -87,8 +86,8 @@ TEST_SUITE("apps/long names")
             refused(several, "instrument.1.name: expected 1 to 40");
             // a text that is only shown may have any length
             folder.write("name.toml", free_scene().replace(free_scene().find("falling"), 7, name));
-            CHECK(run_app(folder, fmt::format("run name.toml -o N{} --quiet", length)).code == 0);
-            CHECK(run_app(folder, fmt::format("report N{}", length)).code == 0);
+            run_ok(folder, fmt::format("run name.toml -o N{} --quiet", length));
+            run_ok(folder, fmt::format("report N{}", length));
         }
         folder.write("s.toml", free_scene());
         is_refused(folder, "check s.toml --set wire." + std::string(5000, 'a') + "=1", "unknown key; the nearest known one is");
@@ -107,7 +106,7 @@ TEST_SUITE("apps/long names")
             return text;
         };
         folder.write("n.toml", named(name));
-        REQUIRE(run_app(folder, "run n.toml -o N --quiet --set output.wire_every=5").code == 0);
+        run_ok(folder, "run n.toml -o N --quiet --set output.wire_every=5");
         for (const std::string& file : {"trace_" + name + ".csv", name + ".csv", name + ".pvd", name + "_000005.vtp"})
             CHECK(fs::exists(folder.path / "N" / file));
         folder.write("trace.toml", named("trace_catheter"));  // NAME.csv of the one would be trace_NAME.csv of the other

@@ -37,7 +37,7 @@ void one_line(const AppResult& result, int code, const std::string& what)
     CAPTURE(result.err);
     CHECK(result.code == code);
     CHECK(result.error_lines() == 1);
-    CHECK(result.err.find(what) != std::string::npos);
+    CHECK(has(result.err, what));
 }
 
 /// A budget that never ends, so that the search does not depend on the machine's speed.
@@ -52,8 +52,7 @@ TEST_SUITE("apps/plan")
 {
     TEST_CASE("property: a plan is exit 0, its scene runs, and what is promised of it is within the tolerance")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.1));
+        const ScratchFolder folder{{"t.toml", free_scene(0.1)}};
         const AppResult result = run_plan(folder, "t.toml --tolerance 1mm --json");
         REQUIRE(result.code == 0);
         const auto plan = plan_of(result);
@@ -62,19 +61,15 @@ TEST_SUITE("apps/plan")
         CHECK(plan["chosen"]["error_low_m"].get<double>() < plan["chosen"]["error_m"].get<double>());
         CHECK(plan["reference"]["uncertainty_m"].get<double>() <= 0.5e-3);
         CHECK(plan["left_out"].size() >= 2);
-        const AppResult run = run_app(folder, "run planned.toml -o out");
-        CAPTURE(run.err);
-        REQUIRE(run.code == 0);
+        run_ok(folder, "run planned.toml -o out");
         // the chosen model and its goal
         CHECK(summary_of(folder.path / "out")["nodes"].get<int>() == plan["chosen"]["nodes"].get<int>());
-        CHECK(slurp(folder.path / "out" / "summary.json").find("by seldinger plan for shape within 1 mm rms") !=
-              std::string::npos);
+        CHECK(has(slurp(folder.path / "out" / "summary.json"), "by seldinger plan for shape within 1 mm rms"));
     }
 
     TEST_CASE("property: with --enough the first model that is quick enough is taken: as good as promised, in fewer trials")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.1));
+        const ScratchFolder folder{{"t.toml", free_scene(0.1)}};
         const auto whole = plan_of(run_plan(folder, "t.toml --tolerance 1mm --rate 1000 -o whole.toml --json"));
         const AppResult result = run_plan(folder, "t.toml --tolerance 1mm --rate 1000 --enough 1 --json");
         REQUIRE(result.code == 0);
@@ -94,8 +89,7 @@ TEST_SUITE("apps/plan")
     TEST_CASE(
         "property: peaks that are asked for are within, their uncertainty included, and are told; what is not known is refused")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", touching_scene());
+        const ScratchFolder folder{{"t.toml", touching_scene()}};
         const AppResult result = run_plan(folder, "t.toml --tolerance 2mm --peak-force-tolerance 20% --json");
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
@@ -107,15 +101,14 @@ TEST_SUITE("apps/plan")
                   0.2 * std::max(right, 1e-3));
         }
         CHECK(plan["reference"]["peaks"]["force_per_length_n_per_m"].get<double>() > 0);
-        CHECK(slurp(folder.path / "planned.toml").find("peaks of force within 20 %") != std::string::npos);
+        CHECK(has(slurp(folder.path / "planned.toml"), "peaks of force within 20 %"));
         one_line(run_plan(folder, "t.toml --tolerance 2mm --peak-force-tolerance 5"), 2, "has no unit");
     }
 
     // what a plan costs is measured, so which of two models is cheaper is not for this test (tests/plan/test_plan_search.cpp)
     TEST_CASE("property: whatever the tolerance, what is planned meets it, and the reference is known to half of it")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.1));
+        const ScratchFolder folder{{"t.toml", free_scene(0.1)}};
         for (const double tolerance : {10e-3, 1e-3, 0.3e-3}) {
             CAPTURE(tolerance);
             const AppResult result = run_plan(folder, fmt::format("t.toml --json --tolerance {}mm", 1e3 * tolerance));
@@ -128,9 +121,8 @@ TEST_SUITE("apps/plan")
 
     TEST_CASE("property: the scene of a plan in another folder finds its mesh, and runs")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", touching_scene());
-        REQUIRE(run_app(folder, "vessel t.toml -o mesh").code == 0);
+        const ScratchFolder folder{{"t.toml", touching_scene()}};
+        run_ok(folder, "vessel t.toml -o mesh");
         std::string text = touching_scene();
         const auto from = text.find("shape = \"tube\""), to = text.find("[contact]");
         text.replace(from, to - from, "mesh = \"mesh/vessel.stl\"\nunits = \"mm\"\n");
@@ -141,16 +133,13 @@ TEST_SUITE("apps/plan")
         CHECK(plan_of(result)["touches"] == true);
         CHECK(seldinger::read_scene(folder.path / "deep/er/p.toml").vessel.mesh.lexically_normal() ==
               seldinger::read_scene(folder.path / "m.toml").vessel.mesh.lexically_normal());
-        CHECK(slurp(folder.path / "deep/er/p.toml").find("../../mesh/vessel.stl") != std::string::npos);
-        const AppResult run = run_app(folder, "run deep/er/p.toml -o out");
-        CAPTURE(run.err);
-        CHECK(run.code == 0);
+        CHECK(has(slurp(folder.path / "deep/er/p.toml"), "../../mesh/vessel.stl"));
+        run_ok(folder, "run deep/er/p.toml -o out");
     }
 
     TEST_CASE("property: where an elastic wall hardly moves it is planned rigid, with the reason, and that scene runs")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", soft_scene(1e6, 1e6));
+        const ScratchFolder folder{{"t.toml", soft_scene(1e6, 1e6)}};
         const AppResult result = run_plan(folder, "t.toml --tolerance 0.5mm --json");
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
@@ -160,17 +149,16 @@ TEST_SUITE("apps/plan")
         CHECK(wall["move_m"].get<double>() > 0);
         CHECK(wall["move_m"].get<double>() < 0.5e-3);
         CHECK(wall["reason"].get<std::string>().find("rigid: the wall would move") == 0);
-        CHECK(wall["reason"].get<std::string>().find("below the tolerance; an elastic one is") != std::string::npos);
+        CHECK(has(wall["reason"].get<std::string>(), "below the tolerance; an elastic one is"));
         CHECK(wall["other_known"] == true);
-        CHECK(plan["left_out"].dump().find("the elastic wall") != std::string::npos);
+        CHECK(has(plan["left_out"].dump(), "the elastic wall"));
         CHECK_FALSE(seldinger::read_scene(folder.path / "planned.toml").vessel.elastic);
-        CHECK(run_app(folder, "run planned.toml -o out").code == 0);
+        run_ok(folder, "run planned.toml -o out");
     }
 
     TEST_CASE("property: where it is too soft for that it is planned elastic, and what a rigid one is wrong by is said")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", soft_scene(1e5, 1e5));
+        const ScratchFolder folder{{"t.toml", soft_scene(1e5, 1e5)}};
         const AppResult result = run_plan(folder, "t.toml --tolerance 0.1mm --json");
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
@@ -182,9 +170,9 @@ TEST_SUITE("apps/plan")
         // which nodes and steps are chosen is a matter of timing, and at some of them a rigid wall ends the run
         if (wall["other_known"] == true) {
             CHECK(wall["other_error_m"].get<double>() > 0.1e-3);  // run to its end, however wrong
-            CHECK(reason.find("a rigid wall changes the tip by") != std::string::npos);
+            CHECK(has(reason, "a rigid wall changes the tip by"));
         } else {
-            CHECK(reason.find("with a rigid wall the run does not finish") != std::string::npos);
+            CHECK(has(reason, "with a rigid wall the run does not finish"));
         }
         const auto& left_out = plan["left_out"];
         const auto rigid =
@@ -192,8 +180,7 @@ TEST_SUITE("apps/plan")
         REQUIRE(rigid != left_out.end());
         CHECK((*rigid)["holds"] == wall["other_known"]);
         CHECK(seldinger::read_scene(folder.path / "planned.toml").vessel.elastic);
-        const AppResult run = run_app(folder, "run planned.toml -o out");
-        REQUIRE(run.code == 0);
+        run_ok(folder, "run planned.toml -o out");
         CHECK(summary_of(folder.path / "out")["wall_vertices"].get<int>() > 0);
     }
 
@@ -201,21 +188,18 @@ TEST_SUITE("apps/plan")
         "property: a tolerance below what the reference is known to is exit 6, says to what it is known, and leaves the "
         "reference as a scene")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.1));
-        folder.write("planned.toml", "what an earlier plan left");
+        const ScratchFolder folder{{"t.toml", free_scene(0.1)}, {"planned.toml", "what an earlier plan left"}};
         const AppResult result = run_plan(folder, "t.toml --tolerance 0.01um --json");
         one_line(result, 6, "the reference is known to");
-        CHECK(result.err.find("ask for") != std::string::npos);
+        CHECK(has(result.err, "ask for"));
         CHECK(plan_of(result)["status"] == "below-reference");
         CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
-        CHECK(run_app(folder, "check planned.accurate.toml").code == 0);
+        run_ok(folder, "check planned.accurate.toml");
     }
 
     TEST_CASE("property: a rate that no model reaches is exit 6 with the nearest on each side beside it, and both run")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.1));
+        const ScratchFolder folder{{"t.toml", free_scene(0.1)}};
         const AppResult result = run_plan(folder, "t.toml --tolerance 1mm --rate 1e8 --json");
         one_line(result, 6, "no model reaches 1e+08 steps a second here");
         const auto plan = plan_of(result);
@@ -223,8 +207,7 @@ TEST_SUITE("apps/plan")
         CHECK(plan["accurate"]["error_high_m"].get<double>() <= 1e-3);
         CHECK(plan["fast"]["steps_per_second"].get<double>() < 1e8);
         CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
-        for (const char* side : {"accurate", "fast"})
-            CHECK(run_app(folder, fmt::format("run planned.{}.toml -o {}", side, side)).code == 0);
+        for (const char* side : {"accurate", "fast"}) run_ok(folder, fmt::format("run planned.{}.toml -o {}", side, side));
     }
 
     TEST_CASE("property: a scene that never touches its wall is planned, and that this says nothing of contact is noted")
@@ -239,7 +222,7 @@ TEST_SUITE("apps/plan")
         REQUIRE(result.code == 0);
         const auto plan = plan_of(result);
         CHECK(plan["touches"] == false);
-        CHECK(plan["notes"].dump().find("never touches the wall") != std::string::npos);
+        CHECK(has(plan["notes"].dump(), "never touches the wall"));
         CHECK(plan["chosen"]["detection"] == "swept");  // what cannot be told is not left out
     }
 
@@ -251,15 +234,14 @@ TEST_SUITE("apps/plan")
         folder.write("t.toml", text);
         const AppResult result = run_plan(folder, "t.toml --tolerance 1mm");
         one_line(result, 4, "no model completes this scene: 17 nodes");
-        CHECK(result.err.find("blow-up") != std::string::npos);
-        CHECK(result.err.find("411 nodes") != std::string::npos);
+        CHECK(has(result.err, "blow-up"));
+        CHECK(has(result.err, "411 nodes"));
         CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
     }
 
     TEST_CASE("property: goals that are no goals are exit 2 before anything is run")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.1));
+        const ScratchFolder folder{{"t.toml", free_scene(0.1)}};
         for (const char* goals :
              {"", "--tolerance 0.2", "--tolerance -1mm", "--tolerance 1mm --rate 0", "--tolerance 1mm --force-tolerance half",
               "--tolerance 1mm -o t.toml", "--tolerance 1mm --budget 0"}) {
@@ -275,8 +257,7 @@ TEST_SUITE("apps/plan")
     TEST_CASE(
         "property: Ctrl-C ends a plan with exit 130; the same command goes on with the trials that are there and comes to an end")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", free_scene(0.5));
+        const ScratchFolder folder{{"t.toml", free_scene(0.5)}};
         const fs::path table = folder.path / "p.pilots" / "runs.csv";
         const std::vector<std::string> arguments = {"plan", "t.toml", "--tolerance", "0.5mm", "-o", "p.toml", "--quiet"};
         const AppResult cut = run_and_signal(folder.path, arguments, table, 2, SIGINT);
@@ -291,7 +272,7 @@ TEST_SUITE("apps/plan")
         const std::string after = slurp(table);
         CHECK(after.size() > before.size());
         CHECK(after.substr(0, before.size()) == before);  // none of it was run again
-        CHECK(run_app(folder, "check p.toml").code == 0);
+        run_ok(folder, "check p.toml");
     }
 }
 

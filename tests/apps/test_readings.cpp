@@ -23,17 +23,15 @@ TEST_SUITE("apps/readings")
 {
     TEST_CASE("a run names its band, its exits and the whole of its duration; the estimate leaves its bits alone")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", through);
-        const AppResult with = run_app(folder, "run t.toml -o A --error-estimate on");
-        REQUIRE(with.code == 0);
-        REQUIRE(run_app(folder, "run t.toml -o B --error-estimate off --quiet").code == 0);
+        const ScratchFolder folder{{"t.toml", through}};
+        const AppResult with = run_ok(folder, "run t.toml -o A --error-estimate on");
+        run_ok(folder, "run t.toml -o B --error-estimate off --quiet");
         const auto a = nlohmann::json::parse(slurp(folder.path / "A/summary.json"));
         const auto b = nlohmann::json::parse(slurp(folder.path / "B/summary.json"));
         CHECK(a["state_hash"] == b["state_hash"]);
         CHECK_FALSE(b.contains("error_estimate"));
         CHECK(a["error_estimate"]["windows"].get<int>() >= 1);
-        CHECK(with.out.find("± mostly by the ") != std::string::npos);
+        CHECK(has(with.out, "± mostly by the "));
         // a band is the root of the sum of squares of its shares, and names the largest
         for (const char* reading :
              {"hand_force_n", "hand_force_peak_n", "friction_n", "friction_peak_n", "patch_force_max_n", "hand_work_j"}) {
@@ -66,7 +64,7 @@ TEST_SUITE("apps/readings")
         REQUIRE(a["left_through"].size() == 1);
         CHECK(a["left_through"][0]["centre_m"][0].get<double>() == about(0.04).epsilon(1e-6));
         CHECK(a["left_through"][0]["left_s"].get<double>() == about(0.33).epsilon(0.02));
-        CHECK(with.out.find("left through inlet") != std::string::npos);
+        CHECK(has(with.out, "left through inlet"));
         CHECK(a["outside_max_m"].get<double>() == 0);
         CHECK(a["contact_regions_max"].get<int>() >= 1);
         CHECK(a["force_per_length_max_n_per_m"].get<double>() > 0);
@@ -74,17 +72,14 @@ TEST_SUITE("apps/readings")
 
     TEST_CASE("property: of a batch, the table and the last line say which tip left through which inlet")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", through);
+        const ScratchFolder folder{{"t.toml", through}};
         folder.write("v.toml", "[vary]\n\"scene.duration_s\" = [0.3, 0.5]\n");  // 30 and 50 mm beyond 7 mm of 40 mm
-        const AppResult result = run_app(folder, "batch t.toml --vary v.toml -o out");
-        CAPTURE(result.err);
-        REQUIRE(result.code == 0);
+        const AppResult result = run_ok(folder, "batch t.toml --vary v.toml -o out");
         CHECK(result.out.ends_with("tips ended in branch 1 (1 run), left the vessel through inlet 2 (1 run)\n"));
         const auto summary = nlohmann::json::parse(slurp(folder.path / "out/summary.json"));
         CHECK(summary["branches"] == nlohmann::json{{"1", 1}});
         CHECK(summary["left_through"] == nlohmann::json{{"2", 1}});
-        CHECK(run_app(folder, "vessel t.toml").out.find("inlet 2: [0.04") != std::string::npos);
+        CHECK(has(run_app(folder, "vessel t.toml").out, "inlet 2: [0.04"));
     }
 
     TEST_CASE("property: a tip on the closed end of a mesh is a warning with place and time; one that stops before it is none")
@@ -117,45 +112,38 @@ TEST_SUITE("apps/readings")
         };
         folder.write("into.toml", scene(0.042));
         folder.write("before.toml", scene(0.036));
-        const AppResult into = run_app(folder, "run into.toml -o A"), before = run_app(folder, "run before.toml -o B");
-        CAPTURE(into.err);
-        REQUIRE(into.code == 0);
+        const AppResult into = run_ok(folder, "run into.toml -o A"), before = run_app(folder, "run before.toml -o B");
         REQUIRE(before.code == 0);
         CAPTURE(into.out);
         // 55 mm/s from 20 mm: the tip is at 40 mm after 0.364 s, its surface a radius earlier; rows are 10 ms apart
         const std::size_t said = into.out.find("the tip pressed on a closed end of the vessel from 0.3");
         CHECK(said != std::string::npos);
-        CHECK(before.out.find("closed end") == std::string::npos);
+        CHECK_FALSE(has(before.out, "closed end"));
         const auto warnings = nlohmann::json::parse(slurp(folder.path / "A/summary.json"))["warnings"].dump();
-        CHECK(warnings.find("Cut the mesh open there") != std::string::npos);
+        CHECK(has(warnings, "Cut the mesh open there"));
     }
 
     TEST_CASE("friction: a mu_static below mu_sliding is refused where it is given, raised and told where it is not")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", through);
-        const AppResult refused = run_app(folder, "run t.toml -o A --set contact.mu_static=0.1 --set contact.mu_sliding=0.3");
-        CHECK(refused.code == 2);
-        CHECK(refused.err.find("contact.mu_static") != std::string::npos);
-        CHECK(refused.err.find("0.3") != std::string::npos);
-        const AppResult told = run_app(folder, "run t.toml -o A --set contact.mu_sliding=0.3 --set scene.duration_s=0.03");
-        REQUIRE(told.code == 0);
+        const ScratchFolder folder{{"t.toml", through}};
+        const AppResult refused = check_refused(
+            folder, "run t.toml -o A --set contact.mu_static=0.1 --set contact.mu_sliding=0.3", 2, "contact.mu_static");
+        CHECK(has(refused.err, "0.3"));
+        const AppResult told = run_ok(folder, "run t.toml -o A --set contact.mu_sliding=0.3 --set scene.duration_s=0.03");
         CHECK(told.out.find("contact.mu_static is 0.3 (raised from 0.12") != std::string::npos);
     }
 
     TEST_CASE("vessel: text and JSON are in metres and say so; files say their unit")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", through);
-        const AppResult text = run_app(folder, "vessel t.toml -o V"), json = run_app(folder, "vessel t.toml -o W --json");
-        REQUIRE(text.code == 0);
+        const ScratchFolder folder{{"t.toml", through}};
+        const AppResult text = run_ok(folder, "vessel t.toml -o V"), json = run_app(folder, "vessel t.toml -o W --json");
         REQUIRE(json.code == 0);
         const auto report = nlohmann::json::parse(json.out);
         CHECK(report["length_unit"] == "m");
         CHECK(report["files_unit"] == "mm");
-        CHECK(text.out.find("(in mm)") != std::string::npos);
-        CHECK(text.out.find("radius 0.00400 m") != std::string::npos);
-        CHECK(slurp(folder.path / "V/vessel.stl").substr(0, 80).find("UNITS=mm") != std::string::npos);
+        CHECK(has(text.out, "(in mm)"));
+        CHECK(has(text.out, "radius 0.00400 m"));
+        CHECK(has(slurp(folder.path / "V/vessel.stl").substr(0, 80), "UNITS=mm"));
     }
 }
 

@@ -3,6 +3,8 @@
 #include "apps/app_fixture.h"
 #include "core/error.h"
 #include "record/recording.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
 
 #include <fmt/ranges.h>
 
@@ -12,25 +14,8 @@ namespace seldinger::test::test_recording {
 
 namespace {
 
-const char* const task_scene = R"([scene]
-name = "task"
-duration_s = 0.2
-dt_s = 0.002
-record_every = 5
-[wire]
-length_m = 0.1
-radius_m = 0.0004
-density = 7900.0
-bend_nm2 = 1.0e-5
-twist_nm2 = 8.0e-6
-stretch_n = 1.0e4
-nodes = 41
-[vessel]
-shape = "tube"
-radius_m = 0.005
-length_m = 0.1
-triangles = 2000
-[feed]
+const std::string task_scene = scene_text(0.2, 0.002, "name = \"task\"\nrecord_every = 5\n") + wire_text(0.1, 1e-5, 8e-6, 41) +
+                               tube_text(0.005, 0.1, 2000) + R"([feed]
 point = [0.0, 0.0, -0.0035]
 direction = [1.0, 0.0, -0.2]
 keys = [ {t_s = 0.0, advance_m = 0.004}, {t_s = 0.2, advance_m = 0.034} ]
@@ -42,35 +27,6 @@ target = { name = "the mark", point = [0.025, 0.0, -0.005], radius_m = 0.002 }
 wire_every = 10
 )";
 
-/// trace.csv without what is measured by the clock.
-std::string trace_of(const fs::path& dir)
-{
-    std::istringstream lines(slurp(dir / "trace.csv"));
-    std::string out, line;
-    std::size_t column = std::string::npos;
-    while (std::getline(lines, line)) {
-        std::vector<std::string> cells;
-        std::istringstream row(line);
-        for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
-        if (column == std::string::npos) column = static_cast<std::size_t>(std::ranges::find(cells, "step_ms") - cells.begin());
-        REQUIRE(column < cells.size());
-        cells.erase(cells.begin() + static_cast<long>(column));
-        out += fmt::format("{}\n", fmt::join(cells, ","));
-    }
-    return out;
-}
-
-template <class Call>
-std::string refused(const Call& call)
-{
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "nothing was refused";
-}
-
 }  // namespace
 
 TEST_SUITE("apps/recording")
@@ -79,7 +35,7 @@ TEST_SUITE("apps/recording")
     {
         const ScratchFolder folder;
         const fs::path file = folder.write("t.toml", task_scene), ours = folder.path / "ours", theirs = folder.path / "theirs";
-        REQUIRE(run_app(folder, "run t.toml -o theirs --error-estimate off --quiet").code == 0);
+        run_ok(folder, "run t.toml -o theirs --error-estimate off --quiet");
         const LoadedScene scene = load_scene(file);
         CHECK(scene.task.on);
         CHECK(scene.task.text == "touch it");
@@ -100,7 +56,7 @@ TEST_SUITE("apps/recording")
 
         CHECK(mine["state_hash"] == run["state_hash"]);
         CHECK(mine["task"] == run["task"]);
-        CHECK(trace_of(ours) == trace_of(theirs));
+        CHECK(timeless_trace(ours) == timeless_trace(theirs));
         for (const char* same : {"scene.toml", "wire.csv", "wire.pvd", "wire_000100.vtp", "vessel.vtp"}) {
             CAPTURE(same);
             CHECK(slurp(ours / same) == slurp(theirs / same));
@@ -120,10 +76,10 @@ TEST_SUITE("apps/recording")
         CHECK_FALSE(swing.task.on);
         World world(swing.setup);
         CHECK(world.wire_count() == 1);
-        CHECK(refused([] { (void)load_scene("swong"); }).find("swong") == 0);
+        CHECK(refusal([] { (void)load_scene("swong"); }).find("swong") == 0);
         CHECK(load_scene("swing", {"scene.dt_s=0.0005"}).dt == 0.0005);
         CHECK(load_scene("training/siphon").task.on);  // a scene in a folder
-        CHECK(refused([] { (void)load_scene("../scenes/swing"); }).find("../scenes/swing") == 0);
+        CHECK(refusal([] { (void)load_scene("../scenes/swing"); }).find("../scenes/swing") == 0);
     }
 
     TEST_CASE("property: what is no record of a run is refused")
@@ -133,18 +89,18 @@ TEST_SUITE("apps/recording")
         World world(scene.setup);
         const fs::path dir = folder.path / "out";
         Recording recording(scene, world, dir);
-        CHECK(refused([&] { Recording(scene, world, dir); }).find("holds a run already") != std::string::npos);
+        CHECK(refusal([&] { Recording(scene, world, dir); }).find("holds a run already") != std::string::npos);
         CHECK_NOTHROW(Recording(scene, world, dir, true));
-        CHECK(refused([&] {
+        CHECK(refusal([&] {
                   Recording(LoadedScene{scene.setup, scene.keys, scene.dt, scene.duration, {}, {}}, world, dir, true);
               }) == "Recording: got a scene that was not read; expected what load_scene() returned");
 
         (void)step(world, scene.dt);  // not recorded
         StepReport report = step(world, scene.dt);
-        CHECK(refused([&] { recording.stepped(world, report); }) ==
+        CHECK(refusal([&] { recording.stepped(world, report); }) ==
               "Recording: got a step of 0.004 s; expected 0.002 s, dt of the scene. Fix: record every step");
         report.flags |= StepNotConverged;
-        CHECK(refused([&] { recording.stepped(world, report); }).find("a step that failed (flags 2)") != std::string::npos);
+        CHECK(refusal([&] { recording.stepped(world, report); }).find("a step that failed (flags 2)") != std::string::npos);
     }
 }
 

@@ -11,22 +11,12 @@ struct RunFolder : ScratchFolder {
     RunFolder()
     {
         write("s.toml", free_scene(0.02) + "[output]\nwire_every = 2\n");
-        REQUIRE(run_app(*this, "run s.toml -o run --quiet").code == 0);
+        run_ok(*this, "run s.toml -o run --quiet");
         const AppResult first = run_app(*this, "render run --size 64x48");
         draws = first.code == 0;
         if (!draws) skip(first.err);
     }
 };
-
-void check_refused(const ScratchFolder& folder, const std::string& words, int code, const std::string& part,
-                   const std::string& prefix = "")
-{
-    CAPTURE(words);
-    const AppResult result = run_app(folder, words, prefix);
-    CHECK(result.code == code);
-    CHECK(result.error_lines() == 1);
-    CHECK_MESSAGE(result.err.find(part) != std::string::npos, result.err);
-}
 
 std::vector<std::string> names_in(const fs::path& dir)
 {
@@ -48,17 +38,17 @@ TEST_SUITE("apps/render_command")
              {"--view front", "--view side --camera orbit", "--view endoscopic", "--camera \"follow 30mm\" --background white",
               "--view top --camera \"0s 0 0; 0.02s 90 20 2\" --no-legend", "--background transparent --force-max 20mN/mm"}) {
             CAPTURE(how);
-            REQUIRE(run_app(folder, fmt::format("render run --size 160x120 --frames 3:6 -o a.png {}", how)).code == 0);
-            REQUIRE(run_app(folder, fmt::format("render run --size 160x120 --frames 5:5 -o b.png {}", how)).code == 0);
+            run_ok(folder, fmt::format("render run --size 160x120 --frames 3:6 -o a.png {}", how));
+            run_ok(folder, fmt::format("render run --size 160x120 --frames 5:5 -o b.png {}", how));
             CHECK(slurp(folder.path / "a_000005.png") == slurp(folder.path / "b.png"));
         }
-        REQUIRE(run_app(folder, "render run --gltf m.glb --usd m.usda").code == 0);
+        run_ok(folder, "render run --gltf m.glb --usd m.usda");
         CHECK(slurp(folder.path / "m.glb").substr(0, 4) == "glTF");
-        CHECK(slurp(folder.path / "m.usda").find("20: [") != std::string::npos);  // the last frame's time, in milliseconds
+        CHECK(has(slurp(folder.path / "m.usda"), "20: ["));  // the last frame's time, in milliseconds
         // folders that are not there are made
-        CHECK(run_app(folder, "render run --gltf a/new/folder/of/models.glb").code == 0);
+        run_ok(folder, "render run --gltf a/new/folder/of/models.glb");
         CHECK(fs::exists(folder.path / "a/new/folder/of/models.glb"));
-        CHECK(run_app(folder, "report run -o reports/run.html").code == 0);
+        run_ok(folder, "report run -o reports/run.html");
         CHECK(fs::exists(folder.path / "reports/run.html"));
     }
 
@@ -100,7 +90,7 @@ TEST_SUITE("apps/render_command")
                       "ulimit -f 1;");
         CHECK_FALSE(fs::exists(folder.path / "f.mp4"));
         CHECK_FALSE(fs::exists(folder.path / "f.mp4.part"));
-        REQUIRE(run_app(folder, "render run --frames 0:10 --size 320x240 --video f.mp4").code == 0);
+        run_ok(folder, "render run --frames 0:10 --size 320x240 --video f.mp4");
         CHECK(fs::file_size(folder.path / "f.mp4") > 512);
     }
 }

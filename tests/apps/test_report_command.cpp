@@ -41,17 +41,9 @@ std::vector<float> floats_of(const std::string& base64)
 /// Columns x_m, y_m, z_m of the final nodes of an instrument, tip first.
 std::vector<std::array<double, 3>> nodes_in(const fs::path& csv)
 {
-    const auto rows = csv_rows(csv);
-    const auto column = [&](const char* name) { return std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin(); };
     std::vector<std::array<double, 3>> nodes;
-    for (std::size_t k = 1; k < rows.size(); ++k) {
-        nodes.emplace_back();
-        for (int c = 0; c < 3; ++c) {
-            const auto at = static_cast<std::size_t>(column(std::array{"x_m", "y_m", "z_m"}[static_cast<std::size_t>(c)]));
-            REQUIRE(at < rows[k].size());
-            nodes.back()[static_cast<std::size_t>(c)] = std::stod(rows[k][at]);
-        }
-    }
+    for (const Row& row : table_rows(csv))
+        nodes.push_back({std::stod(row.at("x_m")), std::stod(row.at("y_m")), std::stod(row.at("z_m"))});
     return nodes;
 }
 
@@ -64,12 +56,9 @@ TEST_SUITE("apps/report")
         if (!has_three()) return skip("libjs-three is not installed");
         for (const std::string model : {"merged", "separate"}) {
             CAPTURE(model);
-            const ScratchFolder folder;
-            folder.write("two.toml", two_instruments(model));
-            const AppResult run = run_app(folder, "run two.toml -o D --quiet");
-            CAPTURE(run.err);
-            REQUIRE(run.code == 0);
-            REQUIRE(run_app(folder, "report D").code == 0);
+            const ScratchFolder folder{{"two.toml", two_instruments(model)}};
+            run_ok(folder, "run two.toml -o D --quiet");
+            run_ok(folder, "report D");
             const auto data = data_of(slurp(folder.path / "D/report.html"));
             const auto& playback = data["playback"];
             REQUIRE(playback["instruments"].size() == 2);
@@ -96,10 +85,9 @@ TEST_SUITE("apps/report")
     TEST_CASE("property: one instrument has no traces of its own beside the run's, and contact forces come with its nodes")
     {
         if (!has_three()) return skip("libjs-three is not installed");
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
-        REQUIRE(run_app(folder, "run t.toml -o D --quiet").code == 0);
-        REQUIRE(run_app(folder, "report D").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
+        run_ok(folder, "run t.toml -o D --quiet");
+        run_ok(folder, "report D");
         const auto data = data_of(slurp(folder.path / "D/report.html"));
         CHECK(data["playback"]["instruments"].size() == 1);
         CHECK(data["traces"].empty());
@@ -114,10 +102,9 @@ TEST_SUITE("apps/report")
     TEST_CASE("property: a report's policy lets its own scripts run, by their hashes, and no others, and loads nothing")
     {
         if (!has_three()) return skip("libjs-three is not installed");
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
-        REQUIRE(run_app(folder, "run t.toml -o D --quiet").code == 0);
-        REQUIRE(run_app(folder, "report D").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
+        run_ok(folder, "run t.toml -o D --quiet");
+        run_ok(folder, "report D");
         const std::string page = slurp(folder.path / "D/report.html");
         const std::string meta = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
         const std::size_t at = page.find(meta);
@@ -127,7 +114,7 @@ TEST_SUITE("apps/report")
         CHECK(policy.starts_with("default-src 'none'; script-src 'sha256-"));
         const std::string scripts =
             policy.substr(policy.find("script-src"), policy.find(';', policy.find("script-src")) - policy.find("script-src"));
-        CHECK(scripts.find("unsafe") == std::string::npos);
+        CHECK_FALSE(has(scripts, "unsafe"));
         int count = 0;
         for (std::size_t from = 0; (from = page.find("<script>", from)) != std::string::npos; ++count) {
             from += 8;
@@ -139,7 +126,7 @@ TEST_SUITE("apps/report")
                                   "'script', 'rb').read()).digest()).decode(), end='')\" >hash",
                                   folder.path.string())
                           .c_str()) == 0);
-            CHECK(scripts.find("'sha256-" + slurp(folder.path / "hash") + "'") != std::string::npos);
+            CHECK(has(scripts, "'sha256-" + slurp(folder.path / "hash") + "'"));
         }
         CHECK(count == 5);
     }
@@ -154,10 +141,8 @@ TEST_SUITE("apps/report")
         folder.write("sweep.toml",
                      "[vary]\n\"instrument.1.feed.keys\" = [[{t_s = 0.0, advance_m = 0.02}, {t_s = 0.1, advance_m = 0.06}]]\n"
                      "\"instrument.1.bend_nm2\" = [1e-5, 2e-5]\n");
-        const AppResult batch = run_app(folder, "batch two.toml --vary sweep.toml -o B --quiet --bands");
-        CAPTURE(batch.err);
-        REQUIRE(batch.code == 0);
-        REQUIRE(run_app(folder, "report B").code == 0);
+        const AppResult batch = run_ok(folder, "batch two.toml --vary sweep.toml -o B --quiet --bands");
+        run_ok(folder, "report B");
         const auto data = data_of(slurp(folder.path / "B/report.html"));
         CHECK(data["kind"] == "batch");
         CHECK(data["table"]["run"].size() == 2);
@@ -165,7 +150,7 @@ TEST_SUITE("apps/report")
         std::string columns;
         for (const auto& name : data["columns"]) columns += (columns.empty() ? "" : ",") + name.get<std::string>();
         CHECK(columns == head.substr(0, head.find('\n')));
-        CHECK(data["table"]["instrument.1.feed.keys"][1].get<std::string>().find("0.06") != std::string::npos);
+        CHECK(has(data["table"]["instrument.1.feed.keys"][1].get<std::string>(), "0.06"));
         CHECK(data["table"]["instrument.1.bend_nm2"][1] == 2e-5);
         CHECK(data["table"]["status"][0] == "done");
         CHECK(data["units"]["column"].size() == data["columns"].size());
@@ -177,7 +162,7 @@ TEST_SUITE("apps/report")
 
         // the folder may be somebody else's: its scene may name any mesh, and the page shows none but the folder's own
         fs::remove(folder.path / "B/vessel.vtp");
-        REQUIRE(run_app(folder, "report B").code == 0);
+        run_ok(folder, "report B");
         CHECK(data_of(slurp(folder.path / "B/report.html"))["vessel"].empty());
     }
 }

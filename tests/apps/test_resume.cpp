@@ -6,22 +6,11 @@ namespace seldinger::test::test_resume {
 
 namespace {
 
-std::string timeless(const fs::path& trace)
-{
-    const auto rows = csv_rows(trace);
-    const auto at = std::find(rows[0].begin(), rows[0].end(), "step_ms") - rows[0].begin();
-    std::string text;
-    for (const auto& row : rows)
-        for (std::size_t k = 0; k < row.size(); ++k)
-            if (static_cast<long>(k) != at) text += row[k] + (k + 1 < row.size() ? "," : "\n");
-    return text;
-}
-
 void same_run(const fs::path& a, const fs::path& b)
 {
     CHECK(summary_of(a)["state_hash"] == summary_of(b)["state_hash"]);
     CHECK(summary_of(a)["status"] == "done");
-    CHECK(timeless(a / "trace.csv") == timeless(b / "trace.csv"));
+    CHECK(timeless_trace(a) == timeless_trace(b));
     for (const char* file : {"wire.csv", "contacts.csv", "wire.pvd", "wire.npz", "contacts.pvd", "scene.toml"}) {
         CAPTURE(file);
         CHECK(slurp(a / file) == slurp(b / file));
@@ -41,7 +30,7 @@ TEST_SUITE("apps/resume")
     {
         const ScratchFolder folder;
         const fs::path scene = folder.write("t.toml", tube_scene(4.0));
-        REQUIRE(run_app(folder, "run t.toml -o whole").code == 0);
+        run_ok(folder, "run t.toml -o whole");
 
         const fs::path stopped = folder.path / "stopped";
         REQUIRE(run_and_signal(scene, stopped, 60, SIGINT) == 130);
@@ -51,9 +40,7 @@ TEST_SUITE("apps/resume")
         CHECK(at < 4000);
         REQUIRE(run_and_signal(scene, stopped, at / 5 + 30, SIGTERM, true) == 75);
         CHECK(summary_of(stopped)["status"] == "time-limit");
-        const AppResult end = run_app(folder, "run t.toml -o stopped --resume");
-        CAPTURE(end.err);
-        REQUIRE(end.code == 0);
+        const AppResult end = run_ok(folder, "run t.toml -o stopped --resume");
         CHECK(summary_of(stopped)["resumes"] == 2);
         CHECK_MESSAGE(end.out.find("on, where the run was resumed") != std::string::npos,
                       end.out);  // which steps the bands are of
@@ -63,9 +50,7 @@ TEST_SUITE("apps/resume")
         REQUIRE(run_and_signal(scene, killed, 100, SIGKILL) == -SIGKILL);
         CHECK_FALSE(fs::exists(killed / "summary.json"));
         // DIR's own scene will do
-        const AppResult alone = run_app(folder, "run -o killed --resume");
-        CAPTURE(alone.err);
-        REQUIRE(alone.code == 0);
+        run_ok(folder, "run -o killed --resume");
         const AppResult nothing = run_app(folder, "run -o killed");
         CHECK(nothing.code == 2);
         CHECK_MESSAGE(nothing.err.find("SCENE is required") != std::string::npos, nothing.err);
@@ -73,60 +58,48 @@ TEST_SUITE("apps/resume")
 
         // a run that is done is not run again
         const std::string summary = slurp(killed / "summary.json");
-        const AppResult again = run_app(folder, "run t.toml -o killed --resume --json");
-        CHECK(again.code == 0);
+        const AppResult again = run_ok(folder, "run t.toml -o killed --resume --json");
         CHECK(again.out == summary);
     }
 
     TEST_CASE("property: with a short --time-limit and --resume in turn, a run comes to its end")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.05, 7));
-        REQUIRE(run_app(folder, "run s.toml -o whole").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene(0.05, 7)}};
+        run_ok(folder, "run s.toml -o whole");
         // a limit that is over at once lets one step through; nine of them end between two rows of the trace
         constexpr int stops = 9;
         for (int k = 1; k <= stops; ++k) {
             const AppResult part = run_app(folder, "run s.toml -o parts --time-limit 1e-6 --resume --quiet");
             REQUIRE(part.code == 75);
             REQUIRE(part.error_lines() == 1);
-            REQUIRE(part.err.find("--resume") != std::string::npos);
+            REQUIRE(has(part.err, "--resume"));
             CHECK(summary_of(folder.path / "parts")["steps"] == k);
         }
-        const AppResult end = run_app(folder, "run s.toml -o parts --resume --quiet");
-        CAPTURE(end.err);
-        REQUIRE(end.code == 0);
+        run_ok(folder, "run s.toml -o parts --resume --quiet");
         CHECK(summary_of(folder.path / "parts")["resumes"] == stops);
         CHECK(summary_of(folder.path / "parts")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
-        CHECK(timeless(folder.path / "parts/trace.csv") == timeless(folder.path / "whole/trace.csv"));
+        CHECK(timeless_trace(folder.path / "parts") == timeless_trace(folder.path / "whole"));
         CHECK(slurp(folder.path / "parts/wire.pvd") == slurp(folder.path / "whole/wire.pvd"));
     }
 
     TEST_CASE("property: a settled start is settled once")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.05));
+        const ScratchFolder folder{{"s.toml", free_scene(0.05)}};
         const std::string set = " --set scene.start=settled ";
-        REQUIRE(run_app(folder, "run s.toml -o whole" + set).code == 0);
+        run_ok(folder, "run s.toml -o whole" + set);
         REQUIRE(run_app(folder, "run s.toml -o parts --time-limit 1e-6 --quiet" + set).code == 75);
-        REQUIRE(run_app(folder, "run s.toml -o parts --resume --quiet" + set).code == 0);
+        run_ok(folder, "run s.toml -o parts --resume --quiet" + set);
         REQUIRE(summary_of(folder.path / "parts")["resumes"] == 1);
         CHECK(summary_of(folder.path / "parts")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
-        CHECK(timeless(folder.path / "parts/trace.csv") == timeless(folder.path / "whole/trace.csv"));
+        CHECK(timeless_trace(folder.path / "parts") == timeless_trace(folder.path / "whole"));
     }
 
     TEST_CASE("property: a damaged checkpoint, a shortened trace and a changed vessel are told, not resumed")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(30.0, 1));
+        const ScratchFolder folder{{"s.toml", free_scene(30.0, 1)}};
         REQUIRE(run_app(folder, "run s.toml -o D --time-limit 1e-6").code == 75);
         const std::string checkpoint = slurp(folder.path / "D/checkpoint.bin");
-        const auto refuses = [&](const std::string& names) {
-            const AppResult result = run_app(folder, "run s.toml -o D --resume");
-            CAPTURE(result.err);
-            CHECK(result.code == 3);
-            CHECK(result.error_lines() == 1);
-            CHECK(result.err.find(names) != std::string::npos);
-        };
+        const auto refuses = [&](const std::string& names) { check_refused(folder, "run s.toml -o D --resume", 3, names); };
         std::string damaged = checkpoint;
         damaged[damaged.size() / 2] ^= 1;
         folder.write("D/checkpoint.bin", damaged);
@@ -138,7 +111,7 @@ TEST_SUITE("apps/resume")
         folder.write("D/trace.csv", trace.substr(0, trace.size() / 2));
         refuses("trace.csv");
         folder.write("D/trace.csv", trace);
-        CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
+        run_ok(folder, "run s.toml -o D --resume");
     }
 }
 

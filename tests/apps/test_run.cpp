@@ -3,6 +3,7 @@
 #include "apps/app_fixture.h"
 #include "io/vtp_read.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 #include "support/skip.h"
 
 #include <cmath>
@@ -19,23 +20,13 @@ double number(const std::vector<std::vector<std::string>>& rows, std::size_t row
     return std::stod(rows.at(row).at(static_cast<std::size_t>(at - rows[0].begin())));
 }
 
-/// The trace without step_ms, which is a time and differs from run to run.
-std::vector<std::vector<std::string>> timeless_trace(const fs::path& dir)
-{
-    auto rows = csv_rows(dir / "trace.csv");
-    const auto at = std::find(rows[0].begin(), rows[0].end(), "step_ms") - rows[0].begin();
-    for (auto& row : rows) row.erase(row.begin() + at);
-    return rows;
-}
-
 }  // namespace
 
 TEST_SUITE("apps/run")
 {
     TEST_CASE("property: a run in a tube writes every file of the contract, and they agree with each other")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
         const AppResult result = run_app(folder, "run t.toml -o D --json --set vessel.youngs_pa=1e9");  // no sinking to warn of
         CAPTURE(result.err);
         REQUIRE(result.code == 0);
@@ -58,7 +49,7 @@ TEST_SUITE("apps/run")
         CHECK(summary["steps"] == 300);
         CHECK(summary["simulated_s"].get<double>() == about(0.3));
         CHECK(summary["inserted_m"].get<double>() == about(0.08 * 0.3));  // advance since the start
-        CHECK(summary["contacts_max"].get<int>() > 0);                              // it does reach the floor
+        CHECK(summary["contacts_max"].get<int>() > 0);                    // it does reach the floor
         CHECK(summary["warnings"].empty());
 
         const std::string header = slurp(dir / "trace.csv");
@@ -80,8 +71,7 @@ TEST_SUITE("apps/run")
         CHECK(summary["friction_max_n"].get<double>() >= friction);  // over every step, not only recorded ones
         const std::size_t last = trace.size() - 1;
         CHECK(summary["energy_j"].get<double>() ==
-              about(number(trace, last, "kinetic_j") + number(trace, last, "elastic_j") +
-                              number(trace, last, "gravitational_j"))
+              about(number(trace, last, "kinetic_j") + number(trace, last, "elastic_j") + number(trace, last, "gravitational_j"))
                   .epsilon(1e-12));
 
         const auto wire = csv_rows(dir / "wire.csv");
@@ -108,9 +98,8 @@ TEST_SUITE("apps/run")
 
     TEST_CASE("property: the ParaView series can be read and ends in the final state")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
-        REQUIRE(run_app(folder, "run t.toml -o D").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
+        run_ok(folder, "run t.toml -o D");
         const fs::path dir = folder.path / "D";
         const std::string pvd = slurp(dir / "wire.pvd");
         const auto count = [&](const std::string& word) {
@@ -128,10 +117,10 @@ TEST_SUITE("apps/run")
         CHECK(wire.lines.offsets.size() == 1);
         // the same frames as one array: the last one begins at the tip and ends at the last node
         const std::string npz = slurp(dir / "wire.npz"), shape = "'shape': (101, 64, 3), }";
-        REQUIRE(npz.find("time_s.npy") != std::string::npos);
-        REQUIRE(npz.find("position_m.npy") != std::string::npos);
+        REQUIRE(has(npz, "time_s.npy"));
+        REQUIRE(has(npz, "position_m.npy"));
         const std::size_t data = npz.find('\n', npz.find(shape)) + 1;
-        REQUIRE(npz.find(shape) != std::string::npos);
+        REQUIRE(has(npz, shape));
         const auto position = [&](std::size_t station, std::size_t d) {
             double value = 0;
             std::memcpy(&value, npz.data() + data + sizeof(double) * ((100 * 64 + station) * 3 + d), sizeof value);
@@ -158,26 +147,24 @@ TEST_SUITE("apps/run")
 
     TEST_CASE("property: the resolved scene, run again elsewhere, gives the same bits")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
-        REQUIRE(run_app(folder, "run t.toml -o A --set contact.mu_sliding=0.05 --set scene.duration_s=0.2").code == 0);
-        REQUIRE(run_app(folder, "run A/scene.toml -o B/deeper").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
+        run_ok(folder, "run t.toml -o A --set contact.mu_sliding=0.05 --set scene.duration_s=0.2");
+        run_ok(folder, "run A/scene.toml -o B/deeper");
         CHECK(summary_of(folder.path / "A")["state_hash"] == summary_of(folder.path / "B/deeper")["state_hash"]);
         CHECK(timeless_trace(folder.path / "A") == timeless_trace(folder.path / "B/deeper"));
         CHECK(slurp(folder.path / "A/scene.toml") == slurp(folder.path / "B/deeper/scene.toml"));
         // and --set was not without effect
-        REQUIRE(run_app(folder, "run t.toml -o C --set scene.duration_s=0.2").code == 0);
+        run_ok(folder, "run t.toml -o C --set scene.duration_s=0.2");
         CHECK(summary_of(folder.path / "A")["state_hash"] != summary_of(folder.path / "C")["state_hash"]);
     }
 
     TEST_CASE("property: --overwrite leaves nothing of the old run, and nothing else is touched")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.05));
-        REQUIRE(run_app(folder, "run s.toml -o D").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene(0.05)}};
+        run_ok(folder, "run s.toml -o D");
         folder.write("D/notes.txt", "mine");
         REQUIRE(fs::exists(folder.path / "D/wire_000050.vtp"));
-        REQUIRE(run_app(folder, "run s.toml -o D --overwrite --set scene.duration_s=0.02").code == 0);
+        run_ok(folder, "run s.toml -o D --overwrite --set scene.duration_s=0.02");
         CHECK_FALSE(fs::exists(folder.path / "D/wire_000050.vtp"));
         CHECK(slurp(folder.path / "D/notes.txt") == "mine");
         CHECK(summary_of(folder.path / "D")["steps"] == 20);
@@ -185,56 +172,27 @@ TEST_SUITE("apps/run")
 
     TEST_CASE("property: the folder is named after the scene when none is given, and quiet is quiet")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
-        const AppResult loud = run_app(folder, "run s.toml");
-        CHECK(loud.code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene()}};
+        const AppResult loud = run_ok(folder, "run s.toml");
         CHECK(loud.err.empty());  // no progress where stderr is no terminal
-        CHECK(loud.out.find("s-run: summary.json, trace.csv") != std::string::npos);
+        CHECK(has(loud.out, "s-run: summary.json, trace.csv"));
         CHECK(fs::exists(folder.path / "s-run" / "summary.json"));
-        const AppResult quiet = run_app(folder, "run s.toml --overwrite --quiet");
-        CHECK(quiet.code == 0);
+        const AppResult quiet = run_ok(folder, "run s.toml --overwrite --quiet");
         CHECK(quiet.out.empty());
     }
 
     TEST_CASE("property: a wall moved farther than contact with it is exact is flagged, by loads far from the wire too")
     {
         const ScratchFolder folder;
-        folder.write("w.toml", R"([scene]
-gravity = [0.0, 0.0, 0.0]
-[wire]
-length_m = 0.01
-radius_m = 2e-4
-density = 8000.0
-bend_nm2 = 1e-5
-twist_nm2 = 1e-5
-stretch_n = 1e4
-nodes = 5
-[integrator]
-scheme = "static"
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-[vessel]
-shape = "tube"
-radius_m = 0.012
-length_m = 0.06
-origin = [-0.03, 0.0, 0.0]
-triangles = 2000
-wall = "elastic"
-thickness_m = 0.0015
-wall_edge_m = 0.004
-[[wall_load]]
-at = [0.0, 0.0, 0.012]
-force_n = [0.0, 0.0, 2.0]
-)");
+        folder.write("w.toml", static_scene + wire_text(0.01, 1e-5, 1e-5, 5, 2e-4, 8000) + held_base +
+                                   tube_text(0.012, 0.06, 2000) +
+                                   "origin = [-0.03, 0.0, 0.0]\nwall = \"elastic\"\nthickness_m = 0.0015\nwall_edge_m = 0.004\n"
+                                   "[[wall_load]]\nat = [0.0, 0.0, 0.012]\nforce_n = [0.0, 0.0, 2.0]\n");
         for (const bool far : {true, false}) {
             CAPTURE(far);
             // 2 N takes the wall 0.31 radii away, 0.1 N 0.03: it stiffens
             const std::string set = far ? "" : " --set 'wall_load.0.force_n=[0.0, 0.0, 0.1]'";
-            REQUIRE(run_app(folder, "run w.toml -o D --overwrite" + set).code == 0);
+            run_ok(folder, "run w.toml -o D --overwrite" + set);
             const auto summary = summary_of(folder.path / "D");
             CHECK((summary["wall_move_max_m"].get<double>() > 0.2 * 0.012) == far);
             CHECK(summary["wall_nonlinear_steps"] == (far ? 1 : 0));
@@ -249,37 +207,17 @@ force_n = [0.0, 0.0, 2.0]
     TEST_CASE("property: coarse control edges are warned about where the wall has moved, and not where nothing has touched it")
     {
         const ScratchFolder folder;
-        folder.write("w.toml", R"([scene]
-gravity = [0.0, 0.0, 0.0]
-[wire]
-length_m = 0.02
-radius_m = 4e-4
-density = 8000.0
-bend_nm2 = 1e-5
-twist_nm2 = 1e-5
-stretch_n = 1e4
-nodes = 21
-place = { shape = "straight", base = [-0.01, 0.0, 0.0004] }
-[integrator]
-scheme = "static"
-[[load]]
-at = 0.01
-force_n = [0.0, 0.0, -0.005]
-[vessel]
-shape = "plane"
-size_m = 0.06
-wall = "elastic"
-youngs_pa = 0.5e6
-thickness_m = 0.0009
-support_pa_m = 3e6
-wall_edge_m = 0.005
-)");
+        folder.write("w.toml", static_scene + wire_text(0.02, 1e-5, 1e-5, 21, 4e-4, 8000) +
+                                   "place = { shape = \"straight\", base = [-0.01, 0.0, 0.0004] }\n"
+                                   "[[load]]\nat = 0.01\nforce_n = [0.0, 0.0, -0.005]\n"
+                                   "[vessel]\nshape = \"plane\"\nsize_m = 0.06\nwall = \"elastic\"\nyoungs_pa = 0.5e6\n"
+                                   "thickness_m = 0.0009\nsupport_pa_m = 3e6\nwall_edge_m = 0.005\n");
         // the decay length is 2.67 mm, so edges are nearly two of them
         for (const bool touches : {true, false}) {
             CAPTURE(touches);
             const std::string away =
                 touches ? "" : " --set 'wire.place.base=[-0.01, 0.0, 0.01]' --set 'load.0.force_n=[0.0, 0.0, 0.0]'";
-            REQUIRE(run_app(folder, "run w.toml -o D --overwrite" + away).code == 0);
+            run_ok(folder, "run w.toml -o D --overwrite" + away);
             const auto summary = summary_of(folder.path / "D");
             CHECK((summary["wall_move_max_m"].get<double>() > 1e-6) == touches);
             CHECK((summary["warnings"].dump().find("vessel.wall_edge_m: got control edges of 5") != std::string::npos) ==
@@ -292,28 +230,9 @@ wall_edge_m = 0.005
         const ScratchFolder folder;
         // P L^2 / B = 1, clamped base, dead load across the tip: x/L = 1 - 0.05643, z/L = -0.30172 [Mattiasson 1981, table 1,
         // doi:10.1002/nme.1620170111]; the error of 40 edges is about (h/L)^2 / 12 * alpha, well below 1e-3
-        folder.write("e.toml", R"([scene]
-gravity = [0.0, 0.0, 0.0]
-[wire]
-length_m = 0.1
-radius_m = 0.000178
-density = 6450.0
-bend_nm2 = 5.0e-5
-twist_nm2 = 4.2e-5
-stretch_n = 6966.0
-nodes = 41
-[integrator]
-scheme = "static"
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-[[load]]
-at = "tip"
-force_n = [0.0, 0.0, -0.005]
-)");
-        REQUIRE(run_app(folder, "run e.toml -o D").code == 0);
+        folder.write("e.toml", static_scene + wire_text(0.1, 5e-5, 4.2e-5, 41, 0.000178, 6450, 6966) + held_base +
+                                   "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, -0.005]\n");
+        run_ok(folder, "run e.toml -o D");
         const auto wire = csv_rows(folder.path / "D/wire.csv");
         CHECK(number(wire, 1, "x_m") == about(0.1 * (1 - 0.05643)).epsilon(1e-3));
         CHECK(number(wire, 1, "z_m") == about(-0.1 * 0.30172).epsilon(1e-3));
@@ -328,7 +247,7 @@ force_n = [0.0, 0.0, -0.005]
             "s.toml",
             free_scene(10.0) +
                 "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, -0.001]\nramp_s = 0.2\n[integrator]\ndamping_mass_1_s = 60.0\n");
-        REQUIRE(run_app(folder, "run s.toml -o D --set scene.until=rest").code == 0);
+        run_ok(folder, "run s.toml -o D --set scene.until=rest");
         const auto summary = summary_of(folder.path / "D");
         CHECK(summary["at_rest"] == true);
         CHECK(summary["steps"].get<int>() > 200);   // the ramp
@@ -345,11 +264,7 @@ force_n = [0.0, 0.0, -0.005]
         std::string scene = tube_scene();
         scene.replace(scene.find("{t_s = 1.0, advance_m"), 21, "{t_s = 0.001, advance_m");
         folder.write("t.toml", scene);
-        const AppResult result = run_app(folder, "run t.toml -o D --quiet");
-        CAPTURE(result.err);
-        CHECK(result.code == 4);
-        CHECK(result.error_lines() == 1);
-        CHECK(result.err.find("scene.dt_s") != std::string::npos);
+        check_refused(folder, "run t.toml -o D --quiet", 4, "scene.dt_s");
         CHECK(summary_of(folder.path / "D")["status"] == "stopped");
         const auto wire = csv_rows(folder.path / "D/wire.csv");
         REQUIRE(wire.size() > 2);
@@ -359,9 +274,8 @@ force_n = [0.0, 0.0, -0.005]
 
     TEST_CASE("property: a picture of a run")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.05));
-        REQUIRE(run_app(folder, "run t.toml -o D").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.05)}};
+        run_ok(folder, "run t.toml -o D");
         const AppResult result = run_app(folder, "render D --size 320x180");
         if (result.code == 5 || result.err.find("no renderer") != std::string::npos) {
             skip("nothing to draw with");
@@ -377,24 +291,20 @@ force_n = [0.0, 0.0, -0.005]
     {
         const ScratchFolder folder;
         CHECK(run_app(folder, "--version").out.starts_with("seldinger 0."));
-        const AppResult help = run_app(folder, "run --help");
-        CHECK(help.code == 0);
-        CHECK(help.out.find("--time-limit") != std::string::npos);
+        const AppResult help = run_ok(folder, "run --help");
+        CHECK(has(help.out, "--time-limit"));
         CHECK(run_app(folder, "devices").out.starts_with("0: "));
     }
 
     TEST_CASE("property: a scene that comes with the program is found by its name, but a file of that name comes first")
     {
         const ScratchFolder folder;
-        const AppResult named = run_app(folder, "check bounce"), unknown = run_app(folder, "check bounces");
-        CAPTURE(named.err);
-        CHECK(named.code == 0);
-        CHECK(unknown.code == 3);
-        CHECK(unknown.error_lines() == 1);
+        run_ok(folder, "check bounce");
+        check_refused(folder, "check bounces", 3, "bounces");
         folder.write("bounce", "[no_such_table]\n");
         const AppResult own = run_app(folder, "check bounce");
         CHECK(own.code != 0);
-        CHECK(own.err.find("no_such_table") != std::string::npos);
+        CHECK(has(own.err, "no_such_table"));
     }
 }
 

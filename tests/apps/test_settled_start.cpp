@@ -12,13 +12,11 @@ TEST_SUITE("apps/settled_start")
         const std::string wire = "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nyoungs_pa = 1e9\nnodes = 11\n";
         folder.write("free.toml",
                      "[scene]\nduration_s = 0.02\ndt_s = 0.001\nstart = \"settled\"\n" + wire);  // nothing holds it: it falls
-        const AppResult ran = run_app(folder, "run free.toml -o settled");
-        CAPTURE(ran.err);
-        REQUIRE(ran.code == 0);
+        run_ok(folder, "run free.toml -o settled");
         const auto settled = summary_of(folder.path / "settled");
         REQUIRE(settled.at("warnings").size() == 1);
-        CHECK(settled.at("warnings")[0].get<std::string>().find("no equilibrium was found") != std::string::npos);
-        REQUIRE(run_app(folder, "run free.toml -o placed --set scene.start=placed").code == 0);
+        CHECK(has(settled.at("warnings")[0].get<std::string>(), "no equilibrium was found"));
+        run_ok(folder, "run free.toml -o placed --set scene.start=placed");
         CHECK(settled.at("state_hash") ==
               summary_of(folder.path / "placed").at("state_hash"));  // what settling tried leaves no trace
         folder.write("static.toml", "[integrator]\nscheme = \"static\"\n" + wire);

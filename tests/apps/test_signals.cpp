@@ -33,8 +33,7 @@ TEST_SUITE("apps/signals")
 {
     TEST_CASE("property: a run that loads its vessel ends at the signal, and runs when it is called again")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
         for (const int signal : {SIGINT, SIGTERM}) {
             // a surface of two million triangles is seconds of work
             const std::string dir = signal == SIGINT ? "D" : "E";
@@ -43,7 +42,7 @@ TEST_SUITE("apps/signals")
             REQUIRE(app.wait_until([&] { return fs::exists(folder.path / dir / ".lock"); }));
             ended(app, signal, folder.path / dir);
         }
-        CHECK(run_app(folder, "run t.toml -o D --resume --quiet").code == 0);
+        run_ok(folder, "run t.toml -o D --resume --quiet");
     }
 
     TEST_CASE("property: a batch that plans ends at the signal")
@@ -58,8 +57,7 @@ TEST_SUITE("apps/signals")
 
     TEST_CASE("property: a signal while kernels are built is obeyed then, by every command, and the next run builds them")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
         const std::vector<std::tuple<std::vector<std::string>, int>> commands = {
             {{"run", "t.toml", "-o", "D", "--quiet"}, SIGTERM},
             {{"plan", "t.toml", "--tolerance", "1mm", "-o", "P/p.toml", "--quiet"}, SIGINT},
@@ -77,13 +75,12 @@ TEST_SUITE("apps/signals")
             INFO(command);
             ended(app, signal, folder.path / "D");
         }
-        CHECK(run_app(folder, "run t.toml -o D --overwrite --quiet", "env POCL_CACHE_DIR=cache-run").code == 0);
+        run_ok(folder, "run t.toml -o D --overwrite --quiet", "env POCL_CACHE_DIR=cache-run");
     }
 
     TEST_CASE("property: a command without a loop ends with 128 + the signal")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
         std::string mesh = slurp(folder.path / "t.toml");
         mesh.replace(mesh.find("triangles = 2000"), 16, "triangles = 2000000");
         folder.write("big.toml", mesh);

@@ -26,14 +26,9 @@ TEST_SUITE("apps/stability")
 {
     TEST_CASE("property: a wrong row, map, method, sweep or scene is one line that says what is expected")
     {
-        const ScratchFolder folder;
-        folder.write("free.toml", free_scene());
+        const ScratchFolder folder{{"free.toml", free_scene()}};
         const auto refused = [&](const std::string& arguments, int code, const std::string& words) {
-            CAPTURE(arguments);
-            const AppResult result = run_app(folder, "stability " + arguments);
-            CHECK(result.code == code);
-            CHECK(result.error_lines() == 1);
-            CHECK(result.err.find(words) != std::string::npos);
+            check_refused(folder, "stability " + arguments, code, words);
         };
         refused("--row F22", 2, "expected F1 to F21");
         refused("--maps stifness", 2, "expected one of: axial; stiffness");
@@ -53,12 +48,10 @@ TEST_SUITE("apps/stability")
 
     TEST_CASE("property: cells that are there are not run again; more of the selection is added to them")
     {
-        const ScratchFolder folder;
-        folder.write("free.toml", free_scene());
-        const AppResult first = run_app(folder, swept("free.toml"));
-        CHECK(first.code == 0);
-        CHECK(first.out.find("14/14") != std::string::npos);
-        CHECK(first.out.find("the scene has no vessel") != std::string::npos);
+        const ScratchFolder folder{{"free.toml", free_scene()}};
+        const AppResult first = run_ok(folder, swept("free.toml"));
+        CHECK(has(first.out, "14/14"));
+        CHECK(has(first.out, "the scene has no vessel"));
         CHECK(fs::exists(folder.path / "D" / "stability.png"));
         const std::string table = slurp(folder.path / "D" / "stability.csv");
         REQUIRE(rows_of(folder) == 14);
@@ -77,29 +70,28 @@ TEST_SUITE("apps/stability")
         folder.write("short.toml", scene);
         const AppResult far = run_undrawn(folder, swept("short.toml"));
         CHECK(far.code == 0);
-        CHECK(far.out.find("never touches the wall") != std::string::npos);
+        CHECK(has(far.out, "never touches the wall"));
         // a thousand tons at the tip of a wire of half a millimetre
         folder.write("torn.toml", free_scene() + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 1.0e7, 0.0]\n");
         const AppResult torn =
             run_undrawn(folder, swept("torn.toml", "--vary wire.bend_nm2=1e-5,1e-4 --methods default explicit -o E"));
         CHECK(torn.code == 0);
-        CHECK(torn.out.find("no method holds in any cell") != std::string::npos);
-        CHECK(torn.out.find("seldinger check") != std::string::npos);
+        CHECK(has(torn.out, "no method holds in any cell"));
+        CHECK(has(torn.out, "seldinger check"));
     }
 
     TEST_CASE("property: a cell that its budget cuts short is unfinished, is said to be, and is run again when there is more")
     {
-        const ScratchFolder folder;
-        folder.write("free.toml", free_scene(2.0));
+        const ScratchFolder folder{{"free.toml", free_scene(2.0)}};
         const std::string sweep = "--vary wire.bend_nm2=1e-4 --methods default -o D";
         const AppResult cut = run_undrawn(folder, swept("free.toml", sweep + " --cell-budget 1e-6"));
         CHECK(cut.code == 0);
-        CHECK(cut.out.find("0/7") != std::string::npos);
-        CHECK(cut.out.find("7 cells were not finished") != std::string::npos);
-        CHECK(slurp(folder.path / "D" / "stability.csv").find("unfinished") != std::string::npos);
+        CHECK(has(cut.out, "0/7"));
+        CHECK(has(cut.out, "7 cells were not finished"));
+        CHECK(has(slurp(folder.path / "D" / "stability.csv"), "unfinished"));
         const AppResult more = run_undrawn(folder, swept("free.toml", sweep + " --cell-budget 1e5"));
-        CHECK(more.out.find("7/7") != std::string::npos);
-        CHECK(more.out.find("not finished") == std::string::npos);
+        CHECK(has(more.out, "7/7"));
+        CHECK_FALSE(has(more.out, "not finished"));
     }
 
     TEST_CASE("property: Ctrl-C ends it with exit 130 and one line that says how to go on; what was done is kept")
@@ -111,7 +103,7 @@ TEST_SUITE("apps/stability")
         CAPTURE(cut.err);
         CHECK(cut.code == 130);
         CHECK(cut.error_lines() == 1);
-        CHECK(cut.err.find("the same command continues") != std::string::npos);
+        CHECK(has(cut.err, "the same command continues"));
         CHECK(rows_of(folder) >= 1);
         CHECK(fs::exists(folder.path / "D" / "maps.json"));
     }

@@ -5,6 +5,17 @@
 
 namespace seldinger::test::test_static_path {
 
+namespace {
+
+/// A wire without weight, clamped at its base, that stands still at each moment.
+std::string swept_wire(int nodes)
+{
+    return "[scene]\nrecord_every = 1\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\n" +
+           wire_text(0.1, 1e-4, 8e-5, nodes, 5e-4) + placed_along_x + held_base;
+}
+
+}  // namespace
+
 TEST_SUITE("apps/static_path")
 {
     // A cantilever whose tip is moved aside and back: force 3 B d/L^3 on the way, none at the end. d/L is 0.02, and terms of its
@@ -12,17 +23,10 @@ TEST_SUITE("apps/static_path")
     TEST_CASE("analytic: the largest forces are those of the whole path, with the time of the keys")
     {
         const ScratchFolder folder;
-        folder.write("s.toml",
-                     "[scene]\nrecord_every = 1\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\n"
-                     "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 1.0e-4\ntwist_nm2 = "
-                     "8.0e-5\nstretch_n = 1.0e4\nnodes = 41\n"
-                     "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
-                     "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n"
-                     "[[hold]]\nat = \"tip\"\nposition = [\"y\", \"z\"]\n"
-                     "move = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.002, 0.0], [2.0, 0.0, 0.0, 0.0]]\n");
-        const AppResult result = run_app(folder, "run s.toml -o A --quiet");
-        CAPTURE(result.err);
-        REQUIRE(result.code == 0);
+        folder.write("s.toml", swept_wire(41) +
+                                   "[[hold]]\nat = \"tip\"\nposition = [\"y\", \"z\"]\n"
+                                   "move = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.002, 0.0], [2.0, 0.0, 0.0, 0.0]]\n");
+        run_ok(folder, "run s.toml -o A --quiet");
         const auto summary = summary_of(folder.path / "A");
         const double force = 3 * 1e-4 * 0.002 / 1e-3;
         CHECK(std::abs(summary["base_force_n"][1].get<double>()) < 1e-6 * force);
@@ -56,17 +60,11 @@ TEST_SUITE("apps/static_path")
     {
         const ScratchFolder folder;
         folder.write("t.toml",
-                     "[scene]\nrecord_every = 1\ngravity = [0.0, 0.0, 0.0]\n[integrator]\nscheme = \"static\"\n"
-                     "[wire]\nlength_m = 0.1\nradius_m = 0.0005\ndensity = 7900.0\nbend_nm2 = 1.0e-4\ntwist_nm2 = "
-                     "8.0e-5\nstretch_n = 1.0e4\nnodes = 21\n"
-                     "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
-                     "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nturn = [[0.0, 0.0], [1.0, 3.0], "
-                     "[2.0, 0.0]]\n"
-                     "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0], "
-                     "[1.0, 1e-5, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]\n");
-        const AppResult result = run_app(folder, "run t.toml -o A --quiet");
-        CAPTURE(result.err);
-        REQUIRE(result.code == 0);
+                     swept_wire(21) +
+                         "turn = [[0.0, 0.0], [1.0, 3.0], [2.0, 0.0]]\n"
+                         "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0], "
+                         "[1.0, 1e-5, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]\n");
+        run_ok(folder, "run t.toml -o A --quiet");
         const auto summary = summary_of(folder.path / "A");
         const auto rows = csv_rows(folder.path / "A/trace.csv");
         const auto at = [&](std::size_t row, const char* name) {

@@ -34,8 +34,7 @@ TEST_SUITE("apps/surroundings")
 
     TEST_CASE("regression: no file of a run is opened in the place of a closed stream")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
+        const ScratchFolder folder{{"s.toml", free_scene()}};
         REQUIRE(code_of(folder, "run s.toml -o A --quiet", "") == 0);
         CHECK(code_of(folder, "run s.toml -o B --json", "<&- >&- 2>&-") == 3);  // its result had no stdout
         for (const char* file : {"wire.csv", "scene.toml", "contacts.csv", "wire.pvd"})
@@ -47,9 +46,8 @@ TEST_SUITE("apps/surroundings")
 
     TEST_CASE("property: a folder that is gone, or a place for temporary files that is none, is no reason to crash")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene());
-        CHECK(run_app(folder, "run s.toml -o T --quiet", "TMPDIR=/nowhere").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene()}};
+        run_ok(folder, "run s.toml -o T --quiet", "TMPDIR=/nowhere");
         const std::string scene = (folder.path / "s.toml").string();
         const auto from_nowhere = [&](const std::string& arguments) {
             const std::string words =
@@ -69,18 +67,12 @@ TEST_SUITE("apps/surroundings")
 
     TEST_CASE("regression: a run folder whose names lead round in a circle, to devices or out of it is refused in one line")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.02));
-        REQUIRE(run_app(folder, "run t.toml -o R --quiet --set output.wire_every=10 --set output.contacts_every=10").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.02)}};
+        run_ok(folder, "run t.toml -o R --quiet --set output.wire_every=10 --set output.contacts_every=10");
         // a program under ./dev sanitize reserves addresses without memory behind them
         const std::string bounds = std::getenv("ASAN_OPTIONS") ? "timeout 60" : "ulimit -v 4000000 && timeout 60";
         const auto refused = [&](const std::string& command, const std::string& says) {
-            const AppResult result = run_app(folder, command, bounds);
-            CAPTURE(command);
-            CAPTURE(result.err);
-            CHECK(result.code == 3);
-            CHECK(result.error_lines() == 1);
-            CHECK(result.err.find(says) != std::string::npos);
+            check_refused(folder, command, 3, says, bounds);
         };
         const auto linked = [&](const std::string& name, const char* target) {
             fs::remove_all(folder.path / "Q");
@@ -104,7 +96,7 @@ TEST_SUITE("apps/surroundings")
         folder.write("Q/summary.json", "{\"a\":" + std::string(200'000, '[') + std::string(200'000, ']') + "}");
         refused("report Q", "is nested deeper than 32 levels");
         const std::string list = slurp(folder.path / "R/wire.pvd"), first = "file=\"wire_000000.vtp\"";
-        REQUIRE(list.find(first) != std::string::npos);
+        REQUIRE(has(list, first));
         std::string away = list, twice = list;
         away.replace(away.find(first), first.size(), "file=\"../R/wire_000000.vtp\"");
         twice.replace(twice.find(first), first.size(), "file=\"wire_000010.vtp\"");

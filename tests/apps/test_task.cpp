@@ -10,20 +10,6 @@ namespace seldinger::test::test_task {
 
 namespace {
 
-using Row = std::map<std::string, std::string>;
-
-std::vector<Row> table(const fs::path& file)
-{
-    const auto cells = csv_rows(file);
-    std::vector<Row> rows;
-    for (std::size_t k = 1; k < cells.size(); ++k) {
-        Row row;
-        for (std::size_t c = 0; c < cells[0].size(); ++c) row[cells[0][c]] = cells[k][c];
-        rows.push_back(row);
-    }
-    return rows;
-}
-
 // the tip slides along the floor of the tube: 30 mm from the inlet it is at the target, which the slower one does not reach in
 // time
 const std::string task = "[task]\ntarget = { name = \"the middle\", point = [0.03, 0.0, -0.005], radius_m = 0.002 }\n";
@@ -49,11 +35,8 @@ TEST_SUITE("apps/task")
 {
     TEST_CASE("property: a run says when the target was reached and what was the most until then, as its trace has it")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.5) + task);
-        const AppResult result = run_app(folder, "run t.toml -o R --set scene.record_every=1");
-        CAPTURE(result.err);
-        REQUIRE(result.code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.5) + task}};
+        const AppResult result = run_ok(folder, "run t.toml -o R --set scene.record_every=1");
         const auto summary = summary_of(folder.path / "R");
         CHECK(summary["branch"] == 1);
         CHECK(summary["branches"] == 1);
@@ -63,7 +46,7 @@ TEST_SUITE("apps/task")
         CHECK(said["verdict"] == "passed");
         // by hand: rows until the tip is within 2 mm of the point
         double patch = 0, hand = 0, at_s = -1, at_m = 0;
-        for (const Row& row : table(folder.path / "R/trace.csv")) {
+        for (const Row& row : table_rows(folder.path / "R/trace.csv")) {
             patch = std::max(patch, std::stod(row.at("patch_force_max_n")));
             hand = std::max(hand, std::abs(std::stod(row.at("hand_force_n"))));
             const double off = std::hypot(std::stod(row.at("tip_x_m")) - 0.03, std::stod(row.at("tip_y_m")),
@@ -84,7 +67,7 @@ TEST_SUITE("apps/task")
                         patch < 0.02 ? fmt::format("{:.3g} mN", 1e3 * patch) : fmt::format("{:.3g} N", patch))));
 
         // the same run, ended there
-        REQUIRE(run_app(folder, "run t.toml -o E --quiet --set scene.until=reached").code == 0);
+        run_ok(folder, "run t.toml -o E --quiet --set scene.until=reached");
         CHECK(summary_of(folder.path / "E")["simulated_s"] == at_s);
         CHECK(summary_of(folder.path / "E")["task"]["until_patch_force_max_n"] == patch);
         CHECK(summary_of(folder.path / "E")["status"] == "done");
@@ -92,38 +75,29 @@ TEST_SUITE("apps/task")
 
     TEST_CASE("property: a run without a task has the bits of one with it, and says in which branch its tip ended")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.2));
-        folder.write("task.toml", tube_scene(0.2) + task);
-        const AppResult plain = run_app(folder, "run t.toml -o P");
-        REQUIRE(plain.code == 0);
-        REQUIRE(run_app(folder, "run task.toml -o T --quiet").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.2)}, {"task.toml", tube_scene(0.2) + task}};
+        const AppResult plain = run_ok(folder, "run t.toml -o P");
+        run_ok(folder, "run task.toml -o T --quiet");
         CHECK(summary_of(folder.path / "P")["state_hash"] == summary_of(folder.path / "T")["state_hash"]);
         CHECK_FALSE(summary_of(folder.path / "P").contains("task"));
         CHECK(summary_of(folder.path / "P")["branch"] == 1);
-        CHECK(plain.out.find("tip in branch 1 of 1") != std::string::npos);
+        CHECK(has(plain.out, "tip in branch 1 of 1"));
     }
 
     TEST_CASE(
         "property: a batch's rows, bands and answer are those of the runs alone; stops and farms leave the bytes as they are")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.3) + task);
-        folder.write("v.toml", sweep);
-        const AppResult batch = run_app(folder, "batch t.toml --vary v.toml -o B --bands");
-        CAPTURE(batch.err);
-        REQUIRE(batch.code == 0);
-        const auto rows = table(folder.path / "B/results.csv");
+        const ScratchFolder folder{{"t.toml", tube_scene(0.3) + task}, {"v.toml", sweep}};
+        const AppResult batch = run_ok(folder, "batch t.toml --vary v.toml -o B --bands");
+        const auto rows = table_rows(folder.path / "B/results.csv");
         REQUIRE(rows.size() == 4);
         std::vector<double> peaks;
         for (const Row& row : rows) {
             const std::string set = fmt::format("--set scene.duration_s={} --set wire.bend_nm2={} ", row.at("scene.duration_s"),
                                                 row.at("wire.bend_nm2"));
             CAPTURE(set);
-            REQUIRE(run_app(folder, "run t.toml -o R --overwrite --quiet " + set).code == 0);
-            REQUIRE(
-                run_app(folder, "run t.toml -o H --overwrite --quiet --set scene.dt_s=0.0005 --set scene.record_every=10 " + set)
-                    .code == 0);
+            run_ok(folder, "run t.toml -o R --overwrite --quiet " + set);
+            run_ok(folder, "run t.toml -o H --overwrite --quiet --set scene.dt_s=0.0005 --set scene.record_every=10 " + set);
             const auto alone = summary_of(folder.path / "R"), half = summary_of(folder.path / "H");
             CHECK(row.at("state_hash") == alone["state_hash"]);
             CHECK((row.at("reached") == "1") == alone["task"]["reached"].get<bool>());
@@ -146,10 +120,10 @@ TEST_SUITE("apps/task")
         CHECK(answer.starts_with(
             "2 of 4 reached the middle, the others ended in branch 1 (2 runs); least peak on 5 mm of wall: run "));
         CHECK(answer.find(" (scene.duration_s=") != std::string::npos);
-        CHECK(answer.find(" ± ") != std::string::npos);
+        CHECK(has(answer, " ± "));
         CHECK(batch.out.ends_with(answer + "\n"));
 
-        const auto shapes = table(folder.path / "B/shapes.csv");
+        const auto shapes = table_rows(folder.path / "B/shapes.csv");
         REQUIRE(shapes.size() == 4 * 64);
         for (std::size_t k = 0; k < 4; ++k)  // the first station is the tip
             for (const char* c : {"x", "y", "z"})
@@ -164,9 +138,8 @@ TEST_SUITE("apps/task")
         for (const int tasks : {1, 3, 8}) {  // eight: the runs and those with half the step apart
             CAPTURE(tasks);
             const std::string dir = fmt::format("F{}", tasks);
-            REQUIRE(run_app(folder, fmt::format("farm t.toml --vary v.toml -o {} --tasks {} --bands", dir, tasks)).code == 0);
-            const AppResult merged = run_app(folder, "farm merge " + dir);
-            REQUIRE(merged.code == 0);
+            run_ok(folder, fmt::format("farm t.toml --vary v.toml -o {} --tasks {} --bands", dir, tasks));
+            const AppResult merged = run_ok(folder, "farm merge " + dir);
             CHECK(slurp(folder.path / dir / "results.csv") == csv);
             CHECK(slurp(folder.path / dir / "results.npz") == npz);
             CHECK(slurp(folder.path / dir / "results-units.csv") == units);
@@ -177,9 +150,8 @@ TEST_SUITE("apps/task")
 
     TEST_CASE("property: a run taken up again in mid-task has the task of one in one piece")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.5) + task);
-        REQUIRE(run_app(folder, "run t.toml -o one --quiet").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.5) + task}};
+        run_ok(folder, "run t.toml -o one --quiet");
         CHECK(taken_up_again(folder, "run t.toml -o parts --quiet") > 2);
         CHECK(summary_of(folder.path / "parts")["task"] == summary_of(folder.path / "one")["task"]);
     }
@@ -197,7 +169,7 @@ TEST_SUITE("apps/task")
                             (examples / name).string(), (examples / name).string(), name));
             CAPTURE(asked.err);
             CHECK(asked.code == 0);
-            CHECK(asked.out.find("reached left subclavian") != std::string::npos);
+            CHECK(has(asked.out, "reached left subclavian"));
             CHECK(summary_of(folder.path / name)["task"]["reached"] == 0);
         }
     }
@@ -209,9 +181,7 @@ TEST_SUITE("apps/task")
         const ScratchFolder folder;
         const std::string target = "[task]\ntarget = { branch = 1, beyond_m = 0.03 }\n";  // a tube's branch is all of it
         folder.write("t.toml", tube_scene(0.5) + target);
-        const AppResult result = run_app(folder, "run t.toml -o R --set scene.record_every=1 --set scene.until=reached");
-        CAPTURE(result.err);
-        REQUIRE(result.code == 0);
+        const AppResult result = run_ok(folder, "run t.toml -o R --set scene.record_every=1 --set scene.until=reached");
         const auto summary = summary_of(folder.path / "R");
         const double step = 0.001,
                      speed = 0.08;  // of the hub [m/s]; the tip goes as fast but for the slack that the tube takes up
@@ -220,7 +190,7 @@ TEST_SUITE("apps/task")
         CHECK(summary["branch_depth_m"].get<double>() < 0.03 + 3 * speed * step);
         CHECK(summary["task"]["distance_m"] == 0);
         double patch = 0, at_s = 0;
-        for (const Row& row : table(folder.path / "R/trace.csv"))
+        for (const Row& row : table_rows(folder.path / "R/trace.csv"))
             if (std::stod(row.at("patch_force_max_n")) > patch)
                 patch = std::stod(row.at("patch_force_max_n")), at_s = std::stod(row.at("time_s"));
         CHECK(summary["task"]["until_patch_force_max_s"] == at_s);
@@ -230,20 +200,12 @@ TEST_SUITE("apps/task")
 
     TEST_CASE("property: until = reached without a target, and a branch that there is not, are refused with what to do")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.1));
-        const AppResult no_target = run_app(folder, "run t.toml -o R --set scene.until=reached");
-        CHECK(no_target.code == 2);
-        CHECK(no_target.error_lines() == 1);
-        CHECK_MESSAGE(no_target.err.find("[task] target") != std::string::npos, no_target.err);
+        const ScratchFolder folder{{"t.toml", tube_scene(0.1)}};
+        check_refused(folder, "run t.toml -o R --set scene.until=reached", 2, "[task] target");
         folder.write("b.toml", tube_scene(0.1) + "[task]\ntarget = { branch = 2 }\n");
         for (const std::string command : {"run b.toml -o R", "batch b.toml --vary v.toml -o B"}) {
             folder.write("v.toml", "[vary]\n\"wire.bend_nm2\" = [1e-5]\n");
-            const AppResult no_branch = run_app(folder, command);
-            CAPTURE(no_branch.err);
-            CHECK(no_branch.code == 2);
-            CHECK(no_branch.error_lines() == 1);
-            CHECK(no_branch.err.find("got 2; expected 1 to 1") != std::string::npos);
+            check_refused(folder, command, 2, "got 2; expected 1 to 1");
         }
     }
 }

@@ -14,8 +14,8 @@ void is_refused(const AppResult& second, const std::string& place, pid_t by)
     CAPTURE(second.err);
     CHECK(second.code == 3);
     CHECK(second.error_lines() == 1);
-    CHECK(second.err.find(place) != std::string::npos);
-    CHECK(second.err.find(fmt::format("process {}", by)) != std::string::npos);
+    CHECK(has(second.err, place));
+    CHECK(has(second.err, fmt::format("process {}", by)));
 }
 
 }  // namespace
@@ -24,9 +24,7 @@ TEST_SUITE("apps/two runs in one folder")
 {
     TEST_CASE("property: a folder takes one run at a time, new, resumed or overwritten; who reads is free to")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(60.0, 1));
-        folder.write("short.toml", free_scene(0.05));
+        const ScratchFolder folder{{"s.toml", free_scene(60.0, 1)}, {"short.toml", free_scene(0.05)}};
         BackgroundApp first(folder.path, {"run", "s.toml", "-o", "D", "--quiet"});
         REQUIRE(first.wait_for_rows(folder.path / "D/trace.csv", 5));
         for (const char* how : {"", " --resume", " --overwrite"}) {
@@ -35,18 +33,17 @@ TEST_SUITE("apps/two runs in one folder")
         }
         folder.write("v.toml", "[vary]\n\"scene.dt_s\" = [0.001, 0.002]\n");
         is_refused(run_app(folder, "batch short.toml --vary v.toml -o D --overwrite --quiet"), "D", first.pid());
-        CHECK(run_app(folder, "report D -o page.html").err.find("another run") == std::string::npos);
+        CHECK_FALSE(has(run_app(folder, "report D -o page.html").err, "another run"));
         first.send(SIGTERM);
         CHECK(first.result().code == 75);
         CHECK_FALSE(fs::exists(folder.path / "D/.lock"));
         CHECK(summary_of(folder.path / "D")["name"] == "falling");
-        CHECK(run_app(folder, "run short.toml -o D --overwrite --quiet").code == 0);
+        run_ok(folder, "run short.toml -o D --overwrite --quiet");
     }
 
     TEST_CASE("property: the lock lives through an overwriting run, and ends with a killed one")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(60.0, 1));
+        const ScratchFolder folder{{"s.toml", free_scene(60.0, 1)}};
         REQUIRE(run_app(folder, "run s.toml -o D --time-limit 1e-6 --quiet").code == 75);
         {
             BackgroundApp first(folder.path, {"run", "s.toml", "-o", "D", "--quiet", "--overwrite"});
@@ -60,9 +57,8 @@ TEST_SUITE("apps/two runs in one folder")
 
     TEST_CASE("property: of runs that start together in a new folder one goes on")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.5, 1));
-        REQUIRE(run_app(folder, "run s.toml -o whole --quiet").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene(0.5, 1)}};
+        run_ok(folder, "run s.toml -o whole --quiet");
         std::vector<std::unique_ptr<BackgroundApp>> all;
         for (int k = 0; k < 6; ++k) {
             const fs::path own = folder.path / fmt::format("from-{}", k);
@@ -82,8 +78,7 @@ TEST_SUITE("apps/two runs in one folder")
 
     TEST_CASE("property: a live session's record and a plan are locked as well")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(1.0));
+        const ScratchFolder folder{{"t.toml", tube_scene(1.0)}};
         BackgroundApp first(folder.path, {"live", "t.toml", "--port", "0", "--udp", "0", "--record", "r.record", "--quiet"});
         REQUIRE(first.wait_until([&] { return fs::exists(folder.path / "r.record"); }));
         is_refused(run_app(folder, "live t.toml --port 0 --udp 0 --record r.record --duration 0.1 --quiet"), "r.record",
@@ -95,8 +90,7 @@ TEST_SUITE("apps/two runs in one folder")
 
     TEST_CASE("property: a run that is refused leaves no folder, and one leaves no half-written file of a killed one")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", tube_scene(0.02));
+        const ScratchFolder folder{{"s.toml", tube_scene(0.02)}};
         CHECK(run_app(folder, "run s.toml -o a/b/c --set vessel.shape=\"\" --set vessel.mesh=none.stl --set vessel.units=mm")
                   .code != 0);
         CHECK_FALSE(fs::exists(folder.path / "a"));
@@ -105,7 +99,7 @@ TEST_SUITE("apps/two runs in one folder")
         folder.write("D/wire_000010.vtp.999999998.tmp", "half");
         folder.write("D/mine.tmp", "of the user");
         folder.write(fmt::format("D/page.html.{}.tmp", getpid()), "being written by who lives");
-        CHECK(run_app(folder, "run s.toml -o D --quiet").code == 0);
+        run_ok(folder, "run s.toml -o D --quiet");
         CHECK_FALSE(fs::exists(folder.path / "D/checkpoint.bin.999999999.tmp"));
         CHECK_FALSE(fs::exists(folder.path / "D/wire_000010.vtp.999999998.tmp"));
         CHECK(fs::exists(folder.path / "D/mine.tmp"));

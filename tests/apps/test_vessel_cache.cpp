@@ -23,7 +23,7 @@ std::vector<fs::path> entries(const ScratchFolder& folder)
 void write_mesh_file(const ScratchFolder& folder)
 {
     folder.write("t.toml", tube_scene());
-    REQUIRE(run_app(folder, "vessel t.toml -o V").code == 0);
+    run_ok(folder, "vessel t.toml -o V");
     fs::copy_file(folder.path / "V/vessel.stl", folder.path / "tube.stl");
 }
 
@@ -47,7 +47,7 @@ TEST_SUITE("apps/vessel_cache")
         CHECK_FALSE(fs::exists(folder.path / "cache"));
         CHECK(report(folder, with_cache + " SELDINGER_VESSEL_CACHE=off") == plain);
         CHECK_FALSE(fs::exists(folder.path / "cache"));
-        CHECK(report(folder, with_cache, "-o A").find("triangles_read") != std::string::npos);
+        CHECK(has(report(folder, with_cache, "-o A"), "triangles_read"));
         REQUIRE(entries(folder).size() == 1);
         const fs::path entry = entries(folder)[0];
         const auto inode = [&] {
@@ -107,11 +107,10 @@ TEST_SUITE("apps/vessel_cache")
         for (const std::string& bytes : damaged) {
             CAPTURE(bytes.size());
             std::ofstream(entry, std::ios::binary) << bytes;
-            const AppResult result = run_app(folder, "vessel tube.stl --json", with_cache);
-            CHECK(result.code == 0);
+            const AppResult result = run_ok(folder, "vessel tube.stl --json", with_cache);
             CHECK(result.out == plain);
             CHECK(result.error_lines() == 1);
-            CHECK(result.err.find("is damaged; preparing the vessel again") != std::string::npos);
+            CHECK(has(result.err, "is damaged; preparing the vessel again"));
             CHECK(slurp(entry) == sound);
         }
     }
@@ -128,7 +127,7 @@ TEST_SUITE("apps/vessel_cache")
         fs::create_symlink(elsewhere, entry);
         const AppResult result = run_app(folder, "vessel tube.stl --json", with_cache);
         CHECK(result.out == plain);
-        CHECK(result.err.find("is a link or another user's") != std::string::npos);
+        CHECK(has(result.err, "is a link or another user's"));
         CHECK(fs::symlink_status(entry).type() == fs::file_type::regular);
         CHECK(slurp(elsewhere) == kept);
         // the folder itself
@@ -189,9 +188,8 @@ TEST_SUITE("apps/vessel_cache")
         fs::last_write_time(first, old);
         report(folder, with_cache);
         CHECK(fs::last_write_time(first) > old + std::chrono::hours(1));
-        const AppResult wrong = run_app(folder, "vessel tube.stl", with_cache + " SELDINGER_VESSEL_CACHE=yes");
-        CHECK(wrong.code == 2);
-        CHECK(wrong.err.find("SELDINGER_VESSEL_CACHE: got \"yes\"; expected") != std::string::npos);
+        check_refused(folder, "vessel tube.stl", 2, "SELDINGER_VESSEL_CACHE: got \"yes\"; expected",
+                      with_cache + " SELDINGER_VESSEL_CACHE=yes");
     }
 }
 

@@ -11,10 +11,8 @@ TEST_SUITE("apps/vessel")
 {
     TEST_CASE("analytic: the report of a generated tube")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
-        const AppResult result = run_app(folder, "vessel t.toml --json");
-        REQUIRE(result.code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
+        const AppResult result = run_ok(folder, "vessel t.toml --json");
         const auto report = nlohmann::json::parse(result.out);
         for (const char* key : {"triangles_read", "triangles", "vertices", "repairs", "loops", "centreline", "inlets"})
             CHECK(report.contains(key));
@@ -31,9 +29,8 @@ TEST_SUITE("apps/vessel")
 
     TEST_CASE("property: what -o writes can be read back and is the same vessel")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
-        REQUIRE(run_app(folder, "vessel t.toml -o V").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
+        run_ok(folder, "vessel t.toml -o V");
         const auto made = nlohmann::json::parse(run_app(folder, "vessel t.toml --json").out);
         for (const char* name : {"vessel.stl", "vessel.vtp"}) {
             CAPTURE(name);
@@ -55,54 +52,44 @@ TEST_SUITE("apps/vessel")
         const ScratchFolder folder;
         std::string scene = tube_scene();
         folder.write("t.toml", scene);
-        REQUIRE(run_app(folder, "vessel t.toml -o V").code == 0);
+        run_ok(folder, "vessel t.toml -o V");
         const std::string line = slurp(folder.path / "V/centreline.vtp");
         // without a unit of its own the line takes the mesh's, whatever that is said to be
-        REQUIRE(run_app(folder, "vessel V/vessel.stl --units m -o M --centreline V/centreline.vtp").code == 0);
-        const AppResult same = run_app(folder, "vessel V/vessel.stl --centreline V/centreline.vtp");
-        REQUIRE(same.code == 0);
-        CHECK(same.out.find("centreline 0.1000 m long") != std::string::npos);
+        run_ok(folder, "vessel V/vessel.stl --units m -o M --centreline V/centreline.vtp");
+        const AppResult same = run_ok(folder, "vessel V/vessel.stl --centreline V/centreline.vtp");
+        CHECK(has(same.out, "centreline 0.1000 m long"));
         // the mesh in millimetres, the line in centimetres with x and y turned round
-        REQUIRE(run_app(folder, "vessel V/vessel.stl --units cm -o C").code == 0);
-        const AppResult other =
-            run_app(folder, "vessel C/vessel.stl --units cm --centreline V/centreline.vtp --centreline-units cm");
-        CHECK(other.code == 0);
-        const AppResult refused = run_app(folder, "vessel V/vessel.stl --centreline V/centreline.vtp --centreline-units m");
-        CHECK(refused.code == 2);
-        CHECK(refused.err.find("Fix: --centreline-units \"mm\"") != std::string::npos);
-        CHECK(refused.err.find("vessel.centreline") == std::string::npos);
+        run_ok(folder, "vessel V/vessel.stl --units cm -o C");
+        run_ok(folder, "vessel C/vessel.stl --units cm --centreline V/centreline.vtp --centreline-units cm");
+        const AppResult refused = check_refused(folder, "vessel V/vessel.stl --centreline V/centreline.vtp --centreline-units m",
+                                                2, "Fix: --centreline-units \"mm\"");
+        CHECK_FALSE(has(refused.err, "vessel.centreline"));
         for (const char* command : {"vessel", "init"}) {
             CAPTURE(command);
-            const AppResult lone = run_app(folder, fmt::format("{} V/vessel.stl --centreline-space RAS", command));
-            CHECK(lone.code == 2);
-            CHECK(lone.err.find("Fix: give --centreline FILE") != std::string::npos);
+            check_refused(folder, fmt::format("{} V/vessel.stl --centreline-space RAS", command), 2,
+                          "Fix: give --centreline FILE");
             const std::string wrong = " V/vessel.stl --centreline V/centreline.vtp --centreline-space XYZ";
             CHECK(run_app(folder, command + wrong).code == 2);
         }
-        const AppResult made = run_app(folder, "init V/vessel.stl -o s.toml --centreline V/centreline.vtp --centreline-units mm "
-                                               "--centreline-space LPS");
-        CAPTURE(made.err);
-        REQUIRE(made.code == 0);
+        run_ok(folder,
+               "init V/vessel.stl -o s.toml --centreline V/centreline.vtp --centreline-units mm "
+               "--centreline-space LPS");
         const std::string text = slurp(folder.path / "s.toml");
-        for (const char* key :
-             {"centreline = \"V/centreline.vtp\"", "centreline_units = \"mm\"", "centreline_space = \"LPS\""})
-            CHECK(text.find(key) != std::string::npos);
-        CHECK(run_app(folder, "check s.toml").code == 0);
-        const AppResult twice = run_app(folder, "vessel t.toml --centreline V/centreline.vtp");
-        CHECK(twice.code == 2);
-        CHECK(twice.err.find("--centreline: a scene states its own") != std::string::npos);
+        for (const char* key : {"centreline = \"V/centreline.vtp\"", "centreline_units = \"mm\"", "centreline_space = \"LPS\""})
+            CHECK(has(text, key));
+        run_ok(folder, "check s.toml");
+        check_refused(folder, "vessel t.toml --centreline V/centreline.vtp", 2, "--centreline: a scene states its own");
     }
 
     TEST_CASE("property: inlet = auto enters through an opening, and the run goes into the tube")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene(0.05));
+        const ScratchFolder folder{{"t.toml", tube_scene(0.05)}};
         std::string scene = tube_scene(0.05);
         const std::size_t at = scene.find("point = "), end = scene.find("keys = ");
         scene.replace(at, end - at, "inlet = \"auto\"\n");
         folder.write("auto.toml", scene);
-        CHECK(run_app(folder, "check auto.toml").out.find("ok") != std::string::npos);
-        REQUIRE(run_app(folder, "run auto.toml -o D").code == 0);
+        CHECK(has(run_app(folder, "check auto.toml").out, "ok"));
+        run_ok(folder, "run auto.toml -o D");
         const auto wire = csv_rows(folder.path / "D/wire.csv");
         const double base = std::stod(wire.back()[1]), tip = std::stod(wire[1][1]);
         CHECK((std::abs(base) < 1e-9 || std::abs(base - 0.1) < 1e-9));  // the tube runs from x = 0 to x = 0.1
@@ -112,9 +99,7 @@ TEST_SUITE("apps/vessel")
 
     TEST_CASE("property: a scene's vessel has its unit already; a scene without one has nothing to inspect")
     {
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
-        folder.write("s.toml", free_scene());
+        const ScratchFolder folder{{"t.toml", tube_scene()}, {"s.toml", free_scene()}};
         CHECK(run_app(folder, "vessel t.toml --units mm").code == 2);
         CHECK(run_app(folder, "vessel s.toml").code == 2);
     }

@@ -43,9 +43,8 @@ TEST_SUITE("apps/vtk_opens")
             skip("/usr/bin/python3 has no vtk (Debian package python3-vtk9)");
             return;
         }
-        const ScratchFolder folder;
-        folder.write("t.toml", tube_scene());
-        REQUIRE(run_app(folder, "run t.toml -o D --quiet").code == 0);
+        const ScratchFolder folder{{"t.toml", tube_scene()}};
+        run_ok(folder, "run t.toml -o D --quiet");
         const fs::path script = folder.write("opener.py", opener);
         const std::string command = fmt::format("/usr/bin/python3 '{}' '{}' >'{}' 2>&1", script.string(),
                                                 (folder.path / "D").string(), (folder.path / "seen").string());
