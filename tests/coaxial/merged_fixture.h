@@ -4,6 +4,7 @@
 
 #include "engine.h"
 #include "support/approx.h"
+#include "support/steps.h"
 
 #include <doctest/doctest.h>
 
@@ -25,11 +26,7 @@ struct Part {
 
 inline WireSection section_of(double bend, double twist, double curvature)
 {
-    WireSection section;
-    section.radius = 0.5e-3;
-    section.density = 6500;
-    section.bend_stiffness = bend;
-    section.twist_stiffness = twist;
+    WireSection section{.radius = 0.5e-3, .density = 6500, .bend_stiffness = bend, .twist_stiffness = twist};
     section.stretch_stiffness = 4 * bend / (section.radius * section.radius);  // of a round wire
     section.rest_curvature = {curvature, 0};
     return section;
@@ -103,8 +100,7 @@ inline void turn_slowly(World& world, int wire, double advance, double from, dou
     for (int k = 1; k <= parts; ++k) {
         Control control;
         control.move_to(wire, advance, from + (to - from) * k / parts);
-        const StepReport report = step(world, control, 0.01);
-        REQUIRE_FALSE(report.failed());
+        REQUIRE_FALSE(step(world, control, 0.01).failed());
     }
 }
 
@@ -115,10 +111,8 @@ inline double swing_through_each_other(World& world, int steps, int period, doub
     double most = 0;
     for (int k = 1; k <= steps; ++k) {
         const double phase = 2 * pi * k / period;
-        Control control;
-        control.move_to(0, 0.05 + outer * (1 - std::cos(phase)), 0.5 * std::sin(phase));
-        control.move_to(1, 0.06 + 0.02 * std::sin(phase), 0.004 * k);
-        REQUIRE_FALSE(step(world, control, 1e-3).failed());
+        step_to(world, 1e-3,
+                {{0.05 + outer * (1 - std::cos(phase)), 0.5 * std::sin(phase)}, {0.06 + 0.02 * std::sin(phase), 0.004 * k}});
         most = std::max(most, world.readings(0).momentum.error().norm());
     }
     return most;

@@ -3,6 +3,7 @@
 // material is.
 
 #include "coaxial/merged_fixture.h"
+#include "support/steps.h"
 
 namespace seldinger::test {
 
@@ -19,10 +20,7 @@ inline WorldSetup straight_pair(double outer, double inner, Scheme scheme = Sche
 /// One step of dt [s], to whose end both are so far in and turned.
 inline void advance(World& world, double outer, double inner, double dt = 1e-3, double outer_turn = 0, double inner_turn = 0)
 {
-    Control control;
-    control.move_to(0, outer, outer_turn);
-    control.move_to(1, inner, inner_turn);
-    REQUIRE_FALSE(step(world, control, dt).failed());
+    step_to(world, dt, {{outer, outer_turn}, {inner, inner_turn}});
 }
 
 /// Where an instrument's material is, so far from its own tip.

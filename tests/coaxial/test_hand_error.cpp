@@ -20,10 +20,7 @@ Held held(double lever, double edge, double natural = 0)
     const double outer = 0.05, force = 5e-3;
     WorldSetup setup = straight_pair(outer, outer + lever, Scheme::Static, edge);
     setup.wires[0].wire.sections[0].section.rest_curvature = {natural, 0};
-    LoadSpec load;
-    load.at.kind = WirePoint::Kind::Distance;
-    load.force = {0, 0, force};
-    setup.wires[1].loads.push_back(load);
+    setup.wires[1].loads.push_back({.at = {WirePoint::Kind::Distance}, .force = {0, 0, force}});
     World world(setup);
     for (int k = 0; k < 3; ++k) advance(world, outer, outer + lever);
     // natural curvature of both together is natural/1.5, and the inner one's 0 beyond; what both store by that is natural^2 B_1

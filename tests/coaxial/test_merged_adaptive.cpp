@@ -1,8 +1,10 @@
 // Adaptive nodes of instruments that share one centreline: against even fine ones, against a wire alone, energy, saved states.
 
+#include "coaxial/bend_fixture.h"
 #include "coaxial/merged_fixture.h"
 #include "world/merged.h"
 #include "nodes/coaxial_nodes.h"
+#include "support/steps.h"
 #include "support/world_fixture.h"
 
 #include <algorithm>
@@ -30,57 +32,6 @@ WorldSetup in_air(double catheter, double wire, double edge, Scheme scheme)
     return setup;
 }
 
-/// A stiffer, thicker catheter over a wire, round a bend of 40 mm in a tube of 8 mm.
-WorldSetup in_a_bend(double catheter, double wire, double edge, double youngs = 0)
-{
-    TestSetup made;
-    made.gravity = Vec3::Zero();
-    add_bend(made, 4e-3, 0.04);
-    const int nodes = edge > 0 ? static_cast<int>(std::lround(0.3 / edge)) + 1 : 0;
-    WireSpec outer = steel_wire(0.3, nodes), inner = steel_wire(0.3, nodes);
-    outer.shaft.radius = 0.9e-3;
-    outer.shaft.bend_stiffness = 3e-5;
-    outer.shaft.twist_stiffness = 2.3e-5;
-    for (const auto& [spec, advance] : {std::pair(outer, catheter), std::pair(inner, wire)}) {
-        made.wires.push_back(fed_wire(spec, {0, 0, 0}, 0));
-        made.wires.back().feed.keys = {{0, advance, 0}};
-    }
-    made.systems = {2};
-    made.integrator.damping_mass = 5;
-    made.vessel.elastic = youngs > 0;
-    if (youngs > 0) made.vessel.youngs = youngs;
-    made.vessel.thickness = 0.8e-3;
-    WorldSetup setup = made;
-    setup.coaxial.push_back({.order = {0, 1}, .model = CoaxialSpec::Model::Merged});
-    return setup;
-}
-
-struct Place {
-    double catheter, wire, turn;  // [m], [m], of the wire [rad]
-};
-
-/// Steps `first` to `last` of `all` from one place to the other. @return how many changed the nodes
-int go(World& world, const Place& from, const Place& to, double dt, int all, int first, int last)
-{
-    int changes = 0;
-    for (int k = first; k <= last; ++k) {
-        const double share = static_cast<double>(k) / all;
-        Control control;
-        control.move_to(0, from.catheter + share * (to.catheter - from.catheter), 0);
-        control.move_to(1, from.wire + share * (to.wire - from.wire), from.turn + share * (to.turn - from.turn));
-        const int before = std::max(world.rod(0).n, world.rod(1).n);
-        REQUIRE_FALSE(step(world, control, dt).failed());
-        changes += std::max(world.rod(0).n, world.rod(1).n) != before;
-    }
-    return changes;
-}
-int go(World& world, const Place& from, const Place& to, int steps) { return go(world, from, to, 1e-3, steps, 1, steps); }
-
-double turned_over(const EnergyLedger& ledger)
-{
-    return std::max({std::abs(ledger.hand), std::abs(ledger.wire), ledger.friction, ledger.scheme, ledger.damping});
-}
-
 int nodes_of(const World& world) { return std::max(world.rod(0).n, world.rod(1).n); }
 
 }  // namespace
@@ -94,10 +45,7 @@ TEST_SUITE("coaxial/merged adaptive")
         const auto at_rest = [](double edge) {
             auto world = std::make_unique<World>(in_air(0.09, 0.12, edge, Scheme::Static));
             for (int k = 1; k <= 60; ++k) {
-                Control control;
-                control.move_to(0, 0.09, 0);
-                control.move_to(1, 0.12 + 5e-4 * std::min(k, 40), 0.05 * std::min(k, 40));
-                REQUIRE_FALSE(step(*world, control, 0.01).failed());
+                step_to(*world, 0.01, {{0.09}, {0.12 + 5e-4 * std::min(k, 40), 0.05 * std::min(k, 40)}});
             }
             return world;
         };
@@ -256,41 +204,43 @@ TEST_SUITE("coaxial/merged adaptive")
     {
         for (const double youngs : {0.0, 0.4e6}) {
             CAPTURE(youngs);
-            const auto made = [&] { return in_a_bend(0.01, 0.02, 0, youngs); };
-            World whole(made()), first(made()), second(made());
-            const Place from{0.01, 0.02, 0}, to{0.05, 0.09, 1};
-            go(whole, from, to, 1e-3, 600, 1, 600);
-            go(first, from, to, 1e-3, 600, 1, 350);
-            second.restore_state(first.save_state());
-            CHECK(second.state_hash() == first.state_hash());
-            CHECK(go(second, from, to, 1e-3, 600, 351, 600) > 3);
-            CHECK(second.state_hash() == whole.state_hash());
-            CHECK(second.readings(0).energy.hand == whole.readings(0).energy.hand);
-            World third(made());
-            third.restore_state(0, first.save_state(0));
-            CHECK(third.readings(1).nodes == first.readings(1).nodes);
+            const WorldSetup setup = in_a_bend(0.01, 0.02, 0, youngs);
+            int changes = 0;  // in the last that goes on
+            const TakenUp runs(
+                setup,
+                [&](World& world, int from, int to) {
+                    changes = go(world, {0.01, 0.02, 0}, {0.05, 0.09, 1}, 600, from + 1, to);
+                },
+                350, 600);
+            CHECK(changes > 3);
+            CHECK(runs.second.readings(0).energy.hand == runs.whole.readings(0).energy.hand);
+            World third(setup);
+            third.restore_state(0, runs.first.save_state(0));
+            CHECK(third.readings(1).nodes == runs.first.readings(1).nodes);
         }
     }
 
     // The same equations and the same estimate of errors; births at the hub differ by what a polygon's node is off,
     // (kappa h)^2 h.
-    TEST_CASE("property: an instrument alone in the group has the nodes of an adaptive wire, and its shape")
+    TEST_CASE("property: an instrument alone in the group has the nodes of a wire, even or adaptive, and its shape")
     {
-        WorldSetup both = in_a_bend(0, 0.02, 0), one = both;
-        one.wires.erase(one.wires.begin());
-        one.coaxial.clear();
-        one.systems.clear();
-        World group(both), alone(one);
-        go(group, {0, 0.02, 0}, {0, 0.1, 0}, 800);
-        for (int k = 1; k <= 800; ++k) {
-            Control control;
-            control.move_to(0, 0.02 + 1e-4 * k, 0);
-            REQUIRE_FALSE(step(alone, control, 1e-3).failed());
+        struct Allowed {
+            double edge, apart, share;
+        };
+        for (const auto& [edge, apart, share] : {Allowed{2e-3, 5e-5, 0.02}, Allowed{0, 1e-6, 1e-3}}) {
+            CAPTURE(edge);
+            WorldSetup both = in_a_bend(0, 0.02, edge), one = both;
+            one.wires.erase(one.wires.begin());
+            one.coaxial.clear();
+            one.systems.clear();
+            World group(both), alone(one);
+            go(group, {0, 0.02}, {0, 0.1}, 800);
+            for (int k = 1; k <= 800; ++k) step_to(alone, 1e-3, {{0.02 + 1e-4 * k}});
+            if (edge == 0) CHECK(group.rod(1).n == alone.rod(0).n);
+            CHECK((group.rod(1).pos(0) - alone.rod(0).pos(0)).norm() < apart);
+            CHECK(group.readings(1).friction == about(alone.readings(0).friction).epsilon(share));
+            CHECK(group.readings(1).hand_force == about(alone.readings(0).hand_force).epsilon(share));
         }
-        CHECK(group.rod(1).n == alone.rod(0).n);
-        CHECK((group.rod(1).pos(0) - alone.rod(0).pos(0)).norm() < 1e-6);
-        CHECK(group.readings(1).friction == about(alone.readings(0).friction).epsilon(1e-3));
-        CHECK(group.readings(1).hand_force == about(alone.readings(0).hand_force).epsilon(1e-3));
     }
 
     TEST_CASE("property: nodes are even where one of the instruments asks for that")

@@ -1,6 +1,9 @@
 // Instruments that share one centreline in a vessel: whose surface touches, what each hand feels of it.
 
-#include "support/world_fixture.h"
+#include "coaxial/bend_fixture.h"
+#include "coaxial/merged_fixture.h"
+#include "support/refusal.h"
+#include "support/steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,51 +12,13 @@ namespace seldinger::test::test_merged_contact {
 
 namespace {
 
-/// A stiffer, thicker catheter over a wire, round a bend of 40 mm in a tube of 8 mm. @param youngs  of its wall, 0: rigid [Pa]
-WorldSetup in_a_bend(double catheter, double wire, double youngs = 0)
+/// With a catheter that slides more easily. @param youngs  of the wall, 0: rigid [Pa]
+WorldSetup slippery_in_a_bend(double catheter, double wire, double youngs = 0)
 {
-    TestSetup made;
-    made.gravity = Vec3::Zero();
-    add_bend(made, 4e-3, 0.04);
-    WireSpec outer = steel_wire(0.3, 151), inner = steel_wire(0.3, 151);
-    outer.shaft.radius = 0.9e-3;
-    outer.shaft.bend_stiffness = 3e-5;
-    outer.shaft.twist_stiffness = 2.3e-5;
-    outer.shaft.mu_sliding = 0.1;
-    outer.shaft.mu_static = 0.12;
-    for (const auto& [spec, advance] : {std::pair(outer, catheter), std::pair(inner, wire)}) {
-        made.wires.push_back(fed_wire(spec, {0, 0, 0}, 0));
-        made.wires.back().feed.keys = {{0, advance, 0}};
-    }
-    made.systems = {2};
-    made.integrator.damping_mass = 5;
-    made.vessel.elastic = youngs > 0;
-    if (youngs > 0) made.vessel.youngs = youngs;
-    made.vessel.thickness = 0.8e-3;
-    WorldSetup setup = made;
-    setup.coaxial.push_back({.order = {0, 1}, .model = CoaxialSpec::Model::Merged});
+    WorldSetup setup = in_a_bend(catheter, wire, 2e-3, youngs);
+    setup.wires[0].wire.shaft.mu_sliding = 0.1;
+    setup.wires[0].wire.shaft.mu_static = 0.12;
     return setup;
-}
-
-struct Place {
-    double catheter, wire;  // [m]
-};
-
-/// Steps of 1 ms from one place to the other.
-void go(World& world, const Place& from, const Place& to, int steps)
-{
-    for (int k = 1; k <= steps; ++k) {
-        const double share = static_cast<double>(k) / steps;
-        Control control;
-        control.move_to(0, from.catheter + share * (to.catheter - from.catheter), 0);
-        control.move_to(1, from.wire + share * (to.wire - from.wire), 0);
-        REQUIRE_FALSE(step(world, control, 1e-3).failed());
-    }
-}
-
-double turned_over(const EnergyLedger& ledger)
-{
-    return std::max({std::abs(ledger.hand), std::abs(ledger.wire), ledger.friction, ledger.scheme, ledger.damping});
 }
 
 }  // namespace
@@ -65,7 +30,7 @@ TEST_SUITE("coaxial/merged contact")
     TEST_CASE("property: pushed round a bend one after the other and back, with energy and momentum closed")
     {
         const Place start{0.01, 0.02}, wire_out{0.01, 0.1}, over_it{0.07, 0.1}, ahead{0.1, 0.08}, back{0.03, 0.02};
-        World world(in_a_bend(start.catheter, start.wire));
+        World world(slippery_in_a_bend(start.catheter, start.wire));
         Place at = start;
         for (const Place& next : {wire_out, over_it, ahead, back}) {
             CAPTURE(next.catheter);
@@ -92,7 +57,7 @@ TEST_SUITE("coaxial/merged contact")
         long iterations[2] = {0, 0};
         Vec3 tip[2];
         for (const Precision precision : {Precision::Float64, Precision::Float32}) {
-            WorldSetup setup = in_a_bend(start.catheter, start.wire);
+            WorldSetup setup = slippery_in_a_bend(start.catheter, start.wire);
             for (WireSetup& wire : setup.wires) wire.contact.precision = precision;
             World world(setup);
             const bool single = precision == Precision::Float32;
@@ -118,7 +83,7 @@ TEST_SUITE("coaxial/merged contact")
     {
         const Place start{0.01, 0.02}, wire_out{0.01, 0.09}, over_it{0.07, 0.1};
         const auto end_of = [&](double youngs) {
-            World world(in_a_bend(start.catheter, start.wire, youngs));
+            World world(slippery_in_a_bend(start.catheter, start.wire, youngs));
             go(world, start, wire_out, 800);
             go(world, wire_out, over_it, 800);
             const WireReadings outer = world.readings(0), inner = world.readings(1);
@@ -146,16 +111,6 @@ TEST_SUITE("coaxial/merged contact")
         CHECK((hard - rigid).norm() < 0.3 * (soft - rigid).norm());
     }
 
-    TEST_CASE("property: beside an elastic wall a run that is taken up again ends with the same bits")
-    {
-        World whole(in_a_bend(0.01, 0.02, 0.4e6)), first(in_a_bend(0.01, 0.02, 0.4e6)), second(in_a_bend(0.01, 0.02, 0.4e6));
-        for (World* world : {&whole, &first}) go(*world, {0.01, 0.02}, {0.05, 0.09}, 350);
-        second.restore_state(first.save_state());
-        for (World* world : {&whole, &second}) go(*world, {0.05, 0.09}, {0.09, 0.07}, 200);
-        CHECK(second.state_hash() == whole.state_hash());
-        CHECK(second.readings(0).energy.wall == whole.readings(0).energy.wall);
-    }
-
     // A catheter that comes down to a plane at a slope, by so much further than it: a cantilever of 3 B d/L^3, though a thread
     // goes on from its tip. The wall itself gives by 3 % of d. Where the polyline turns before the tip, the force on the half
     // edge between is along the thread, not the catheter: hands share it by up to the angle between both, 0.05.
@@ -167,11 +122,7 @@ TEST_SUITE("coaxial/merged contact")
             CAPTURE(k);
             TestSetup made;
             made.gravity = Vec3::Zero();
-            VesselSpec plane;
-            plane.shape = VesselShape::Plane;
-            plane.size = 0.2;
-            plane.triangles = 800;
-            add_vessel(made, make_plane(plane), plane);
+            add_plane(made, 0.2, 800);
             WireSpec outer = steel_wire(0.3, 151), inner = steel_wire(0.3, 151);
             outer.shaft.radius = radius;
             outer.shaft.bend_stiffness = outer.shaft.twist_stiffness = stiffness;
@@ -204,18 +155,16 @@ TEST_SUITE("coaxial/merged contact")
     // The wire slides out of a catheter that stands still: all of its friction is in its own hand.
     TEST_CASE("property: friction is felt by the hand of the instrument that it acts on")
     {
-        World world(in_a_bend(0.01, 0.02));
+        World world(slippery_in_a_bend(0.01, 0.02));
         go(world, {0.01, 0.02}, {0.03, 0.04}, 200);
         go(world, {0.03, 0.04}, {0.03, 0.1}, 600);
         const WireReadings wire = world.readings(1);
         REQUIRE(wire.friction > 1e-3);
         CHECK(wire.sliding == about(wire.friction).epsilon(1e-6));
         CHECK(world.readings(0).friction < 0.02 * wire.friction);
-        World slippery([] {
-            WorldSetup setup = in_a_bend(0.01, 0.02);
-            setup.wires[1].wire.shaft.mu_sliding = setup.wires[1].wire.shaft.mu_static = 0;
-            return setup;
-        }());
+        WorldSetup smooth = slippery_in_a_bend(0.01, 0.02);
+        smooth.wires[1].wire.shaft.mu_sliding = smooth.wires[1].wire.shaft.mu_static = 0;
+        World slippery(smooth);
         go(slippery, {0.01, 0.02}, {0.03, 0.04}, 200);
         go(slippery, {0.03, 0.04}, {0.03, 0.1}, 600);
         // friction presses the wire against the bend a little more, exp(mu phi) - 1 instead of mu phi, and changes the shape that
@@ -225,68 +174,46 @@ TEST_SUITE("coaxial/merged contact")
         CHECK(std::abs(world.readings(0).hand_force - slippery.readings(0).hand_force) < 0.2 * wire.friction);
     }
 
-    TEST_CASE("property: a run in a vessel that is taken up again ends with the same bits")
+    TEST_CASE("property: a run in a vessel, rigid or elastic, that is taken up again ends with the same bits")
     {
-        World whole(in_a_bend(0.01, 0.02)), first(in_a_bend(0.01, 0.02)), second(in_a_bend(0.01, 0.02));
-        for (World* world : {&whole, &first}) go(*world, {0.01, 0.02}, {0.05, 0.09}, 350);
-        second.restore_state(first.save_state());
-        CHECK(second.contacts().size() == first.contacts().size());
-        for (World* world : {&whole, &second}) go(*world, {0.05, 0.09}, {0.09, 0.07}, 200);
-        CHECK(second.state_hash() == whole.state_hash());
-        CHECK(second.readings(0).energy.hand == whole.readings(0).energy.hand);
-    }
-
-    TEST_CASE("property: a catheter that has not come yet changes nothing")
-    {
-        WorldSetup both = in_a_bend(0, 0.02), one = both;
-        one.wires.erase(one.wires.begin());
-        one.coaxial.clear();
-        one.systems.clear();
-        World group(both), alone(one);
-        go(group, {0, 0.02}, {0, 0.1}, 800);
-        for (int k = 1; k <= 800; ++k) {
-            Control control;
-            control.move_to(0, 0.02 + 1e-4 * k, 0);
-            REQUIRE_FALSE(step(alone, control, 1e-3).failed());
+        for (const double youngs : {0.0, 0.4e6}) {
+            CAPTURE(youngs);
+            const auto on = [](World& world, int from, int to) {
+                if (from == 0) go(world, {0.01, 0.02}, {0.05, 0.09}, 350);
+                if (to == 550) go(world, {0.05, 0.09}, {0.09, 0.07}, 200);
+            };
+            const TakenUp runs(slippery_in_a_bend(0.01, 0.02, youngs), on, 350, 550);
+            CHECK(runs.second.contacts().size() == runs.whole.contacts().size());
+            CHECK(runs.second.readings(0).energy.hand == runs.whole.readings(0).energy.hand);
+            CHECK(runs.second.readings(0).energy.wall == runs.whole.readings(0).energy.wall);
         }
-        // births at the hub put their nodes a little differently
-        CHECK((group.rod(1).pos(0) - alone.rod(0).pos(0)).norm() < 5e-5);
-        CHECK(group.readings(1).friction == about(alone.readings(0).friction).epsilon(0.02));
-        CHECK(group.readings(1).hand_force == about(alone.readings(0).hand_force).epsilon(0.02));
     }
 
     TEST_CASE("bad input: what cannot share a centreline is named")
     {
-        const auto message = [](const WorldSetup& setup) {
-            try {
-                World world(setup);
-            } catch (const std::exception& error) {
-                return std::string(error.what());
-            }
-            return std::string();
-        };
-        WorldSetup setup = in_a_bend(0.02, 0.05);
+        const auto message = [](const WorldSetup& setup) { return refusal([&] { World world(setup); }); };
+        WorldSetup setup = slippery_in_a_bend(0.02, 0.05);
         CHECK(message(setup).empty());
         setup.coaxial[0].order = {0};
-        CHECK(message(setup).find("coaxial[0].order: got fewer than two instruments") != std::string::npos);
+        CHECK(has(message(setup), "coaxial[0].order: got fewer than two instruments"));
         setup.coaxial[0].order = {0, 2};
-        CHECK(message(setup).find("got instrument 2; expected 0 to 1") != std::string::npos);
-        setup = in_a_bend(0.02, 0.05);
+        CHECK(has(message(setup), "got instrument 2; expected 0 to 1"));
+        setup = slippery_in_a_bend(0.02, 0.05);
         setup.systems = {1, 1};
-        CHECK(message(setup).find("got instruments of different systems") != std::string::npos);
-        setup = in_a_bend(0.02, 0.05);
+        CHECK(has(message(setup), "got instruments of different systems"));
+        setup = slippery_in_a_bend(0.02, 0.05);
         setup.integrator.newmark = true;
         CHECK(message(setup).empty());
         setup.integrator.newmark = false;
         setup.integrator.conserve = true;
-        CHECK(message(setup).find("integrator: ") != std::string::npos);
-        setup = in_a_bend(0.02, 0.05);
+        CHECK(has(message(setup), "integrator: "));
+        setup = slippery_in_a_bend(0.02, 0.05);
         setup.wires[1].feed.point.x() += 1e-3;
-        CHECK(message(setup).find("wires[1].feed: got another inlet") != std::string::npos);
-        setup = in_a_bend(0.02, 0.05);
+        CHECK(has(message(setup), "wires[1].feed: got another inlet"));
+        setup = slippery_in_a_bend(0.02, 0.05);
         setup.coaxial.clear();
         setup.wires[1].feed.behind = 0.1;
-        CHECK(message(setup).find("wires[1].feed.behind") != std::string::npos);
+        CHECK(has(message(setup), "wires[1].feed.behind"));
     }
 }
 

@@ -1,6 +1,7 @@
 // Instruments that share one centreline pushed and drawn through each other: energy, hands, the leader, saved states.
 
 #include "coaxial/merged_fixture.h"
+#include "support/steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,10 +86,7 @@ TEST_SUITE("coaxial/merged feeding")
             const double inner = 0.036 + 1e-3 * k;
             World world(merged_setup({outer, knee}, {0.03, inner}, 2e-3));
             for (int round = 0; round < 2; ++round) {
-                Control control;
-                control.move_to(0, 0.03, 0);
-                control.move_to(1, inner, 0);
-                REQUIRE_FALSE(step(world, control, 1e-3).failed());
+                step_to(world, 1e-3, {{0.03}, {inner}});
             }
             CHECK(world.readings(0).hand_force == about(force).epsilon(2e-3));
             CHECK(world.readings(1).hand_force == about(-force).epsilon(2e-3));
@@ -169,9 +167,7 @@ TEST_SUITE("coaxial/merged feeding")
         CHECK(std::abs(world.readings(1).hand_torque - wire.readings(0).hand_torque) < 1e-6);
         CHECK(std::abs(world.readings(0).hand_force) < 1e-6);
         for (int k = 1; k <= 400; ++k) {
-            Control both;
-            both.move_to(0, 1e-4 * k, 0);
-            REQUIRE_FALSE(step(world, both, 1e-3).failed());
+            step_to(world, 1e-3, {{1e-4 * k}});
         }
         CHECK(world.rod(0).material_s[world.rod(0).n - 1] == about(0.04).epsilon(1e-3));
     }
@@ -188,20 +184,14 @@ TEST_SUITE("coaxial/merged feeding")
         World still(setup), world(setup);
         for (int k = 1; k <= 50; ++k)
             for (World* one : {&still, &world}) {
-                Control control;
-                control.move_to(0, 0, one == &world ? turned * k / 50 : 0);
-                control.move_to(1, 0.03 + 1e-4 * k, 0.01 * k);
-                REQUIRE_FALSE(step(*one, control, 1e-3).failed());
+                step_to(*one, 1e-3, {{0, one == &world ? turned * k / 50 : 0}, {0.03 + 1e-4 * k, 0.01 * k}});
             }
         const ConstRodView wire = world.rod(1), alone = still.rod(1);
         REQUIRE(wire.n == alone.n);
         for (int j = 0; j < wire.n - 1; ++j) CHECK(wire.theta[j] == alone.theta[j]);
         CHECK(world.readings(1).energy.hand == still.readings(1).energy.hand);
         for (int k = 1; k <= 20; ++k) {
-            Control control;
-            control.move_to(0, 1e-3 * k, turned);
-            control.move_to(1, 0.035, 0.5);
-            REQUIRE_FALSE(step(world, control, 1e-3).failed());
+            step_to(world, 1e-3, {{1e-3 * k, turned}, {0.035, 0.5}});
             CAPTURE(k);
             CHECK(std::abs(world.readings(0).hand_torque) <= 1e-9);
         }
@@ -217,10 +207,7 @@ TEST_SUITE("coaxial/merged feeding")
         setup.wires[1].feed.behind = 0.2;
         World world(setup);
         for (int k = 1; k <= 20; ++k) {
-            Control control;
-            control.move_to(0, 0.05, 0);
-            control.move_to(1, 0.03 + 1e-3 * k, 0.05 * k);
-            REQUIRE_FALSE(step(world, control, 0.01).failed());
+            step_to(world, 0.01, {{0.05}, {0.03 + 1e-3 * k, 0.05 * k}});
         }
         const ConstRodView wire = world.rod(1);
         const double at_clamp = -wire.theta[wire.n - 1], torque = world.readings(1).hand_torque;  // + turns are - theta
@@ -242,10 +229,7 @@ TEST_SUITE("coaxial/merged feeding")
             setup.gravity = {0, 0, -9.81};
             auto world = std::make_unique<World>(setup);
             for (int k = 1; k <= 300; ++k) {
-                Control control;
-                control.move_to(0, 0.02 + 2e-4 * k, turn_rate * 1e-3 * k);
-                control.move_to(1, 0.03 + 2e-4 * k, -2 * turn_rate * 1e-3 * k);
-                REQUIRE_FALSE(step(*world, control, 1e-3).failed());
+                step_to(*world, 1e-3, {{0.02 + 2e-4 * k, turn_rate * 1e-3 * k}, {0.03 + 2e-4 * k, -2 * turn_rate * 1e-3 * k}});
             }
             return world;
         };

@@ -4,6 +4,7 @@
 #include "coaxial/friction_fixture.h"
 #include "contact/rods/coaxial_friction.h"
 #include "core/state_walk.h"
+#include "support/steps.h"
 #include "world/merged.h"
 
 #include <algorithm>
@@ -160,10 +161,7 @@ TEST_SUITE("coaxial/merged friction")
             const int nodes = world.rod(1).n;
             int changes = 0, last = nodes;
             for (int k = 1; k <= 440; ++k) {
-                Control control;
-                control.move_to(0, 0.05 + 5e-5 * k, 0);
-                control.move_to(1, 0.06 + 5e-5 * k, 0.01);
-                REQUIRE_FALSE(step(world, control, 1e-3).failed());
+                step_to(world, 1e-3, {{0.05 + 5e-5 * k}, {0.06 + 5e-5 * k, 0.01}});
                 changes += world.rod(1).n != last;
                 last = world.rod(1).n;
             }

@@ -1,9 +1,10 @@
 // Holds of instruments that share one centreline: a place of the material is held wherever it lies between the line's nodes.
 
 #include "coaxial/straight_pair.h"
-#include "world/merged.h"
 #include "rod/transport.h"
 #include "solve/line_holds.h"
+#include "support/steps.h"
+#include "world/merged.h"
 #include "world/world.h"
 
 #include <algorithm>
@@ -18,13 +19,7 @@ constexpr double pair_bend = 1.5 * bend;
 
 HoldSpec hold_at(double from_tip, bool position, bool direction, bool spin)
 {
-    HoldSpec hold;
-    hold.at.kind = WirePoint::Kind::Distance;
-    hold.at.from_tip = from_tip;
-    hold.position = position;
-    hold.direction = direction;
-    hold.spin = spin;
-    return hold;
+    return {.at = {WirePoint::Kind::Distance, from_tip}, .position = position, .direction = direction, .spin = spin};
 }
 
 /// An arbitrary shape of a pair, accepted with the frames that it is carried to. @return unknowns of its second instrument
@@ -95,9 +90,7 @@ TEST_SUITE("coaxial/merged holds")
             World merged(pair), single(one);
             for (int k = 0; k < 3; ++k) {
                 advance(merged, length, length);
-                Control control;
-                control.move_to(0, length, 0);
-                REQUIRE_FALSE(step(single, control, 1e-3).failed());
+                step_to(single, 1e-3, {{length}});
             }
             const ConstRodView a = merged.rod(1), b = single.rod(0);
             REQUIRE(a.n == b.n);

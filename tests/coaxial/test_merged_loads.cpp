@@ -11,12 +11,7 @@ namespace {
 
 LoadSpec load_at(double from_tip, const Vec3& force, const Vec3& moment = Vec3::Zero())
 {
-    LoadSpec load;
-    load.at.kind = WirePoint::Kind::Distance;
-    load.at.from_tip = from_tip;
-    load.force = force;
-    load.moment = moment;
-    return load;
+    return {.at = {WirePoint::Kind::Distance, from_tip}, .force = force, .moment = moment};
 }
 
 /// Height of an instrument's material so far from its own tip.
@@ -88,9 +83,7 @@ TEST_SUITE("coaxial/merged loads")
                 for (WireSectionRange& range : setup.wires[1].wire.sections) range.section.stretch_stiffness = 2e4;
                 setup.wires[1].wire.shaft.stretch_stiffness = 2e4;
                 setup.integrator.tolerance = 1e-9;
-                LinkSpec link;
-                link.at.kind = WirePoint::Kind::Tip;
-                link.stiffness = 5;
+                LinkSpec link{.at = {WirePoint::Kind::Tip}, .stiffness = 5};
                 link.anchor = {length, 0, height_of_tip + force / link.stiffness};
                 if (spring) setup.wires[0].links.push_back(link);
                 else setup.wires[0].loads.push_back(load_at(0, {0, 0, force}));
@@ -105,10 +98,7 @@ TEST_SUITE("coaxial/merged loads")
     {
         const double length = 0.06, moment = 1e-5, both = 1.5 * bend;
         WorldSetup setup = straight_pair(length, length);
-        LoadSpec end;
-        end.at.kind = WirePoint::Kind::Tip;
-        end.moment = {0, -moment, 0};
-        setup.wires[1].loads.push_back(end);
+        setup.wires[1].loads.push_back({.at = {WirePoint::Kind::Tip}, .moment = {0, -moment, 0}});
         World bent(setup);
         for (int k = 0; k < 3; ++k) advance(bent, length, length);
         // on the last edge, of 2 mm: that is bent half an edge less
@@ -134,11 +124,7 @@ TEST_SUITE("coaxial/merged loads")
         setup.integrator.damping_mass = 20;
         setup.wires[0].loads.push_back(load_at(0.005, {0, 2e-4, 1e-4}, {2e-6, 1e-6, 0}));
         setup.wires[1].loads.push_back(load_at(0.015, {2e-3, 0, 3e-4}, {-2e-6, 0, 1e-6}));
-        LinkSpec link;
-        link.at.kind = WirePoint::Kind::Tip;
-        link.stiffness = 0.2;
-        link.anchor = {0.08, 0.01, 0.005};
-        setup.wires[1].links.push_back(link);
+        setup.wires[1].links.push_back({.at = {WirePoint::Kind::Tip}, .anchor = {0.08, 0.01, 0.005}, .stiffness = 0.2});
         World world(setup);
         CHECK(swing_through_each_other(world, 1000, 500, 0.01) < 1e-6);
         const EnergyLedger& ledger = world.readings(0).energy;

@@ -2,6 +2,7 @@
 // The force that presses: tests/rod/test_lumen_press.cpp.
 
 #include "coaxial/friction_fixture.h"
+#include "support/steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,11 +24,7 @@ void rub_on_lumen(WorldSetup& setup, double mu)
 /// At the inner one's. @param ramp  time in which it comes on [s]
 void pull_at_tip(WorldSetup& setup, const Vec3& force, double ramp)
 {
-    LoadSpec load;
-    load.at.kind = WirePoint::Kind::Tip;
-    load.force = force;
-    load.ramp = ramp;
-    setup.wires[1].loads.push_back(load);
+    setup.wires[1].loads.push_back({.at = {WirePoint::Kind::Tip}, .force = force, .ramp = ramp});
 }
 
 /// A wire as soft as a rope in a catheter's lumen, that far inside and 1 cm farther, pulled at its tip.
@@ -86,10 +83,7 @@ TEST_SUITE("coaxial/merged lumen")
             std::vector<double> means;  // over 4 mm each
             double sum = 0;
             for (int k = 1; k <= 800; ++k) {  // its soft part goes through the bend, then its shaft comes into it
-                Control control;
-                control.move_to(0, 0.06, 0);
-                control.move_to(1, 0.05 + 8e-5 * k, 0);
-                REQUIRE_FALSE(step(world, control, 4e-3).failed());
+                step_to(world, 4e-3, {{0.06}, {0.05 + 8e-5 * k}});
                 sum += world.readings(1).hand_force / 50;
                 if (k % 50 == 0) means.push_back(std::exchange(sum, 0));
             }
@@ -132,12 +126,9 @@ TEST_SUITE("coaxial/merged lumen")
         const double pull = 0.4, length = 0.06, before = 0.01, stiffness = 1e-2, turned = 0.45, mu = 0.5;
         WorldSetup setup =
             rope_in(instrument_of({{0.3, stiffness, 0}}, 1), length, mu, pull * Vec3(std::cos(turned), 0, std::sin(turned)));
-        LoadSpec across;
-        across.at.kind = WirePoint::Kind::Distance;
-        across.at.from_tip = before;
-        across.force = {0, 0, 2 * stiffness * 0.4 / ((length - before) * (length - before))};
-        across.ramp = 0.05;
-        setup.wires[0].loads.push_back(across);
+        setup.wires[0].loads.push_back({.at = {WirePoint::Kind::Distance, before},
+                                        .force = {0, 0, 2 * stiffness * 0.4 / ((length - before) * (length - before))},
+                                        .ramp = 0.05});
         World world(setup);
         const WireReadings drawn = draw_rope(world);
         const ConstRodView line = world.rod(1);
@@ -182,10 +173,7 @@ TEST_SUITE("coaxial/merged lumen")
         setup.wires[0].wire.sections.push_back({0, 0.02, section_of(bend, twist, 20)});
         const auto ways = [](World& world, int from, int to) {
             for (int k = from; k <= to; ++k) {
-                Control control;
-                control.move_to(0, 0.05, 0);
-                control.move_to(1, 0.06 - 0.02 * (1 - std::cos(0.02 * k)), 2e-3 * k);
-                REQUIRE_FALSE(step(world, control, 1e-3).failed());
+                step_to(world, 1e-3, {{0.05}, {0.06 - 0.02 * (1 - std::cos(0.02 * k)), 2e-3 * k}});
             }
         };
         World whole(setup), first(setup), second(setup);

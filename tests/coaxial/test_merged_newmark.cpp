@@ -1,6 +1,7 @@
 // Instruments that share one centreline by Newmark's steps: what vibrates, while one slides along the other and without.
 
 #include "coaxial/straight_pair.h"
+#include "support/steps.h"
 
 #include <Eigen/Dense>
 
@@ -18,14 +19,7 @@ WorldSetup pair_of(double outer, double inner, double edge = 2e-3)
     return setup;
 }
 
-LoadSpec at_tip(const Vec3& force, double ramp = 0)
-{
-    LoadSpec load;
-    load.at.kind = WirePoint::Kind::Tip;
-    load.force = force;
-    load.ramp = ramp;
-    return load;
-}
+LoadSpec at_tip(const Vec3& force, double ramp = 0) { return {.at = {WirePoint::Kind::Tip}, .force = force, .ramp = ramp}; }
 
 double mass_rate(int instruments) { return instruments * 6500 * pi * 0.25e-6; }  // [kg/m], section_of()
 
@@ -115,9 +109,7 @@ TEST_SUITE("coaxial/merged newmark")
         for (int k = 1; k <= 400; ++k) {
             const double on = length + 1e-5 * std::max(0, k - 200);
             advance(merged, on, on, 2e-4);
-            Control control;
-            control.move_to(0, on, 0);
-            REQUIRE_FALSE(step(single, control, 2e-4).failed());
+            step_to(single, 2e-4, {{on}});
             REQUIRE(merged.rod(0).n == single.rod(0).n);
             most = std::max(most, (merged.rod(0).pos(0) - single.rod(0).pos(0)).norm());
             widest = std::max(widest, -single.rod(0).pos(0).z());

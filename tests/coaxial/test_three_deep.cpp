@@ -25,8 +25,7 @@ WireSpec tube_of_polymer(double length, double radius, double lumen, double bend
 /// Round a bend of 90 degrees: wire first, catheter over it, sheath over both, the wire back into the catheter.
 TestSetup three_deep()
 {
-    TestSetup made;
-    add_bend(made, 0.005, 0.04, 3000);
+    TestSetup made = in_bend(0.005, 0.04, 3000);
     const auto points = made.centreline.main_points();
     made.wires = {fed_wire(tube_of_polymer(0.12, 1.33e-3, 1.1e-3, 8e-5), points.front(), 0),
                   fed_wire(tube_of_polymer(0.15, 0.83e-3, 0.55e-3, 3e-5), points.front(), 0),
