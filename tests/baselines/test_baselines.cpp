@@ -33,11 +33,7 @@ StudyScene cantilever(double gravity, double force)
     hold.position = hold.direction = hold.spin = true;
     scene.holds = {hold};
     if (force > 0) {
-        LoadSpec load;
-        load.at.kind = WirePoint::Kind::Tip;
-        load.force = {0, 0, -force};
-        load.ramp = 0.2;
-        scene.loads = {load};
+        scene.loads = {{.at = {WirePoint::Kind::Tip}, .force = {0, 0, -force}, .ramp = 0.2}};
     }
     StudyScene study;
     study.setup.gravity = scene.gravity;
@@ -49,10 +45,7 @@ StudyScene cantilever(double gravity, double force)
 /// At rest after 1.5 s: e^(-30 * 1.3) of the swing is left.
 std::vector<Vec3> rest_shape(const StudyScene& study, const std::string& baseline, int nodes, double dt = 1e-3)
 {
-    Model model;
-    model.baseline = baseline;
-    model.nodes = nodes;
-    model.dt = dt;
+    Model model{.baseline = baseline, .nodes = nodes, .dt = dt};
     RunPlan plan;
     plan.interval = 1.5;
     const ModelRun run = run_model(study, model, plan, baselines::all());
@@ -86,9 +79,7 @@ TEST_SUITE("lab/elastica")
 
     TEST_CASE("analytic: a pull along the wire stretches it by F L / EA and bends nothing")
     {
-        WireSection section;
-        section.bend_stiffness = bend;
-        section.stretch_stiffness = 1e3;
+        WireSection section{.bend_stiffness = bend, .stretch_stiffness = 1e3};
         const auto shape = elastica_shape(section, length, Vec3::Zero(), Vec3::UnitX(), {10, 0, 0}, 11);
         CHECK((shape.front() - Vec3(1.01 * length, 0, 0)).norm() < 1e-12);
     }

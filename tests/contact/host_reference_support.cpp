@@ -13,11 +13,7 @@ namespace {
 
 WallMesh bumpy_tube(double radius, double length)
 {
-    VesselSpec spec;
-    spec.shape = VesselShape::Tube;
-    spec.radius = radius;
-    spec.length = length;
-    spec.triangles = 3000;
+    VesselSpec spec{.shape = VesselShape::Tube, .radius = radius, .length = length, .triangles = 3000};
     WallMesh mesh = make_tube(spec).mesh;
     for (Vec3& v : mesh.vertices) v *= 1 + 0.01 * std::sin(900 * v.x()) * std::cos(800 * v.y());
     const auto add = [&](int a, int b, int c) { mesh.triangles.push_back({a, b, c}); };

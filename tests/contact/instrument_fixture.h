@@ -42,12 +42,7 @@ inline void put(WireSetup& wire, const Vec3& base, const Vec3& direction)
 
 inline HoldSpec hold_of(WirePoint::Kind kind, bool direction, bool spin = false)
 {
-    HoldSpec hold;
-    hold.at.kind = kind;
-    hold.position = true;
-    hold.direction = direction;
-    hold.spin = spin;
-    return hold;
+    return {.at = {kind}, .position = true, .direction = direction, .spin = spin};
 }
 
 /// A long overhand knot, tails included, to be drawn tight: a polynomial of the knot, as wide as the loop that it is to have.

@@ -22,16 +22,15 @@ TestSetup in_bend(double clearance, double lead_in, double degrees, double lengt
     TestSetup setup;
     setup.gravity = Vec3::Zero();
     setup.integrator.scheme = Scheme::Static;
-    VesselSpec spec;
-    spec.shape = VesselShape::Arc;
-    spec.radius = clearance + wire_radius;
-    spec.bend_radius = bend_radius;
-    spec.angle = degrees * std::numbers::pi / 180;
-    spec.lead_in = lead_in;
-    spec.lead_out = 0.002;
-    spec.normal = Vec3::UnitY();
-    spec.triangles = 60000;
-    spec.youngs = 1e9;
+    VesselSpec spec{.shape = VesselShape::Arc,
+                    .radius = clearance + wire_radius,
+                    .bend_radius = bend_radius,
+                    .angle = degrees * std::numbers::pi / 180,
+                    .lead_in = lead_in,
+                    .lead_out = 0.002,
+                    .normal = Vec3::UnitY(),
+                    .triangles = 60000,
+                    .youngs = 1e9};
     add_vessel(setup, make_arc(spec), spec);
     WireSpec wire = steel_wire(length, nodes);
     wire.shaft.bend_stiffness = stiffness;
@@ -246,10 +245,8 @@ TEST_SUITE("contact/confined")
             placed.holds = {base, tip};
             const double wanted = bend * std::pow(k, 4) + weight / clearance - share * critical * k * k;
             for (int i = 0; i < waves; ++i) {
-                LoadSpec load;
-                load.at = {WirePoint::Kind::Distance, (i + 0.5) * length / waves};
-                load.force = {0, (i % 2 ? -1 : 1) * wanted * amplitude * length / (2 * waves), 0};
-                placed.loads.push_back(load);
+                placed.loads.push_back({.at = {WirePoint::Kind::Distance, (i + 0.5) * length / waves},
+                                        .force = {0, (i % 2 ? -1 : 1) * wanted * amplitude * length / (2 * waves), 0}});
             }
             setup.wires = {placed};
             FedWorld world(std::move(setup));

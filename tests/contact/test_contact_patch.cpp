@@ -78,11 +78,7 @@ TEST_SUITE("contact/contact_patch")
         // pi r^2 rho g = 0.60521 N/m on k = 6052.1 N/m^2: depth 0.1 mm = 0.2 r (as given to 0.4 r), chord 1.2 r; 40 mm of wire
         test::TestSetup setup;
         setup.integrator.scheme = Scheme::Static;
-        VesselSpec plane;
-        plane.shape = VesselShape::Plane;
-        plane.size = 0.2;
-        plane.triangles = 200;
-        test::add_vessel(setup, make_plane(plane), plane);
+        test::add_plane(setup, 0.2, 200);
         WireSpec spec = test::steel_wire(0.04, 41);
         spec.shaft.radius = r;
         spec.shaft.density = 78548;

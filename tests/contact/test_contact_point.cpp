@@ -128,11 +128,7 @@ TEST_SUITE("contact/contact_point")
 
     TEST_CASE("analytic: inside a tube, towards a line of vertices, depth is rho + r - R and the normal points to the axis")
     {
-        VesselSpec spec;
-        spec.shape = VesselShape::Tube;
-        spec.radius = 0.003;
-        spec.length = 0.02;
-        spec.triangles = 6000;
+        VesselSpec spec{.shape = VesselShape::Tube, .radius = 0.003, .length = 0.02, .triangles = 6000};
         const GeneratedVessel tube = make_tube(spec);
         Soup soup;
         for (const auto& t : tube.mesh.triangles) {
@@ -179,7 +175,7 @@ TEST_SUITE("contact/contact_point")
             CAPTURE(rise);
             const Soup soup = wedge(rise);
             const double eps = joint_width(2 * std::sin(rise), r, 0.002);  // of the two facets' normals
-            const double h = 0.9 * r / std::cos(rise);          // the axis line overlaps each plane by 0.1 r at the middle
+            const double h = 0.9 * r / std::cos(rise);  // the axis line overlaps each plane by 0.1 r at the middle
             const int steps = 40000;
             const double length = 0.1 * r, dx = length / steps;
             double work = 0, worst_bias = 0, largest = 0, jump = 0;

@@ -120,8 +120,7 @@ TEST_SUITE("contact/contact_sums")
 
     TEST_CASE("property: a step whose samples are not those of its forces has a flag")
     {
-        TestSetup setup;
-        add_tube(setup, tube(0.003, 0.12));
+        TestSetup setup = in_tube(0.003, 0.12);
         setup.wires.push_back(fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1, 2));
         FedWorld world(setup);
         for (int k = 0; k < 300; ++k) CHECK((step(world, 1e-3).flags & StepContactSums) == 0);

@@ -1,12 +1,12 @@
 // A wire and an elastic wall, solved together: known solutions, limits, conservation, bits.
 
-#include "shell/elastic_wall.h"
 #include "core/parallel.h"
+#include "coupling/elastic_contact.h"
+#include "shell/elastic_wall.h"
+#include "stages/step_stages.h"
 #include "support/approx.h"
 #include "support/fed_world.h"
 #include "support/world_fixture.h"
-#include "coupling/elastic_contact.h"
-#include "stages/step_stages.h"
 #include "world/world.h"
 
 #include <cmath>
@@ -75,10 +75,8 @@ TestSetup lowered_wire()
     wire.wire.place.direction = Vec3(0, std::cos(0.3), -std::sin(0.3));
     wire.wire.place.base = Vec3(0.002, -0.01, radius + 1e-4 + 0.03 * std::sin(0.3));
     wire.contact.friction = FrictionLaw::StickSlip;
-    HoldSpec hold;
-    hold.at.kind = WirePoint::Kind::Base;
-    hold.position = hold.direction = hold.spin = true;
-    hold.velocity = Vec3(0, 0, -0.02);
+    HoldSpec hold{
+        .at = {WirePoint::Kind::Base}, .position = true, .direction = true, .spin = true, .velocity = Vec3(0, 0, -0.02)};
     wire.holds.push_back(hold);
     return setup;
 }
@@ -210,10 +208,7 @@ TEST_CASE("analytic: the largest stress under a wire's tip is that of a point lo
         TestWire& wire = setup.wires[0];
         wire.wire.nodes = nodes;
         wire.holds[0].velocity = Vec3::Zero();
-        LoadSpec push;
-        push.at.kind = WirePoint::Kind::Tip;
-        push.force = Vec3(0, 0, -0.01);
-        wire.loads.push_back(push);
+        wire.loads.push_back({.at = {WirePoint::Kind::Tip}, .force = Vec3(0, 0, -0.01)});
         World world{WorldSetup(setup)};
         REQUIRE(!settle(world).failed());
         const WallReadings now = world.wall_readings();
@@ -358,9 +353,7 @@ TEST_CASE("a wire on the side of a dent is pushed along the normal of the moved 
     wire.wire.nodes = 21;
     wire.wire.place.direction = Vec3(0, 1, 0);
     wire.wire.place.base = Vec3(0.006, -0.01, radius);
-    HoldSpec hold;
-    hold.at.kind = WirePoint::Kind::Base;
-    hold.position = hold.direction = hold.spin = true;
+    HoldSpec hold{.at = {WirePoint::Kind::Base}, .position = true, .direction = true, .spin = true};
     hold.move = {{0.0, 0.0, 0.0, 0.0}, {0.1, 0.0, 0.0, -2.5e-4}};  // follows the dent
     wire.holds.push_back(hold);
     setup.integrator = {};

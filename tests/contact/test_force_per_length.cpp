@@ -178,9 +178,7 @@ TEST_SUITE("contact/force_per_length")
 
     TEST_CASE("analytic: rows between instruments count on both of them")
     {
-        ContactRow row;
-        row.a = {BodyKind::Rod, 1, 0};
-        row.b = {BodyKind::Rod, 0, 0};
+        ContactRow row{.a = {BodyKind::Rod, 1, 0}, .b = {BodyKind::Rod, 0, 0}};
         row.along_a = 0.02, row.along_b = 0.05, row.length = 1e-4, row.normal_force = 0.3;
         std::vector<ContactRow> rows = {row};
         std::vector<ContactAlong> wall(2), others(2);
@@ -202,11 +200,7 @@ TEST_SUITE("contact/force_per_length")
                 CAPTURE(samples_per_edge);
                 test::TestSetup setup;
                 setup.integrator.scheme = Scheme::Static;
-                VesselSpec plane;
-                plane.shape = VesselShape::Plane;
-                plane.size = 0.2;
-                plane.triangles = 200;
-                test::add_vessel(setup, make_plane(plane), plane);
+                test::add_plane(setup, 0.2, 200);
                 WireSpec spec = test::steel_wire(0.04, nodes);
                 spec.shaft.radius = r;
                 spec.shaft.density = 7900;

@@ -223,10 +223,7 @@ TEST_SUITE("contact/instruments")
         wire.wire.place.shape = PlaceShape::Points;
         wire.wire.place.points = path;
         for (const double side : {-1.0, 1.0}) {
-            LoadSpec load;
-            load.at.kind = side < 0 ? WirePoint::Kind::Base : WirePoint::Kind::Tip;
-            load.force = {side * pull, 0, 0};
-            wire.loads.push_back(load);
+            wire.loads.push_back({.at = {side < 0 ? WirePoint::Kind::Base : WirePoint::Kind::Tip}, .force = {side * pull, 0, 0}});
         }
         WorldSetup setup = touching({wire});
         setup.integrator.scheme = Scheme::Newton;

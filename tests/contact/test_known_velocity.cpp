@@ -13,15 +13,8 @@ constexpr double r = 0.4445e-3, depth = 2e-6, mu_static = 0.25, mu_sliding = 0.2
 
 QuadratureModel model(bool rolling)
 {
-    WireSection section;
-    section.radius = r;
-    section.density = 7900;
-    section.mu_static = mu_static;
-    section.mu_sliding = mu_sliding;
-    VesselSpec wall;
-    wall.youngs = 1e6;
-    wall.poisson = 0.45;
-    wall.thickness = 1e-3;
+    WireSection section{.radius = r, .density = 7900, .mu_static = mu_static, .mu_sliding = mu_sliding};
+    VesselSpec wall{.youngs = 1e6, .poisson = 0.45, .thickness = 1e-3};
     ContactSpec contact;
     contact.rolling = rolling;
     return line_model(section, contact, wall, INFINITY, 1e-3);

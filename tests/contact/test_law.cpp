@@ -17,15 +17,7 @@ constexpr double pi = std::numbers::pi;
 
 VesselSpec wall() { return {}; }  // the defaults: 1 MPa, 0.45, 1 mm
 
-WireSection steel()
-{
-    WireSection s;
-    s.radius = r;
-    s.density = 7900;
-    s.mu_static = 0.25;
-    s.mu_sliding = 0.2;
-    return s;
-}
+WireSection steel() { return {.radius = r, .density = 7900, .mu_static = 0.25, .mu_sliding = 0.2}; }
 
 struct Bounce {
     double restitution, deepest;
@@ -170,10 +162,7 @@ TEST_SUITE("contact/law")
     {
         for (const double n : {1.0, 1.3, 1.5, 2.0}) {
             CAPTURE(n);
-            ContactSpec contact;
-            contact.stiffness_from_wall = false;
-            contact.stiffness = 3e6;
-            contact.exponent = n;
+            ContactSpec contact{.stiffness_from_wall = false, .stiffness = 3e6, .exponent = n};
             const QuadratureModel line = line_model(steel(), contact, wall(), INFINITY, 1e-3),
                                   tip = tip_model(steel(), contact, wall(), INFINITY);
             for (const QuadratureModel& m : {line, tip}) {
@@ -232,10 +221,10 @@ TEST_SUITE("contact/law")
             add_contact_point(contact, v3(0, 0, 0), none, MultiplierState{}, &c, &now, &out);
             return (out.flags & SEL_FORCE_BLOCKED) != 0;
         };
-        CHECK(refused(v3(r, 0, 0)));                    // it was on the other side, 0.94 r from the corner
-        CHECK(refused(-0.5 * r * contact.normal));      // it comes straight on
+        CHECK(refused(v3(r, 0, 0)));                      // it was on the other side, 0.94 r from the corner
+        CHECK(refused(-0.5 * r * contact.normal));        // it comes straight on
         CHECK_FALSE(refused(0.05 * r * contact.normal));  // it was deeper, and leaves
-        CHECK_FALSE(refused(v3(0, 0, 0)));              // it lies there
+        CHECK_FALSE(refused(v3(0, 0, 0)));                // it lies there
     }
 
     // A fold of a segmented mesh that is sharper than a point of the axis moves in a step. The point arrives behind the nearest
@@ -255,8 +244,8 @@ TEST_SUITE("contact/law")
         };
         const vec3 before = v3(-1.2 * r, 0, -2 * r), inside = v3(0, 0, -2 * r), beyond = v3(1.2 * r, 0, -2 * r);
         CHECK(refused(before, inside));
-        CHECK(refused(v3(0, 0, 1.2 * r), inside));                // over the edge, where neither facet is met alone
-        CHECK_FALSE(refused(inside, v3(0, 0, -2.1 * r)));         // it was there: where a run begins, or beyond an opening
+        CHECK(refused(v3(0, 0, 1.2 * r), inside));         // over the edge, where neither facet is met alone
+        CHECK_FALSE(refused(inside, v3(0, 0, -2.1 * r)));  // it was there: where a run begins, or beyond an opening
         CHECK_FALSE(refused(inside, beyond));
         CHECK_FALSE(refused(before, v3(-1.1 * r, 0, -2 * r)));
     }
@@ -440,19 +429,9 @@ TEST_SUITE("contact/law")
     // M = K F, K = [2 alpha/(3 pi) + (sigma_b + sigma_s/2)/(6 H)] sqrt(4 r F/(pi l) ((1-nu1^2)/E1 + (1-nu2^2)/E2))   (D10)
     TEST_CASE("analytic: the rolling moment of the 0.014 inch wire on 1 mm of wall")
     {
-        WireSection s;
-        s.radius = 0.178e-3;
-        s.density = 7900;
-        s.youngs = 70e9;
-        s.poisson = 0.33;
-        VesselSpec bed;
-        bed.youngs = 1e6;
-        bed.poisson = 0.49;
-        ContactSpec contact;
-        contact.stiffness_from_wall = false;
-        contact.stiffness = 1e8;
-        contact.rolling = true;
-        contact.rolling_alpha = 0.2;
+        WireSection s{.radius = 0.178e-3, .density = 7900, .youngs = 70e9, .poisson = 0.33};
+        VesselSpec bed{.youngs = 1e6, .poisson = 0.49};
+        ContactSpec contact{.stiffness_from_wall = false, .stiffness = 1e8, .rolling = true, .rolling_alpha = 0.2};
         const QuadratureModel m = line_model(s, contact, bed, INFINITY, 1e-3);
         const double table[][2] = {{1e-4, 1.7613099e-7}, {1e-3, 5.5697511e-7}, {1e-2, 1.7613099e-6}};  // F [N], K [m]
         for (const auto& [force, k] : table) {
@@ -485,10 +464,7 @@ TEST_SUITE("contact/law")
             for (const double spin : {0.02, -0.02}) {
                 CAPTURE(from_wall);
                 CAPTURE(spin);
-                ContactSpec contact;
-                contact.rolling = true;
-                contact.stiffness_from_wall = from_wall;
-                contact.stiffness = 1e8;
+                ContactSpec contact{.stiffness_from_wall = from_wall, .stiffness = 1e8, .rolling = true};
                 OneQuadraturePoint s(line_model(steel(), contact, wall(), INFINITY, 1e-3));
                 add_floor(s.soup);
                 s.start = v3(0, 0, r - 1.9e-6);

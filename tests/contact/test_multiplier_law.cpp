@@ -14,23 +14,13 @@ namespace {
 
 constexpr double r = 0.4445e-3;  // 0.035 inch wire [m]
 
-WireSection steel()
-{
-    WireSection s;
-    s.radius = r;
-    s.density = 7900;
-    s.mu_static = 0.25;
-    s.mu_sliding = 0.2;
-    return s;
-}
+WireSection steel() { return {.radius = r, .density = 7900, .mu_static = 0.25, .mu_sliding = 0.2}; }
 
 ContactSpec asks_for(NormalLaw law)
 {
-    ContactSpec contact;
-    contact.normal = law;
-    contact.overlap = law == NormalLaw::Constraint ? constraint_overlap * r : augmented_overlap * r;
-    contact.barrier_distance = barrier_distance * r;
-    return contact;
+    return {.normal = law,
+            .overlap = law == NormalLaw::Constraint ? constraint_overlap * r : augmented_overlap * r,
+            .barrier_distance = barrier_distance * r};
 }
 
 OneQuadraturePoint on_floor(NormalLaw law, bool rolling = false)

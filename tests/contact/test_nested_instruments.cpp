@@ -65,11 +65,7 @@ struct PullThrough {
         HoldSpec hub = hold_of(WirePoint::Kind::Base, false);
         hub.move = {{0, 0, 0, 0}, {1, 0, 0, 0}, {2, -2e-3, 0, 0}};
         wire.holds = {hub};
-        LoadSpec load;
-        load.at.kind = WirePoint::Kind::Tip;
-        load.force = far * Vec3(std::cos(angle), std::sin(angle), 0);
-        load.ramp = 1;
-        wire.loads = {load};
+        wire.loads = {{.at = {WirePoint::Kind::Tip}, .force = far * Vec3(std::cos(angle), std::sin(angle), 0), .ramp = 1}};
         WorldSetup made = touching({catheter, wire});
         made.instruments_touch = false;
         CoaxialSpec nest;
@@ -84,10 +80,7 @@ struct PullThrough {
 
 void add_section(WireSetup& wire, double until, double bend, double curvature, double from = 0)
 {
-    WireSectionRange range;
-    range.begin = from;
-    range.end = until;
-    range.section = wire.wire.shaft;
+    WireSectionRange range{.begin = from, .end = until, .section = wire.wire.shaft};
     range.section.bend_stiffness = range.section.twist_stiffness = bend;
     range.section.rest_curvature = {curvature, 0};
     wire.wire.sections.push_back(range);

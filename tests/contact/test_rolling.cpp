@@ -28,17 +28,13 @@ Rig on_plane(double dt)
     rig.dt = dt;
     TestSetup& setup = rig.setup;
     setup.integrator.tolerance = 1e-9;  // of B/L^2: what drives a wire at 1.03 K w is 7 nN a node
-    VesselSpec plane;
-    plane.shape = VesselShape::Plane;
-    plane.size = 0.2;
-    plane.triangles = 2000;
-    add_vessel(setup, make_plane(plane), plane);
+    add_plane(setup, 0.2, 2000);
     WireSpec wire = steel_wire(length, nodes);
     wire.shaft.radius = r;
     wire.shaft.mu_static = wire.shaft.mu_sliding = mu;
     const double load = wire.shaft.density * std::numbers::pi * r * r * gravity;  // per metre
     const double depth =
-        depth_under(load, line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, foundation_modulus(plane))), 1.5);
+        depth_under(load, line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, foundation_modulus(VesselSpec{}))), 1.5);
     TestWire placed = placed_wire(wire, {0, 0, r - depth});
     placed.contact.rolling = true;
     // K = 2 alpha / (3 pi) sqrt(2 r depth)
@@ -88,10 +84,8 @@ Path run(const Rig& rig, double time)
 void add_torque(Rig& rig, double total)
 {
     for (int j = 0; j < nodes - 1; ++j) {
-        LoadSpec load;
-        load.at = {WirePoint::Kind::Distance, (j + 0.5) * length / (nodes - 1)};
-        load.moment = {-total / (nodes - 1), 0, 0};
-        rig.setup.wires[0].loads.push_back(load);
+        rig.setup.wires[0].loads.push_back(
+            {.at = {WirePoint::Kind::Distance, (j + 0.5) * length / (nodes - 1)}, .moment = {-total / (nodes - 1), 0, 0}});
     }
 }
 

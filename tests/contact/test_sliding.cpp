@@ -26,11 +26,7 @@ TestSetup on_incline(double length, int nodes, double angle, double mu_static, d
     TestSetup setup;
     setup.start_settled = true;
     setup.gravity = gravity * Vec3(std::sin(angle), 0, -std::cos(angle));
-    VesselSpec plane;
-    plane.shape = VesselShape::Plane;
-    plane.size = 2;
-    plane.triangles = 5000;
-    add_vessel(setup, make_plane(plane), plane);
+    add_plane(setup, 2, 5000);
     WireSpec wire = steel_wire(length, nodes);
     wire.shaft.mu_static = mu_static;
     wire.shaft.mu_sliding = mu_sliding;

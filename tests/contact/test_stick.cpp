@@ -74,11 +74,7 @@ TEST_SUITE("contact/stick")
         TestSetup setup;
         setup.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
         setup.start_settled = true;
-        VesselSpec plane;
-        plane.shape = VesselShape::Plane;
-        plane.size = 0.6;
-        plane.triangles = 5000;
-        add_vessel(setup, make_plane(plane), plane);
+        add_plane(setup, 0.6, 5000);
         TestWire wire = placed_wire(steel_wire(0.3, 0), {-0.15, 0, radius - 4.6e-7});
         wire.wire.min_edge = 1e-3;
         wire.wire.max_edge = 1e-2;

@@ -146,12 +146,7 @@ WorldSetup clamped(double slack, int nodes)
     tip.move = {{0, 0, 0, 0}, {1, -slack * length, 0, 0}};
     tip.turn = {{0, 0}, {2, 0}, {22, 20 * turned}};
     rod.holds = {hold_of(WirePoint::Kind::Base, true, true), tip};
-    LoadSpec aside;
-    aside.at.kind = WirePoint::Kind::Distance;
-    aside.at.from_tip = length / 2;
-    aside.force = {0, 5e-4, 3e-4};
-    aside.until = 1;
-    rod.loads = {aside};
+    rod.loads = {{.at = {WirePoint::Kind::Distance, length / 2}, .force = {0, 5e-4, 3e-4}, .until = 1}};
     return touching({rod});
 }
 

@@ -16,11 +16,7 @@ constexpr double r = 0.4445e-3, reach = 0.1 * r;
 
 WallMesh bumpy_tube(int triangles, double radius)
 {
-    VesselSpec spec;
-    spec.shape = VesselShape::Tube;
-    spec.radius = radius;
-    spec.length = 0.02;
-    spec.triangles = triangles;
+    VesselSpec spec{.shape = VesselShape::Tube, .radius = radius, .length = 0.02, .triangles = triangles};
     WallMesh mesh = make_tube(spec).mesh;
     for (Vec3& v : mesh.vertices) v *= 1 + 0.01 * std::sin(900 * v.x()) * std::cos(800 * v.y());
     return mesh;

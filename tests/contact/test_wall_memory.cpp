@@ -15,7 +15,7 @@ namespace seldinger::test::test_wall_memory {
 namespace {
 
 constexpr double r = 0.3e-3, reach = 0.1 * r;  // [m]
-constexpr double pi_per_mm = 3141.6;            // [1/m]
+constexpr double pi_per_mm = 3141.6;           // [1/m]
 
 struct Random {
     std::mt19937 rng{7};
@@ -76,11 +76,7 @@ TEST_SUITE("contact/wall_memory")
         int kept = 0, walked = 0, clear = 0, opposite = 0, crowded = 0, returned = 0;
         for (const double tube : {0.36e-3, 0.003})
             for (const int triangles : {3000, 30000, 300000}) {
-                VesselSpec spec;
-                spec.shape = VesselShape::Tube;
-                spec.radius = tube;
-                spec.length = 0.03;
-                spec.triangles = triangles;
+                VesselSpec spec{.shape = VesselShape::Tube, .radius = tube, .length = 0.03, .triangles = triangles};
                 WallMesh mesh = make_tube(spec).mesh;
                 const double middle = 0.5 * spec.length;  // of the vessel: where the tree's centre is
                 const auto width = [&](double along) {

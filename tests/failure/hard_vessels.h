@@ -111,8 +111,7 @@ inline WallMesh bifurcation(int triangles = 8000)
 /// lies along it.
 inline TestSetup fed_into_bend(double speed, double length = 0.1, int nodes = 41)
 {
-    TestSetup setup;
-    add_bend(setup, 0.003, 0.03);
+    TestSetup setup = in_bend(0.003, 0.03);
     setup.wires = {fed_wire(steel_wire(length, nodes), {0.0005, 0, -0.0024}, speed)};
     return setup;
 }
@@ -120,10 +119,7 @@ inline TestSetup fed_into_bend(double speed, double length = 0.1, int nodes = 41
 /// F8: a wire at rest on a plane of `size`, gravity turned by `angle` against it. @param at  x of its middle [m]
 inline TestSetup on_a_slope(double size, int triangles, double at, double angle)
 {
-    VesselSpec plane;
-    plane.shape = VesselShape::Plane;
-    plane.size = size;
-    plane.triangles = triangles;
+    VesselSpec plane{.shape = VesselShape::Plane, .size = size, .triangles = triangles};
     TestSetup setup;
     setup.start_settled = true;
     setup.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
@@ -157,10 +153,7 @@ struct Spun {
         add_tube(setup, tube(0.003, 0.2, 4000));
         TestWire wire = placed_wire(steel_wire(0.1, 21), {0.005, 0, -0.003 + 0.4445e-3});
         wire.wire.shaft.twist_stiffness = 1e-8;
-        HoldSpec base;
-        base.position = base.direction = base.spin = true;
-        base.turn = {{0, 0}, {60 * dt, turn}};
-        wire.holds = {base};
+        wire.holds = {{.position = true, .direction = true, .spin = true, .turn = {{0, 0}, {60 * dt, turn}}}};
         setup.wires = {wire};
     }
 };

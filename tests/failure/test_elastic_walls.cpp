@@ -44,8 +44,7 @@ TestSetup fed_in(WallMesh mesh, double length, int nodes, const Vec3& point, con
 
 TestSetup shot(double speed)
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.005, 0.2, 4000));
+    TestSetup setup = in_tube(0.005, 0.2, 4000);
     TestWire wire = placed_wire(steel_wire(0.1, 21), {0.05, 0, 0});
     wire.wire.place.velocity = {0, 0.6 * speed, -0.8 * speed};
     setup.wires = {wire};
@@ -54,8 +53,7 @@ TestSetup shot(double speed)
 
 TestSetup tight_bend()
 {
-    TestSetup setup;
-    add_bend(setup, 0.002, 0.012);
+    TestSetup setup = in_bend(0.002, 0.012);
     TestWire wire = fed_wire(steel_wire(0.1, 11), {0.0005, 0, 0}, 0.05);
     wire.wire.shaft.bend_stiffness = 1e-6;
     wire.wire.shaft.twist_stiffness = 7e-7;
@@ -65,8 +63,7 @@ TestSetup tight_bend()
 
 TestSetup pushed_helix()
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.003, 0.16, 8000));
+    TestSetup setup = in_tube(0.003, 0.16, 8000);
     TestWire wire = placed_wire(steel_wire(0.14, 57), {0.005, 0, -0.003 + radius});
     wire.wire.shaft.stretch_stiffness = 500;
     HoldSpec base = clamped_base(), tip;
@@ -101,8 +98,7 @@ TestSetup narrow_neck()
 
 TestSetup folded()
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.02, 0.2, 4000));
+    TestSetup setup = in_tube(0.02, 0.2, 4000);
     TestWire wire = placed_wire(steel_wire(0.08, 33), Vec3::Zero());
     wire.wire.place.shape = PlaceShape::Points;
     const double c = std::cos(12 * pi / 180), s = std::sin(12 * pi / 180), corner = 0.05 + 0.04 + 1e-9;
@@ -113,8 +109,7 @@ TestSetup folded()
 
 TestSetup thrown_base(double dt)
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.004, 0.16, 6000));
+    TestSetup setup = in_tube(0.004, 0.16, 6000);
     TestWire wire = placed_wire(steel_wire(0.12, 49), {0.01, 0, 0});
     HoldSpec base = clamped_base();
     for (int k = 0; k <= 200; ++k) base.move.push_back({k * dt, 0, 0, k % 2 ? 1e-3 : -1e-3});
@@ -126,8 +121,7 @@ TestSetup thrown_base(double dt)
 /// Laid down without speed, as deep as nothing: contact begins at no speed.
 TestSetup laid_down()
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.003, 0.1, 6000));
+    TestSetup setup = in_tube(0.003, 0.1, 6000);
     setup.wires = {placed_wire(steel_wire(0.06, 25), {0.02, 0, -0.003 + radius + 1e-7})};
     return setup;
 }

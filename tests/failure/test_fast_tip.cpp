@@ -18,8 +18,7 @@ struct Shot {
 /// @param nose_first  else across the lumen
 Shot shoot(NormalLaw law, double speed, bool nose_first)
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.005, 0.3, 6000));
+    TestSetup setup = in_tube(0.005, 0.3, 6000);
     TestWire wire = placed_wire(steel_wire(0.1, 21), {0.08, 0, 0});
     wire.wire.place.direction = nose_first ? Vec3(1, 0, 0.02).normalized() : Vec3(1, 0, 0);
     wire.wire.place.velocity = nose_first ? speed * Vec3(0.6, 0, 0.8) : Vec3(0, 0.6 * speed, -0.8 * speed);
@@ -88,8 +87,7 @@ TEST_SUITE("failure/fast_tip")
     {
         for (const double speed : {0.5, 5.0, 20.0}) {
             CAPTURE(speed);
-            TestSetup setup;
-            add_tube(setup, tube(0.005, 0.3, 6000));
+            TestSetup setup = in_tube(0.005, 0.3, 6000);
             TestWire wire = placed_wire(steel_wire(0.1, 21), {0.08, 0, 0});
             wire.wire.place.velocity = {0, 0.6 * speed, -0.8 * speed};
             setup.wires = {wire};

@@ -50,9 +50,7 @@ struct OpenFolder : ScratchFolder {
     OpenFolder()
     {
         write("t.toml", tube_scene(0.02));
-        const AppResult run = run_app(*this, "run t.toml -o R --quiet --set output.wire_every=10", cache());
-        CAPTURE(run.err);
-        REQUIRE(run.code == 0);
+        run_ok(*this, "run t.toml -o R --quiet --set output.wire_every=10", cache());
         REQUIRE(std::system(fmt::format("chmod -R a+rwX '{}'", path.string()).c_str()) == 0);
     }
     [[nodiscard]] std::string cache(const char* name = "cache") const
@@ -66,10 +64,10 @@ void check_end(const AppResult& result)
 {
     CAPTURE(result.err);
     CHECK((result.code == 0 || result.code == 3 || result.code == 5));
-    if (result.code != 0) CHECK(result.err.find("seldinger: ") != std::string::npos);
+    if (result.code != 0) CHECK(has(result.err, "seldinger: "));
     CHECK(result.error_lines() <= 2);
     for (const char* of_a_library : {"terminate called", "PTHREAD ERROR", "LLVM ERROR", "no usable OpenCL"})
-        CHECK(result.err.find(of_a_library) == std::string::npos);
+        CHECK_FALSE(has(result.err, of_a_library));
 }
 
 }  // namespace
@@ -96,7 +94,7 @@ TEST_SUITE("failure/limits")
         });
         CAPTURE(said);
         CHECK(said.find("A library: got 2 threads; expected 8.") == 0);
-        CHECK(said.find("ulimit -u") != std::string::npos);
+        CHECK(has(said, "ulimit -u"));
     }
 
     TEST_CASE("regression: whatever ulimit -v allows, commands end by themselves and say why")
@@ -171,15 +169,15 @@ TEST_SUITE("failure/limits")
             begin();
         });
         CAPTURE(missing);
-        CHECK(missing.find("ffmpeg is not installed") != std::string::npos);
+        CHECK(has(missing, "ffmpeg is not installed"));
         if (getuid() != 0) return skip("needs root, to become a user without processes");
         const std::string none_left = said_under(RLIMIT_NPROC, 1, [&] {
             REQUIRE(setuid(20000 + static_cast<uid_t>(getpid()) % 40000) == 0);
             begin();
         });
         CAPTURE(none_left);
-        CHECK(none_left.find("ffmpeg cannot be started: Resource temporarily unavailable") != std::string::npos);
-        CHECK(none_left.find("not installed") == std::string::npos);
+        CHECK(has(none_left, "ffmpeg cannot be started: Resource temporarily unavailable"));
+        CHECK_FALSE(has(none_left, "not installed"));
     }
 }
 

@@ -2,11 +2,12 @@
 // are unchanged afterwards, and are not shown. All names x commands: names_matrix.py.
 
 #include "apps/app_fixture.h"
+#include "batch/parts.h"
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
 #include "io/film_write.h"
-#include "batch/parts.h"
+#include "support/refusal.h"
 #include "support/skip.h"
 
 #include <sys/stat.h>
@@ -25,7 +26,7 @@ struct Shared : ScratchFolder {
     {
         write("s.toml", free_scene(0.01));
         write("v.toml", "[vary]\n\"wire.density\" = [6000.0, 7000.0]\n");
-        REQUIRE(run_app(*this, "farm s.toml --vary v.toml -o f --tasks 2 --keep traces --dry-run").code == 0);
+        run_ok(*this, "farm s.toml --vary v.toml -o f --tasks 2 --keep traces --dry-run");
         const char* const folders[] = {"theirs", "theirs/000000", "theirs/deeper"};
         for (const char* at : folders) fs::create_directories(path / at);
         for (const char* at : folders)
@@ -46,16 +47,7 @@ struct Shared : ScratchFolder {
     }
 };
 
-std::string refusal(const auto& call)
-{
-    try {
-        call();
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadFile);
-        return error.what();
-    }
-    return {};
-}
+std::string refusal(const auto& call) { return test::refusal(call, ErrorKind::BadFile); }
 
 }  // namespace
 
@@ -73,7 +65,7 @@ TEST_SUITE("failure/links")
                 const AppResult result = run_app(shared, words);
                 CHECK(result.code > 0);
                 CHECK(shared.theirs() == before);
-                if (words[5] == 's') CHECK(result.err.find("is a link or no folder") != std::string::npos);
+                if (words[5] == 's') CHECK(has(result.err, "is a link or no folder"));
             }
         }
     }
@@ -86,7 +78,7 @@ TEST_SUITE("failure/links")
             fs::create_symlink(shared.path / "theirs/notes", shared.path / "f/parts" / name);
             CHECK(run_app(shared, "farm merge f").code == 3);
         }
-        CHECK(run_app(shared, "farm s.toml --vary v.toml -o f --keep traces --quiet").code == 0);
+        run_ok(shared, "farm s.toml --vary v.toml -o f --keep traces --quiet");
         CHECK(fs::is_regular_file(fs::symlink_status(shared.path / "f/parts/1-of-2.bin")));
         CHECK(shared.theirs() == before);
     }
@@ -94,8 +86,7 @@ TEST_SUITE("failure/links")
     TEST_CASE(
         "regression: neither a link nor a second name of a file is written to; the temporary name is not taken from anybody")
     {
-        const ScratchFolder folder;
-        folder.write("theirs", secret);
+        const ScratchFolder folder{{"theirs", secret}};
         fs::create_hard_link(folder.path / "theirs", folder.path / "trace.csv");
         CHECK(refusal([&] { AppendFile(folder.path / "trace.csv", 0); }).find("second name") != std::string::npos);
         const std::string own = fmt::format("out.{}.tmp", getpid());
@@ -112,8 +103,7 @@ TEST_SUITE("failure/links")
 
     TEST_CASE("regression: what has a lock's name and is none is left as it is")
     {
-        const ScratchFolder folder;
-        folder.write("theirs", "");
+        const ScratchFolder folder{{"theirs", ""}};
         fs::create_directories(folder.path / "d");
         const auto refused = [&] {
             return refusal([&] { (void)FileLock::of_folder(folder.path / "d"); }).find("is not a lock file") != std::string::npos;
@@ -135,8 +125,7 @@ TEST_SUITE("failure/links")
     TEST_CASE("regression: a film goes into a file of its own, whatever lies beside it and whatever it is called")
     {
         if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) return skip("no ffmpeg: apt-get install ffmpeg");
-        const ScratchFolder folder;
-        folder.write("theirs", secret);
+        const ScratchFolder folder{{"theirs", secret}};
         for (const char* place : {"run-10:00", "tcp:", "100%d", "a\nb", "a b'\"", "\xff\xfe"}) {
             CAPTURE(place);
             const fs::path dir = folder.path / place, film = dir / "film.mp4";
@@ -152,8 +141,8 @@ TEST_SUITE("failure/links")
         folder.write("file", "");
         const std::string said =
             refusal([&] { FilmWriter(folder.path / "file/film.mp4", 32, 32, 10); });  // a folder would be made
-        CHECK(said.find("file") != std::string::npos);
-        CHECK(said.find("disk full") == std::string::npos);
+        CHECK(has(said, "file"));
+        CHECK_FALSE(has(said, "disk full"));
     }
 
     TEST_CASE("regression: a report tells nothing that lies outside of its folder")
@@ -162,8 +151,8 @@ TEST_SUITE("failure/links")
         folder.write("s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n");
         folder.write("v.toml", "[vary]\n\"wire.density\" = [6000.0, 7000.0]\n");
         folder.write("theirs", std::string("a,b\n1,") + secret + "\n");
-        REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
-        REQUIRE(run_app(folder, "batch s.toml --vary v.toml -o B --quiet").code == 0);
+        run_ok(folder, "run s.toml -o R --quiet");
+        run_ok(folder, "batch s.toml --vary v.toml -o B --quiet");
         const bool reads = run_app(folder, "report R -o whole.html").code == 0;
         for (const char* name : {"B/results.csv", "B/scene.toml", "B/summary.json", "R/scene.toml", "R/trace.csv",
                                  "R/summary.json", "R/wire.pvd", "R/wire_000005.vtp"}) {
@@ -173,28 +162,23 @@ TEST_SUITE("failure/links")
             REQUIRE(fs::exists(file));
             fs::rename(file, kept);
             fs::create_symlink(folder.path / "theirs", file);
-            const AppResult result = run_app(folder, fmt::format("report {} -o page.html", name[0] == 'B' ? "B" : "R"));
-            CHECK(result.code == 3);
-            CHECK(result.error_lines() == 1);
-            CHECK(result.err.find("is a link") != std::string::npos);
-            CHECK(result.err.find(secret) == std::string::npos);
+            const AppResult result =
+                check_refused(folder, fmt::format("report {} -o page.html", name[0] == 'B' ? "B" : "R"), 3, "is a link");
+            CHECK_FALSE(has(result.err, secret));
             CHECK_FALSE(fs::exists(folder.path / "page.html"));
             fs::rename(kept, file);
         }
         if (!reads) return skip("this build reads no frames");
         folder.write("R/scene.toml", fmt::format("include = \"{}\"\n", (folder.path / "s.toml").string()));
-        const AppResult included = run_app(folder, "report R -o page.html");
-        CHECK(included.code == 2);
-        CHECK(included.err.find("includes nothing") != std::string::npos);
+        check_refused(folder, "report R -o page.html", 2, "includes nothing");
     }
 
     TEST_CASE(
         "regression: pictures of a farm are told how to look and nothing else; a parts.json that was altered shows no files "
         "elsewhere")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n");
-        REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n"}};
+        run_ok(folder, "run s.toml -o R --quiet");
         const std::string words = "farm R --frames 0:1 -o f --tasks 1 --size 64x64 ";
         if (run_app(folder, words + "--dry-run").code != 0) return skip("no renderer");
         const std::string target = (folder.path / "written").string();
@@ -219,12 +203,11 @@ TEST_SUITE("failure/links")
 
     TEST_CASE("regression: labels of a farm's frames are written through no link, and lie below its folder")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n");
-        REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
+        const ScratchFolder folder{{"s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n"}};
+        run_ok(folder, "run s.toml -o R --quiet");
         const std::string words = "farm R --frames 0:1 --tasks 1 --size 64x64 --labels a/truth -o ";
         if (run_app(folder, "render R --size 64x64 -o p.png").code != 0) return skip("no renderer");
-        REQUIRE(run_app(folder, words + "f --dry-run").code == 0);
+        run_ok(folder, words + "f --dry-run");
         fs::create_directory(folder.path / "elsewhere");
         fs::create_symlink(folder.path / "elsewhere", folder.path / "f/a");
         const AppResult linked = run_app(folder, words + "f");
@@ -232,9 +215,9 @@ TEST_SUITE("failure/links")
         CHECK_MESSAGE(linked.err.find("f/a: is a link or no folder") != std::string::npos, linked.err);
         CHECK(fs::is_empty(folder.path / "elsewhere"));
         fs::remove(folder.path / "f/a");
-        CHECK(run_app(folder, words + "f").code == 0);
+        run_ok(folder, words + "f");
         CHECK(fs::exists(folder.path / "f/a/truth/frame_000001.json"));
-        CHECK(run_app(folder, "farm merge f").code == 0);
+        run_ok(folder, "farm merge f");
         CHECK(run_app(folder, "farm R --frames 0:1 --tasks 1 --size 64x64 --labels ./a/truth/ -o f --dry-run").code ==
               0);  // the same farm
         for (const char* path : {"../elsewhere", "/elsewhere", "."}) {
@@ -248,9 +231,7 @@ TEST_SUITE("failure/links")
 
     TEST_CASE("regression: a job's script has no command in it that is not the farm's, and names what cannot be said")
     {
-        const ScratchFolder folder;
-        folder.write("s.toml", free_scene(0.01));
-        folder.write("v.toml", "[vary]\n\"wire.density\" = [6000.0, 7000.0]\n");
+        const ScratchFolder folder{{"s.toml", free_scene(0.01)}, {"v.toml", "[vary]\n\"wire.density\" = [6000.0, 7000.0]\n"}};
         const auto farm = [&](const std::string& words) {
             return run_app(folder, "farm s.toml --vary v.toml --tasks 2 --backend slurm " + words);
         };
@@ -258,13 +239,12 @@ TEST_SUITE("failure/links")
             CAPTURE(words);
             const AppResult result = farm(words);
             CHECK(result.code == 2);
-            CHECK(result.err.find("Fix: ") != std::string::npos);
+            CHECK(has(result.err, "Fix: "));
             for (const auto& entry : fs::recursive_directory_iterator(folder.path)) CHECK(entry.path().filename() != "job.sh");
         }
         REQUIRE(farm("-o 'a b%j #c'").code == 0);
         const std::string script = slurp(folder.path / "a b%j #c/job.sh");
-        CHECK(script.find("#SBATCH --output=\"" + (folder.path / "a b%%j #c/log/slurm-%A_%a.txt").string() + "\"\n") !=
-              std::string::npos);
+        CHECK(has(script, "#SBATCH --output=\"" + (folder.path / "a b%%j #c/log/slurm-%A_%a.txt").string() + "\"\n"));
     }
 
     TEST_CASE("regression: assets beside a program are taken where nobody else can have put them")

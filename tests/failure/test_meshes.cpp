@@ -85,8 +85,7 @@ TEST_SUITE("failure/meshes")
     {
         for (const int nodes : {9, 11}) {  // edges of 12.5 and 10 mm in a bend of 12 mm
             CAPTURE(nodes);
-            TestSetup setup;
-            add_bend(setup, 0.002, 0.012);
+            TestSetup setup = in_bend(0.002, 0.012);
             TestWire wire = fed_wire(steel_wire(0.1, nodes), {0.0005, 0, 0}, 0.05);
             wire.wire.shaft.bend_stiffness = 1e-6;
             wire.wire.shaft.twist_stiffness = 7e-7;

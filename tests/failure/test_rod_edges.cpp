@@ -4,6 +4,8 @@
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
 #include "support/approx.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
 
 #include <fmt/format.h>
 
@@ -18,48 +20,17 @@ constexpr double pi = std::numbers::pi;
 constexpr double length = 0.1, bend = 5.5e-5, twist = 4.2e-5;  // [m], [N m^2]
 
 /// A wire along x, its base clamped at the origin, without weight.
-const std::string clamped = fmt::format(R"([scene]
-gravity = [0, 0, 0]
-duration_s = 1
-dt_s = 0.001
-[wire]
-length_m = {}
-radius_m = 0.0002
-density = 6450
-bend_nm2 = {}
-twist_nm2 = {}
-stretch_n = 7000
-nodes = 41
-place = {{ shape = "straight", direction = [1, 0, 0], normal = [0, 0, 1] }}
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-)",
-                                        length, bend, twist);
+const std::string clamped = scene_text(1, 1e-3, "gravity = [0, 0, 0]\n") + wire_text(length, bend, twist, 41, 2e-4, 6450, 7000) +
+                            "place = { shape = \"straight\", direction = [1, 0, 0], normal = [0, 0, 1] }\n" + held_base;
 
 World world_of(const std::string& text, const std::vector<std::string>& sets = {})
 {
     return World(make_setup(read_scene_text(text, "edge.toml", sets)));
 }
 
-std::string refusal(const std::string& text, const std::vector<std::string>& sets = {})
-{
-    try {
-        (void)world_of(text, sets);
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadScene);
-        return error.what();
-    }
-    return "";
-}
-
 void check_refusal(const std::string& text, const std::vector<std::string>& sets, const std::vector<std::string>& says)
 {
-    const std::string message = refusal(text, sets);
-    CAPTURE(message);
-    for (const std::string& part : says) CHECK(message.find(part) != std::string::npos);
+    check_refused([&] { return world_of(text, sets); }, says, ErrorKind::BadScene);
 }
 
 bool finite(const ConstRodView& rod)
@@ -98,10 +69,7 @@ TEST_SUITE("failure/rod_edges")
         WorldSetup setup = make_setup(read_scene_text(clamped, "edge.toml"));
         setup.gravity = Vec3::Zero();
         setup.wires[0].wire.nodes = 2;
-        LoadSpec load;
-        load.at.kind = WirePoint::Kind::Tip;
-        load.force = {0, 0, -1e-6};
-        setup.wires[0].loads = {load};
+        setup.wires[0].loads = {{.at = {WirePoint::Kind::Tip}, .force = {0, 0, -1e-6}}};
         setup.integrator.scheme = Scheme::Static;
         setup.integrator.tolerance = 1e-9;
         World world(std::move(setup));

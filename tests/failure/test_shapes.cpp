@@ -89,8 +89,7 @@ TEST_SUITE("failure/shapes")
 
     TEST_CASE("property: F10: pushed 10 mm into a tube, its tip held, a wire buckles in waves, then winds itself into a helix")
     {
-        TestSetup setup;
-        add_tube(setup, tube(0.003, 0.16, 8000));
+        TestSetup setup = in_tube(0.003, 0.16, 8000);
         TestWire wire = placed_wire(steel_wire(0.14, 57), {0.005, 0, -0.003 + radius});
         wire.wire.shaft.stretch_stiffness = 500;  // 14 N/m of the base's first step are its axial wave, not the wire's push
         HoldSpec base, tip;
@@ -167,8 +166,7 @@ TEST_SUITE("failure/shapes")
 
     TEST_CASE("property: F16: a wire folded to 168 degrees over one node springs open and comes to rest on the wall")
     {
-        TestSetup setup;
-        add_tube(setup, tube(0.02, 0.2, 4000));
+        TestSetup setup = in_tube(0.02, 0.2, 4000);
         TestWire wire = placed_wire(steel_wire(0.08, 33), Vec3::Zero());
         wire.wire.place.shape = PlaceShape::Points;
         const double c = std::cos(12 * pi / 180), s = std::sin(12 * pi / 180);

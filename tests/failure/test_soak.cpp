@@ -55,15 +55,14 @@ void check_flat(const Held& before, const Held& after)
 /// A short wire in a bend, which it presses against all along.
 TestSetup wire_in_bend()
 {
-    TestSetup setup;
-    add_bend(setup, 0.004, 0.03, 2000);
+    TestSetup setup = in_bend(0.004, 0.03, 2000);
     setup.wires = {fed_wire(steel_wire(0.08, 17), Vec3(0, 0, -0.003), 0)};
     setup.wires[0].feed.keys.clear();
     return setup;
 }
 
-constexpr double dt = 1e-3;          // [s]
-constexpr int cycle = 1000;          // steps
+constexpr double dt = 1e-3;  // [s]
+constexpr int cycle = 1000;  // steps
 constexpr double deep = 0.05, stroke = 0.02, turns = 6.283185307179586;
 
 /// Pushed in over the first half of a cycle and drawn back over the second, and turned by a full turn forth and back in
@@ -77,8 +76,8 @@ void move(Control& control, long k)
 }
 
 /// Compared from cycle to cycle: forces, energies, where the tip is, and what the ledger has grown by.
-const std::array<std::string, 9> names = {"hand force",     "hand torque", "normal force", "friction",   "elastic energy",
-                                          "tip x",          "tip z",       "energy put in", "energy open"};
+const std::array<std::string, 9> names = {"hand force", "hand torque", "normal force",  "friction",   "elastic energy",
+                                          "tip x",      "tip z",       "energy put in", "energy open"};
 using Reading = std::array<double, std::tuple_size_v<decltype(names)>>;
 
 Reading read(const World& world)

@@ -103,8 +103,7 @@ TEST_SUITE("failure/time_steps")
     {
         for (const double dt : {1e-3, 1.0 / 60}) {
             CAPTURE(dt);
-            TestSetup setup;
-            add_tube(setup, tube(0.004, 0.16, 6000));
+            TestSetup setup = in_tube(0.004, 0.16, 6000);
             TestWire wire = placed_wire(steel_wire(0.12, 49), {0.01, 0, 0});
             HoldSpec base;
             base.position = base.direction = base.spin = true;

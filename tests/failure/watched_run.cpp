@@ -47,9 +47,7 @@ WatchedRun::WatchedRun(TestSetup setup, const Method& method, double dt, double 
     : world(prepared(std::move(setup), method)), dt_(dt)
 {
     for (int w = 0; w < world.wire_count(); ++w) {
-        FailureLimits limits;
-        limits.radius = world.setup().wires[w].wire.shaft.radius;
-        limits.static_indentation = static_indentation;
+        FailureLimits limits{.radius = world.setup().wires[w].wire.shaft.radius, .static_indentation = static_indentation};
         watches_.emplace_back(limits, at_start(w));
         inserted_.push_back(world.readings(w).inserted);
         wall_work_.push_back(0);

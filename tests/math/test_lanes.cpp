@@ -23,11 +23,7 @@ OneWire bent_wire(int n, double rest_kappa)
         if (i + 1 < n) rod.rest_length[i] *= 1 + 0.1 * sign(rng), rod.theta[i] = sign(rng);
     }
     const auto clamp = [&](int node, bool direction, bool spin) {
-        RodClamp made;
-        made.node = node;
-        made.direction = direction;
-        made.spin = spin;
-        wire.clamps.push_back(made);
+        wire.clamps.push_back({.node = node, .direction = direction, .spin = spin});
     };
     clamp(n - 1, true, true);
     if (n > 3) clamp(0, true, false);

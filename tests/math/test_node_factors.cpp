@@ -1,4 +1,4 @@
-// Factors of a band with entries far from it, against dense matrices.
+// Factors of a band with entries far from it, against dense matrices, and without them, against the band alone.
 #include "math/banded_solver.h"
 #include "math/node_factors.h"
 
@@ -281,6 +281,22 @@ TEST_SUITE("math/node_factors")
         VectorXd x = b;
         chosen.solve_lu({x.data(), static_cast<std::size_t>(count)});
         CHECK(miss(x, expected) < tolerance);
+    }
+
+    TEST_CASE("property: without far entries it is the band's own factors, bit for bit")
+    {
+        BandedSolver solver(size);
+        solver.reset(size);
+        Entries entry{std::mt19937(1), true};
+        fill_band(solver.band, entry, 0.1);
+        BandMatrix alone(size);
+        alone.reset(size);
+        alone.add_scaled(solver.band, 1);
+        CHECK(solver.factor_symmetric() == alone.factor_ldlt());
+        const VectorXd b = any_vector(), x = solved(solver, b);
+        std::vector<double> y(b.data(), b.data() + size);
+        alone.solve_ldlt(y);
+        for (int i = 0; i < size; ++i) CHECK(x[i] == y[i]);
     }
 }
 

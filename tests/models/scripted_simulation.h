@@ -62,12 +62,6 @@ inline std::vector<Baseline> scripted(std::function<Moment(double)> script)
     return {baseline};
 }
 
-inline Model scripted_model(double dt = 1e-3)
-{
-    Model model;
-    model.baseline = "scripted";
-    model.dt = dt;
-    return model;
-}
+inline Model scripted_model(double dt = 1e-3) { return {.baseline = "scripted", .dt = dt}; }
 
 }  // namespace seldinger::test

@@ -33,9 +33,7 @@ Verdict judge(const History& history, int steps, unsigned flags = StepOk)
 History pushed(const std::function<double(int)>& force)
 {
     return [force](int k) {
-        WireReadings r;
-        r.inserted = 1e-4 * k;
-        r.hand_force = force(k);
+        WireReadings r{.inserted = 1e-4 * k, .hand_force = force(k)};
         for (int i = 1; i <= k; ++i) r.elastic += 1e-4 * (force(i) + force(i - 1)) / 2;
         return r;
     };
@@ -196,15 +194,8 @@ TEST_SUITE("models/classify")
         CHECK(judge(bounce(1e-3), 40).held());
         CHECK(judge(bounce(2.4e-3), 40).outcome == Outcome::BlowUp);
         // turning: M d(angle)
-        CHECK(judge(
-                  [](int k) {
-                      WireReadings r;
-                      r.turned = 0.1 * k;
-                      r.hand_torque = 1e-3 * k;
-                      r.elastic = 0.5 * 1e-4 * k * k;
-                      return r;
-                  },
-                  100)
+        CHECK(judge([](int k) { return WireReadings{.turned = 0.1 * k, .hand_torque = 1e-3 * k, .elastic = 0.5 * 1e-4 * k * k}; },
+                    100)
                   .held());
     }
 
@@ -253,8 +244,7 @@ TEST_SUITE("models/classify")
     // signs and sums of the engine's own readings: nothing is made or lost but what backward Euler and friction take
     TEST_CASE("property: the balance closes for a wire that is fed and turned in a bend, far from the origin, under weight")
     {
-        TestSetup setup;
-        add_bend(setup, 0.003, 0.05);
+        TestSetup setup = in_bend(0.003, 0.05);
         const Vec3 far(0.3, -0.2, 0.5);
         for (Vec3& p : setup.mesh.vertices) p += far;
         for (Vec3& p : setup.centreline.points) p += far;

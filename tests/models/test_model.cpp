@@ -1,6 +1,7 @@
 // Models: their changes of a scene, `like`, and refusals of this build.
 
 #include "models/model.h"
+#include "support/scenes.h"
 
 #include <doctest/doctest.h>
 
@@ -10,44 +11,26 @@ namespace seldinger::test::test_model {
 
 namespace {
 
-const char* tube_scene = R"(
-    [scene]
-    duration_s = 1.0
-    dt_s = 0.001
-    [wire]
-    length_m = 0.1
-    radius_m = 0.0004
-    density = 7900.0
-    bend_nm2 = 1e-5
-    twist_nm2 = 1e-5
-    stretch_n = 1e4
-    nodes = 11
-    [vessel]
-    shape = "tube"
-    radius_m = 0.005
-    length_m = 0.2
-    triangles = 1000
-    [feed]
-    inlet = "auto"
-    keys = [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, {t_s = 1.0, advance_m = 0.05, turn_rad = 0.0} ])";
+const std::string tube_scene =
+    scene_text(1) + wire_text(0.1, 1e-5, 1e-5, 11) + tube_text(0.005, 0.2, 1000) +
+    "[feed]\ninlet = \"auto\"\n"
+    "keys = [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, {t_s = 1.0, advance_m = 0.05, turn_rad = 0.0} ]\n";
 
 Model everything_else()
 {
-    Model model;
-    model.nodes = 0;
-    model.min_edge = 0.002;
-    model.max_edge = 0.02;
-    model.dt = 1.0 / 60;
-    model.scheme = Scheme::Linearised;
-    model.trapezoid = true;
-    model.tolerance = 1e-8;
-    model.detection = Detection::Nodes;
-    model.normal = NormalLaw::LankaraniNikravesh;
-    model.friction = FrictionLaw::Sign;
-    model.rolling = true;
-    model.elastic_wall = true;
-    model.wall_edge = 0.003;
-    return model;
+    return {.nodes = 0,
+            .min_edge = 0.002,
+            .max_edge = 0.02,
+            .dt = 1.0 / 60,
+            .scheme = Scheme::Linearised,
+            .trapezoid = true,
+            .tolerance = 1e-8,
+            .detection = Detection::Nodes,
+            .normal = NormalLaw::LankaraniNikravesh,
+            .friction = FrictionLaw::Sign,
+            .rolling = true,
+            .elastic_wall = true,
+            .wall_edge = 0.003};
 }
 
 }  // namespace
@@ -72,10 +55,7 @@ TEST_SUITE("models/model")
     TEST_CASE("property: labels name what was chosen, and only that")
     {
         CHECK(label(Model{}) == "as the scene");
-        Model model;
-        model.nodes = 101;
-        model.dt = 1.0 / 60;
-        model.scheme = Scheme::Linearised;
+        Model model{.nodes = 101, .dt = 1.0 / 60, .scheme = Scheme::Linearised};
         CHECK(label(model) == "101 nodes, 16.67 ms, linearised");
         model.name = "mine";
         CHECK(label(model) == "mine");
@@ -88,10 +68,7 @@ TEST_SUITE("models/model")
         REQUIRE(write_scene(other, "") != write_scene(scene, ""));
         CHECK(write_scene(apply(model_of(scene), other), "") == write_scene(scene, ""));
         CHECK(write_scene(apply(model_of(other), scene), "") == write_scene(other, ""));
-        Model adaptive;
-        adaptive.nodes = 0;
-        adaptive.min_edge = 3e-3;
-        adaptive.spin = true;
+        Model adaptive{.nodes = 0, .min_edge = 3e-3, .spin = true};
         const Scene third = apply(adaptive, scene);
         CHECK(write_scene(apply(model_of(third), scene), "") == write_scene(third, ""));
     }

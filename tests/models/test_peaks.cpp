@@ -15,9 +15,7 @@ TEST_SUITE("models/peaks")
     TEST_CASE("analytic: a peak between two samples is one, as a mean over 20 ms, pulled or pushed, for any step")
     {
         const StudyScene scene = scripted_scene(0.4);
-        RunPlan plan;
-        plan.interval = 0.1;
-        plan.peaks = true;
+        RunPlan plan{.interval = 0.1, .peaks = true};
         const auto script = [](double t) {
             Moment now;
             now.readings.hand_force = t > 0.0400001 && t < 0.0500001 ? -5 : 1;

@@ -3,6 +3,7 @@
 #include "models/refinement.h"
 #include "models/scripted_simulation.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 #include "support/temporary_folder.h"
 
 #include <cmath>
@@ -15,24 +16,7 @@ namespace {
 // a clamped wire that swings down under its weight, by backward Euler: first order in the step
 StudyScene swing()
 {
-    const char* text = R"(
-        [scene]
-        duration_s = 0.1
-        dt_s = 0.002
-        [wire]
-        length_m = 0.1
-        radius_m = 0.0004
-        density = 7900.0
-        bend_nm2 = 1e-4
-        twist_nm2 = 1e-4
-        stretch_n = 1e4
-        nodes = 11
-        place = { shape = "straight", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
-        [[hold]]
-        at = "base"
-        position = true
-        direction = true
-        spin = true)";
+    const std::string text = scene_text(0.1, 0.002) + wire_text(0.1, 1e-4, 1e-4, 11) + placed_along_x + held_base;
     return load_study_scene(read_scene_text(text, "swing.toml"));
 }
 

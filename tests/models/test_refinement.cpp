@@ -45,12 +45,8 @@ TEST_SUITE("models/refinement")
         const TemporaryFolder folder;
         const StudyScene scene =
             load_study_scene(read_scene(std::filesystem::path(SEL_SOURCE_DIR) / "assets/scenes/study/heavy-swing.toml"));
-        RunPlan plan;
-        plan.until = 1;
-        plan.interval = 1.0 / 30;
-        ReferenceGoals goals;
-        goals.shape = 1e-3;
-        goals.force = INFINITY;
+        RunPlan plan{.until = 1, .interval = 1.0 / 30};
+        ReferenceGoals goals{.shape = 1e-3, .force = INFINITY};
         goals.affordable = [](double) { return true; };
         RunStore store(folder.path());
         const Reference reference = refine_scene(scene, plan, goals, store, "reference", {});
@@ -62,7 +58,7 @@ TEST_SUITE("models/refinement")
     TEST_CASE("analytic: sequences that fall, that do not, and that have arrived")
     {
         CHECK(judge_movements({}, 0) == Convergence::Unknown);
-        CHECK(judge_movements({1}, 0) == Convergence::Unknown);  // one movement says nothing
+        CHECK(judge_movements({1}, 0) == Convergence::Unknown);        // one movement says nothing
         CHECK(judge_movements({1e-9}, 1e-8) == Convergence::Falling);  // but that it has arrived
         CHECK(judge_movements({1e-9, 9e-9}, 1e-8) == Convergence::Falling);
         CHECK(judge_movements({4, 2, 1}, 0) == Convergence::Falling);

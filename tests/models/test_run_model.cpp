@@ -2,6 +2,7 @@
 
 #include "models/scripted_simulation.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 
 #include <cmath>
 
@@ -48,9 +49,7 @@ TEST_SUITE("models/run_model")
     TEST_CASE("property: a run over its limit, or told to stop, ends early and says so")
     {
         const StudyScene scene = scripted_scene();
-        RunPlan plan;
-        plan.interval = 0.1;
-        plan.wall_limit = 0;
+        RunPlan plan{.interval = 0.1, .wall_limit = 0};
         const ModelRun slow = run_model(scene, scripted_model(), plan, scripted([](double) { return Moment{}; }));
         CHECK(slow.over_limit);
         CHECK_FALSE(slow.complete);
@@ -76,27 +75,12 @@ TEST_SUITE("models/run_model")
 
     TEST_CASE("analytic: a wire that falls freely is sampled where it is, in a real world, under two models")
     {
-        const char* text = R"(
-            [scene]
-            duration_s = 0.2
-            dt_s = 0.001
-            gravity = [0.0, 0.0, -9.81]
-            [wire]
-            length_m = 0.1
-            radius_m = 0.0004
-            density = 7900.0
-            bend_nm2 = 1e-5
-            twist_nm2 = 1e-5
-            stretch_n = 1e4
-            nodes = 11
-            place = { shape = "straight", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] })";
+        const std::string text = scene_text(0.2) + wire_text(0.1, 1e-5, 1e-5, 11) + placed_along_x;
         const StudyScene scene = load_study_scene(read_scene_text(text, "falling.toml"));
         RunPlan plan;
         plan.interval = 0.05;
         for (const int nodes : {5, 40}) {
-            Model model;
-            model.nodes = nodes;
-            model.dt = 0.005;
+            Model model{.nodes = nodes, .dt = 0.005};
             const ModelRun run = run_model(scene, model, plan);
             REQUIRE(run.complete);
             CHECK(run.nodes == nodes);
@@ -150,10 +134,7 @@ TEST_SUITE("models/run_watch")
         };
         StudyScene scene = scripted_scene();
         scene.scene.feed.on = false;
-        LoadSpec load;
-        load.at.kind = WirePoint::Kind::Tip;
-        load.force = {1, 0, 0};
-        scene.scene.loads = {load};
+        scene.scene.loads = {{.at = {WirePoint::Kind::Tip}, .force = {1, 0, 0}}};
         CHECK(run_model(scene, scripted_model(), {}, scripted(thrown)).verdict.held());
         scene.scene.loads.front().force = {0.5, 0, 0};
         CHECK(run_model(scene, scripted_model(), {}, scripted(thrown)).verdict.outcome == Outcome::BlowUp);
@@ -174,31 +155,9 @@ TEST_SUITE("models/run_watch")
     // times, so that the motion is nothing beside
     TEST_CASE("analytic: the work of turning a held base is counted, in a real world")
     {
-        const char* text = R"(
-            [scene]
-            duration_s = 0.2
-            dt_s = 0.001
-            gravity = [0.0, 0.0, 0.0]
-            [wire]
-            length_m = 0.1
-            radius_m = 0.0004
-            density = 7900.0
-            bend_nm2 = 1e-5
-            twist_nm2 = 1e-5
-            stretch_n = 1e4
-            nodes = 11
-            place = { shape = "straight", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }
-            [[hold]]
-            at = "base"
-            position = true
-            direction = true
-            spin = true
-            turn = [[0.0, 0.0], [0.2, 5.0]]
-            [[hold]]
-            at = "tip"
-            position = true
-            direction = true
-            spin = true)";
+        const std::string text = scene_text(0.2, 1e-3, "gravity = [0.0, 0.0, 0.0]\n") + wire_text(0.1, 1e-5, 1e-5, 11) +
+                                 placed_along_x + held_base + "turn = [[0.0, 0.0], [0.2, 5.0]]\n" +
+                                 "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\nspin = true\n";
         const ModelRun run = run_model(load_study_scene(read_scene_text(text, "turned.toml")), {}, {});
         CHECK(run.verdict.held());
         CHECK(run.verdict.readings.energy_made < 0.01 * 1.25e-3);

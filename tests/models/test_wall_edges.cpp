@@ -3,6 +3,7 @@
 #include "models/simulation.h"
 #include "models/wall_edges.h"
 #include "support/approx.h"
+#include "support/scenes.h"
 
 #include <fmt/format.h>
 
@@ -15,30 +16,10 @@ namespace {
 /// A tube of 1 cm radius and 10 cm length.
 WallEdges edges_of(const std::string& wall)
 {
-    const std::string text = fmt::format(R"(
-        [scene]
-        duration_s = 1.0
-        dt_s = 0.001
-        [wire]
-        length_m = 0.1
-        radius_m = 0.0004
-        density = 7900.0
-        bend_nm2 = 1e-5
-        twist_nm2 = 1e-5
-        stretch_n = 1e4
-        nodes = 21
-        [vessel]
-        shape = "tube"
-        radius_m = 0.01
-        length_m = 0.1
-        triangles = 4000
-        thickness_m = 0.001
-        {}
-        [feed]
-        point = [0.01, 0.0, 0.0]
-        direction = [1.0, 0.0, 0.0]
-        keys = [ {{t_s = 0.0, advance_m = 0.0}} ])",
-                                         wall);
+    const std::string text = scene_text(1) + wire_text(0.1, 1e-5, 1e-5, 21) + tube_text(0.01, 0.1, 4000) +
+                             "thickness_m = 0.001\n" + wall +
+                             "\n[feed]\npoint = [0.01, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n"
+                             "keys = [ {t_s = 0.0, advance_m = 0.0} ]\n";
     return wall_edges(load_study_scene(read_scene_text(text, "tube.toml")).setup);
 }
 

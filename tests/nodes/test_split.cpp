@@ -40,11 +40,10 @@ struct ArcWire : OneWire {
             rod.spin_acc[j] = 0.5 * rod.theta[j];
         }
         for (int i = 0; i < n; ++i) rod.set_vel(i, tilt * Vec3(std::sin(angle[i]), 1 + angle[i], 0.3));
-        RodClamp clamp;
-        clamp.node = n - 1;
-        clamp.spin = true;
-        clamp.tangent = tilt * Vec3(-std::sin(1.0), std::cos(1.0), 0);
-        clamp.turns = twist_rate * rod.material_s[n - 1];
+        RodClamp clamp{.node = n - 1,
+                       .spin = true,
+                       .tangent = tilt * Vec3(-std::sin(1.0), std::cos(1.0), 0),
+                       .turns = twist_rate * rod.material_s[n - 1]};
         clamp.director = turned(tilt * Vec3::UnitZ(), clamp.tangent, clamp.turns);
         clamps = {clamp};
         REQUIRE(accept(OwnedTrial(rod)));
@@ -187,7 +186,7 @@ TEST_SUITE("nodes/split")
                     REQUIRE(wire.update());
                     for (int i = 1; i < wire.rod.n - 1; ++i) {
                         const Vec2 off(wire.frames.kappa1[i] - wire.rod.rest_kappa1[i],
-                                                  wire.frames.kappa2[i] - wire.rod.rest_kappa2[i]);
+                                       wire.frames.kappa2[i] - wire.rod.rest_kappa2[i]);
                         worst[k] = std::max(worst[k], off.norm() / wire.rod.voronoi_length(i));
                     }
                 }

@@ -31,11 +31,11 @@ struct UnevenWire : OneWire {
     /// A clamp that holds the hub's angle, along the last edge.
     void hold_hub()
     {
-        RodClamp clamp;
-        clamp.node = edges;
-        clamp.direction = clamp.spin = true;
-        clamp.tangent = (rod.tangent(edges - 1) + Vec3(0.1, 0.05, 0.2)).normalized();
-        clamp.turns = rod.theta[edges - 1] + 0.1;
+        RodClamp clamp{.node = edges,
+                       .direction = true,
+                       .spin = true,
+                       .tangent = (rod.tangent(edges - 1) + Vec3(0.1, 0.05, 0.2)).normalized(),
+                       .turns = rod.theta[edges - 1] + 0.1};
         clamp.director = unit_normal(turned(rod.ref_d1(edges - 1), rod.tangent(edges - 1), clamp.turns), clamp.tangent);
         clamps = {clamp};
         REQUIRE(accept(OwnedTrial(rod)));

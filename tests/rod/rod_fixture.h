@@ -150,11 +150,10 @@ inline Vec3 random_unit(std::mt19937& rng)
 inline RodClamp random_clamp(const OneWire& wire, int node, bool direction, bool spin, unsigned seed)
 {
     std::mt19937 rng(seed);
-    RodClamp clamp;
-    clamp.node = node;
-    clamp.direction = direction;
-    clamp.spin = spin;
-    clamp.tangent = (wire.rod.tangent(std::min(node, wire.rod.n - 2)) + 0.4 * random_unit(rng)).normalized();
+    RodClamp clamp{.node = node,
+                   .direction = direction,
+                   .spin = spin,
+                   .tangent = (wire.rod.tangent(std::min(node, wire.rod.n - 2)) + 0.4 * random_unit(rng)).normalized()};
     clamp.director = unit_normal(random_unit(rng), clamp.tangent);
     clamp.turns = 5;
     return clamp;

@@ -161,11 +161,7 @@ TEST_SUITE("rod/coaxial")
             for (std::size_t k = 0; k < from.size(); ++k) std::copy(from[k].begin(), from[k].end(), to[k].begin());
             wire.rod = wire.arrays.view(0);
             set_rest_shape(wire.rod, c.specs[0], false);
-            RodClamp clamp;
-            clamp.node = n - 1;
-            clamp.spin = true;
-            clamp.tangent = c.base.tangent;
-            clamp.turns = 0.3;
+            RodClamp clamp{.node = n - 1, .spin = true, .tangent = c.base.tangent, .turns = 0.3};
             clamp.director = turned(c.base.director, c.base.tangent, clamp.turns);
             wire.clamps = {clamp};
             REQUIRE(wire.update());

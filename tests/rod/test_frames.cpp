@@ -166,9 +166,7 @@ TEST_SUITE("rod/frames")
         OneWire wire(5);
         wire.place(straight_nodes(5, 1));
         set_rest_shape(wire.rod, uniform_spec(1, 1, 1, 1), false);
-        RodClamp clamp;
-        clamp.node = 4;
-        clamp.spin = true;
+        RodClamp clamp{.node = 4, .spin = true};
         // the wire's shape turns its reference frame by pi and more against the clamp: swing all edges around a cone
         wire.clamps = {clamp};
         double last = 0;

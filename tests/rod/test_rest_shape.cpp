@@ -78,10 +78,7 @@ TEST_SUITE("rod/rest_shape")
 
         // a clamp along the helix' own tangent at the hub node: off by what the half cell cannot know, O(h^2)
         const double a = 0.1 * (n - 1);
-        RodClamp clamp;
-        clamp.node = n - 1;
-        clamp.tangent = Vec3(-0.1 * std::sin(a), 0.1 * std::cos(a), 0.03).normalized();
-        wire.clamps = {clamp};
+        wire.clamps = {{.node = n - 1, .tangent = Vec3(-0.1 * std::sin(a), 0.1 * std::cos(a), 0.03).normalized()}};
         REQUIRE(wire.update());
         // chord against tangent in a helix: kappa torsion h^2/6 = 4.5e-4, so 2e-6 J; 0.02 without the half cell's rest curvature
         CHECK(wire.energy() < 3e-6);

@@ -12,12 +12,7 @@ constexpr double pi = std::numbers::pi;
 
 RodClamp clamp_at(int node, const Vec3& tangent, bool spin, const Vec3& director = Vec3::UnitZ())
 {
-    RodClamp clamp;
-    clamp.node = node;
-    clamp.spin = spin;
-    clamp.tangent = tangent;
-    clamp.director = director;
-    return clamp;
+    return {.node = node, .spin = spin, .tangent = tangent, .director = director};
 }
 
 std::vector<int> all_angles(int n)
@@ -156,7 +151,7 @@ TEST_SUITE("rod/elastic")
             std::vector<int> held;
             hold_position(held, root);
             Eigen::VectorXd load = Eigen::VectorXd::Zero(RodDofs::count(n));
-            load[2] = 1;                // at the tip, 0.4 away
+            load[2] = 1;                            // at the tip, 0.4 away
             load[RodDofs::position(n - 1, 1)] = 1;  // at the hub, 0.6 away
             const Eigen::VectorXd u = linear_response(wire, load, held);
             error_a[k] = std::abs(u[2] - 0.064 / 3);

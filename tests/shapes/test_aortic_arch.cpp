@@ -1,11 +1,11 @@
 // The parametric aortic arch: topology, quality, dimensions, determinism.
 #include "core/error.h"
-#include "vessel/mesh_fixtures.h"
 #include "repair/repair.h"
 #include "setup/vessel_load.h"
 #include "shapes/aortic_arch.h"
 #include "support/approx.h"
 #include "vessel/inlets.h"
+#include "vessel/mesh_fixtures.h"
 
 #include <algorithm>
 
@@ -76,12 +76,11 @@ TEST_SUITE("shapes/aortic_arch")
 
     TEST_CASE("property: a scene's axis, normal and origin carry it along; the inlet is the descending aorta")
     {
-        VesselSpec spec;
-        spec.shape = VesselShape::Arch;
-        spec.origin = Vec3(0.1, 0.2, 0.3);
-        spec.axis = Vec3::UnitZ();
-        spec.normal = Vec3::UnitY();
-        spec.triangles = 8000;
+        VesselSpec spec{.shape = VesselShape::Arch,
+                        .origin = Vec3(0.1, 0.2, 0.3),
+                        .axis = Vec3::UnitZ(),
+                        .normal = Vec3::UnitY(),
+                        .triangles = 8000};
         const LoadedVessel vessel = load_vessel(spec);
         const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
         CHECK((inlet.point - spec.origin).norm() < 1e-4);

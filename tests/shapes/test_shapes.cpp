@@ -1,10 +1,10 @@
 // Generated walls: sizes, counts, orientation, exact centrelines.
 #include "core/error.h"
-#include "vessel/mesh_fixtures.h"
 #include "repair/repair.h"
 #include "setup/vessel_load.h"
 #include "support/approx.h"
 #include "vessel/mesh_edges.h"
+#include "vessel/mesh_fixtures.h"
 
 #include <algorithm>
 #include <numbers>
@@ -61,16 +61,15 @@ TEST_SUITE("shapes/shapes")
 
     TEST_CASE("analytic: the arc's axis is straight, round, straight, with continuous tangents")
     {
-        VesselSpec spec;
-        spec.shape = VesselShape::Arc;
-        spec.radius = 0.002;
-        spec.bend_radius = 0.04;
-        spec.angle = std::numbers::pi;
-        spec.lead_in = 0.03;
-        spec.lead_out = 0.09;
-        spec.axis = Vec3::UnitX();
-        spec.normal = Vec3::UnitY();
-        spec.triangles = 60000;
+        VesselSpec spec{.shape = VesselShape::Arc,
+                        .radius = 0.002,
+                        .bend_radius = 0.04,
+                        .angle = std::numbers::pi,
+                        .lead_in = 0.03,
+                        .lead_out = 0.09,
+                        .axis = Vec3::UnitX(),
+                        .normal = Vec3::UnitY(),
+                        .triangles = 60000};
         const LoadedVessel vessel = load_vessel(spec);
         CHECK(std::abs(static_cast<double>(vessel.mesh.triangles.size()) - 60000) < 0.03 * 60000);
         const auto& axis = vessel.centreline;
@@ -98,12 +97,8 @@ TEST_SUITE("shapes/shapes")
 
     TEST_CASE("analytic: the plane faces its normal and has its size")
     {
-        VesselSpec spec;
-        spec.shape = VesselShape::Plane;
-        spec.size = 0.2;
-        spec.normal = Vec3(0, -1, 1);
-        spec.origin = Vec3(1, 2, 3);
-        spec.triangles = 800;
+        VesselSpec spec{
+            .shape = VesselShape::Plane, .origin = Vec3(1, 2, 3), .normal = Vec3(0, -1, 1), .size = 0.2, .triangles = 800};
         const LoadedVessel plane = load_vessel(spec);
         Vec3 area = Vec3::Zero();
         for (std::size_t t = 0; t < plane.mesh.triangles.size(); ++t) area += 0.5 * double_area(triangle_of(plane.mesh, t));

@@ -16,11 +16,7 @@ namespace {
 
 WallMesh tube_mesh(int triangles)
 {
-    VesselSpec spec;
-    spec.shape = VesselShape::Tube;
-    spec.radius = 0.01;
-    spec.length = 0.05;
-    spec.triangles = triangles;
+    VesselSpec spec{.shape = VesselShape::Tube, .radius = 0.01, .length = 0.05, .triangles = triangles};
     return make_tube(spec).mesh;
 }
 

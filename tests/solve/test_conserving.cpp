@@ -6,13 +6,7 @@ namespace seldinger::test::test_conserving {
 namespace {
 
 /// Tight, so that the scheme dominates: each step's residual does work of the residual times the move.
-IntegratorSpec conserving(double tolerance = 1e-11)
-{
-    IntegratorSpec spec;
-    spec.conserve = true;
-    spec.tolerance = tolerance;
-    return spec;
-}
+IntegratorSpec conserving(double tolerance = 1e-11) { return {.conserve = true, .tolerance = tolerance}; }
 
 double total_energy(Rig& rig)
 {
@@ -65,10 +59,7 @@ TEST_SUITE("solve/conserving")
         Rig rig(spec, 41);
         HoldSpec base = clamp_base();
         base.turn = {{0, 0}, {0.05, 3}};
-        LinkSpec link;
-        link.at.kind = WirePoint::Kind::Tip;
-        link.anchor = {0.1, 0.01, 0.01};
-        link.stiffness = 2;
+        LinkSpec link{.at = {WirePoint::Kind::Tip}, .anchor = {0.1, 0.01, 0.01}, .stiffness = 2};
         rig.hold({base}, {}, {link});
         rig.integrate_with(conserving(), {0, 0, -9.81});
         for (int k = 0; k < 60; ++k) REQUIRE(rig.step(1e-3));  // turned in, and let go

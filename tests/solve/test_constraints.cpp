@@ -3,6 +3,7 @@
 #include "solve/feed.h"
 #include "solve/wire_fixture.h"
 #include "support/approx.h"
+#include "support/refusal.h"
 
 #include <string>
 
@@ -15,13 +16,7 @@ WirePoint at_distance(double s) { return {WirePoint::Kind::Distance, s}; }
 std::string refusal(const std::vector<HoldSpec>& holds, const std::vector<LoadSpec>& loads = {})
 {
     Rig rig(nitinol(0.1), 11);
-    try {
-        rig.hold(holds, loads);
-    } catch (const Error& error) {
-        CHECK(error.kind() == ErrorKind::BadScene);
-        return error.what();
-    }
-    return "";
+    return test::refusal([&] { rig.hold(holds, loads); }, ErrorKind::BadScene);
 }
 
 }  // namespace
@@ -60,10 +55,7 @@ TEST_SUITE("solve/constraints")
     TEST_CASE("property: a load is shared by the nodes of its edge and grows over its ramp")
     {
         Rig rig(nitinol(0.1), 11);
-        LoadSpec load;
-        load.at = at_distance(0.0325);
-        load.force = {0, 0, 2};
-        load.ramp = 4;
+        LoadSpec load{.at = at_distance(0.0325), .force = {0, 0, 2}, .ramp = 4};
         rig.hold({}, {load});
         rig.fill(1);
         REQUIRE(rig.constraints[0].loads.size() == 1);
@@ -140,10 +132,7 @@ TEST_SUITE("solve/constraints")
     TEST_CASE("analytic: a link holds a free wire against a load, and a dead moment bends a clamped wire to an arc")
     {
         Rig linked(nitinol(0.1), 11);
-        LinkSpec link;
-        link.at.kind = WirePoint::Kind::Tip;
-        link.anchor = {0.1, 0, 0};
-        link.stiffness = 5;
+        LinkSpec link{.at = {WirePoint::Kind::Tip}, .anchor = {0.1, 0, 0}, .stiffness = 5};
         linked.hold({}, {tip_load({0.01, 0, 0})}, {link});
         linked.integrate_with({});
         REQUIRE(linked.settle());

@@ -84,10 +84,7 @@ TEST_CASE("the ledger of a free swing has one loss, the scheme's, which falls wi
         wire.wire.nodes = 21;
         wire.wire.place.shape = PlaceShape::Straight;
         wire.wire.place.direction = Vec3(1, 0, 0);
-        HoldSpec hold;
-        hold.at.kind = WirePoint::Kind::Base;
-        hold.position = hold.direction = hold.spin = true;
-        wire.holds.push_back(hold);
+        wire.holds.push_back({.at = {WirePoint::Kind::Base}, .position = true, .direction = true, .spin = true});
         setup.wires.push_back(wire);
         FedWorld world(setup);
         for (int k = 0; k < static_cast<int>(std::lround(0.1 / h)); ++k) REQUIRE(!step(world, h).failed());

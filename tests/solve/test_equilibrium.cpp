@@ -68,9 +68,7 @@ TEST_SUITE("newton/equilibrium")
     TEST_CASE("derivative: the tangent of a dead moment is that of its residual, spins included, and not symmetric")
     {
         Rig rig(nitinol(0.1), 6, 1, [](double s) { return Vec3(0.1 * std::sin(9 * s), 0.06 * s, 0.1 * s * s); });
-        LoadSpec moment;
-        moment.at = {WirePoint::Kind::Distance, 0.05};
-        moment.moment = {3e-4, -2e-4, 5e-4};
+        LoadSpec moment{.at = {WirePoint::Kind::Distance, 0.05}, .moment = {3e-4, -2e-4, 5e-4}};
         const int nodes[] = {6};
         SystemProblem with(0, nodes, {}), without(0, nodes, {});
         SystemProblem::Workspace workspace(6);
@@ -145,10 +143,7 @@ TEST_SUITE("newton/equilibrium")
     TEST_CASE("analytic: dead moments roll a wire into a ring and further")
     {
         Rig rig(nitinol(0.1), 61);
-        LoadSpec moment;
-        moment.at.kind = WirePoint::Kind::Tip;
-        moment.moment = {0, -rig.wire.shaft.bend_stiffness * 3 * pi / 0.1, 0};
-        moment.ramp = 1;
+        LoadSpec moment{.at = {WirePoint::Kind::Tip}, .moment = {0, -rig.wire.shaft.bend_stiffness * 3 * pi / 0.1, 0}, .ramp = 1};
         rig.hold({clamp_base()}, {moment});
         rig.integrate_with({});
         int evaluations = 0;

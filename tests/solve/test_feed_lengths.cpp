@@ -19,9 +19,7 @@ struct Fed {
     Fed()
     {
         state.edge = edge;
-        FeedSpec spec;
-        spec.direction = Vec3(1, 0, 0);
-        spec.advance = 10 * edge;
+        FeedSpec spec{.direction = Vec3(1, 0, 0), .advance = 10 * edge};
         start_feed(state, spec, wire, arrays, 0);
         REQUIRE(arrays.view(0).n == 11);
     }
@@ -101,10 +99,7 @@ TEST_SUITE("solve/feed")
         RodArrays arrays(std::vector<int>{40});
         FeedState state;
         state.edge = edge;
-        FeedSpec spec;
-        spec.point = Vec3(0.1, 0.2, 0.3);
-        spec.direction = Vec3(0, 2, 0);
-        spec.advance = 7.4 * edge;
+        FeedSpec spec{.point = Vec3(0.1, 0.2, 0.3), .direction = Vec3(0, 2, 0), .advance = 7.4 * edge};
         spec.turn = 7.3;  // more than a turn
         const WireSpec wire = nitinol(0.2);
         start_feed(state, spec, wire, arrays, 0);

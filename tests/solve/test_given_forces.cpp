@@ -6,6 +6,7 @@
 #include "solve/wire_fixture.h"
 
 #include "engine.h"
+#include "support/refusal.h"
 
 #include <cmath>
 #include <functional>
@@ -33,18 +34,6 @@ WorldSetup cantilever(Scheme scheme = Scheme::Newton)
 
 const double stiffness = nitinol(0.1).shaft.bend_stiffness;
 constexpr double length = 0.1;
-
-/// What a call says as it throws an Error; empty: it does not.
-template <class Call>
-std::string error_text(const Call& call)
-{
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return {};
-}
 
 /// A force made of functions.
 class Law final : public Force {
@@ -98,10 +87,7 @@ TEST_SUITE("solve/given forces")
     {
         for (const Scheme scheme : {Scheme::Newton, Scheme::Linearised, Scheme::Static}) {
             WorldSetup with = cantilever(scheme);
-            LoadSpec load;
-            load.at = {WirePoint::Kind::Distance, 0.012};
-            load.force = {0, 1e-3, 2e-3};
-            load.moment = {1e-6, 2e-6, -3e-6};
+            LoadSpec load{.at = {WirePoint::Kind::Distance, 0.012}, .force = {0, 1e-3, 2e-3}, .moment = {1e-6, 2e-6, -3e-6}};
             with.wires[0].loads.push_back(load);
             World scene(with), own(cantilever(scheme));
             Control control;
@@ -135,14 +121,14 @@ TEST_SUITE("solve/given forces")
         World world(cantilever());
         const std::string before = world.state_hash();
         Control control;
-        CHECK(error_text([&] { control.load(0, 0, {0, NAN, 0}); }).find("not finite") != std::string::npos);
-        CHECK(error_text([&] { control.load(0, NAN, {0, 0, 0}); }).find("not finite") != std::string::npos);
-        CHECK(error_text([&] { control.load(-1, 0, {0, 0, 0}); }).find("instrument -1") != std::string::npos);
+        CHECK(refusal([&] { control.load(0, 0, {0, NAN, 0}); }).find("not finite") != std::string::npos);
+        CHECK(refusal([&] { control.load(0, NAN, {0, 0, 0}); }).find("not finite") != std::string::npos);
+        CHECK(refusal([&] { control.load(-1, 0, {0, 0, 0}); }).find("instrument -1") != std::string::npos);
         CHECK(control.loads().empty());
         for (const auto& [instrument, at] : {std::pair(1, 0.0), std::pair(0, 0.2), std::pair(0, -0.01)}) {
             control.clear();
             control.load(instrument, at, {0, 0, 1});
-            CHECK(error_text([&] { (void)step(world, control, 1e-3); }).find("expected") != std::string::npos);
+            CHECK(refusal([&] { (void)step(world, control, 1e-3); }).find("expected") != std::string::npos);
         }
         CHECK(world.state_hash() == before);
     }
@@ -265,10 +251,7 @@ TEST_SUITE("solve/given forces")
             WorldSetup setup = cantilever(kind == 1 ? Scheme::Static : kind == 2 ? Scheme::Linearised : Scheme::Newton);
             setup.integrator.newmark = kind == 3;
             WorldSetup linked = setup;
-            LinkSpec link;
-            link.at.kind = WirePoint::Kind::Tip;
-            link.anchor = anchor;
-            link.stiffness = 0.2;
+            LinkSpec link{.at = {WirePoint::Kind::Tip}, .anchor = anchor, .stiffness = 0.2};
             linked.wires[0].links.push_back(link);
             World scene(linked), own(setup);
             own.add_force(0, spring(anchor, link.stiffness));
@@ -391,7 +374,7 @@ TEST_SUITE("solve/given forces")
                 last = calls + (kind == 3 ? 0 : 2);
                 const auto next = [&] { (void)step(world, 1e-3); };
                 if (kind == 0 || kind == 3) CHECK_THROWS_AS(next(), Stopped);
-                else CHECK(error_text(next).find("force \"force\": got a ") == 0);
+                else CHECK(refusal(next).find("force \"force\": got a ") == 0);
                 CHECK(world.save_state() == before);
                 last = calls;
                 CHECK_THROWS((void)settle(world));
@@ -401,11 +384,11 @@ TEST_SUITE("solve/given forces")
                 CHECK(world.state_hash() != hash);
             }
         World world(cantilever());
-        CHECK(error_text([&] { world.add_force(0, nullptr); }).find("no force") != std::string::npos);
-        CHECK(error_text([&] { world.add_force(2, spring({}, 1)); }).find("instrument 2") != std::string::npos);
+        CHECK(refusal([&] { world.add_force(0, nullptr); }).find("no force") != std::string::npos);
+        CHECK(refusal([&] { world.add_force(2, spring({}, 1)); }).find("instrument 2") != std::string::npos);
         auto off = spring(Vec3::Zero(), 1);
         off->places = {0.3};
-        CHECK(error_text([&] { world.add_force(0, off); }).find("0.3 m from the tip") != std::string::npos);
+        CHECK(refusal([&] { world.add_force(0, off); }).find("0.3 m from the tip") != std::string::npos);
     }
 
     // Twice the force for half of a load that is constant through the step: asked once in each, at its start.

@@ -41,21 +41,9 @@ Curve mode_shape(double length, int k, double amplitude)
     return [=](double s) { return Vec3(s, 0, scale * shape(bl * s / length)); };
 }
 
-IntegratorSpec trapezoid()
-{
-    IntegratorSpec spec;
-    spec.newmark = true;
-    spec.tolerance = 1e-9;
-    return spec;
-}
+IntegratorSpec trapezoid() { return {.newmark = true, .tolerance = 1e-9}; }
 
-IntegratorSpec conserving()
-{
-    IntegratorSpec spec;
-    spec.conserve = true;
-    spec.tolerance = 1e-9;
-    return spec;
-}
+IntegratorSpec conserving() { return {.conserve = true, .tolerance = 1e-9}; }
 
 struct Swing {
     double frequency = 0;  // from the first to the last upward crossing of the tip [Hz]

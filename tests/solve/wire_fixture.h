@@ -66,13 +66,7 @@ inline HoldSpec clamp_base()
     return hold;
 }
 
-inline LoadSpec tip_load(const Vec3& force)
-{
-    LoadSpec load;
-    load.at.kind = WirePoint::Kind::Tip;
-    load.force = force;
-    return load;
-}
+inline LoadSpec tip_load(const Vec3& force) { return {.at = {WirePoint::Kind::Tip}, .force = force}; }
 
 /// One or more equal wires.
 struct Rig {

@@ -26,8 +26,7 @@ WireSpec adaptive_wire(double length)
 
 TestSetup arc_setup(double speed, double until)
 {
-    TestSetup setup;
-    add_bend(setup, 0.005, 0.04);
+    TestSetup setup = in_bend(0.005, 0.04);
     setup.wires = {fed_wire(adaptive_wire(0.3), {0.0005, 0, 0}, speed, 0, until)};
     return setup;
 }
@@ -188,9 +187,7 @@ TEST_SUITE("step/adapt_run")
         base.position = base.direction = true;
         middle.at = {WirePoint::Kind::Distance, 0.12};
         middle.position = true;
-        LoadSpec load;
-        load.at = {WirePoint::Kind::Distance, 0.06};
-        load.force = {0, 0, -0.02};
+        LoadSpec load{.at = {WirePoint::Kind::Distance, 0.06}, .force = {0, 0, -0.02}};
         wire.holds = {base, middle};
         wire.loads = {load};
         setup.wires = {wire};

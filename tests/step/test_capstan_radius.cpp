@@ -48,9 +48,7 @@ TEST_SUITE("step/capstan_radius")
         const double radius = drum.rho * drum.axis;
         TestSetup setup;
         setup.gravity = Vec3::Zero();
-        VesselSpec spec;
-        spec.shape = VesselShape::Arc;
-        spec.radius = 0.002;
+        VesselSpec spec{.shape = VesselShape::Arc, .radius = 0.002};
         spec.bend_radius = drum.axis + spec.radius - radius;
         spec.angle = std::numbers::pi / 2;
         spec.lead_in = spec.lead_out = 0.02;
@@ -65,15 +63,8 @@ TEST_SUITE("step/capstan_radius")
         TestWire placed;
         placed.wire = wire;
         placed.contact.samples_per_edge = 2;
-        HoldSpec hold;
-        hold.position = true;
-        hold.velocity = {-0.01, 0, 0};
-        placed.holds = {hold};
-        LoadSpec load;
-        load.at.kind = WirePoint::Kind::Tip;
-        load.force = {0, drum.back, 0};
-        load.ramp = 0.05;
-        placed.loads = {load};
+        placed.holds = {{.position = true, .velocity = {-0.01, 0, 0}}};
+        placed.loads = {{.at = {WirePoint::Kind::Tip}, .force = {0, drum.back, 0}, .ramp = 0.05}};
         setup.wires = {placed};
         FedWorld world(std::move(setup));
         Vec3 pull = Vec3::Zero();

@@ -13,8 +13,7 @@ constexpr double speed = 0.1, rate = 2.0;  // [m/s], [rad/s]
 
 TestSetup in_a_bend()
 {
-    TestSetup setup;
-    add_bend(setup, 0.005, 0.04);
+    TestSetup setup = in_bend(0.005, 0.04);
     setup.wires = {fed_wire(steel_wire(0.12, 25), {0.0005, 0, -0.0024}, speed, rate)};
     return setup;
 }

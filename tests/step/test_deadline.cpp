@@ -15,8 +15,7 @@ constexpr int fed = 350, rest = 400;  // steps
 /// A wire that is pushed 7 cm through a bend, and stays.
 TestSetup pushed()
 {
-    TestSetup setup;
-    add_bend(setup, 2e-3, 0.03);
+    TestSetup setup = in_bend(2e-3, 0.03);
     TestWire wire = fed_wire(steel_wire(0.2, 81), {0.0001, 0, 0}, 0.2);
     wire.feed.keys = {{0, 0, 0}, {fed * dt, 0.2 * fed * dt, 0}, {1e3, 0.2 * fed * dt, 0}};
     setup.wires.push_back(wire);

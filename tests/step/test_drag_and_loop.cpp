@@ -9,13 +9,7 @@ namespace seldinger::test::test_drag_and_loop {
 
 namespace {
 
-HoldSpec base_at_speed(const Vec3& velocity)
-{
-    HoldSpec hold;
-    hold.position = true;
-    hold.velocity = velocity;
-    return hold;
-}
+HoldSpec base_at_speed(const Vec3& velocity) { return {.position = true, .velocity = velocity}; }
 
 }  // namespace
 
@@ -67,15 +61,14 @@ TEST_SUITE("step/drag_and_loop")
         constexpr double mu = 0.3, back = 0.05, bend = 1e-7, radius = 0.000178;
         TestSetup setup;
         setup.gravity = Vec3::Zero();
-        VesselSpec spec;
-        spec.shape = VesselShape::Arc;
-        spec.radius = 0.002;
-        spec.bend_radius = 0.04;
-        spec.angle = std::numbers::pi / 2;
-        spec.lead_in = 0.03;
-        spec.lead_out = 0.06;
-        spec.normal = Vec3::UnitY();
-        spec.triangles = 30000;
+        VesselSpec spec{.shape = VesselShape::Arc,
+                        .radius = 0.002,
+                        .bend_radius = 0.04,
+                        .angle = std::numbers::pi / 2,
+                        .lead_in = 0.03,
+                        .lead_out = 0.06,
+                        .normal = Vec3::UnitY(),
+                        .triangles = 30000};
         add_vessel(setup, make_arc(spec), spec);
         WireSpec wire = steel_wire(0.1328, 110);
         wire.shaft.radius = radius;
@@ -87,11 +80,7 @@ TEST_SUITE("step/drag_and_loop")
         placed.wire = wire;
         placed.contact.samples_per_edge = 2;
         placed.holds = {base_at_speed({-0.02, 0, 0})};
-        LoadSpec load;
-        load.at.kind = WirePoint::Kind::Tip;
-        load.force = {0, back, 0};
-        load.ramp = 0.1;
-        placed.loads = {load};
+        placed.loads = {{.at = {WirePoint::Kind::Tip}, .force = {0, back, 0}, .ramp = 0.1}};
         setup.wires = {placed};
         FedWorld world(std::move(setup));
         Vec3 pull = Vec3::Zero();
@@ -112,8 +101,7 @@ TEST_SUITE("step/drag_and_loop")
 
     TEST_CASE("property: push, pull, push: every cycle dissipates, and the force returns along its loop")
     {
-        TestSetup setup;
-        add_bend(setup, 0.003, 0.03);
+        TestSetup setup = in_bend(0.003, 0.03);
         TestWire wire = fed_wire(steel_wire(0.12, 49), {0.0005, 0, -0.0024}, 0);
         // 7 cm in, then three times 8 mm back and forth
         constexpr double speed = 0.05, inside = 0.07, stroke = 0.008, half = stroke / speed, start = inside / speed;
@@ -168,10 +156,7 @@ TEST_SUITE("step/drag_and_loop")
             constexpr double length = 0.1, dt = 1e-3, radius = 1e-4;
             TestSetup setup;
             setup.gravity = Vec3::Zero();
-            VesselSpec plane;
-            plane.shape = VesselShape::Plane;
-            plane.size = 0.2;
-            plane.triangles = 200;
+            VesselSpec plane{.shape = VesselShape::Plane, .size = 0.2, .triangles = 200};
             // the foot sinks in by a hundredth of the radius: what lies behind it is clear of the floor until flat
             plane.youngs = 4e11;
             add_vessel(setup, make_plane(plane), plane);
@@ -187,10 +172,10 @@ TEST_SUITE("step/drag_and_loop")
             placed.wire = wire;
             // slowly at first, so that the wire buckles gently, and in some air for what still swings
             const double lowered = (at.strain > 0 ? 1.1 * at.strain : 0.32) * length, gently = 2e-4;
-            HoldSpec top;
-            top.position = top.direction = top.spin = true;
-            top.move = {{0, 0, 0, 0}, {0.2, 0, 0, -gently}, {0.7, 0, 0, -lowered}};
-            placed.holds = {top};
+            placed.holds = {{.position = true,
+                             .direction = true,
+                             .spin = true,
+                             .move = {{0, 0, 0, 0}, {0.2, 0, 0, -gently}, {0.7, 0, 0, -lowered}}}};
             setup.integrator.damping_mass = 50;
             LoadSpec lean;  // which way it buckles: a thousandth of what it carries then
             lean.at = {WirePoint::Kind::Distance, 0.05};

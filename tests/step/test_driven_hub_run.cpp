@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "support/approx.h"
+#include "support/refusal.h"
 #include "support/world_fixture.h"
 
 #include <cmath>
@@ -35,11 +36,7 @@ double mass_per_length(const WireSpec& spec)
 TestSetup on_the_floor(bool fed, double mass, double height)
 {
     TestSetup setup;
-    VesselSpec floor;
-    floor.shape = VesselShape::Plane;
-    floor.size = 1;
-    floor.triangles = 8;
-    add_vessel(setup, make_plane(floor), floor);
+    add_plane(setup, 1, 8);
     WireSpec spec = steel_wire(fed ? 0.4 : start, fed ? 161 : 61);
     spec.shaft.radius = 0.45e-3;
     spec.shaft.density = 6000;
@@ -51,10 +48,7 @@ TestSetup on_the_floor(bool fed, double mass, double height)
         wire.feed.hub.mass = mass;
         wire.feed.keys = {{0, start, 0, 0}, {2, start, 0, 3e-3}};
     } else {
-        LoadSpec load;
-        load.force = {3e-3, 0, 0};
-        load.ramp = 2;
-        wire.loads = {load};
+        wire.loads = {{.force = {3e-3, 0, 0}, .ramp = 2}};
     }
     setup.wires = {wire};
     setup.integrator.damping_mass = 2;
@@ -82,17 +76,6 @@ double by_the_laws(double mass, bool fed, double pressed, double until)
         x += h * v;
     }
     return x;
-}
-
-template <class Act>
-std::string refusal(const Act& act)
-{
-    try {
-        act();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return {};
 }
 
 void run(FedWorld& world, int steps, double dt)
@@ -171,11 +154,7 @@ TEST_SUITE("step/driven hub")
     TEST_CASE("analytic: in a generated tube a wire lies on an edge, which presses by 1/cos(pi/n) of its weight")
     {
         TestSetup setup = on_the_floor(false, 0, 0.45e-3);
-        VesselSpec spec;
-        spec.shape = VesselShape::Tube;
-        spec.radius = 3e-3;
-        spec.length = 0.5;
-        spec.triangles = 20000;
+        VesselSpec spec{.shape = VesselShape::Tube, .radius = 3e-3, .length = 0.5, .triangles = 20000};
         const GeneratedVessel vessel = make_tube(spec);
         const auto around = std::count_if(vessel.mesh.vertices.begin(), vessel.mesh.vertices.end(),
                                           [](const Vec3& v) { return std::abs(v.x()) < 1e-9; });

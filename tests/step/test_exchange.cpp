@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "setup/key_frames.h"
 #include "support/approx.h"
+#include "support/refusal.h"
 #include "world/world.h"
 
 #include <cmath>
@@ -171,14 +172,6 @@ TEST_SUITE("step/exchange")
         World world(two_wires(Model::Separate, false, 0));
         Control both;
         both.move_to(1, 0.001, 0).move_to(2, 0.001, 0);
-        const auto refusal = [](const auto& act) {
-            try {
-                act();
-            } catch (const Error& error) {
-                return std::string(error.what());
-            }
-            return std::string();
-        };
         CHECK(refusal([&] { (void)step(world, both, 1e-3); }) ==
               "control: instrument 2: advance: got 0.001 m; expected 0 while instrument 1 is inside: they take turns in another "
               "one "

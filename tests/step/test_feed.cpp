@@ -29,8 +29,7 @@ double mean_force(const std::vector<Sample>& trace, std::size_t from, std::size_
 
 TestSetup bend_setup(double speed, int nodes)
 {
-    TestSetup setup;
-    add_bend(setup, 0.003, 0.03);
+    TestSetup setup = in_bend(0.003, 0.03);
     setup.wires = {fed_wire(steel_wire(0.12, nodes), {0.0005, 0, -0.0024}, speed)};
     return setup;
 }
@@ -102,8 +101,7 @@ TEST_SUITE("step/feed")
     {
         for (const double dt : {1e-3, 2.5e-4}) {
             CAPTURE(dt);
-            TestSetup setup;
-            add_tube(setup, tube(0.018, 0.1));
+            TestSetup setup = in_tube(0.018, 0.1);
             WireSpec spec = steel_wire(0.1, 21);
             spec.shaft.radius = 0.001;
             spec.shaft.bend_stiffness = 1e-5;
@@ -138,8 +136,7 @@ TEST_SUITE("step/feed")
 
     TEST_CASE("property: pulled back below half an edge the wire is in its guide again, and comes out again")
     {
-        TestSetup setup;
-        add_tube(setup, tube(0.003, 0.12));
+        TestSetup setup = in_tube(0.003, 0.12);
         TestWire wire = fed_wire(steel_wire(0.1, 21), {0.0005, 0, -0.0024}, 0);
         wire.feed.keys = {{0, 0, 0}, {0.3, 0.03, 0}, {0.6, 0, 0}, {0.9, 0.03, 0}, {1.0, 0.03, 0}};
         setup.wires = {wire};
@@ -175,8 +172,7 @@ TEST_SUITE("step/feed")
             FedWorld world(std::move(setup));
             const double edge = data_of(world).feed(0).edge;
             for (int k = 0; k < std::lround(0.6 / dt); ++k) {
-                const StepReport report = step(world, dt);
-                REQUIRE_FALSE(report.failed());
+                REQUIRE_FALSE(step(world, dt).failed());
                 const ConstRodView rod = world.rod(0);
                 if (!data_of(world).feed(0).inside) continue;
                 for (int j = 0; j + 1 < rod.n; ++j) REQUIRE(rod.rest_length[j] > 0);

@@ -1,5 +1,6 @@
 // A preformed tip that leaves the inlet: what the hand feels, against beam theory.
 #include "coaxial/straight_pair.h"
+#include "support/steps.h"
 
 #include <cmath>
 
@@ -7,7 +8,7 @@ namespace seldinger::test::test_feed_sections {
 
 namespace {
 
-constexpr double bent = 0.03, natural = 2;  // preformed, from the tip [m], its curvature [1/m]
+constexpr double bent = 0.03, natural = 2;             // preformed, from the tip [m], its curvature [1/m]
 constexpr double force = 0.06 * bend / (0.05 * 0.05);  // across the tip [N]: at 5 cm the wire bends to 0.03 rad by it
 
 /// A wire with a preformed tip in edges of h, that far out of the inlet, with a force across the tip that bends it on (+1) or
@@ -23,19 +24,11 @@ World bent_tip(double h, double inside, int sense)
     WireSection tip = wire.shaft;
     tip.rest_curvature = {natural, 0};
     wire.sections = {{0, bent, tip}};
-    LoadSpec load;
-    load.at.kind = WirePoint::Kind::Tip;
-    load.force = {0, 0, sense * force};
-    setup.wires[0].loads = {load};
+    setup.wires[0].loads = {{.at = {WirePoint::Kind::Tip}, .force = {0, 0, sense * force}}};
     return World(setup);
 }
 
-void feed(World& world, double inside)
-{
-    Control control;
-    control.move_to(0, inside, 0);
-    REQUIRE_FALSE(step(world, control, 1e-3).failed());
-}
+void feed(World& world, double inside) { step_to(world, 1e-3, {{inside}}); }
 
 }  // namespace
 

@@ -4,9 +4,9 @@
 #include "engine.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -66,13 +66,7 @@ TEST_SUITE("step/feed_start")
 
     TEST_CASE("property: straight through the wall is refused with that way out; who asks for no settling has none")
     {
-        std::string said;
-        try {
-            (void)make_setup(scene_of(0.05, "inlet = 1"));
-        } catch (const Error& error) {
-            said = error.what();
-        }
-        CHECK(said.find("feed.start = \"centreline\"") != std::string::npos);
+        check_refused([] { return make_setup(scene_of(0.05, "inlet = 1")); }, {"feed.start = \"centreline\""});
         CHECK_FALSE(scene_of(0.05, "inlet = 1\nstart = \"centreline\"", "start = \"placed\"").start_settled);
         CHECK_FALSE(scene_of(0.01, "inlet = 1").start_settled);
     }

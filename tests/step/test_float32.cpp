@@ -14,8 +14,7 @@ namespace {
 
 TestSetup sliding_wire(Precision precision)
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.003, 0.12));
+    TestSetup setup = in_tube(0.003, 0.12);
     setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1, 2)};
     setup.wires[0].contact.precision = precision;
     return setup;

@@ -16,21 +16,10 @@ constexpr int nodes = 41;
 
 HoldSpec hold(WirePoint::Kind at, bool position, bool direction, bool spin)
 {
-    HoldSpec result;
-    result.at.kind = at;
-    result.position = position;
-    result.direction = direction;
-    result.spin = spin;
-    return result;
+    return {.at = {at}, .position = position, .direction = direction, .spin = spin};
 }
 
-LoadSpec load(const WirePoint& at, const Vec3& force)
-{
-    LoadSpec result;
-    result.at = at;
-    result.force = force;
-    return result;
-}
+LoadSpec load(const WirePoint& at, const Vec3& force) { return {.at = at, .force = force}; }
 
 /// A wire along +x whose last 3 cm are bent by nature, in air that slows it down.
 TestSetup bent_tip()

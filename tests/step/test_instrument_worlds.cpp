@@ -44,8 +44,7 @@ double height_over(const World& world)
 /// A catheter and a wire fed through one inlet into a tube that bends, nodes that come and go.
 TestSetup over_the_wire()
 {
-    TestSetup made;
-    add_bend(made, 0.005, 0.04, 3000);
+    TestSetup made = in_bend(0.005, 0.04, 3000);
     WireSpec catheter = steel_wire(0.12, 0), wire = steel_wire(0.14, 0);
     catheter.shaft.radius = 0.9e-3;
     catheter.lumen_radius = 0.55e-3;
@@ -241,8 +240,7 @@ TEST_SUITE("step/instrument_worlds")
 
     TEST_CASE("property: two wires pushed into one tube lie beside each other, not in each other")
     {
-        TestSetup made;
-        add_tube(made, tube(0.0025, 0.2, 4000));
+        TestSetup made = in_tube(0.0025, 0.2, 4000);
         WireSpec wire = steel_wire(0.1, 51);
         wire.shaft.radius = 6e-4;
         made.wires = {fed_wire(wire, {5e-4, 8e-4, -5e-4}, 0.1), fed_wire(wire, {5e-4, -8e-4, -5e-4}, 0.09)};

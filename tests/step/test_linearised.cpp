@@ -14,21 +14,14 @@ constexpr double speed = 0.02, length = 0.2, mu = 0.1;  // SI
 FedWorld dragged(Scheme scheme, FrictionLaw law)
 {
     TestSetup setup;
-    VesselSpec plane;
-    plane.shape = VesselShape::Plane;
-    plane.size = 0.5;
-    plane.triangles = 20000;
-    add_vessel(setup, make_plane(plane), plane);
+    add_plane(setup, 0.5, 20000);
     WireSpec spec = steel_wire(length, 41);
     spec.shaft.mu_static = 1.2 * mu;
     spec.shaft.mu_sliding = mu;
     // base as deep in the wall as the rest of the wire, so that it carries no more than its share
     TestWire wire = placed_wire(spec, {-length / 2, 0, spec.shaft.radius - 0.4e-6});
     wire.wire.place.velocity = Vec3(-speed, 0, 0);
-    HoldSpec base;
-    base.position = base.spin = true;
-    base.velocity = Vec3(-speed, 0, 0);
-    wire.holds = {base};
+    wire.holds = {{.position = true, .spin = true, .velocity = Vec3(-speed, 0, 0)}};
     wire.contact.friction = law;
     setup.wires = {wire};
     setup.integrator.scheme = scheme;

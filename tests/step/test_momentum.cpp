@@ -57,7 +57,7 @@ struct Closed {
     double largest = 0;  // of the balance's terms [N]
     // worst difference of the contact list's sum from the balance's contact force, beyond what creases explain [N]
     double listed = 0;
-    double change = 0;   // worst difference between the balance's rate and the test's own, backward Euler [N]
+    double change = 0;  // worst difference between the balance's rate and the test's own, backward Euler [N]
 };
 
 Closed run_closed(TestSetup setup, int steps, double dt = 1e-3)
@@ -106,30 +106,19 @@ void check_closed(const Closed& closed)
 
 TestSetup fed_in_bend(const WireSpec& spec)
 {
-    TestSetup setup;
-    add_bend(setup, 0.003, 0.03);
+    TestSetup setup = in_bend(0.003, 0.03);
     setup.wires = {fed_wire(spec, {0.0005, 0, -0.0024}, 0.1, 3.0)};
     setup.wires[0].contact.rolling = true;
     return setup;
 }
 
-HoldSpec hold_at(WirePoint::Kind kind, double from_tip = 0)
-{
-    HoldSpec hold;
-    hold.at = {kind, from_tip};
-    hold.position = true;
-    return hold;
-}
+HoldSpec hold_at(WirePoint::Kind kind, double from_tip = 0) { return {.at = {kind, from_tip}, .position = true}; }
 
 // Base clamped and moved, middle held, tip tied to a moving spring; a force, a moment; on a floor; damped.
 TestSetup held_on_floor()
 {
     TestSetup setup;
-    VesselSpec plane;
-    plane.shape = VesselShape::Plane;
-    plane.size = 0.4;
-    plane.triangles = 2000;
-    add_vessel(setup, make_plane(plane), plane);
+    add_plane(setup, 0.4, 2000);
     setup.gravity = {0.5, -1, -9.6};
     setup.integrator.damping_mass = 2;
     setup.integrator.damping_stiffness = 1e-4;
@@ -139,17 +128,11 @@ TestSetup held_on_floor()
     base.velocity = {0.02, 0.01, 0};
     base.turn = {{0, 0}, {0.2, 1.0}};
     wire.holds = {base, hold_at(WirePoint::Kind::Distance, 0.07)};
-    LoadSpec load;
-    load.at = {WirePoint::Kind::Distance, 0.033};
-    load.force = {1e-3, 2e-3, -1e-3};
-    load.moment = {1e-5, 2e-5, -3e-5};
-    load.ramp = 0.05;
+    LoadSpec load{
+        .at = {WirePoint::Kind::Distance, 0.033}, .force = {1e-3, 2e-3, -1e-3}, .moment = {1e-5, 2e-5, -3e-5}, .ramp = 0.05};
     wire.loads = {load};
-    LinkSpec link;
-    link.at = {WirePoint::Kind::Tip, 0};
-    link.anchor = {0.05, 0, 0.001};
-    link.stiffness = 5;
-    link.move = {{0, 0, 0, 0}, {0.2, 0, 0.01, 0}};
+    LinkSpec link{
+        .at = {WirePoint::Kind::Tip, 0}, .anchor = {0.05, 0, 0.001}, .stiffness = 5, .move = {{0, 0, 0, 0}, {0.2, 0, 0.01, 0}}};
     wire.links = {link};
     setup.wires = {wire};
     return setup;
@@ -235,8 +218,7 @@ TEST_SUITE("step/momentum")
 
     TEST_CASE("property: it closes through the impact of a free wire, steps halved")
     {
-        TestSetup setup;
-        add_tube(setup, tube(0.005, 0.3, 6000));
+        TestSetup setup = in_tube(0.005, 0.3, 6000);
         setup.wires = {placed_wire(steel_wire(0.1, 21), {0.08, 0, 0})};
         setup.wires[0].wire.place.velocity = {0, 0.6, -0.8};
         const Closed closed = run_closed(std::move(setup), 30, 1.0 / 60);

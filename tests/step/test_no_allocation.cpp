@@ -50,8 +50,7 @@ Counts count_steps(FedWorld& world, int warm, int steps, double dt = 1e-3)
 
 TestSetup in_a_tube(int wires, int nodes)
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.003, 0.12));
+    TestSetup setup = in_tube(0.003, 0.12);
     for (int w = 0; w < wires; ++w) setup.wires.push_back(fed_wire(steel_wire(0.1, nodes), {0.0005, 1e-4 * w, -0.0025}, 0.1, 2));
     return setup;
 }
@@ -104,8 +103,7 @@ TEST_SUITE("step/no_allocation")
     TEST_CASE("property: changing the nodes where the wire bends allocates nothing either")
     {
         if (!allocations_are_counted()) return skip("allocations are not counted under a sanitizer");
-        TestSetup setup;
-        add_bend(setup, 0.004, 0.03);
+        TestSetup setup = in_bend(0.004, 0.03);
         WireSpec wire = steel_wire(0.12, 0);
         wire.min_edge = 0.001;
         wire.max_edge = 0.008;

@@ -10,8 +10,7 @@ namespace {
 /// A wire that is pushed through a bend. @param parts  whether a step feeds several edges, and so goes in several sub-steps
 TestSetup pushed(bool parts)
 {
-    TestSetup setup;
-    add_bend(setup, 2e-3, 0.03);
+    TestSetup setup = in_bend(2e-3, 0.03);
     setup.wires.push_back(fed_wire(steel_wire(0.2, 81), {0.0001, 0, 0}, parts ? 3.0 : 0.2));
     return setup;
 }

@@ -10,8 +10,7 @@ namespace {
 /// Two wires beside each other in a wide tube, which have nothing to do with each other but the system that they are in.
 TestSetup pair_in_a_tube(bool one_system)
 {
-    TestSetup setup;
-    add_tube(setup, tube(0.005, 0.3, 6000));
+    TestSetup setup = in_tube(0.005, 0.3, 6000);
     setup.wires = {fed_wire(steel_wire(0.1, 21), {0.0005, 1e-3, -0.0042}, 0.1, 1.0),
                    fed_wire(steel_wire(0.1, 21), {0.0005, -1e-3, -0.0042}, 0.07)};
     if (one_system) setup.systems = {2};

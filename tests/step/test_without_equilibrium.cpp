@@ -10,9 +10,7 @@ TEST_SUITE("step/settle")
     {
         TestSetup setup;
         setup.wires = {placed_wire(steel_wire(0.05, 21), Vec3(0, 0, 0)), placed_wire(steel_wire(0.05, 21), Vec3(0, 0.1, 0))};
-        HoldSpec hold;
-        hold.at.kind = WirePoint::Kind::Base;
-        hold.position = hold.direction = hold.spin = true;
+        HoldSpec hold{.at = {WirePoint::Kind::Base}, .position = true, .direction = true, .spin = true};
         setup.wires[1].holds = {hold};
         FedWorld world(std::move(setup));
         std::vector<Vec3> before;

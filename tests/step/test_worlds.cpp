@@ -16,8 +16,7 @@ namespace {
 // three wires of different lengths, sections and feeds; the vessel is empty
 TestSetup three_wires(Detection detection)
 {
-    TestSetup setup;
-    add_bend(setup, 0.003, 0.05);
+    TestSetup setup = in_bend(0.003, 0.05);
     for (int w = 0; w < 3; ++w) {
         WireSpec spec = steel_wire(0.06 + 0.02 * w, 21 + 7 * w);
         spec.shaft.bend_stiffness *= 1 + w;
@@ -102,8 +101,7 @@ TEST_SUITE("step/worlds")
         "property: wires that converge after different numbers of iterations give the bits that each gives alone, at 1/60 s")
     {
         const auto five = [] {
-            TestSetup setup;
-            add_bend(setup, 0.003, 0.05);
+            TestSetup setup = in_bend(0.003, 0.05);
             for (int w = 0; w < 5; ++w) {
                 WireSpec spec = steel_wire(0.08, 25);
                 spec.shaft.bend_stiffness *= 0.2 * (1 + w);
@@ -140,8 +138,7 @@ TEST_SUITE("step/worlds")
     TEST_CASE("property: twenty wires give the same bits on one thread and on several, and each its own hash")
     {
         const auto twenty = [] {
-            TestSetup setup;
-            add_tube(setup, tube(0.003, 0.12));
+            TestSetup setup = in_tube(0.003, 0.12);
             for (int w = 0; w < 20; ++w) {
                 WireSpec spec = steel_wire(0.1, 41);
                 spec.shaft.bend_stiffness *= 1 + 0.1 * w;
@@ -239,8 +236,7 @@ TEST_SUITE("step/worlds")
     {
         for (const double stiffer : {1.0, 0.1, 10.0}) {
             CAPTURE(stiffer);
-            TestSetup setup;
-            add_bend(setup, 0.006, 0.04);
+            TestSetup setup = in_bend(0.006, 0.04);
             WireSpec spec = steel_wire(0.08, 25);
             spec.shaft.bend_stiffness *= stiffer;
             TestWire wire = placed_wire(spec, Vec3::Zero());
@@ -265,8 +261,7 @@ TEST_SUITE("step/worlds")
     TEST_CASE(
         "failure: a linearised step that may not go all the way takes half steps, and a moved base is where it was told to be")
     {
-        TestSetup setup;
-        add_bend(setup, 0.006, 0.04);
+        TestSetup setup = in_bend(0.006, 0.04);
         TestWire wire = placed_wire(steel_wire(0.05, 25), Vec3::Zero());
         wire.wire.place.shape = PlaceShape::Centreline;
         wire.wire.place.from = 0.002;

@@ -1,6 +1,6 @@
 // Factors of K + C/h: against Eigen's, two at once, columns, symmetry, holds, and a wall that could fly away.
-#include "support/approx.h"
 #include "shell/wall_patch.h"
+#include "support/approx.h"
 #include "wall_problem.h"
 
 namespace seldinger::test::test_wall_compliance {
@@ -152,10 +152,7 @@ TEST_SUITE("wall/wall_compliance")
     {
         const LoopSurface s(tube(0.012, 0.06, 12, 12));
         const auto under = [&](double pressure) {
-            ShellSpec spec;
-            spec.support = spec.support_damping = 0;
-            spec.relaxation = 0.02;
-            spec.pressure = pressure;
+            ShellSpec spec{.support = 0, .support_damping = 0, .relaxation = 0.02, .pressure = pressure};
             return std::make_unique<WallCompliance>(Shell(s, spec), [](const Vec3&) { return Prestress{Vec3::UnitZ(), 0.012}; });
         };
         double borne = 0, buckles = -1e6;

@@ -1,10 +1,11 @@
 // An elastic wall against independent solutions, from scene text to what a run reads: the small ones of the cases in
 // references.json, which bench/validate_wall.py runs all of. Tolerances are 2 % and 3 % under pressure, with control edges of 1/3
 // to 1/2 of the decay length.
-#include "support/approx.h"
 #include "engine.h"
 #include "scene/scene.h"
 #include "setup/scene_setup.h"
+#include "support/approx.h"
+#include "support/scenes.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -29,26 +30,8 @@ const nlohmann::json& references()
 /// A wire that touches nothing: the subject is the wall under its loads.
 std::string parked(double height)
 {
-    return fmt::format(R"([scene]
-gravity = [0, 0, 0]
-[integrator]
-scheme = "static"
-[wire]
-length_m = 0.01
-radius_m = 2e-4
-density = 8000
-bend_nm2 = 1e-5
-twist_nm2 = 1e-5
-stretch_n = 1e4
-nodes = 5
-place = {{base = [0.001, 0, {}]}}
-[[hold]]
-at = "base"
-position = true
-direction = true
-spin = true
-)",
-                       height);
+    return static_scene + wire_text(0.01, 1e-5, 1e-5, 5, 2e-4, 8000) +
+           fmt::format("place = {{base = [0.001, 0, {}]}}\n", height) + held_base;
 }
 
 std::string shell(double edge, double pressure = 0)
