@@ -4,9 +4,8 @@
 #include <map>
 #include <set>
 
-namespace test_dataset {
+namespace seldinger::test::test_dataset {
 
-using namespace seldinger::test;
 using nlohmann::json;
 
 namespace {
@@ -150,14 +149,10 @@ TEST_SUITE("apps/dataset")
                  {"dataset s.toml --vary v.toml --frames 3 -o e --views none.toml", "none.toml"},
                  {"dataset s.toml --vary v.toml --frames 3 -o e --format minari", "folder"},
                  {"dataset s.toml --vary v.toml --frames 2 -o d", "of another scene, sweep"}}) {
-            CAPTURE(words);
-            const AppResult refused = run_app(folder, words);
-            CHECK(refused.code == (std::string(part) == "none.toml" ? 3 : 2));
-            CHECK(refused.error_lines() == 1);
-            CHECK_MESSAGE(refused.err.find(part) != std::string::npos, refused.err);
+            check_refused(folder, words, part == std::string("none.toml") ? 3 : 2, part);
             CHECK_FALSE(fs::exists(folder.path / "e"));
         }
     }
 }
 
-}  // namespace test_dataset
+}  // namespace seldinger::test::test_dataset
