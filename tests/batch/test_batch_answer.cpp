@@ -1,5 +1,5 @@
 // The answer of a batch: counts, ranking, resolved differences, and digits.
-#include "run/force_text.h"
+#include "bands/error_band.h"
 #include "batch/batch_answer.h"
 #include "support/approx.h"
 

@@ -1,7 +1,9 @@
 // Writes .npy headers and arrays (numbers, fixed-width Unicode) into an uncompressed zip.
 #include "io/npz_write.h"
 
+#include "core/check.h"
 #include "core/error.h"
+#include "core/file_io.h"
 #include "io/binary_text.h"
 
 #include <fmt/format.h>
@@ -9,8 +11,10 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <bit>
 
 namespace seldinger {
+
 namespace {
 
 /// Code points of a UTF-8 text; a byte that is not UTF-8 counts as one.
@@ -126,6 +130,26 @@ std::string NpzWriter::finish() const
     put_number(file, at, 4);
     put_number(file, 0, 2);
     return file;
+}
+
+// Header and values of a float32 array.
+
+void write_npy(const FilePlace& place, std::span<const float> values, const std::vector<std::size_t>& shape)
+{
+    static_assert(std::endian::native == std::endian::little);
+    std::size_t count = 1;
+    std::string sizes;
+    for (const std::size_t n : shape) count *= n, sizes += fmt::format("{}, ", n);
+    SEL_ASSERT(count == values.size());
+    std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}), }}", sizes);
+    header.append(63 - (10 + header.size()) % 64, ' ');  // data begin at a multiple of 64 bytes, after a line end
+    header += '\n';
+    std::string file("\x93NUMPY\x01\x00", 8);
+    file += static_cast<char>(header.size() & 0xff);
+    file += static_cast<char>(header.size() >> 8);
+    file += header;
+    file.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+    write_file(place, file);
 }
 
 }  // namespace seldinger

@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "io/damaged_file.h"
-#include "io/safe_cast.h"
+#include "io/vtp_read.h"
 #include "io/text_words.h"
 
 #include <fmt/format.h>

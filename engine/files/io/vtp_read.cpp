@@ -4,7 +4,6 @@
 #include "core/error.h"
 #include "io/damaged_file.h"
 #include "core/file_io.h"
-#include "io/safe_cast.h"
 #include "io/text_words.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // A Scene as TOML. Doubles are printed as the shortest text that reads back to the same bits.
 #include "scene/scene_keys.h"
-#include "scene/toml_text.h"
+#include "scene/toml_parse.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

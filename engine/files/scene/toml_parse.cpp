@@ -6,9 +6,11 @@
 #include "scene/toml_table.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 
 namespace seldinger {
+
 namespace {
 
 constexpr std::uint64_t most_scene_bytes = 16u << 20;
@@ -76,5 +78,18 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
 }
 
 std::string read_scene_file(const FilePlace& file) { return read_file(file, most_scene_bytes); }
+
+// Strings of TOML, escaped.
+
+std::string toml_quoted(std::string_view text)
+{
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\', out += c;
+        else if (static_cast<unsigned char>(c) < 32 || c == 127) out += fmt::format("\\u{:04X}", static_cast<unsigned char>(c));
+        else out += c;
+    }
+    return out + '"';
+}
 
 }  // namespace seldinger

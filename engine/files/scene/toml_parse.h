@@ -4,11 +4,11 @@
 
 #include "core/folder.h"
 
+#include <toml++/toml.h>
+
 #include <filesystem>
 #include <string>
 #include <string_view>
-
-#include <toml++/toml.h>
 
 namespace seldinger {
 
@@ -27,5 +27,10 @@ inline constexpr const char* backslash_advice =
 
 /// The text of a scene or a sweep. @throws Error BadFile: unreadable, no plain file, or above 16 MB
 [[nodiscard]] std::string read_scene_file(const FilePlace& file);
+
+// Writes text as a TOML file has it: in quotes, with escapes.
+
+/// A basic string of TOML with its quotes; what a basic string may not hold (quotes, backslashes, control characters) is escaped.
+[[nodiscard]] std::string toml_quoted(std::string_view text);
 
 }  // namespace seldinger

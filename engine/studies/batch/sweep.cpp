@@ -6,7 +6,6 @@
 #include "core/fnv1a.h"
 #include "scene/toml_parse.h"
 #include "scene/toml_table.h"
-#include "scene/toml_text.h"
 
 #include <fmt/format.h>
 
