@@ -134,11 +134,7 @@ typedef struct PointView {
 
 SEL_FN PointView point_view(uint index, QuadratureModel model, QuadraturePlace place, NearWallView near)
 {
-    PointView point;
-    point.index = index;
-    point.model = model;
-    point.place = place;
-    point.near = near;
+    const PointView point = {index, model, place, near};
     return point;
 }
 
@@ -152,10 +148,7 @@ typedef struct StateView {
 SEL_FN StateView state_view(SEL_GLOBAL const ContactState* states_t0, SEL_GLOBAL ContactState* states,
                             SEL_GLOBAL const MultiplierState* multipliers)
 {
-    StateView view;
-    view.states_t0 = states_t0;
-    view.states = states;
-    view.multipliers = multipliers;
+    const StateView view = {states_t0, states, multipliers};
     return view;
 }
 

@@ -80,11 +80,7 @@ typedef struct WallQuery {
 // All within `range`.
 SEL_FN WallQuery ball_query(vec3 p, vec3 origin, real range)
 {
-    WallQuery query;
-    query.p = p;
-    query.origin = origin;
-    query.range = query.shell = range;
-    query.side = make_vec3(0, 0, 0);
+    const WallQuery query = {p, origin, range, range, make_vec3(0, 0, 0)};
     return query;
 }
 
