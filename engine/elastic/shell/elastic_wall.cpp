@@ -24,16 +24,14 @@ constexpr double linear_radius = 0.01, linear_thickness = 0.1, still = 0.01;
 
 ShellSpec shell_spec(const VesselSpec& vessel)
 {
-    ShellSpec spec;
-    spec.youngs = vessel.youngs;
-    spec.poisson = vessel.poisson;
-    spec.thickness = vessel.thickness;
-    spec.support = vessel.support;
-    spec.support_damping = vessel.support_damping;
-    spec.relaxation = vessel.relaxation;
-    spec.pressure = vessel.pressure;
-    spec.rims_held = vessel.rims_held;
-    return spec;
+    return {.youngs = vessel.youngs,
+            .poisson = vessel.poisson,
+            .thickness = vessel.thickness,
+            .support = vessel.support,
+            .support_damping = vessel.support_damping,
+            .relaxation = vessel.relaxation,
+            .pressure = vessel.pressure,
+            .rims_held = vessel.rims_held};
 }
 
 /// Direction and radius of the vessel near a place of its wall.
