@@ -179,22 +179,14 @@ private:
         body_.remove_prefix(size);
         if ((encoding_ == Encoding::Little) != (std::endian::native == std::endian::little)) std::reverse(bytes, bytes + size);
         switch (type) {
-            case Scalar::Int8:
-                return as<std::int8_t>(bytes);
-            case Scalar::Uint8:
-                return as<std::uint8_t>(bytes);
-            case Scalar::Int16:
-                return as<std::int16_t>(bytes);
-            case Scalar::Uint16:
-                return as<std::uint16_t>(bytes);
-            case Scalar::Int32:
-                return as<std::int32_t>(bytes);
-            case Scalar::Uint32:
-                return as<std::uint32_t>(bytes);
-            case Scalar::Float32:
-                return as<float>(bytes);
-            case Scalar::Float64:
-                return as<double>(bytes);
+            case Scalar::Int8: return as<std::int8_t>(bytes);
+            case Scalar::Uint8: return as<std::uint8_t>(bytes);
+            case Scalar::Int16: return as<std::int16_t>(bytes);
+            case Scalar::Uint16: return as<std::uint16_t>(bytes);
+            case Scalar::Int32: return as<std::int32_t>(bytes);
+            case Scalar::Uint32: return as<std::uint32_t>(bytes);
+            case Scalar::Float32: return as<float>(bytes);
+            case Scalar::Float64: return as<double>(bytes);
         }
         return 0;
     }
