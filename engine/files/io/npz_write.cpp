@@ -11,7 +11,8 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <bit>
+#include <functional>
+#include <numeric>
 
 namespace seldinger {
 
@@ -54,21 +55,24 @@ std::string common_header(const std::string& name, const std::string& content)
     return header;
 }
 
-}  // namespace
-
-void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape,
-                          std::string_view data)
+std::string npy_file(const std::string& dtype, const std::vector<std::size_t>& shape, std::string_view data)
 {
     std::string sizes = fmt::format("{}", fmt::join(shape, ", "));
     if (shape.size() == 1) sizes += ",";
     std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", dtype, sizes);
     header.append(63 - (10 + header.size()) % 64, ' ');  // data begin at a multiple of 64 bytes, after a line end
     header += '\n';
-    std::string npy("\x93NUMPY\x01\x00", 8);
-    put_number(npy, header.size(), 2);
-    npy += header;
-    npy += data;
-    entries_.push_back({name + ".npy", std::move(npy)});
+    std::string file("\x93NUMPY\x01\x00", 8);
+    put_number(file, header.size(), 2);
+    return file.append(header).append(data);
+}
+
+}  // namespace
+
+void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape,
+                          std::string_view data)
+{
+    entries_.push_back({name + ".npy", npy_file(dtype, shape, data)});
 }
 
 void NpzWriter::add(const std::string& name, std::span<const double> values)
@@ -132,24 +136,10 @@ std::string NpzWriter::finish() const
     return file;
 }
 
-// Header and values of a float32 array.
-
 void write_npy(const FilePlace& place, std::span<const float> values, const std::vector<std::size_t>& shape)
 {
-    static_assert(std::endian::native == std::endian::little);
-    std::size_t count = 1;
-    std::string sizes;
-    for (const std::size_t n : shape) count *= n, sizes += fmt::format("{}, ", n);
-    SEL_ASSERT(count == values.size());
-    std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}), }}", sizes);
-    header.append(63 - (10 + header.size()) % 64, ' ');  // data begin at a multiple of 64 bytes, after a line end
-    header += '\n';
-    std::string file("\x93NUMPY\x01\x00", 8);
-    file += static_cast<char>(header.size() & 0xff);
-    file += static_cast<char>(header.size() >> 8);
-    file += header;
-    file.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-    write_file(place, file);
+    SEL_ASSERT(std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies()) == values.size());
+    write_file(place, npy_file("<f4", shape, {reinterpret_cast<const char*>(values.data()), values.size_bytes()}));
 }
 
 }  // namespace seldinger
