@@ -1,12 +1,11 @@
 // All laws of one contact point: which normal law acts, then friction and rolling under the load that it carries.
 #ifndef SEL_SHARED_CONTACT_LAW_H
 #define SEL_SHARED_CONTACT_LAW_H
-#include "shared/barrier_law.h"
+#include "shared/normal_law.h"
 #include "shared/contact_gap.h"
 #include "shared/contact_sides.h"
 #include "shared/friction_law.h"
 #include "shared/multiplier_law.h"
-#include "shared/normal_law.h"
 #include "shared/rolling_law.h"
 
 SEL_BEGIN

@@ -12,13 +12,6 @@
 namespace seldinger {
 namespace {
 
-std::string toml_number(double v)
-{
-    std::string text = fmt::format("{}", v);
-    if (text.find_first_of(".en") == std::string::npos) text += ".0";  // 1 -> 1.0, so that it looks like what it is
-    return text;
-}
-
 std::string toml_numbers(const std::vector<double>& row)
 {
     std::vector<std::string> numbers;

@@ -79,7 +79,12 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
 
 std::string read_scene_file(const FilePlace& file) { return read_file(file, most_scene_bytes); }
 
-// Strings of TOML, escaped.
+std::string toml_number(double value)
+{
+    std::string text = fmt::format("{}", value);
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";  // 1 -> 1.0, so that it looks like what it is
+    return text;
+}
 
 std::string toml_quoted(std::string_view text)
 {

@@ -28,9 +28,9 @@ inline constexpr const char* backslash_advice =
 /// The text of a scene or a sweep. @throws Error BadFile: unreadable, no plain file, or above 16 MB
 [[nodiscard]] std::string read_scene_file(const FilePlace& file);
 
-// Writes text as a TOML file has it: in quotes, with escapes.
-
 /// A basic string of TOML with its quotes; what a basic string may not hold (quotes, backslashes, control characters) is escaped.
 [[nodiscard]] std::string toml_quoted(std::string_view text);
+/// The shortest text that reads back to the same bits.
+[[nodiscard]] std::string toml_number(double value);
 
 }  // namespace seldinger
