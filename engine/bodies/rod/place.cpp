@@ -1,5 +1,4 @@
 // Shapes that a wire can be placed along.
-
 #include "rod/place.h"
 
 #include "core/error.h"
@@ -15,7 +14,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double pi = std::numbers::pi;

@@ -1,5 +1,4 @@
 // The elastic wall behind the engine's door.
-
 #include "contact/wall_body.h"
 #include "coupling/elastic_contact.h"
 #include "shell/elastic_wall.h"

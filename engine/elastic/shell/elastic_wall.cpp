@@ -1,5 +1,4 @@
 // The wall as a body, made from the vessel's mesh, and its readings.
-
 #include "shell/elastic_wall.h"
 #include "contact/wall_body.h"
 #include "core/clock.h"
@@ -15,7 +14,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 // Shares of the lumen's radius and of the wall's thickness up to which linear theory does: displacements are then within 2 % of

@@ -8,7 +8,6 @@
 #include <array>
 
 namespace seldinger {
-
 namespace {
 
 /// Polynomial of degree d in (p, q, r): coefficient of p^(d-b-c) q^b r^c at [b][c].

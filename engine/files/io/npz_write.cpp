@@ -15,7 +15,6 @@
 #include <numeric>
 
 namespace seldinger {
-
 namespace {
 
 /// Code points of a UTF-8 text; a byte that is not UTF-8 counts as one.

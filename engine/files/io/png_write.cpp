@@ -12,7 +12,6 @@
 #include <string>
 
 namespace seldinger {
-
 namespace {
 
 /// What libpng writes goes to the end of a string.

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 bool is_at_rest(const World& world, int system)

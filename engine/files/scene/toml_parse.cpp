@@ -10,7 +10,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 constexpr std::uint64_t most_scene_bytes = 16u << 20;

@@ -11,7 +11,6 @@
 #include <optional>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int most_settling_rounds = 100;

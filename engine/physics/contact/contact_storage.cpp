@@ -1,5 +1,4 @@
 // Upper bound of the energy that contacts can return.
-
 #include "contact/contact_storage.h"
 
 #include "shared/contact_law.h"
@@ -7,7 +6,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 /// Energy of the static law, per unit of weight.

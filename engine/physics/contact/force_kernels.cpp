@@ -7,7 +7,6 @@
 #include "shared/instrument_types.h"
 
 namespace seldinger {
-
 namespace {
 
 constexpr device::Items items_ = device::Items::Branching;

@@ -1,5 +1,4 @@
 // Chooses the detection method of a world by name.
-
 #include "contact/capsule.h"
 #include "contact/layer.h"
 #include "core/error.h"

@@ -1,5 +1,4 @@
 // Constants of the contact laws from the user's settings.
-
 #include "contact/wall_law.h"
 
 #include "core/check.h"
@@ -10,7 +9,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double pi = std::numbers::pi;

@@ -1,5 +1,4 @@
 // Places and times of holds, loads and links: points of the wire by their material distance, times by their keys.
-
 #include "solve/constraints.h"
 
 #include "core/error.h"
@@ -12,7 +11,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 /// Piecewise linear through rows [t, v...], constant outside.

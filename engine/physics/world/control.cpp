@@ -1,5 +1,4 @@
 // Gathers the input of each hub, and loads.
-
 #include "control.h"
 
 #include "core/error.h"
@@ -9,7 +8,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 void check_index(int instrument)

@@ -9,7 +9,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int ring_count = 14;  // facets around a tube: at 40 pixels across the outline is still within 0.5 pixel

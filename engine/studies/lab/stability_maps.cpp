@@ -1,7 +1,6 @@
 // The maps: failure rows F1 ... F21 as small scenes. A wire of 0.9 mm, 8 cm long, does the row's motion in 2/3 s. Most rows use
 // one scene, fed round a bend whose outer wall it meets at once. Sizes are chosen so that a cell costs a fraction of a second at
 // 1 ms.
-
 #include "lab/stability.h"
 #include "lab/stability_meshes.h"
 #include "lab/stability_parts.h"
