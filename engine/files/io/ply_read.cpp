@@ -1,5 +1,5 @@
 // Parses PLY headers and elements, ascii and binary of either byte order, and checks announced counts against the file's size.
-#include "io/ply_read.h"
+#include "io/mesh_readers.h"
 
 #include "core/error.h"
 #include "io/binary_text.h"

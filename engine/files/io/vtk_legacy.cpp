@@ -1,11 +1,10 @@
 // Reading legacy .vtk polydata. The format: VTK File Formats, "Simple Legacy Formats"; binary values are big-endian.
-#include "io/vtk_legacy.h"
+#include "io/vtp_read.h"
 
 #include "core/error.h"
 #include "io/binary_text.h"
 #include "io/damaged_file.h"
 #include "io/text_words.h"
-#include "io/vtp_read.h"
 
 #include <fmt/format.h>
 #include <algorithm>
