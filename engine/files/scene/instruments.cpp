@@ -30,8 +30,10 @@ std::vector<Instrument> instruments()
     std::vector<Instrument> all;
     for (const std::string& name : instrument_names()) {
         const toml::table file = read_instrument(instrument_file(name));
-        Instrument instrument{
-            .name = name, .title = file["title"].value_or(std::string()), .kind = file["kind"].value_or(std::string())};
+        Instrument instrument;
+        instrument.name = name;
+        instrument.title = file["title"].value_or(std::string());
+        instrument.kind = file["kind"].value_or(std::string());
         // longer than any instrument's sections: none is cut short
         const std::string scene = fmt::format("integrator.scheme = \"static\"\n[wire]\npreset = \"{}\"\nlength_m = 10.0\n", name);
         instrument.wire = read_scene_text(scene, fs::path(name + ".toml")).wire;

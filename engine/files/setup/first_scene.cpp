@@ -100,7 +100,11 @@ std::vector<UnitGuess> guesses_of(const std::vector<std::pair<double, double>>& 
 std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel, const std::string& said,
                                    const std::string& label)
 {
-    VesselSpec spec{.shape = VesselShape::Mesh, .mesh = std::filesystem::absolute(mesh), .units = said, .label_name = label};
+    VesselSpec spec;
+    spec.shape = VesselShape::Mesh;
+    spec.mesh = std::filesystem::absolute(mesh);
+    spec.units = said;
+    spec.label_name = label;
     if (!said.empty()) {
         vessel = load_vessel(spec);
         const double metre = metres_per_unit(said);

@@ -479,7 +479,11 @@ void Renderer::Impl::read_back()
 
 void Renderer::Impl::write_legend(const WireFrame& frame, const std::vector<View>& views, bool widened)
 {
-    LegendFacts facts{.frame = &frame, .layout = layout, .main_camera = camera, .inset = views.size() > 1};
+    LegendFacts facts;
+    facts.frame = &frame;
+    facts.layout = layout;
+    facts.main_camera = camera;
+    facts.inset = views.size() > 1;
     if (facts.inset) facts.inset_camera = views[1].camera;
     facts.force_scale = moved ? 0 : force_scale;
     facts.load_scale = moved ? 0 : look.load_scale;

@@ -23,12 +23,13 @@ constexpr Budget quick_budget = {3, 0.5, 10}, full_budget = {3, 4, 60};
 RunPlan plan_of(const ChartOptions& options, const Benchmark& benchmark)
 {
     const Budget& budget = options.quick ? quick_budget : full_budget;
-    RunPlan plan{.until = benchmark.until,
-                 .interval = benchmark.interval,
-                 .processor_time = options.processor_time,
-                 .repeats = budget.repeats,
-                 .repeat_wall = budget.repeat_wall,
-                 .wall_limit = options.run_limit > 0 ? options.run_limit : budget.wall_limit};
+    RunPlan plan;
+    plan.until = benchmark.until;
+    plan.interval = benchmark.interval;
+    plan.processor_time = options.processor_time;
+    plan.repeats = budget.repeats;
+    plan.repeat_wall = budget.repeat_wall;
+    plan.wall_limit = options.run_limit > 0 ? options.run_limit : budget.wall_limit;
     plan.end_on_blow_up = false;  // a method that makes energy is charted with the error that this leads to
     plan.stop = options.stop;
     return plan;

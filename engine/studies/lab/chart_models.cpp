@@ -51,7 +51,14 @@ private:
     std::vector<ChartModel> list_;
 };
 
-Model basis(int nodes, double dt, Scheme scheme = Scheme::Newton) { return {.nodes = nodes, .dt = dt, .scheme = scheme}; }
+Model basis(int nodes, double dt, Scheme scheme = Scheme::Newton)
+{
+    Model model;
+    model.nodes = nodes;
+    model.dt = dt;
+    model.scheme = scheme;
+    return model;
+}
 
 std::string grid_name(int nodes, double dt, Scheme scheme)
 {

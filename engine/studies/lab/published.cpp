@@ -43,11 +43,13 @@ constexpr Best winners[] = {
 
 Model published_method(Detection detection)
 {
-    return {.name = "published",
-            .scheme = Scheme::Linearised,
-            .detection = detection,
-            .normal = NormalLaw::LankaraniNikravesh,
-            .friction = FrictionLaw::Sign};
+    Model model;
+    model.name = "published";
+    model.scheme = Scheme::Linearised;
+    model.detection = detection;
+    model.normal = NormalLaw::LankaraniNikravesh;
+    model.friction = FrictionLaw::Sign;
+    return model;
 }
 
 Model published_at_best(std::string_view benchmark, bool frame)

@@ -18,7 +18,13 @@ constexpr double slow_step = 1e-3;  // [s]
 
 Model method(std::string name, Scheme scheme, Detection detection, NormalLaw normal, FrictionLaw friction)
 {
-    return {.name = std::move(name), .scheme = scheme, .detection = detection, .normal = normal, .friction = friction};
+    Model model;
+    model.name = std::move(name);
+    model.scheme = scheme;
+    model.detection = detection;
+    model.normal = normal;
+    model.friction = friction;
+    return model;
 }
 
 /// What a map leaves open: it sweeps step and stiffness itself.
@@ -107,12 +113,13 @@ const Model& default_method() { return stability_methods().back(); }
 
 StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& key, const std::vector<double>& values)
 {
-    StabilityMap map{.name = file.stem().string(),
-                     .rows = "",
-                     .title = file.filename().string(),
-                     .axis = key,
-                     .scene = read_file(file),
-                     .source = std::filesystem::absolute(file)};
+    StabilityMap map;
+    map.source = std::filesystem::absolute(file);
+    map.scene = read_file(file);
+    map.name = file.stem().string();
+    map.rows = "";
+    map.title = file.filename().string();
+    map.axis = key;
     map.values = map.quick_values = values;
     map.logarithmic = values.front() > 0;
     map.static_load = false;

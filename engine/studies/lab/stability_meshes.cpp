@@ -79,13 +79,14 @@ WallMesh spoilt(WallMesh mesh, double share)
 
 WallMesh bend_wall()
 {
-    VesselSpec spec{.shape = VesselShape::Arc,
-                    .radius = 0.004,
-                    .bend_radius = 0.03,
-                    .angle = std::numbers::pi / 2,
-                    .lead_in = 0.005,
-                    .lead_out = 0.02,
-                    .triangles = 3000};
+    VesselSpec spec;
+    spec.shape = VesselShape::Arc;
+    spec.radius = 0.004;
+    spec.bend_radius = 0.03;
+    spec.angle = std::numbers::pi / 2;
+    spec.lead_in = 0.005;
+    spec.lead_out = 0.02;
+    spec.triangles = 3000;
     return make_arc(spec).mesh;
 }
 
@@ -115,7 +116,12 @@ WallMesh narrowed_tube(double throat)
 
 WallMesh two_tubes(double thickness)
 {
-    VesselSpec spec{.shape = VesselShape::Tube, .radius = 0.003, .length = 0.06, .origin = {-0.001, 0, 0}, .triangles = 2500};
+    VesselSpec spec;
+    spec.shape = VesselShape::Tube;
+    spec.radius = 0.003;
+    spec.length = 0.06;
+    spec.origin = {-0.001, 0, 0};
+    spec.triangles = 2500;
     WallMesh both = make_tube(spec).mesh;
     const auto first = static_cast<std::int32_t>(both.vertices.size());
     spec.origin.z() = -(2 * spec.radius + thickness);

@@ -40,7 +40,12 @@ std::vector<double> decades(double from, double to, int per_decade)
 
 StabilityMap map_of(const char* name, const char* rows, const char* title, const char* axis, std::vector<double> values)
 {
-    StabilityMap map{.name = name, .rows = rows, .title = title, .axis = axis, .values = std::move(values)};
+    StabilityMap map;
+    map.name = name;
+    map.rows = rows;
+    map.title = title;
+    map.axis = axis;
+    map.values = std::move(values);
     map.quick_values = few(map.values);
     map.scene = head(name) + wire;
     return map;

@@ -71,12 +71,13 @@ Scene apply(const Model& model, Scene scene)
 
 Model model_of(const Scene& scene)
 {
-    Model model{.nodes = scene.wire.nodes,
-                .min_edge = scene.wire.min_edge,
-                .max_edge = scene.wire.max_edge,
-                .scheme = scene.integrator.scheme,
-                .tolerance = scene.integrator.tolerance,
-                .spin = scene.integrator.spins == Spins::Kept};
+    Model model;
+    model.nodes = scene.wire.nodes;
+    model.min_edge = scene.wire.min_edge;
+    model.max_edge = scene.wire.max_edge;
+    model.scheme = scene.integrator.scheme;
+    model.tolerance = scene.integrator.tolerance;
+    model.spin = scene.integrator.spins == Spins::Kept;
     if (scene.integrator.scheme != Scheme::Static) model.dt = scene.dt, model.trapezoid = scene.integrator.newmark;
     if (scene.coaxial) model.coaxial = scene.coaxial->model, model.lumen_friction = scene.coaxial->lumen_friction;
     if (scene.vessel.shape == VesselShape::None) return model;

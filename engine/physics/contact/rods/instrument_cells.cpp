@@ -16,7 +16,10 @@ constexpr double cell_length = 2;  // radii
 /// Pressure per depth of a layer of thickness `depth` on a stiff bed (D6).
 double bed_modulus(double youngs, double poisson, double depth)
 {
-    VesselSpec layer{.youngs = youngs, .poisson = poisson, .thickness = depth};
+    VesselSpec layer;
+    layer.youngs = youngs;
+    layer.poisson = poisson;
+    layer.thickness = depth;
     return foundation_modulus(layer);
 }
 
