@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 
 namespace seldinger {
 
@@ -13,6 +14,21 @@ namespace seldinger {
 inline void put_number(std::string& bytes, std::uint64_t value, int size)
 {
     for (int k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * k) & 0xff);
+}
+
+/// Bytes as base64, as pages and VTK's XML have them.
+[[nodiscard]] inline std::string base64(std::string_view bytes)
+{
+    static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t at = 0; at < bytes.size(); at += 3) {
+        unsigned word = 0;
+        const std::size_t there = std::min<std::size_t>(3, bytes.size() - at);
+        for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < there ? static_cast<unsigned char>(bytes[at + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += k <= there ? digits[word >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
 }
 
 /// The number whose bytes begin at `from`.
