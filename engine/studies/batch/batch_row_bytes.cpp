@@ -31,7 +31,7 @@ bool has_sound_counts(const BatchRow& row)
 }
 
 template <class Row>
-void each_field(Row& row, auto& take)
+void each_row_field(Row& row, auto& take)
 {
     take(row.run), take(row.status), take(row.numbers), take(row.state_hash), take(row.branch_path), take(row.instruments);
     take(row.shape);
@@ -43,14 +43,14 @@ void put_rows(std::vector<std::uint8_t>& bytes, std::span<const BatchRow> rows)
 {
     ByteWriter put{bytes};
     put(std::uint64_t{rows.size()});
-    for (const BatchRow& row : rows) each_field(row, put);
+    for (const BatchRow& row : rows) each_row_field(row, put);
 }
 
 std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end)
 {
     ByteReader take{at, end};
     std::vector<BatchRow> rows(take.count(least_row));
-    for (BatchRow& row : rows) each_field(row, take);
+    for (BatchRow& row : rows) each_row_field(row, take);
     at = take.at;
     return rows;
 }

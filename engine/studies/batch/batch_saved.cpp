@@ -17,7 +17,7 @@ constexpr std::uint64_t most_rows = 10'000'000;  // beyond what any sweep has, a
 
 /// What stands before the rows.
 template <class Saved>
-void each_field(Saved& s, auto& take)
+void each_head_field(Saved& s, auto& take)
 {
     take(s.device), take(s.scene), take(s.sweep), take(s.name), take(s.seed), take(s.instruments);
     take(s.layout.instruments), take(s.layout.task), take(s.layout.bands), take(s.layout.runs), take(s.layout.target);
@@ -46,7 +46,7 @@ void write_saved(const FilePlace& file, const SavedBatch& saved, const std::func
     std::vector<std::uint8_t> bytes;
     ByteWriter put{bytes};
     put(std::string(version()));
-    each_field(saved, put);
+    each_head_field(saved, put);
     put_rows(bytes, saved.rows);
     if (saved.open) put_world(bytes);
     write_sealed(file, magic, bytes);
@@ -63,7 +63,7 @@ SavedBatch read_saved(const FilePlace& file, std::vector<std::uint8_t>& world)
         if (writer != version())
             throw Error(ErrorKind::BadFile,
                         fmt::format("was written by version {}, this is {}; take that one", writer, version()));
-        each_field(saved, reader);
+        each_head_field(saved, reader);
         saved.rows = take_rows(reader.at, reader.end);
         if (!is_sound(saved)) throw Error(ErrorKind::BadFile, "is corrupt: a value is out of range");
         if (!saved.open && reader.at != reader.end) throw Error(ErrorKind::BadFile, "has data after its end");
